@@ -1,0 +1,25 @@
+# Installs the libraries with what find_package(vcell) and pkg-config need.
+include(CMakePackageConfigHelpers)
+
+get_property(modules GLOBAL PROPERTY VCELL_MODULES)
+install(TARGETS vcell ${modules} EXPORT vcellTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES vcell.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vcell)
+if(TARGET vcell_program)
+  install(TARGETS vcell_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vcell)
+install(EXPORT vcellTargets NAMESPACE vcell:: DESTINATION ${package_dir})
+configure_package_config_file(cmake/vcellConfig.cmake.in ${PROJECT_BINARY_DIR}/vcellConfig.cmake
+                              INSTALL_DESTINATION ${package_dir})
+# Before 1.0 a minor version may break users.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/vcellConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/vcellConfig.cmake ${PROJECT_BINARY_DIR}/vcellConfigVersion.cmake
+        DESTINATION ${package_dir})
+
+# The prefix is found from the file's own place, so that the installed tree may be moved.
+set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH VCELL_PC_PREFIX ${CMAKE_INSTALL_PREFIX}/${pkgconfig_dir} ${CMAKE_INSTALL_PREFIX})
+configure_file(cmake/vcell.pc.in ${PROJECT_BINARY_DIR}/vcell.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/vcell.pc DESTINATION ${pkgconfig_dir})

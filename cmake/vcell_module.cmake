@@ -1,0 +1,55 @@
+# One module, one static library: vcell_module(name SOURCES ... [DEPENDS modules ...]).
+# The target is vcell_<name> (vcell::<name> for users), the archive libvcell_<name>.a. Headers lie beside
+# the sources and are installed under include/vcell/<directory of the module>/.
+function(vcell_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_library(vcell_${name} STATIC ${ARG_SOURCES})
+  add_library(vcell::${name} ALIAS vcell_${name})
+  set_target_properties(vcell_${name} PROPERTIES EXPORT_NAME ${name})
+  vcell_usage(vcell_${name})
+  foreach(module IN LISTS ARG_DEPENDS)
+    target_link_libraries(vcell_${name} PUBLIC vcell_${module})
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY VCELL_MODULES vcell_${name})
+
+  # <vcell/module/header.hpp> works in the build tree as it does installed.
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${vcell_SOURCE_DIR} OUTPUT_VARIABLE place)
+  cmake_path(GET place PARENT_PATH parent)
+  if(NOT parent)  # a module inside a module comes with the outer one
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${vcell_BINARY_DIR}/include/vcell/${place} SYMBOLIC)
+    install(DIRECTORY . DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vcell/${place}
+            FILES_MATCHING PATTERN "*.hpp")
+  endif()
+endfunction()
+
+# libvcell.a: the objects of all modules declared so far in one archive; target vcell::vcell.
+function(vcell_joined_library)
+  get_property(modules GLOBAL PROPERTY VCELL_MODULES)
+  add_library(vcell STATIC)
+  add_library(vcell::vcell ALIAS vcell)
+  foreach(module IN LISTS modules)
+    target_sources(vcell PRIVATE $<TARGET_OBJECTS:${module}>)
+  endforeach()
+  set_target_properties(vcell PROPERTIES LINKER_LANGUAGE CXX)
+  vcell_usage(vcell)
+endfunction()
+
+# What compiling against any of our libraries takes.
+function(vcell_usage target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  # Contraction would break the error bounds of the predicates' first rung; the interval operations
+  # are inline, so users need the flag too.
+  target_compile_options(${target} PUBLIC -ffp-contract=off)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${vcell_BINARY_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC Eigen3::Eigen Boost::headers)
+endfunction()
+
+# Warnings of everything we compile; a project that includes vcell keeps its own.
+function(vcell_warnings)
+  add_compile_options(-Wall -Wextra -Wpedantic -Wshadow=local -Wnon-virtual-dtor)
+  if(VCELL_WERROR)
+    add_compile_options(-Werror)
+  endif()
+endfunction()

@@ -1,0 +1,10 @@
+/// The ground floor: ids, errors, signs, intervals, exact numbers, spline forms.
+#pragma once
+
+#include "bspline.hpp"
+#include "circular_form.hpp"
+#include "errors.hpp"
+#include "exact.hpp"
+#include "ids.hpp"
+#include "interval.hpp"
+#include "sign.hpp"

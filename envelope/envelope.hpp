@@ -1,0 +1,5 @@
+/// Lower envelopes, and the cells made of them.
+#pragma once
+
+#include "cell.hpp"
+#include "minimization_diagram.hpp"

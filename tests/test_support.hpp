@@ -1,0 +1,17 @@
+/// What every test program shares.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace vcell {
+
+/// The seed of all random input: the environment's VCELL_TEST_SEED, or a fixed number. Printed when
+/// a test case fails, so that the run can be repeated.
+std::uint64_t test_seed();
+
+/// The path of tests/data/<name>. Throws std::runtime_error when the file is missing or empty: a
+/// regression scene that has got lost must not pass.
+std::string test_data(const std::string& name);
+
+}  // namespace vcell

@@ -1,0 +1,8 @@
+/// vcell: the Voronoi cell of one object among others, as trimmed rational patches, exact.
+/// Users include this header and link vcell::vcell.
+#pragma once
+
+#include "arrangement/arrangement.hpp"
+#include "core/core.hpp"
+#include "envelope/envelope.hpp"
+#include "primitives/primitives.hpp"
