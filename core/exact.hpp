@@ -1,0 +1,89 @@
+/// Exact numbers: the last rung of the ladder, and the only place that names Boost.Multiprecision.
+///
+/// Every input is a double, hence a dyadic rational m 2^e, and every predicate of ours is a
+/// polynomial in the inputs. So the ring of dyadic rationals is closed under all we do: no
+/// denominators, no gcd. Vertices add one square root: they live in a + b sqrt(c).
+#pragma once
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "interval.hpp"
+#include "sign.hpp"
+
+namespace vcell {
+
+/// m * 2^e, exact. Sums of numbers with very different exponents grow to the spread of the
+/// exponents: a few thousand bits at the very worst for doubles of the allowed input range.
+class Exact {
+public:
+    Exact() = default;
+    /// Exact. Pre: value is finite.
+    Exact(double value);  // NOLINT: every double is exact
+
+    Sign sign() const { return static_cast<Sign>(m_.sign()); }
+
+    friend Exact operator-(const Exact& a) { return Exact(Integer(-a.m_), a.e_); }
+    friend Exact operator+(const Exact& a, const Exact& b) { return sum(a, b, false); }
+    friend Exact operator-(const Exact& a, const Exact& b) { return sum(a, b, true); }
+    friend Exact operator*(const Exact& a, const Exact& b) {
+        return Exact(Integer(a.m_ * b.m_), a.e_ + b.e_);
+    }
+    Exact& operator+=(const Exact& o) { return *this = *this + o; }
+    Exact& operator-=(const Exact& o) { return *this = *this - o; }
+    Exact& operator*=(const Exact& o) { return *this = *this * o; }
+    friend bool operator==(const Exact& a, const Exact& b) { return (a - b).sign() == Sign::Zero; }
+    friend auto operator<=>(const Exact& a, const Exact& b) {
+        return static_cast<int>((a - b).sign()) <=> 0;
+    }
+
+    /// The tightest pair of doubles around the value that truncation finds (at most 2 ulp wide).
+    Interval enclosure() const;
+    /// Enclosure of the non-negative square root, relative width about 2^-bits before rounding.
+    /// Pre: *this >= 0. Returns lower and upper bounds as exact numbers.
+    std::pair<Exact, Exact> sqrt_bounds(int bits) const;
+
+private:
+    // 512 bits in place cover almost every predicate without touching the heap.
+    using Integer = boost::multiprecision::number<
+        boost::multiprecision::cpp_int_backend<512, 0, boost::multiprecision::signed_magnitude,
+                                               boost::multiprecision::unchecked,
+                                               std::allocator<boost::multiprecision::limb_type>>,
+        boost::multiprecision::et_off>;
+    Exact(Integer m, long e) : m_(std::move(m)), e_(e) {}
+    static Exact sum(const Exact& a, const Exact& b, bool subtract);
+
+    Integer m_ = 0;
+    long e_ = 0;
+};
+
+/// a + b sqrt(c), c >= 0: coordinates of the points where two circles (or lines) of rational
+/// coefficients meet. Arithmetic stays within one field: operands must share c.
+struct OneRoot {
+    Exact a;
+    Exact b;
+    Exact c;
+
+    friend OneRoot operator+(const OneRoot& p, const OneRoot& q) {
+        return {p.a + q.a, p.b + q.b, p.c};
+    }
+    friend OneRoot operator-(const OneRoot& p, const OneRoot& q) {
+        return {p.a - q.a, p.b - q.b, p.c};
+    }
+    friend OneRoot operator*(const OneRoot& p, const OneRoot& q) {
+        return {p.a * q.a + p.b * q.b * p.c, p.a * q.b + p.b * q.a, p.c};
+    }
+    friend OneRoot operator*(const Exact& s, const OneRoot& p) { return {s * p.a, s * p.b, p.c}; }
+    friend OneRoot operator+(const OneRoot& p, const Exact& s) { return {p.a + s, p.b, p.c}; }
+};
+
+/// Sign of a + b sqrt(c), by comparing squares.
+Sign sign(const OneRoot& v);
+
+/// Sign of (p / p_den) - (q / q_den) for numbers of two different fields.
+/// Pre: both denominators are positive.
+Sign compare(const OneRoot& p, const Exact& p_den, const OneRoot& q, const Exact& q_den);
+
+/// Doubles around v / den, a few ulp wide however much a and b sqrt(c) cancel. Pre: den != 0.
+Interval enclosure(const OneRoot& v, const Exact& den);
+
+}  // namespace vcell
