@@ -1,0 +1,645 @@
+// The algebra. Write a curve {f = g} as F = K |p|^2 + G.p + C with G = (A, B), and two of them as F1,
+// F2. Eliminating |p|^2 leaves their radical axis m.p + c = 0, m = K2 G1 - K1 G2, c = K2 C1 - K1 C2,
+// whose points are p = (-c m + s d) / |m|^2 with d = (m_y, -m_x). Put into F1 and freed of the common
+// factor K1 that gives
+//
+//     s^2 - D s + Z = 0,   D = G1 x G2,   Z = c^2 + C1 (K1 |G2|^2 - K2 G1.G2) + C2 (K2 |G1|^2 - K1 G1.G2),
+//
+// symmetric in both curves and valid when one is a line. The turn grad F1 x grad F2 at p is D - 2s:
+// the point of orientation sigma is the root s = (D - sigma sqrt(Delta)) / 2, Delta = D^2 - 4 Z. So the
+// orientation names the point and no root number is needed.
+#include "circle_kernel.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cfloat>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace vcell {
+
+namespace {
+
+constexpr double u = DBL_EPSILON / 2;  // unit roundoff
+constexpr double tiny = DBL_MIN;       // covers underflow in any bound below
+
+// A form's value is computed with at most 13 relative roundings of the sum of absolute values of its
+// terms (4 in a coefficient or in w, 5 in 1/w and the product with it, 4 in the terms and their sum), its
+// gradient with at most 12, K with 6. The bounds themselves are computed with a handful of roundings.
+constexpr double value_roundings = 16 * u;
+constexpr double gradient_roundings = 16 * u;
+constexpr double K_roundings = 8 * u;
+static_assert(value_roundings >= (13 + 2) * u);
+static_assert(gradient_roundings >= (12 + 2) * u);
+
+// Bounds are sums and products of at most some twenty roundings; this covers them all.
+constexpr double slop = 1 + 64 * u;
+
+double cross(double ax, double ay, double bx, double by) { return ax * by - ay * bx; }
+
+}  // namespace
+
+void CircleKernel::reset(const FormFamily* family) {
+    family_ = family;
+    forms_.clear();
+    sources_.clear();
+    points_.clear();
+    exact_forms_.clear();
+    exact_points_.clear();
+    exact_point_index_.clear();
+    forms_.push_back({0, 0, 0, 0, 0, 0, 1, 0});
+    sources_.push_back({});
+}
+
+FormId CircleKernel::add_line(double a, double b, double c) {
+    forms_.push_back({0, 0, 0, a, b, c, 1, 0});
+    return sources_.push_back({});
+}
+
+FormId CircleKernel::add_form(FormId in_family) {
+    const CircularForm& f = family_->forms[in_family];
+    const double iw = 1 / f.w;
+    forms_.push_back({f.k, f.cx, f.cy, f.a, f.b, f.e, iw, f.k * iw});
+    return sources_.push_back({in_family});
+}
+
+// --- First rung --------------------------------------------------------------------------------------
+
+CircleKernel::Jet CircleKernel::jet(const Form& f, double x, double y) {
+    const double dx = x - f.cx, dy = y - f.cy;
+    const double r2 = f.k * (dx * dx + dy * dy), ax = f.a * x, by = f.b * y;
+    const double kx = 2 * f.k * dx, ky = 2 * f.k * dy;
+    Jet j;
+    j.v = (r2 + (ax + by + f.e)) * f.iw;
+    j.gx = (kx + f.a) * f.iw;
+    j.gy = (ky + f.b) * f.iw;
+    j.K = f.K;
+    j.ev = value_roundings * ((std::abs(r2) + std::abs(ax) + std::abs(by) + std::abs(f.e)) * f.iw) + tiny;
+    j.eg = gradient_roundings *
+               ((std::max(std::abs(kx), std::abs(ky)) + std::max(std::abs(f.a), std::abs(f.b))) * f.iw) +
+           tiny;
+    j.eK = K_roundings * std::abs(f.K);
+    return j;
+}
+
+CircleKernel::Jet CircleKernel::difference(FormPair c, double x, double y) const {
+    const Jet p = jet(forms_[c.f], x, y), q = jet(forms_[c.g], x, y);
+    Jet d{p.v - q.v, p.gx - q.gx, p.gy - q.gy, p.K - q.K, 0, 0, 0};
+    d.ev = (p.ev + q.ev + u * std::abs(d.v)) * slop;
+    d.eg = (p.eg + q.eg + u * std::max(std::abs(d.gx), std::abs(d.gy))) * slop;
+    d.eK = (p.eK + q.eK + u * std::abs(d.K)) * slop;
+    return d;
+}
+
+// Newton-Kantorovich for F = (F1, F2) at the double point p, whose Jacobian J changes by exactly
+// 2 (K1, K2)^T (q - p)^T between p and q. With eta >= |J^-1 F(p)| and omega >= 2 |J^-1 (K1, K2)^T|:
+// if omega eta <= 1/4, F has exactly one root within 2 eta of p, and J is regular within 1/omega, so
+// the sign of det J at the root is its sign at p [Deuflhard04, Thm. 2.1].
+bool CircleKernel::certify(KernelPoint& p) const {
+    const Jet a = difference(p.first, p.x, p.y), b = difference(p.second, p.x, p.y);
+    const double det = cross(a.gx, a.gy, b.gx, b.gy);
+    const double a1 = std::abs(a.gx) + std::abs(a.gy), b1 = std::abs(b.gx) + std::abs(b.gy);
+    const double det_error = (a.eg * b1 + b.eg * a1 + 2 * a.eg * b.eg + 4 * u * a1 * b1) * slop + tiny;
+    const double det_low = std::abs(det) - det_error;
+    if (!(det_low > 0) || (det > 0) != (p.orientation == Sign::Positive)) return false;
+    const double fa = std::abs(a.v) + a.ev, fb = std::abs(b.v) + b.ev;
+    const double Ka = std::abs(a.K) + a.eK, Kb = std::abs(b.K) + b.eK;
+    const double agx = std::abs(a.gx) + a.eg, agy = std::abs(a.gy) + a.eg;
+    const double bgx = std::abs(b.gx) + b.eg, bgy = std::abs(b.gy) + b.eg;
+    const double eta = (bgy * fa + agy * fb + bgx * fa + agx * fb) / det_low * slop;
+    const double omega = 2 * (bgy * Ka + agy * Kb + bgx * Ka + agx * Kb) / det_low * slop;
+    if (!(omega * eta <= 0.25) || !(eta < DBL_MAX)) return false;
+    p.error = 2 * eta * slop + tiny;
+    return true;
+}
+
+// Closed form about `near`: with J, C, K taken there, F = 0 reads J q = -C - K X, X = |q|^2. So
+// q = a + b X with a = -J^-1 C, b = -J^-1 K, and |b|^2 X^2 - h X + |a|^2 = 0, h = 1 - 2 a.b. The smaller
+// X has the orientation of J itself, the larger one the opposite.
+std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, FormPair d, Sign orientation,
+                                                                const Eigen::Vector2d& near) const {
+    const Jet f = difference(c, near.x(), near.y()), g = difference(d, near.x(), near.y());
+    const double det = cross(f.gx, f.gy, g.gx, g.gy);
+    const double inv = -1 / det;
+    const double ax = (g.gy * f.v - f.gy * g.v) * inv, ay = (f.gx * g.v - g.gx * f.v) * inv;
+    const double bx = (g.gy * f.K - f.gy * g.K) * inv, by = (f.gx * g.K - g.gx * f.K) * inv;
+    const double h = 1 - 2 * (ax * bx + ay * by);
+    const double aa = ax * ax + ay * ay, bb = bx * bx + by * by;
+    const double discriminant = h * h - 4 * aa * bb;
+    if (!(discriminant > 0)) return std::nullopt;
+    const double root = h + std::sqrt(discriminant);
+    const double X = (det > 0) == (orientation == Sign::Positive) ? 2 * aa / root : root / (2 * bb);
+    KernelPoint p{near.x() + (ax + bx * X), near.y() + (ay + by * X), 0, c, d, orientation};
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return std::nullopt;
+    if (!certify(p)) return std::nullopt;
+    if (p.error > 1e3 * DBL_EPSILON * (std::abs(p.x) + std::abs(p.y) + std::sqrt(aa))) {
+        // The far root loses digits in a + b X; one Newton step gets them back, if they are to be had.
+        const Jet f1 = difference(c, p.x, p.y), g1 = difference(d, p.x, p.y);
+        const double inv1 = -1 / cross(f1.gx, f1.gy, g1.gx, g1.gy);
+        KernelPoint better = p;
+        better.x += (g1.gy * f1.v - f1.gy * g1.v) * inv1;
+        better.y += (f1.gx * g1.v - g1.gx * f1.v) * inv1;
+        if (certify(better) && better.error < p.error) p = better;
+    }
+    return p;
+}
+
+std::optional<PointId> CircleKernel::intersection(FormPair c, FormPair d, Sign orientation,
+                                                  const Eigen::Vector2d& near) {
+    assert(orientation != Sign::Zero);
+    if (const auto p = certified_intersection(c, d, orientation, near)) return points_.push_back(*p);
+    auto exact = exact_intersection(exact_curve(c), exact_curve(d), orientation);
+    if (!exact) return std::nullopt;
+    return add_exact_point(c, d, orientation, std::move(*exact));
+}
+
+double CircleKernel::lower_bound(FormId f, FormId g, double x0, double x1, double y0, double y1) const {
+    const double x = 0.5 * x0 + 0.5 * x1, y = 0.5 * y0 + 0.5 * y1;
+    const double rx = std::max(x1 - x, x - x0) * slop, ry = std::max(y1 - y, y - y0) * slop;
+    const Jet d = difference({f, g}, x, y);
+    // Per coordinate: min over |t| <= r of K t^2 + G t, from below.
+    const auto term = [&](double G, double r) {
+        G = std::abs(G) + d.eg;
+        const double K = d.K - d.eK;
+        if (G < 2 * K * r) return -G * G / (4 * K) * slop - tiny;
+        const double t = (K * r - G) * r;
+        return t - 8 * u * (std::abs(K) * r + G) * r - tiny;
+    };
+    const double low = d.v - d.ev + (term(d.gx, rx) + term(d.gy, ry));
+    return low - 4 * u * (std::abs(d.v) + std::abs(low)) - tiny;
+}
+
+std::array<double, 2> CircleKernel::height(FormId f, double x, double y) const {
+    const Jet j = jet(forms_[f], x, y);
+    return {j.v, j.ev};
+}
+
+std::array<double, 2> CircleKernel::height(FormId f, PointId p) const {
+    const KernelPoint& q = points_[p];
+    const Jet j = jet(forms_[f], q.x, q.y);
+    const double slope = std::abs(j.gx) + std::abs(j.gy) + 2 * j.eg + (j.K + j.eK) * q.error;
+    return {j.v, (j.ev + slope * q.error) * slop + tiny};
+}
+
+Sign CircleKernel::sign_at(PointId p, FormId f, FormId g) {
+    const KernelPoint& q = points_[p];
+    const Jet d = difference({f, g}, q.x, q.y);
+    // |F(true) - F(q)| <= |grad F| r + |K| r^2 on the disk of radius r: the difference's own gradient.
+    const double slope = std::abs(d.gx) + std::abs(d.gy) + 2 * d.eg + (std::abs(d.K) + d.eK) * q.error;
+    const double bound = (d.ev + slope * q.error) * slop + tiny;
+    if (std::abs(d.v) > bound) {
+        ++decisions_.by_double;
+        return sign_of(d.v);
+    }
+    // The forms' coefficients as intervals, relative to the point: tighter by the constants only, but it
+    // is the exact rung's last chance to be spared.
+    const auto value = [&](const Form& h) {
+        const Interval e = Interval(h.e) * Interval(1 - 8 * u, 1 + 8 * u);
+        const Interval a = Interval(h.a) * Interval(1 - 8 * u, 1 + 8 * u);
+        const Interval b = Interval(h.b) * Interval(1 - 8 * u, 1 + 8 * u);
+        const Interval iw = Interval(h.iw) * Interval(1 - 16 * u, 1 + 16 * u);
+        const Interval dx = Interval(q.x) - Interval(h.cx), dy = Interval(q.y) - Interval(h.cy);
+        return (Interval(h.k) * (square(dx) + square(dy)) + (a * Interval(q.x) + b * Interval(q.y) + e)) * iw;
+    };
+    const Interval v = value(forms_[f]) - value(forms_[g]) + Interval(-1, 1) * Interval(slope) * Interval(q.error);
+    if (const auto s = v.sign()) {
+        ++decisions_.by_interval;
+        return *s;
+    }
+    ++decisions_.by_exact;
+    return sign(exact_value(exact_curve({f, g}), exact_point(p)));
+}
+
+Sign CircleKernel::turn_at(PointId p, FormPair c, FormPair d) {
+    const KernelPoint& q = points_[p];
+    if (q.first == c && q.second == d) return q.orientation;
+    const Jet a = difference(c, q.x, q.y), b = difference(d, q.x, q.y);
+    const double ea = (a.eg + 2 * (std::abs(a.K) + a.eK) * q.error) * slop;
+    const double eb = (b.eg + 2 * (std::abs(b.K) + b.eK) * q.error) * slop;
+    const double det = cross(a.gx, a.gy, b.gx, b.gy);
+    const double a1 = std::abs(a.gx) + std::abs(a.gy), b1 = std::abs(b.gx) + std::abs(b.gy);
+    const double bound = (ea * b1 + eb * a1 + 2 * ea * eb + 4 * u * a1 * b1) * slop + tiny;
+    if (std::abs(det) > bound) {
+        ++decisions_.by_double;
+        return sign_of(det);
+    }
+    ++decisions_.by_exact;
+    const auto g = exact_gradient(exact_curve(c), exact_point(p));
+    const auto h = exact_gradient(exact_curve(d), exact_point(p));
+    return sign(g[0] * h[1] - g[1] * h[0]);
+}
+
+Sign CircleKernel::along_sign(PointId p, FormPair c, FormPair d) {
+    const auto g = exact_gradient(exact_curve(c), exact_point(p));
+    const auto h = exact_gradient(exact_curve(d), exact_point(p));
+    return sign(g[0] * h[0] + g[1] * h[1]);
+}
+
+Sign CircleKernel::compare_x(PointId p, PointId q) {
+    if (p == q) return Sign::Zero;
+    const KernelPoint &a = points_[p], &b = points_[q];
+    const double d = a.x - b.x;
+    if (std::abs(d) > (a.error + b.error + u * std::abs(d)) * slop) {
+        ++decisions_.by_double;
+        return sign_of(d);
+    }
+    ++decisions_.by_exact;
+    const ExactPoint &e = exact_point(p), &f = exact_point(q);
+    return compare({e.px, e.rx, e.d}, e.w, {f.px, f.rx, f.d}, f.w);
+}
+
+Sign CircleKernel::compare_y(PointId p, PointId q) {
+    if (p == q) return Sign::Zero;
+    const KernelPoint &a = points_[p], &b = points_[q];
+    const double d = a.y - b.y;
+    if (std::abs(d) > (a.error + b.error + u * std::abs(d)) * slop) {
+        ++decisions_.by_double;
+        return sign_of(d);
+    }
+    ++decisions_.by_exact;
+    const ExactPoint &e = exact_point(p), &f = exact_point(q);
+    return compare({e.py, e.ry, e.d}, e.w, {f.py, f.ry, f.d}, f.w);
+}
+
+Sign CircleKernel::compare_xy(PointId p, PointId q) {
+    const Sign s = compare_x(p, q);
+    return s != Sign::Zero ? s : compare_y(p, q);
+}
+
+// --- Order along a curve -------------------------------------------------------------------------------
+
+// From p, with unit tangent t along c: chords to the curve's other points turn monotonically from t to -t.
+// A chord shorter than the radius belongs to an arc of less than a right angle, on which the projection
+// on t is monotone as well; that decides short and straight arcs without the sign of K. Other arcs have
+// a well-defined K, and the turn between two chords decides.
+bool CircleKernel::strictly_between(FormPair c, PointId p, PointId q, PointId r) {
+    if (r == p || r == q) return false;
+    if (p == q) return compare_xy(p, r) != Sign::Zero;
+    const KernelPoint &P = points_[p], &Q = points_[q], &R = points_[r];
+    const Jet j = difference(c, P.x, P.y);
+    const double eg = (j.eg + 2 * (std::abs(j.K) + j.eK) * P.error) * slop;
+    const double g = std::hypot(j.gx, j.gy);
+    const double tx = -j.gy, ty = j.gx;
+    const double ax = R.x - P.x, ay = R.y - P.y, bx = Q.x - P.x, by = Q.y - P.y;
+    const double la = std::hypot(ax, ay), lb = std::hypot(bx, by);
+    const double ea = (P.error + R.error + 2 * u * la) * slop, eb = (P.error + Q.error + 2 * u * lb) * slop;
+    const double twice_K = 2 * (std::abs(j.K) + j.eK);
+    const double ta = tx * ax + ty * ay, tb = tx * bx + ty * by;
+    const double eta = (g * ea + 2 * eg * (la + ea) + 8 * u * g * la) * slop + tiny;
+    const double etb = (g * eb + 2 * eg * (lb + eb) + 8 * u * g * lb) * slop + tiny;
+    const bool short_q = (lb + eb) * twice_K * slop < 0.9 * (g - 2 * eg) && tb > etb;
+    if (short_q) {
+        const bool short_r = (la + ea) * twice_K * slop < 0.9 * (g - 2 * eg);
+        const bool long_r = (la - ea) * 2 * (std::abs(j.K) - j.eK) > 0.95 * (g + 2 * eg) * slop;
+        if (long_r || (short_r && ta < -eta)) {
+            ++decisions_.by_double;
+            return false;
+        }
+        if (short_r && ta > eta && std::abs(tb - ta) > (eta + etb) * slop) {
+            ++decisions_.by_double;
+            return ta < tb;
+        }
+    } else if (std::abs(j.K) > j.eK && la > ea && lb > eb) {
+        const double turn = cross(ax, ay, bx, by);
+        const double error = (ea * lb + eb * la + ea * eb + 4 * u * la * lb) * slop * 1.5 + tiny;
+        if (std::abs(turn) > error) {
+            ++decisions_.by_double;
+            return (turn > 0) == (j.K > 0);
+        }
+    }
+    ++decisions_.by_exact;
+    return exact_strictly_between(c, p, q, r);
+}
+
+bool CircleKernel::precedes_on_line(FormPair c, PointId p, PointId q) {
+    const KernelPoint &P = points_[p], &Q = points_[q];
+    const Jet j = difference(c, P.x, P.y);
+    const double bx = Q.x - P.x, by = Q.y - P.y;
+    const double t = -j.gy * bx + j.gx * by;
+    const double g = std::abs(j.gx) + std::abs(j.gy), l = std::abs(bx) + std::abs(by);
+    const double error = P.error + Q.error + 2 * u * l;
+    if (std::abs(t) > (g * error + 2 * j.eg * (l + error) + 8 * u * g * l) * slop + tiny) {
+        ++decisions_.by_double;
+        return t > 0;
+    }
+    ++decisions_.by_exact;
+    return exact_line_order(exact_curve(c), p, q) == Sign::Negative;
+}
+
+// Sign of (place of p) - (place of q) along the direction (-B, A).
+Sign CircleKernel::exact_line_order(const ExactCurve& e, PointId p, PointId q) {
+    return e.B.sign() != Sign::Zero ? -e.B.sign() * compare_x(p, q) : e.A.sign() * compare_y(p, q);
+}
+
+// Counter-clockwise from the leftmost point: the lower half by increasing x, then the upper half by
+// decreasing x. A clockwise curve swaps the roles of p and q, a line is ordered along (-B, A).
+bool CircleKernel::exact_strictly_between(FormPair c, PointId p, PointId q, PointId r) {
+    const Sign K = curvature_sign(c);
+    if (K == Sign::Zero) {
+        const ExactCurve e = exact_curve(c);
+        return exact_line_order(e, p, r) == Sign::Negative && exact_line_order(e, r, q) == Sign::Negative;
+    }
+    if (K == Sign::Negative) std::swap(p, q);
+    const auto order = [&](PointId s, PointId t) {
+        const Sign hs = side_of_center(s, c), ht = side_of_center(t, c);
+        // On the horizontal diameter the leftmost point comes first and the rightmost ends the lower half.
+        const Sign x = compare_x(s, t);
+        if (hs == ht) {
+            if (hs == Sign::Positive) return -x;
+            return x;  // both below, or both on the diameter
+        }
+        if (hs == Sign::Negative && ht == Sign::Positive) return Sign::Negative;
+        if (hs == Sign::Positive && ht == Sign::Negative) return Sign::Positive;
+        // Exactly one lies on the diameter. If it is the left end it comes first; the right end is after
+        // the lower half and before the upper one. Both ends compare by x against the lower half.
+        if (hs == Sign::Zero) {
+            if (ht == Sign::Negative) return x;
+            return Sign::Negative;
+        }
+        if (hs == Sign::Negative) return x;
+        return Sign::Positive;
+    };
+    const bool pr = order(p, r) == Sign::Negative, rq = order(r, q) == Sign::Negative;
+    if (order(p, q) == Sign::Negative) return pr && rq;
+    return pr || rq;
+}
+
+Sign CircleKernel::side_of_center(PointId p, FormPair c) {
+    const KernelPoint& q = points_[p];
+    const Jet j = difference(c, q.x, q.y);
+    const double bound = (j.eg + 2 * (std::abs(j.K) + j.eK) * q.error) * slop + tiny;
+    if (std::abs(j.gy) > bound && std::abs(j.K) > j.eK) {
+        ++decisions_.by_double;
+        return sign_of(j.gy) * sign_of(j.K);
+    }
+    ++decisions_.by_exact;
+    const ExactCurve e = exact_curve(c);
+    return sign(exact_gradient(e, exact_point(p))[1]) * e.K.sign();
+}
+
+// An arc whose chord makes an angle theta < 90 degrees with the tangent at p stays within the sagitta
+// |chord| / 2 tan(theta / 2) of its chord. Longer arcs get their circle's box.
+std::array<double, 4> CircleKernel::arc_box(FormPair c, PointId p, PointId q) const {
+    const KernelPoint &P = points_[p], &Q = points_[q];
+    const Jet j = difference(c, P.x, P.y);
+    const double bx = Q.x - P.x, by = Q.y - P.y;
+    const double g = std::sqrt(j.gx * j.gx + j.gy * j.gy), l = std::sqrt(bx * bx + by * by);
+    const double eb = P.error + Q.error;
+    const double eg = 2 * (j.eg + 2 * (std::abs(j.K) + j.eK) * P.error);
+    const double cosine = (-j.gy * bx + j.gx * by) / (g * l);
+    const double error = 2 * (eg / g + eb / l) + 16 * u;  // of the angle between chord and tangent
+    if (cosine > 0.1 && error < 0.05) {
+        const double sine = std::abs(j.gy * by + j.gx * bx) / (g * l);
+        const double margin = (0.5 * (l + eb) * (sine + error) / (1 + cosine - error) + eb) * slop + tiny;
+        return {Interval::down(std::min(P.x, Q.x) - margin), Interval::up(std::max(P.x, Q.x) + margin),
+                Interval::down(std::min(P.y, Q.y) - margin), Interval::up(std::max(P.y, Q.y) + margin)};
+    }
+    return circle_box(c);
+}
+
+std::array<double, 4> CircleKernel::circle_box(FormPair c) const {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    const Form& f = forms_[c.f].K != 0 ? forms_[c.f] : forms_[c.g];
+    const Jet o = difference(c, f.cx, f.cy);
+    const Interval K = Interval::ball(o.K, o.eK);
+    if (K.contains(0)) return {-inf, inf, -inf, inf};
+    const Interval gx = Interval::ball(o.gx, o.eg), gy = Interval::ball(o.gy, o.eg), v = Interval::ball(o.v, o.ev);
+    const Interval half = Interval(0.5) / K;
+    const Interval cx = Interval(f.cx) - gx * half, cy = Interval(f.cy) - gy * half;
+    const Interval r2 = (square(gx) + square(gy)) * square(half) - v / K;
+    const double r = sqrt(Interval(0.0, std::max(0.0, r2.upper()))).upper();
+    return {Interval::down(cx.lower() - r), Interval::up(cx.upper() + r), Interval::down(cy.lower() - r),
+            Interval::up(cy.upper() + r)};
+}
+
+bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& box) const {
+    const Form& f = forms_[c.f].K != 0 ? forms_[c.f] : forms_[c.g];
+    const Jet o = difference(c, f.cx, f.cy);
+    const double K = std::abs(o.K) - o.eK;
+    if (!(K > 0)) return false;
+    // The centre is f's centre - grad / 2K; it must lie in the box if the circle does.
+    const double x = f.cx - o.gx / (2 * o.K), y = f.cy - o.gy / (2 * o.K);
+    const double error = ((o.eg + o.eK / K * std::max(std::abs(o.gx), std::abs(o.gy))) / K +
+                          8 * u * (std::abs(x) + std::abs(y) + std::abs(f.cx) + std::abs(f.cy))) * slop + tiny;
+    return x + error < box[0] || x - error > box[1] || y + error < box[2] || y - error > box[3];
+}
+
+// --- Branches around a point ---------------------------------------------------------------------------
+
+// Where grad(c) and grad(d) point the same way: which of the two directed curves bends further left. The
+// curvature is 2 K / |grad|; with grad(c) = l grad(d), l = grad(c).grad(d) / |grad(d)|^2 > 0, compare
+// K_c |grad d|^2 with K_d grad(c).grad(d).
+Sign CircleKernel::curvature_order(PointId p, FormPair c, FormPair d) {
+    const ExactCurve ec = exact_curve(c), ed = exact_curve(d);
+    const auto g = exact_gradient(ec, exact_point(p)), h = exact_gradient(ed, exact_point(p));
+    return sign(ec.K * (h[0] * h[0] + h[1] * h[1]) - ed.K * (g[0] * h[0] + g[1] * h[1]));
+}
+
+// Where branch x leaves relative to `from`, counter-clockwise: 0 the same branch, 1 same tangent but bending
+// left of it, 2 less than half a turn, 3 opposite, 4 more than half, 5 same tangent but bending right.
+int CircleKernel::sector_of(PointId p, FormPair from, FormPair x) {
+    const Sign turn = turn_at(p, from, x);
+    if (turn == Sign::Positive) return 2;
+    if (turn == Sign::Negative) return 4;
+    if (along_sign(p, from, x) == Sign::Negative) return 3;
+    switch (curvature_order(p, x, from)) {
+        case Sign::Positive: return 1;
+        case Sign::Negative: return 5;
+        default: return 0;
+    }
+}
+
+bool CircleKernel::branch_in_sector(PointId p, FormPair from, FormPair x, FormPair to) {
+    const int sx = sector_of(p, from, x);
+    if (sx == 0) return false;
+    int st = sector_of(p, from, to);
+    if (st == 0) return true;  // the sector is the whole turn
+    if (sx != st) return sx < st;
+    if (sx == 2 || sx == 4) {
+        const Sign turn = turn_at(p, x, to);
+        if (turn != Sign::Zero) return turn == Sign::Positive;
+    }
+    return curvature_order(p, x, to) == Sign::Negative;
+}
+
+// --- Exact rung ----------------------------------------------------------------------------------------
+
+const ExactForm& CircleKernel::exact_form(FormId f) {
+    std::int32_t& slot = sources_[f].exact;
+    if (slot < 0) {
+        const Form& g = forms_[f];
+        slot = static_cast<std::int32_t>(exact_forms_.size());
+        if (sources_[f].in_family.valid())
+            exact_forms_.push_back(family_->exact(sources_[f].in_family));
+        else
+            exact_forms_.push_back({Exact(), Exact(g.a), Exact(g.b), Exact(g.e), Exact(1.0)});
+    }
+    return exact_forms_[static_cast<std::size_t>(slot)];
+}
+
+CircleKernel::ExactCurve CircleKernel::exact_curve(FormPair c) {
+    const ExactForm &f = exact_form(c.f), &g = exact_form(c.g);
+    return {f.K * g.W - g.K * f.W, f.A * g.W - g.A * f.W, f.B * g.W - g.B * f.W, f.C * g.W - g.C * f.W};
+}
+
+Exact CircleKernel::exact_discriminant(const ExactCurve& c, const ExactCurve& d) {
+    const Exact D = c.A * d.B - c.B * d.A;
+    const Exact k = d.K * c.C - c.K * d.C;
+    const Exact dot = c.A * d.A + c.B * d.B;
+    const Exact Z = k * k + c.C * (c.K * (d.A * d.A + d.B * d.B) - d.K * dot) +
+                    d.C * (d.K * (c.A * c.A + c.B * c.B) - c.K * dot);
+    return D * D - Exact(4.0) * Z;
+}
+
+std::optional<CircleKernel::ExactPoint> CircleKernel::exact_intersection(const ExactCurve& c, const ExactCurve& d,
+                                                                        Sign orientation) {
+    const Exact D = c.A * d.B - c.B * d.A;
+    if (c.K.sign() == Sign::Zero && d.K.sign() == Sign::Zero) {
+        if (D.sign() == Sign::Zero || D.sign() != orientation) return std::nullopt;
+        const Exact s(orientation == Sign::Positive ? 1.0 : -1.0);
+        return ExactPoint{s * (c.B * d.C - d.B * c.C), Exact(), s * (c.C * d.A - d.C * c.A), Exact(), Exact(), s * D};
+    }
+    const Exact mx = d.K * c.A - c.K * d.A, my = d.K * c.B - c.K * d.B;
+    const Exact m2 = mx * mx + my * my;
+    if (m2.sign() == Sign::Zero) return std::nullopt;  // concentric circles
+    const Exact delta = exact_discriminant(c, d);
+    if (delta.sign() == Sign::Negative || (delta.sign() == Sign::Zero) != (orientation == Sign::Zero))
+        return std::nullopt;
+    const Exact two_c = Exact(2.0) * (d.K * c.C - c.K * d.C);
+    const Exact s(static_cast<double>(orientation));
+    return ExactPoint{D * my - two_c * mx, -(s * my), -(two_c * my) - D * mx, s * mx, delta, Exact(2.0) * m2};
+}
+
+Sign CircleKernel::intersection_sign(FormPair c, FormPair d, const Eigen::Vector2d& near) {
+    if (certified_intersection(c, d, Sign::Positive, near) || certified_intersection(c, d, Sign::Negative, near)) {
+        ++decisions_.by_double;
+        return Sign::Positive;
+    }
+    // The discriminant about `near`, where the coefficients are small: D^2 - 4 Z as above, in intervals.
+    const Jet f = difference(c, near.x(), near.y()), g = difference(d, near.x(), near.y());
+    const Interval C1 = Interval::ball(f.v, f.ev), A1 = Interval::ball(f.gx, f.eg), B1 = Interval::ball(f.gy, f.eg),
+                   K1 = Interval::ball(f.K, f.eK);
+    const Interval C2 = Interval::ball(g.v, g.ev), A2 = Interval::ball(g.gx, g.eg), B2 = Interval::ball(g.gy, g.eg),
+                   K2 = Interval::ball(g.K, g.eK);
+    const Interval dot = A1 * A2 + B1 * B2;
+    const Interval Z = square(K2 * C1 - K1 * C2) + C1 * (K1 * (square(A2) + square(B2)) - K2 * dot) +
+                       C2 * (K2 * (square(A1) + square(B1)) - K1 * dot);
+    const Interval delta = square(A1 * B2 - B1 * A2) - Interval(4) * Z;
+    if (delta.upper() < 0) {
+        ++decisions_.by_interval;
+        return Sign::Negative;
+    }
+    ++decisions_.by_exact;
+    const ExactCurve ec = exact_curve(c), ed = exact_curve(d);
+    if (ec.K.sign() == Sign::Zero && ed.K.sign() == Sign::Zero)
+        return (ec.A * ed.B - ec.B * ed.A).sign() == Sign::Zero ? Sign::Negative : Sign::Positive;
+    if ((ed.K * ec.A - ec.K * ed.A).sign() == Sign::Zero && (ed.K * ec.B - ec.K * ed.B).sign() == Sign::Zero)
+        return Sign::Negative;
+    return exact_discriminant(ec, ed).sign();
+}
+
+bool CircleKernel::same_curve(FormPair c, FormPair d) {
+    const ExactCurve e = exact_curve(c), f = exact_curve(d);
+    ++decisions_.by_exact;
+    const auto zero = [](const Exact& a, const Exact& b, const Exact& p, const Exact& q) {
+        return (a * q - b * p).sign() == Sign::Zero;
+    };
+    return zero(e.K, e.A, f.K, f.A) && zero(e.K, e.B, f.K, f.B) && zero(e.K, e.C, f.K, f.C) &&
+           zero(e.A, e.B, f.A, f.B) && zero(e.A, e.C, f.A, f.C) && zero(e.B, e.C, f.B, f.C);
+}
+
+Sign CircleKernel::curvature_sign(FormPair c) {
+    const double kf = forms_[c.f].K, kg = forms_[c.g].K;
+    const double K = kf - kg;
+    if (std::abs(K) > K_roundings * (std::abs(kf) + std::abs(kg)) * slop || (kf == 0 && kg == 0)) {
+        ++decisions_.by_double;
+        return sign_of(K);
+    }
+    ++decisions_.by_exact;
+    const ExactForm &f = exact_form(c.f), &g = exact_form(c.g);
+    return (f.K * g.W - g.K * f.W).sign();
+}
+
+// |grad F|^2 - 4 K F is the same everywhere: 4 K^2 r^2. Evaluate it where |grad F| is least, at the centre.
+Sign CircleKernel::radius_sign(FormPair c) {
+    const Form &f = forms_[c.f], &g = forms_[c.g];
+    const double K = f.K - g.K;
+    if (std::abs(K) > 4 * K_roundings * (std::abs(f.K) + std::abs(g.K))) {
+        // The centre solves grad F = 0; any point near it serves.
+        const Jet o = difference(c, f.cx, f.cy);
+        const double x = f.cx - o.gx / (2 * K), y = f.cy - o.gy / (2 * K);
+        const Jet j = difference(c, x, y);
+        const double g2 = j.gx * j.gx + j.gy * j.gy, four_KF = 4 * j.K * j.v;
+        const double bound = (4 * j.eg * (std::abs(j.gx) + std::abs(j.gy)) + 4 * j.eg * j.eg +
+                              4 * ((std::abs(j.K) + j.eK) * j.ev + std::abs(j.v) * j.eK) + 8 * u * (g2 + std::abs(four_KF))) *
+                                 slop + tiny;
+        if (std::abs(g2 - four_KF) > bound) {
+            ++decisions_.by_double;
+            return sign_of(g2 - four_KF);
+        }
+    }
+    ++decisions_.by_exact;
+    const ExactCurve e = exact_curve(c);
+    return (e.A * e.A + e.B * e.B - Exact(4.0) * e.K * e.C).sign();
+}
+
+PointId CircleKernel::add_exact_point(FormPair c, FormPair d, Sign orientation, ExactPoint exact) {
+    const Interval x = enclosure(OneRoot{exact.px, exact.rx, exact.d}, exact.w);
+    const Interval y = enclosure(OneRoot{exact.py, exact.ry, exact.d}, exact.w);
+    const double error = std::hypot(x.radius(), y.radius()) * 1.5 + tiny;
+    const PointId p = points_.push_back({x.mid(), y.mid(), error, c, d, orientation});
+    exact_point_index_.resize(points_.size(), -1);
+    exact_point_index_[p.value] = static_cast<std::int32_t>(exact_points_.size());
+    exact_points_.push_back(std::move(exact));
+    return p;
+}
+
+PointId CircleKernel::touching_point(FormPair c, FormPair d) {
+    auto exact = exact_intersection(exact_curve(c), exact_curve(d), Sign::Zero);
+    assert(exact);
+    return add_exact_point(c, d, Sign::Zero, std::move(*exact));
+}
+
+PointId CircleKernel::center_point(FormPair c) {
+    const ExactCurve e = exact_curve(c);
+    assert(e.K.sign() != Sign::Zero);
+    const Exact s(e.K.sign() == Sign::Positive ? 1.0 : -1.0);
+    return add_exact_point(c, c, Sign::Zero, {-(s * e.A), Exact(), -(s * e.B), Exact(), Exact(), s * Exact(2.0) * e.K});
+}
+
+PointId CircleKernel::x_extreme_point(FormPair c, bool right) {
+    const ExactCurve e = exact_curve(c);
+    assert(e.K.sign() != Sign::Zero);
+    const Exact s(e.K.sign() == Sign::Positive ? 1.0 : -1.0);
+    return add_exact_point(c, c, Sign::Zero,
+                           {-(s * e.A), Exact(right ? 1.0 : -1.0), -(s * e.B), Exact(),
+                            e.A * e.A + e.B * e.B - Exact(4.0) * e.K * e.C, s * Exact(2.0) * e.K});
+}
+
+const CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
+    exact_point_index_.resize(points_.size(), -1);
+    std::int32_t& slot = exact_point_index_[p.value];
+    if (slot < 0) {
+        const KernelPoint& q = points_[p];
+        auto exact = exact_intersection(exact_curve(q.first), exact_curve(q.second), q.orientation);
+        assert(exact);
+        slot = static_cast<std::int32_t>(exact_points_.size());
+        exact_points_.push_back(std::move(*exact));
+    }
+    return exact_points_[static_cast<std::size_t>(slot)];
+}
+
+OneRoot CircleKernel::exact_value(const ExactCurve& c, const ExactPoint& p) {
+    // K |p|^2 + A x + B y + C, times w^2.
+    const OneRoot x{p.px, p.rx, p.d}, y{p.py, p.ry, p.d};
+    return c.K * (x * x + y * y) + p.w * (c.A * x + c.B * y) + c.C * p.w * p.w;
+}
+
+std::array<OneRoot, 2> CircleKernel::exact_gradient(const ExactCurve& c, const ExactPoint& p) {
+    const OneRoot x{p.px, p.rx, p.d}, y{p.py, p.ry, p.d};
+    const Exact two_K = Exact(2.0) * c.K;
+    return {two_K * x + c.A * p.w, two_K * y + c.B * p.w};
+}
+
+}  // namespace vcell

@@ -1,0 +1,192 @@
+/// Points and predicates on circles and lines that are given as {f = g} for CircularForms f, g.
+///
+/// Identity is combinatorial: a point is a pair of curves and an orientation. Where two curves of
+/// forms meet there are at most two points, and their gradients turn opposite ways at the two, so
+/// (curve, curve, sign of the turn) names one point. The crossing of {i = j} with {i = k} is the
+/// crossing with {j = k}; nobody computes it three times and hopes that the results agree.
+///
+/// Every predicate climbs the ladder: double with a proven bound, interval, exact. The first two work
+/// on a certified disk around the point (Newton-Kantorovich, see circle_kernel.cpp), the last in the
+/// quadratic extension of Q in which the point lives.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "../core/circular_form.hpp"
+#include "../core/ids.hpp"
+#include "../core/interval.hpp"
+#include "../core/sign.hpp"
+
+namespace vcell {
+
+struct PointTag { static constexpr char letter = 'p'; };
+using PointId = Id<PointTag>;
+
+/// The curve {f = g}, directed so that f < g on its left.
+struct FormPair {
+    FormId f, g;
+
+    FormPair reversed() const { return {g, f}; }
+    friend bool operator==(FormPair, FormPair) = default;
+};
+
+/// An exact point in double clothes: the true point lies within `error` of (x, y).
+struct KernelPoint {
+    double x, y, error;
+    FormPair first, second;
+    /// Sign of grad(first) x grad(second) at the point, grad being that of f - g; Zero where the two
+    /// curves touch.
+    Sign orientation;
+};
+
+class CircleKernel {
+public:
+    /// Starts empty: no points, no forms but the zero form.
+    CircleKernel() { reset(nullptr); }
+
+    /// Forgets all forms and points (keeps memory and counts). `family` serves exact coefficients of
+    /// forms added by add_form; it must outlive their use.
+    void reset(const FormFamily* family);
+
+    /// The function 0: {line = zero} makes a line a curve.
+    static constexpr FormId zero_form() { return {0}; }
+    FormId add_line(double a, double b, double c);  ///< a x + b y + c, coefficients exact
+    FormId add_form(FormId in_family);
+    std::size_t form_count() const { return forms_.size(); }
+
+    /// What the family calls this form; none for lines and zero.
+    FormId family_id(FormId f) const { return sources_[f].in_family; }
+
+    const KernelPoint& point(PointId p) const { return points_[p]; }
+    std::size_t point_count() const { return points_.size(); }
+
+    /// The point where the curves meet with that orientation, or none if they do not. `near` is a place
+    /// near which the arithmetic is best conditioned; any finite one gives a correct answer.
+    /// Pre: orientation is not Zero; the curves are not the same.
+    std::optional<PointId> intersection(FormPair c, FormPair d, Sign orientation, const Eigen::Vector2d& near);
+    /// Positive: the curves cross in two points (one, if both are lines). Zero: they touch in one
+    /// point. Negative: they do not meet. Pre: not the same curve.
+    Sign intersection_sign(FormPair c, FormPair d, const Eigen::Vector2d& near);
+    /// The point in which the curves touch. Pre: intersection_sign is Zero.
+    PointId touching_point(FormPair c, FormPair d);
+    /// The one point of a circle of radius zero. Pre: radius_sign(c) is Zero.
+    PointId center_point(FormPair c);
+    /// Leftmost point of a circle. Pre: radius_sign(c) is Positive and c is not a line.
+    PointId leftmost_point(FormPair c) { return x_extreme_point(c, false); }
+    PointId rightmost_point(FormPair c) { return x_extreme_point(c, true); }
+
+    /// Do the two forms of c define the same curve as those of d? (Pencils: one curve for many pairs.)
+    bool same_curve(FormPair c, FormPair d);
+    /// Sign of K in f - g = K |p|^2 + ...: positive for circles run counter-clockwise, zero for lines.
+    Sign curvature_sign(FormPair c);
+    /// Positive: a circle; Zero: a single point; Negative: empty. For lines: Positive, or Negative if f - g
+    /// is constant.
+    Sign radius_sign(FormPair c);
+
+    /// Sign of f - g at p.
+    Sign sign_at(PointId p, FormId f, FormId g);
+    /// Sign of grad(c) x grad(d) at p, a point of both.
+    Sign turn_at(PointId p, FormPair c, FormPair d);
+    /// Lexicographic order of points.
+    Sign compare_xy(PointId p, PointId q);
+    Sign compare_x(PointId p, PointId q);
+    Sign compare_y(PointId p, PointId q);
+    /// Sign of y_p - (centre of c)_y. Pre: c is a circle.
+    Sign side_of_center(PointId p, FormPair c);
+
+    /// Does r lie on c strictly between p and q, going along c's direction? All three are points of c.
+    /// For p == q: everything else on a circle does. r equal to p or q does not.
+    bool strictly_between(FormPair c, PointId p, PointId q, PointId r);
+    /// Branches leaving p along the directions of three curves through p: does `x` lie strictly inside
+    /// the counter-clockwise sector from `from` to `to`? (from == to: the whole turn.)
+    bool branch_in_sector(PointId p, FormPair from, FormPair x, FormPair to);
+
+    /// Where c and d, through p, have parallel gradients there: the sign of d's f - g along c near p, on both
+    /// sides of p alike. Zero: the same curve.
+    Sign sign_beside_touching(PointId p, FormPair c, FormPair d) { return curvature_order(p, d, c); }
+    /// Do c and d, two directions of one curve through p, agree?
+    bool same_direction(PointId p, FormPair c, FormPair d) { return along_sign(p, c, d) == Sign::Positive; }
+    /// Does q come after p on the line c? Pre: c is a line, both points lie on it.
+    bool precedes_on_line(FormPair c, PointId p, PointId q);
+
+    /// A rectangle {x0, x1, y0, y1} that contains the arc of c from p to q (the whole circle for p == q).
+    std::array<double, 4> arc_box(FormPair c, PointId p, PointId q) const;
+    /// A rectangle that contains the circle c; the whole plane where doubles cannot tell.
+    std::array<double, 4> circle_box(FormPair c) const;
+    /// Does the double rung prove that c's circle does not lie in the rectangle?
+    bool circle_leaves_box(FormPair c, const std::array<double, 4>& box) const;
+
+    /// Enclosure of f at the true point p: midpoint and radius.
+    std::array<double, 2> height(FormId f, PointId p) const;
+    /// f at a plain location in doubles with an error bound.
+    std::array<double, 2> height(FormId f, double x, double y) const;
+
+    /// Lower bound of f - g over the axis-parallel rectangle [x0,x1] x [y0,y1] (double rung only).
+    double lower_bound(FormId f, FormId g, double x0, double x1, double y0, double y1) const;
+
+    Decisions& decisions() { return decisions_; }
+    const Decisions& decisions() const { return decisions_; }
+
+    /// f with 1/w multiplied out: what the first rung evaluates.
+    struct Form {
+        double k, cx, cy, a, b, e, iw, K;
+    };
+    const Form& form(FormId f) const { return forms_[f]; }
+
+    /// A form's value, gradient and quadratic coefficient at a place, with bounds on their errors.
+    struct Jet {
+        double v, gx, gy, K;
+        double ev, eg, eK;
+    };
+    static Jet jet(const Form& f, double x, double y);
+
+private:
+    struct Source {
+        FormId in_family;  // none: a line, its coefficients are exact in Form
+        std::int32_t exact = -1;
+    };
+    // (px + rx sqrt(d), py + ry sqrt(d)) / w, w > 0
+    struct ExactPoint {
+        Exact px, rx, py, ry, d, w;
+    };
+    // K |p|^2 + A x + B y + C: a positive multiple of f - g.
+    struct ExactCurve {
+        Exact K, A, B, C;
+    };
+
+    Jet difference(FormPair c, double x, double y) const;
+    std::optional<KernelPoint> certified_intersection(FormPair c, FormPair d, Sign orientation,
+                                                      const Eigen::Vector2d& near) const;
+    bool certify(KernelPoint& p) const;
+    PointId add_exact_point(FormPair c, FormPair d, Sign orientation, ExactPoint exact);
+    PointId x_extreme_point(FormPair c, bool right);
+    const ExactForm& exact_form(FormId f);
+    ExactCurve exact_curve(FormPair c);
+    std::optional<ExactPoint> exact_intersection(const ExactCurve& c, const ExactCurve& d, Sign orientation);
+    Exact exact_discriminant(const ExactCurve& c, const ExactCurve& d);
+    const ExactPoint& exact_point(PointId p);
+    static OneRoot exact_value(const ExactCurve& c, const ExactPoint& p);
+    static std::array<OneRoot, 2> exact_gradient(const ExactCurve& c, const ExactPoint& p);
+    Sign compare_branches(PointId p, FormPair c, FormPair d);
+    int sector_of(PointId p, FormPair from, FormPair x);
+    Sign along_sign(PointId p, FormPair c, FormPair d);
+    Sign curvature_order(PointId p, FormPair c, FormPair d);
+    Sign exact_line_order(const ExactCurve& line, PointId p, PointId q);
+    bool exact_strictly_between(FormPair c, PointId p, PointId q, PointId r);
+
+    const FormFamily* family_ = nullptr;
+    IdVector<FormId, Form> forms_;
+    IdVector<FormId, Source> sources_;
+    IdVector<PointId, KernelPoint> points_;
+    std::deque<ExactForm> exact_forms_;
+    std::vector<std::int32_t> exact_point_index_;
+    std::deque<ExactPoint> exact_points_;
+    Decisions decisions_;
+};
+
+}  // namespace vcell

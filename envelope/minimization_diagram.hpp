@@ -1,0 +1,93 @@
+/// The minimization diagram: the plane region of a chart, divided by which function is lowest.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "../arrangement/dcel.hpp"
+#include "../core/circular_form.hpp"
+#include "../core/sign.hpp"
+
+namespace vcell {
+
+/// A convex polygon with at least three sides, counter-clockwise: side i is the line
+/// a x + b y + c = 0 from corner i to corner i + 1, positive inside; coefficients are taken as exact.
+struct ConvexRegion {
+    struct Side {
+        double a, b, c;
+    };
+    std::vector<Side> sides;
+
+    static ConvexRegion rectangle(double x0, double y0, double x1, double y1) {
+        return {{{0, 1, -y0}, {-1, 0, x1}, {0, -1, y1}, {1, 0, -x0}}};
+    }
+};
+
+/// Every vertex, edge and face carries as label all functions that attain the minimum there.
+///
+/// The unbounded face (Dcel::unbounded_face()) lies outside the region and has no label. Edges are
+/// maximal: between two vertices, or closed without vertices. A vertex on the region's rim is a corner
+/// or a point where the label changes.
+struct MinimizationDiagram {
+    struct Vertex {
+        Eigen::Vector2d point;  ///< chart coordinates
+        double error;           ///< bound on the distance of `point` from the true vertex
+        double height;          ///< the minimum at `point`
+        double height_error;    ///< bound on its distance from the minimum at the true vertex
+    };
+    /// The arc of half-edge 2e. Inner edges lie on {left = right}, left being lower on the left side.
+    /// Rim edges have the region on their left: right is none and `side` is the region's side.
+    struct Edge {
+        FormId left, right;
+        std::uint32_t side = UINT32_MAX;
+
+        bool on_rim() const { return side != UINT32_MAX; }
+    };
+
+    Dcel dcel;
+    ConvexRegion region;
+    IdVector<FormId, CircularForm> forms;
+    IdVector<VertexId, Vertex> vertices;
+    IdVector<EdgeId, Edge> edges;
+    IdVector<FaceId, FormId> face_forms;
+    Decisions decisions;
+
+    /// The functions that attain the minimum at v (on e), ascending.
+    std::span<const FormId> label(VertexId v) const { return slice(vertex_labels_, vertex_offsets_, v.value); }
+    std::span<const FormId> label(EdgeId e) const { return slice(edge_labels_, edge_offsets_, e.value); }
+    /// The one function of a face; empty for the unbounded face. (Identical functions are one FormId.)
+    std::span<const FormId> label(FaceId f) const {
+        return face_forms[f].valid() ? std::span(&face_forms[f], 1) : std::span<const FormId>();
+    }
+    /// The sides of the region on which vertex v lies (none, one, or two at a corner).
+    std::span<const std::uint32_t> sides(VertexId v) const {
+        return {vertex_sides_.data() + side_offsets_[v.value], vertex_sides_.data() + side_offsets_[v.value + 1]};
+    }
+
+    std::vector<FormId> vertex_labels_, edge_labels_;
+    std::vector<std::uint32_t> vertex_offsets_, edge_offsets_, vertex_sides_, side_offsets_;
+
+private:
+    static std::span<const FormId> slice(const std::vector<FormId>& flat,
+                                         const std::vector<std::uint32_t>& offsets, std::uint32_t i) {
+        return {flat.data() + offsets[i], flat.data() + offsets[i + 1]};
+    }
+};
+
+struct EnvelopeOptions {
+    /// Called now and then with the fraction done, in [0, 1]; may throw to cancel.
+    std::function<void(double)> progress;
+};
+
+/// The lower envelope of the forms over the region, exact.
+/// Pre: no two forms are the same function (merge duplicates first); the region is not empty.
+/// Without forms: one face without label.
+MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region,
+                                   const EnvelopeOptions& options = {});
+
+/// The form that is lowest at a point given in doubles, exact; the first of those that tie.
+FormId lowest_form(const FormFamily& family, double x, double y);
+
+}  // namespace vcell

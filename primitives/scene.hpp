@@ -1,0 +1,34 @@
+/// A scene: one base, its objects, and the box that clips the cell.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "objects.hpp"
+
+namespace vcell {
+
+struct Scene {
+    Object base;
+    std::vector<Object> objects;
+    std::vector<std::string> names;  ///< empty, or one (possibly empty) name for each object
+    std::string base_name;
+    Box box;
+    std::string units = "mm";
+    std::optional<double> tolerance;  ///< length; none: 1e-7 of the box diagonal
+};
+
+/// Validates a scene on its own: finite numbers, non-zero directions, radii >= 0, a proper box.
+/// Throws InputError with the scene file's path of the first offender. Whether objects stay clear of
+/// the base is decided with the cell, by exact signs.
+void validate(const Scene& scene);
+
+/// The path of an object as the scene file names it: "objects[3].sphere". `field` is appended after
+/// a dot when given.
+std::string object_path(const Scene& scene, std::size_t object, const std::string& field = {});
+
+/// "object 3 (O1)" or "object 3", for messages.
+std::string object_title(const Scene& scene, std::size_t object);
+
+}  // namespace vcell
