@@ -20,6 +20,7 @@ install(FILES ${PROJECT_BINARY_DIR}/vcellConfig.cmake ${PROJECT_BINARY_DIR}/vcel
 
 # The prefix is found from the file's own place, so that the installed tree may be moved.
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-file(RELATIVE_PATH VCELL_PC_PREFIX ${CMAKE_INSTALL_PREFIX}/${pkgconfig_dir} ${CMAKE_INSTALL_PREFIX})
+cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}/${pkgconfig_dir}
+           OUTPUT_VARIABLE VCELL_PC_PREFIX)
 configure_file(cmake/vcell.pc.in ${PROJECT_BINARY_DIR}/vcell.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/vcell.pc DESTINATION ${pkgconfig_dir})

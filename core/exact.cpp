@@ -30,29 +30,29 @@ Exact Exact::sum(const Exact& a, const Exact& b, bool subtract) {
     return Exact(subtract ? Integer(x - y) : Integer(x + y), e);
 }
 
+long Exact::exponent() const {
+    assert(!m_.is_zero());
+    return static_cast<long>(msb(abs(m_))) + e_;
+}
+
 Interval Exact::enclosure() const {
     if (m_.is_zero()) return Interval(0.0);
-    const bool negative = m_.sign() < 0;
     Integer m = abs(m_);
     long e = e_;
-    const long excess = static_cast<long>(msb(m)) + 1 - 53;
+    // Cut to 53 bits, and to multiples of the smallest subnormal: then ldexp rounds nothing.
+    const long excess = std::max(static_cast<long>(msb(m)) + 1 - 53, -1074 - e);
     bool inexact = false;
     if (excess > 0) {
         inexact = static_cast<long>(lsb(m)) < excess;
         m >>= static_cast<unsigned>(excess);
         e += excess;
     }
-    const double mantissa = static_cast<double>(static_cast<long long>(m));
-    // ldexp is exact except below the normal range, where one more unit covers its rounding.
-    const int scale = static_cast<int>(std::clamp(e, -5000L, 5000L));
-    double lo = std::ldexp(mantissa, scale), hi = lo;
-    if (inexact) hi = std::ldexp(mantissa + 1, scale);
-    if (lo < std::numeric_limits<double>::min()) {
-        lo = 0;
-        hi += std::numeric_limits<double>::denorm_min();
-    }
+    const auto mantissa = static_cast<long long>(m);
+    const int scale = static_cast<int>(std::min(e, 5000L));
+    double lo = std::ldexp(static_cast<double>(mantissa), scale);
+    const double hi = inexact ? std::ldexp(static_cast<double>(mantissa + 1), scale) : lo;
     if (std::isinf(lo)) lo = std::numeric_limits<double>::max();
-    return negative ? Interval(-hi, -lo) : Interval(lo, hi);
+    return m_.sign() < 0 ? Interval(-hi, -lo) : Interval(lo, hi);
 }
 
 std::pair<Exact, Exact> Exact::sqrt_bounds(int bits) const {
@@ -92,18 +92,22 @@ Sign compare(const OneRoot& p, const Exact& p_den, const OneRoot& q, const Exact
 
 Interval enclosure(const OneRoot& v, const Exact& den) {
     assert(den.sign() != Sign::Zero);
-    const Interval d = den.enclosure();
-    if (v.b.sign() == Sign::Zero || v.c.sign() == Sign::Zero) return v.a.enclosure() / d;
     if (sign(v) == Sign::Zero) return Interval(0.0);
-    const bool up = v.b.sign() == Sign::Positive;
+    // Numerator and denominator may lie outside the range of doubles while their quotient does not:
+    // scale both by the power of two that brings the denominator to [1, 2).
+    const long shift = -den.exponent();
+    const Interval d = den.scaled(shift).enclosure();
+    const Exact a = v.a.scaled(shift), b = v.b.scaled(shift);
+    if (b.sign() == Sign::Zero || v.c.sign() == Sign::Zero) return a.enclosure() / d;
+    const bool up = b.sign() == Sign::Positive;
     for (int bits = 128;; bits *= 2) {
         const auto [root_lo, root_hi] = v.c.sqrt_bounds(bits);
-        const Interval lo = (v.a + v.b * (up ? root_lo : root_hi)).enclosure();
-        const Interval hi = (v.a + v.b * (up ? root_hi : root_lo)).enclosure();
+        const Interval lo = (a + b * (up ? root_lo : root_hi)).enclosure();
+        const Interval hi = (a + b * (up ? root_hi : root_lo)).enclosure();
         const Interval n(lo.lower(), hi.upper());
         // Cancellation between a and b sqrt(c) shows as width: ask the root for more bits. The value
         // is not zero, so this ends.
-        if (n.sign() && n.upper() - n.lower() <= 0x1p-48 * n.magnitude()) return n / d;
+        if (n.sign() && n.upper() - n.lower() <= 0x1p-50 * n.magnitude()) return n / d;
         if (n.magnitude() < std::numeric_limits<double>::min()) return n / d;
     }
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <boost/multiprecision/cpp_int.hpp>
+#include <utility>
 
 #include "interval.hpp"
 #include "sign.hpp"
@@ -36,10 +37,14 @@ public:
         return static_cast<int>((a - b).sign()) <=> 0;
     }
 
-    /// The tightest pair of doubles around the value that truncation finds (at most 2 ulp wide).
+    /// floor(log2 |*this|). Pre: not zero.
+    long exponent() const;
+    /// *this * 2^power.
+    Exact scaled(long power) const { return Exact(m_, e_ + power); }
+    /// The tightest pair of doubles around the value; a single double when it is one.
     Interval enclosure() const;
     /// Enclosure of the non-negative square root, relative width about 2^-bits before rounding.
-    /// Pre: *this >= 0. Returns lower and upper bounds as exact numbers.
+    /// Pre: *this >= 0. Returns lower and upper bounds, equal for the square of a dyadic number.
     std::pair<Exact, Exact> sqrt_bounds(int bits) const;
 
 private:
@@ -83,7 +88,8 @@ Sign sign(const OneRoot& v);
 /// Pre: both denominators are positive.
 Sign compare(const OneRoot& p, const Exact& p_den, const OneRoot& q, const Exact& q_den);
 
-/// Doubles around v / den, a few ulp wide however much a and b sqrt(c) cancel. Pre: den != 0.
+/// Doubles around v / den, at most 16 ulp wide however much a and b sqrt(c) cancel (subnormal values
+/// excepted); [0, 0] for zero. Pre: den != 0.
 Interval enclosure(const OneRoot& v, const Exact& den);
 
 }  // namespace vcell

@@ -33,6 +33,7 @@ public:
 
     double lower() const { return lo_; }
     double upper() const { return hi_; }
+    /// A point within, for bounded intervals.
     double mid() const { return 0.5 * lo_ + 0.5 * hi_; }
     /// Upper bound of half the width.
     double radius() const { return up(0.5 * up(hi_ - lo_)); }
@@ -78,7 +79,7 @@ public:
     /// Square root of the non-negative part. Pre: a.upper() >= 0.
     friend Interval sqrt(Interval a) {
         const double lo = a.lo_ > 0 ? down(std::sqrt(a.lo_)) : 0.0;
-        return {std::max(0.0, lo), up(std::sqrt(std::max(0.0, a.hi_)))};
+        return {std::max(0.0, lo), a.hi_ == 0 ? 0.0 : up(std::sqrt(a.hi_))};
     }
     friend Interval hull(Interval a, Interval b) {
         return {std::min(a.lo_, b.lo_), std::max(a.hi_, b.hi_)};
@@ -106,7 +107,7 @@ private:
     }
     static Interval from_candidates(double p, double q, double r, double s) {
         if (p != p || q != q || r != r || s != s) return whole();
-        return {down(std::min({p, q, r, s})), up(std::max({p, q, r, s}))};
+        return {down(std::min(std::min(p, q), std::min(r, s))), up(std::max(std::max(p, q), std::max(r, s)))};
     }
 
     double lo_ = 0;

@@ -8,8 +8,12 @@
 using namespace vcell;
 
 namespace {
-struct AppleTag { static constexpr char letter = 'a'; };
-struct PearTag { static constexpr char letter = 'p'; };
+struct AppleTag {
+    static constexpr char letter = 'a';
+};
+struct PearTag {
+    static constexpr char letter = 'p';
+};
 using Apple = Id<AppleTag>;
 using Pear = Id<PearTag>;
 }  // namespace
