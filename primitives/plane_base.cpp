@@ -1,0 +1,569 @@
+#include "plane_base.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "../core/errors.hpp"
+#include "../core/exact.hpp"
+#include "message.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Kind = InputError::Kind;
+
+// A double's relative error bound only holds above the subnormals; forms stay well clear of them.
+constexpr double smallest_coefficient = 1e-250;
+
+double nearest(const Exact& value) { return value.enclosure().mid(); }
+
+// ---- Frame ------------------------------------------------------------------------------------------
+
+BaseFrame canonical_frame(const Plane& base, const Box& box) {
+    BaseFrame frame;
+    const Vec3& n = base.normal;
+    Eigen::Index k = 0;
+    const double size = n.cwiseAbs().maxCoeff(&k);
+    const Eigen::Index i = (k + 1) % 3, j = (k + 2) % 3;
+    frame.rotation.setZero();
+    if (n[i] == 0 && n[j] == 0) {
+        // Rows (e_i, e_j, e_k) are a cyclic shift; with -e_k the first two change places. Both are
+        // rotations, and other coordinates than the k-th keep their digits.
+        const bool up = n[k] > 0;
+        frame.rotation(0, up ? i : j) = 1;
+        frame.rotation(1, up ? j : i) = 1;
+        frame.rotation(2, k) = up ? 1 : -1;
+        frame.origin[k] = base.point[k];
+        return frame;
+    }
+    const Vec3 unit = (n / size).normalized();
+    // The coordinate axis farthest from the normal gives the best conditioned cross product.
+    Eigen::Index least = 0;
+    unit.cwiseAbs().minCoeff(&least);
+    const Vec3 e1 = Vec3::Unit(least).cross(unit).normalized();
+    frame.rotation.row(0) = e1;
+    frame.rotation.row(1) = unit.cross(e1);
+    frame.rotation.row(2) = unit;
+    const Vec3 center = 0.5 * box.min + 0.5 * box.max;
+    frame.origin = center - unit * unit.dot(center - base.point);
+    return frame;
+}
+
+// ---- Base region ------------------------------------------------------------------------------------
+
+// m.p <= k inside, canonical coordinates.
+struct BoxSide {
+    Vec3 m;
+    double k;
+    std::uint32_t index;
+};
+
+std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame) {
+    std::array<BoxSide, 6> sides;
+    for (std::uint32_t s = 0; s < 6; ++s) {
+        const Eigen::Index axis = s / 2;
+        const Vec3 m = frame.rotation.col(axis);
+        if (s % 2 == 0)
+            sides[s] = {-m, frame.origin[axis] - box.min[axis], s};
+        else
+            sides[s] = {m, box.max[axis] - frame.origin[axis], s};
+    }
+    return sides;
+}
+
+// A point (x / d, y / d), d > 0.
+struct ExactPoint {
+    Exact x, y, d;
+
+    Eigen::Vector2d rounded() const {
+        const Interval w = d.enclosure();
+        return {(x.enclosure() / w).mid(), (y.enclosure() / w).mid()};
+    }
+};
+
+Exact turn(const RegionSide& i, const RegionSide& j) { return Exact(i.a) * j.b - Exact(i.b) * j.a; }
+
+// Value of line `side` at p, times p.d.
+Exact value_at(const RegionSide& side, const ExactPoint& p) {
+    return side.a * p.x + side.b * p.y + side.c * p.d;
+}
+
+// The crossing of two lines, by Cramer's rule. Pre: they are not parallel.
+ExactPoint crossing(const RegionSide& i, const RegionSide& j) {
+    ExactPoint p{Exact(i.b) * j.c - Exact(i.c) * j.b, Exact(i.c) * j.a - Exact(i.a) * j.c, turn(i, j)};
+    if (p.d.sign() == Sign::Negative) p = {-p.x, -p.y, -p.d};
+    return p;
+}
+
+// Does a stretch of line i, of positive length, bound the intersection of all half-planes?
+// Along i's direction (b_i, -a_i), half-plane j begins (turn < 0) or ends (turn > 0) at the crossing with
+// line j; the stretch exists when every beginning comes strictly before every end, that is, lies
+// strictly inside the half-plane that ends there.
+bool contributes(const std::vector<RegionSide>& lines, std::size_t i) {
+    std::vector<std::size_t> begins, ends;
+    for (std::size_t j = 0; j < lines.size(); ++j) {
+        if (j == i) continue;
+        const Sign t = turn(lines[i], lines[j]).sign();
+        if (t == Sign::Negative) begins.push_back(j);
+        if (t == Sign::Positive) ends.push_back(j);
+        if (t != Sign::Zero) continue;
+        // n_j = lambda n_i: on line i, half-plane j has the value c_j - lambda c_i.
+        const bool use_a = lines[i].a != 0;
+        const double ni = use_a ? lines[i].a : lines[i].b, nj = use_a ? lines[j].a : lines[j].b;
+        const Sign value = (Exact(lines[j].c) * ni - Exact(lines[i].c) * nj).sign() * sign_of(ni);
+        const bool same_direction = (ni > 0) == (nj > 0);
+        // Of lines that coincide the first one stands for all.
+        const bool inside = value == Sign::Positive || (value == Sign::Zero && same_direction && i < j);
+        if (!inside) return false;
+    }
+    for (const std::size_t j : begins) {
+        const ExactPoint p = crossing(lines[i], lines[j]);
+        for (const std::size_t k : ends)
+            if (value_at(lines[k], p).sign() != Sign::Positive) return false;
+    }
+    return !begins.empty() && !ends.empty();
+}
+
+// Order of the sides' directions (b, -a) by angle in [0, 2 pi), exact.
+bool before_by_angle(const RegionSide& i, const RegionSide& j) {
+    const auto lower_half = [](const RegionSide& s) { return -s.a < 0 || (s.a == 0 && s.b < 0); };
+    if (lower_half(i) != lower_half(j)) return lower_half(j);
+    return turn(i, j).sign() == Sign::Positive;
+}
+
+std::vector<RegionSide> base_region(const std::array<BoxSide, 6>& box) {
+    const auto fail = [](const char* what) {
+        throw InputError(Kind::EmptyBox, InputError::no_object, "box", what);
+    };
+    std::vector<RegionSide> lines;
+    for (const BoxSide& side : box) {
+        if (side.m.x() != 0 || side.m.y() != 0) {
+            lines.push_back({-side.m.x(), -side.m.y(), side.k, Site::box_side(side.index)});
+            continue;
+        }
+        if (side.k < 0) fail("does not meet the base plane (base.plane)");
+        if (side.k == 0 && side.m.z() > 0)
+            fail("lies behind the base plane (base.plane), which it only touches");
+    }
+    std::vector<RegionSide> region;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        if (contributes(lines, i)) region.push_back(lines[i]);
+    if (region.empty()) fail("meets the base plane (base.plane) in no more than a point or an edge");
+    std::sort(region.begin(), region.end(), before_by_angle);
+    return region;
+}
+
+// Corner i is where side i begins.
+std::vector<ExactPoint> region_corners(const std::vector<RegionSide>& region) {
+    std::vector<ExactPoint> corners;
+    for (std::size_t i = 0; i < region.size(); ++i)
+        corners.push_back(crossing(region[(i + region.size() - 1) % region.size()], region[i]));
+    return corners;
+}
+
+// ---- Objects against the region ---------------------------------------------------------------------
+
+class Region {
+public:
+    explicit Region(const std::vector<RegionSide>& sides) : sides_(sides), corners_(region_corners(sides)) {}
+
+    const std::vector<ExactPoint>& corners() const { return corners_; }
+
+    // Sign of r2 - (squared distance of (x, y) from the closed region).
+    Sign reach(double x, double y, const Exact& r2) const {
+        const ExactPoint p{x, y, 1.0};
+        bool inside = true;
+        std::optional<Sign> best;
+        const auto consider = [&](const Exact& excess) {
+            const Sign s = excess.sign();
+            if (!best || s > *best) best = s;
+        };
+        for (std::size_t i = 0; i < sides_.size(); ++i) {
+            const RegionSide& side = sides_[i];
+            const ExactPoint &from = corners_[i], &to = corners_[(i + 1) % sides_.size()];
+            const Exact dx = p.x * from.d - from.x, dy = p.y * from.d - from.y;
+            consider(r2 * from.d * from.d - dx * dx - dy * dy);
+            const Exact value = value_at(side, p);
+            if (value.sign() != Sign::Negative) continue;
+            inside = false;
+            // The foot on the line lies on the side when p is beyond `from` and short of `to`.
+            const Exact ex = to.x - p.x * to.d, ey = to.y - p.y * to.d;
+            if ((dx * side.b - dy * side.a).sign() == Sign::Positive &&
+                (ex * side.b - ey * side.a).sign() == Sign::Positive)
+                consider(r2 * (Exact(side.a) * side.a + Exact(side.b) * side.b) - value * value);
+        }
+        return inside ? r2.sign() : *best;
+    }
+
+    // The point of the region nearest to p, rounded: for messages.
+    Eigen::Vector2d nearest_point(const Eigen::Vector2d& p) const {
+        std::optional<Eigen::Vector2d> best;
+        bool inside = true;
+        for (std::size_t i = 0; i < sides_.size(); ++i) {
+            if (sides_[i].a * p.x() + sides_[i].b * p.y() + sides_[i].c < 0) inside = false;
+            const Eigen::Vector2d from = corners_[i].rounded();
+            const Eigen::Vector2d along = corners_[(i + 1) % sides_.size()].rounded() - from;
+            const double t = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+            const Eigen::Vector2d q = from + t * along;
+            if (!best || (q - p).squaredNorm() < (*best - p).squaredNorm()) best = q;
+        }
+        return inside ? p : *best;
+    }
+
+private:
+    const std::vector<RegionSide>& sides_;
+    std::vector<ExactPoint> corners_;
+};
+
+// ---- Forms ------------------------------------------------------------------------------------------
+
+struct Ball {
+    double cx, cy, cz, rho;
+
+    friend bool operator==(const Ball&, const Ball&) = default;
+    Exact behind() const { return Exact(cz) - rho; }  // height of the lowest point
+    Exact width() const { return Exact(cz) + rho; }   // beta
+};
+
+// Each of the four operations below is one rounding of exact operands or two of rounded ones: e has a
+// relative error of 3u, w of u.
+CircularForm ball_form(const Ball& s) {
+    CircularForm f;
+    f.k = 1;
+    f.cx = s.cx;
+    f.cy = s.cy;
+    f.e = (s.cz - s.rho) * (s.cz + s.rho);
+    f.w = 2 * (s.cz + s.rho);
+    return f;
+}
+
+ExactForm exact_ball_form(const Ball& s) {
+    const Exact cx(s.cx), cy(s.cy);
+    return {1.0, -2.0 * cx, -2.0 * cy, cx * cx + cy * cy + s.behind() * s.width(), 2.0 * s.width()};
+}
+
+// (A x + B y + C) / W, of a plane or a box side.
+using LinearForm = std::array<Exact, 4>;
+
+// The double nearest to sqrt(value), for value > 0.
+double rounded_sqrt(const Exact& value) {
+    const Interval root = value.sqrt_bounds(128).first.enclosure();
+    // The root lies beyond the midpoint exactly when its square does.
+    const Exact sum = Exact(root.lower()) + root.upper();
+    return sum * sum < value * 4.0 ? root.upper() : root.lower();
+}
+
+// Height of the plane n.p + d = 0 seen from its positive side: C = nx x + ny y + d, 2 beta = |n| - nz,
+// both multiplied by |n| + nz where the difference would cancel.
+LinearForm plane_form(const Vec3& n, const Exact& d) {
+    const Exact xy = Exact(n.x()) * n.x() + Exact(n.y()) * n.y();
+    const double length = rounded_sqrt(xy + Exact(n.z()) * n.z());
+    if (!(n.z() > 0)) return {n.x(), n.y(), d, Exact(length) - n.z()};
+    const Exact factor = Exact(length) + n.z();
+    return {factor * n.x(), factor * n.y(), factor * d, xy};
+}
+
+// Total order of vectors up to positive factors: the first non-zero component's place and sign, then
+// the others' ratios to it.
+int compare_rays(const LinearForm& p, const LinearForm& q) {
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        const Sign sp = p[i].sign(), sq = q[i].sign();
+        if (sp != sq) return sp < sq ? -1 : 1;
+        if (sp == Sign::Zero) continue;
+        for (std::size_t j = i + 1; j < p.size(); ++j) {
+            const Sign s = (p[j] * q[i] - q[j] * p[i]).sign() * sp;
+            if (s != Sign::Zero) return static_cast<int>(s);
+        }
+        return 0;
+    }
+    return 0;
+}
+
+// For each vector the first one that is a positive multiple of it.
+std::vector<std::uint32_t> first_equal(const std::vector<LinearForm>& rays) {
+    std::vector<std::uint32_t> order(rays.size()), first(rays.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t i, std::uint32_t j) { return compare_rays(rays[i], rays[j]) < 0; });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool same = i > 0 && compare_rays(rays[order[i - 1]], rays[order[i]]) == 0;
+        first[order[i]] = same ? first[order[i - 1]] : order[i];
+    }
+    return first;
+}
+
+// For each ball the first one equal to it; open addressing, linear in the number of balls.
+std::vector<std::uint32_t> first_equal(const std::vector<Ball>& balls) {
+    constexpr std::uint32_t none = UINT32_MAX;
+    std::vector<std::uint32_t> table(std::bit_ceil(2 * balls.size() + 1), none), first(balls.size());
+    const std::size_t mask = table.size() - 1;
+    for (std::uint32_t i = 0; i < balls.size(); ++i) {
+        std::uint64_t hash = 0;
+        for (const double x : {balls[i].cx, balls[i].cy, balls[i].cz, balls[i].rho}) {
+            // x + 0 makes -0 hash like 0. The rest is a multiply-xorshift mixing step.
+            hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15u;
+            hash ^= hash >> 32;
+        }
+        std::size_t slot = hash & mask;
+        while (table[slot] != none && !(balls[table[slot]] == balls[i])) slot = (slot + 1) & mask;
+        if (table[slot] == none) table[slot] = i;
+        first[i] = table[slot];
+    }
+    return first;
+}
+
+// What the exact coefficients of a form are computed from.
+using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
+
+// ---- The problem ------------------------------------------------------------------------------------
+
+class ProblemBuilder {
+public:
+    ProblemBuilder(const Scene& scene, const Plane& base)
+        : scene_(scene),
+          frame_(canonical_frame(base, scene.box)),
+          box_(canonical_box(scene.box, frame_)),
+          sides_(base_region(box_)),
+          region_(sides_),
+          sources_(std::make_shared<IdVector<FormId, FormSource>>()) {}
+
+    PlaneBaseProblem build() {
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
+            if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]))
+                add(i, *sphere);
+            else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i]))
+                add(i, *plane);
+            else
+                fail(Kind::Unsupported, i, "cylinders over a plane base are not computed by this version");
+        }
+        make_forms();
+        PlaneBaseProblem problem;
+        problem.frame = frame_;
+        problem.region = sides_;
+        for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
+        problem.family.forms = std::move(forms_);
+        problem.family.exact = [sources = sources_](FormId f) -> ExactForm {
+            const FormSource& source = (*sources)[f];
+            if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(*ball);
+            return *std::get<std::shared_ptr<const ExactForm>>(source);
+        };
+        warn();
+        problem.sites = std::move(sites_);
+        problem.warnings = std::move(warnings_);
+        return problem;
+    }
+
+private:
+    [[noreturn]] void fail(Kind kind, std::uint32_t object, const std::string& what) const {
+        throw InputError(kind, object, object_path(scene_, object), what);
+    }
+    [[noreturn]] void fail_touching(std::uint32_t object, Sign depth, const Eigen::Vector2d& place) const {
+        const Vec3 world = frame_.to_world({place.x(), place.y(), 0});
+        fail(Kind::TouchesBase, object,
+             std::string(depth == Sign::Positive ? "cuts" : "touches") + " the base region at " +
+                 to_text(world));
+    }
+
+    void add(std::uint32_t i, const Sphere& sphere) {
+        const Vec3 c = frame_.to_canonical(sphere.center);
+        const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
+        if (!(ball.cz > ball.rho) && !(ball.cz < -ball.rho)) {
+            // The sphere meets the base plane in a disk of squared radius (rho - cz)(rho + cz) >= 0.
+            const Sign depth = region_.reach(ball.cx, ball.cy, -(ball.behind() * ball.width()));
+            if (depth != Sign::Negative) fail_touching(i, depth, region_.nearest_point(c.head<2>()));
+        }
+        if (!(ball.cz > -ball.rho)) {
+            behind_.push_back(i);
+            return;
+        }
+        balls_.push_back(ball);
+        ball_objects_.push_back(i);
+    }
+
+    void add(std::uint32_t i, const Plane& plane) {
+        const Vec3 p = frame_.to_canonical(plane.point), n = frame_.rotation * plane.normal;
+        const Exact d = -(Exact(n.x()) * p.x() + Exact(n.y()) * p.y() + Exact(n.z()) * p.z());
+        // Linear over the region: the corners tell.
+        const auto& corners = region_.corners();
+        std::vector<Sign> signs;
+        for (const ExactPoint& c : corners) signs.push_back((n.x() * c.x + n.y() * c.y + d * c.d).sign());
+        const auto differs = std::adjacent_find(signs.begin(), signs.end(), std::not_equal_to<>());
+        const auto zero = std::find(signs.begin(), signs.end(), Sign::Zero);
+        if (differs != signs.end() || zero != signs.end()) {
+            const bool cuts = std::count(signs.begin(), signs.end(), Sign::Positive) > 0 &&
+                              std::count(signs.begin(), signs.end(), Sign::Negative) > 0;
+            Eigen::Vector2d place;
+            if (zero != signs.end()) {
+                place = corners[zero - signs.begin()].rounded();
+            } else {
+                const std::size_t k = differs - signs.begin();
+                const Eigen::Vector2d from = corners[k].rounded(), to = corners[k + 1].rounded();
+                const double g0 = n.head<2>().dot(from) + nearest(d), g1 = n.head<2>().dot(to) + nearest(d);
+                place = from + std::clamp(g0 / (g0 - g1), 0.0, 1.0) * (to - from);
+            }
+            fail_touching(i, cuts ? Sign::Positive : Sign::Zero, place);
+        }
+        const double s = static_cast<int>(signs.front());
+        planes_.push_back({s * n.x(), s * n.y(), s * n.z(), s * d});
+        plane_objects_.push_back(i);
+        plane_normals_.push_back(s * n);
+    }
+
+    CircularForm rounded(const LinearForm& exact, Site site) const {
+        CircularForm f;
+        f.a = nearest(exact[0]);
+        f.b = nearest(exact[1]);
+        f.e = nearest(exact[2]);
+        f.w = nearest(exact[3]);
+        check_range(f, site);
+        return f;
+    }
+
+    void check_range(const CircularForm& f, Site site) const {
+        for (const double x : {f.a, f.b, f.e, f.w}) {
+            if (x == 0 || std::abs(x) >= smallest_coefficient) continue;
+            const std::string what =
+                "is so close to the base, or so nearly parallel to it, that its height "
+                "leaves the range of doubles";
+            if (site.is_object()) fail(Kind::OutOfRange, site.index, what);
+            throw InputError(Kind::OutOfRange, InputError::no_object, "box",
+                             "side " + to_string(site) + " " + what);
+        }
+    }
+
+    // One form for every distinct height, in the order of their first sites: objects, then box sides.
+    void make_forms() {
+        const std::vector<std::uint32_t> first_ball = first_equal(balls_);
+        // Planes that are multiples of each other are one plane, though |n| may round differently.
+        const std::vector<std::uint32_t> first_plane = first_equal(planes_);
+        std::vector<LinearForm> linear;
+        std::vector<Site> linear_sites;
+        for (std::size_t i = 0; i < planes_.size(); ++i) {
+            const LinearForm form = first_plane[i] < i ? plane_forms_[first_plane[i]]
+                                                       : plane_form(plane_normals_[i], planes_[i][3]);
+            plane_forms_.push_back(form);
+            if (form[3].sign() != Sign::Positive) {
+                behind_.push_back(plane_objects_[i]);
+                continue;
+            }
+            linear.push_back(form);
+            linear_sites.push_back(Site::object(plane_objects_[i]));
+        }
+        for (const BoxSide& side : box_) {
+            if (!(side.m.z() > 0)) continue;
+            linear.push_back({-side.m.x(), -side.m.y(), side.k, side.m.z()});
+            linear_sites.push_back(Site::box_side(side.index));
+        }
+        const std::vector<std::uint32_t> first_linear = first_equal(linear);
+
+        std::vector<FormId> ball_forms(balls_.size()), linear_forms(linear.size());
+        forms_.reserve(balls_.size() + linear.size());
+        const auto add_ball = [&](std::size_t i) {
+            if (first_ball[i] < i) {
+                ball_forms[i] = ball_forms[first_ball[i]];
+            } else {
+                const CircularForm f = ball_form(balls_[i]);
+                check_range(f, Site::object(ball_objects_[i]));
+                ball_forms[i] = forms_.push_back(f);
+                sources_->push_back(balls_[i]);
+                sites_.push_back({});
+            }
+            sites_[ball_forms[i]].push_back(Site::object(ball_objects_[i]));
+        };
+        const auto add_linear = [&](std::size_t i) {
+            if (first_linear[i] < i) {
+                linear_forms[i] = linear_forms[first_linear[i]];
+            } else {
+                linear_forms[i] = forms_.push_back(rounded(linear[i], linear_sites[i]));
+                const auto& [a, b, c, w] = linear[i];
+                sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
+                sites_.push_back({});
+            }
+            sites_[linear_forms[i]].push_back(linear_sites[i]);
+        };
+        std::size_t ball = 0;
+        for (std::size_t i = 0; i < linear.size(); ++i) {
+            while (ball < balls_.size() && Site::object(ball_objects_[ball]) < linear_sites[i])
+                add_ball(ball++);
+            add_linear(i);
+        }
+        while (ball < balls_.size()) add_ball(ball++);
+    }
+
+    void warn() {
+        if (!behind_.empty()) {
+            std::sort(behind_.begin(), behind_.end());
+            // A base plane in the middle of a packing leaves half of it behind: name a few, count the rest.
+            constexpr std::size_t named = 8;
+            std::string text;
+            for (std::size_t i = 0; i < std::min(named, behind_.size()); ++i)
+                text += (i > 0 ? ", " : "") + object_title(scene_, behind_[i]);
+            if (behind_.size() > named) text += " and " + std::to_string(behind_.size() - named) + " more";
+            warnings_.push_back(text + ": behind the base, never nearest to any point of its cell");
+        }
+        for (const std::vector<Site>& sites : sites_) {
+            if (sites.size() < 2) continue;
+            std::string text;
+            for (const Site site : sites)
+                text += (text.empty() ? "" : " and ") +
+                        (site.is_object() ? object_title(scene_, site.index) : "side " + to_string(site));
+            warnings_.push_back(text + ": the same distance from the base everywhere, merged");
+        }
+    }
+
+    const Scene& scene_;
+    const BaseFrame frame_;
+    const std::array<BoxSide, 6> box_;
+    const std::vector<RegionSide> sides_;
+    const Region region_;
+
+    std::vector<Ball> balls_;
+    std::vector<std::uint32_t> ball_objects_;
+    std::vector<LinearForm> planes_;  // (n, d), the region on the positive side
+    std::vector<Vec3> plane_normals_;
+    std::vector<LinearForm> plane_forms_;
+    std::vector<std::uint32_t> plane_objects_;
+    std::vector<std::uint32_t> behind_;
+
+    IdVector<FormId, CircularForm> forms_;
+    IdVector<FormId, std::vector<Site>> sites_;
+    std::shared_ptr<IdVector<FormId, FormSource>> sources_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+PlaneBaseProblem plane_base_problem(const Scene& scene) {
+    const auto* base = std::get_if<Plane>(&scene.base);
+    if (base == nullptr)
+        throw InputError(Kind::Unsupported, InputError::no_object,
+                         std::holds_alternative<Sphere>(scene.base) ? "base.sphere" : "base.cylinder",
+                         "only planes are bases in this version");
+    return ProblemBuilder(scene, *base).build();
+}
+
+double region_area(const std::vector<RegionSide>& region) {
+    // A fan of triangles from corner 0, all of positive area: no cancellation between terms, and each
+    // numerator is exact.
+    const std::vector<ExactPoint> p = region_corners(region);
+    Interval twice(0.0);
+    for (std::size_t i = 1; i + 1 < p.size(); ++i) {
+        const Exact ux = p[i].x * p[0].d - p[0].x * p[i].d, uy = p[i].y * p[0].d - p[0].y * p[i].d;
+        const Exact vx = p[i + 1].x * p[0].d - p[0].x * p[i + 1].d,
+                    vy = p[i + 1].y * p[0].d - p[0].y * p[i + 1].d;
+        twice += (ux * vy - uy * vx).enclosure() / (p[0].d * p[0].d * p[i].d * p[i + 1].d).enclosure();
+    }
+    return 0.5 * twice.mid();
+}
+
+}  // namespace vcell

@@ -1,0 +1,66 @@
+/// The plane base: canonical position, height functions, bisector patches.
+///
+/// Canonical position: the base is z = 0, the cell lies on z > 0 and a base point is (x, y, 0). An
+/// object is met at clearance t = C / (2 beta) (docs/references.md [HE], design of the heights):
+///
+///     sphere (c, rho)          C = |(x,y) - (cx,cy)|^2 + cz^2 - rho^2,   beta = cz + rho
+///     plane n.p + D, side s    C = s (nx x + ny y + D),                  beta = (|n| - s nz) / 2
+///     box side m.p <= k        C = k - m.(x, y, 0),                      beta = mz / 2
+///
+/// with beta <= 0: never met. All are CircularForms with w = 2 beta. |n| is rounded once, correctly; where
+/// the difference |n| - s nz would cancel, C and 2 beta are both multiplied by |n| + s nz, which leaves
+/// w = nx^2 + ny^2 and the height a relative error of one rounding.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "../core/circular_form.hpp"
+#include "scene.hpp"
+#include "site.hpp"
+
+namespace vcell {
+
+/// A rigid motion between world and canonical coordinates: canonical = R (world - origin).
+/// For axis-parallel normals R is a signed permutation, the origin is the base's point on that axis, and
+/// the motion is exact up to that one subtraction. In general the origin is the foot of the box's centre
+/// on the base and the input is rounded once here. All later statements are exact about the rounded,
+/// canonical doubles.
+struct BaseFrame {
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Vec3 origin = Vec3::Zero();
+
+    Vec3 to_canonical(const Vec3& world) const { return rotation * (world - origin); }
+    Vec3 to_world(const Vec3& canonical) const { return rotation.transpose() * canonical + origin; }
+};
+
+/// A side of the base region: which side of the box cuts the base plane there.
+struct RegionSide {
+    double a, b, c;  ///< a x + b y + c >= 0 inside, canonical coordinates
+    Site site;
+};
+
+/// A scene over a plane base, brought to canonical position and checked.
+struct PlaneBaseProblem {
+    BaseFrame frame;
+    std::vector<RegionSide> region;        ///< convex polygon, counter-clockwise
+    std::vector<Eigen::Vector2d> corners;  ///< corner i: start of side i, rounded
+    FormFamily family;
+    /// The sites of each form, ascending: several when objects coincide as seen from the base
+    /// (duplicates, a plane whose bisector is the box side).
+    IdVector<FormId, std::vector<Site>> sites;
+    std::vector<std::string> warnings;     ///< merged duplicates, objects that can never be nearest
+};
+
+/// Throws InputError: Unsupported for cylinders and for bases that are no planes, EmptyBox when no region
+/// of positive area lies both on the base and in the box (or the cell's side of it has no room),
+/// TouchesBase (with object and place) for an object that cuts or touches the closed base region,
+/// OutOfRange where a height's coefficients leave the double range. All of it by exact signs.
+/// A sphere or plane that meets the base outside the region only is legal.
+/// Pre: validate(scene) has passed.
+PlaneBaseProblem plane_base_problem(const Scene& scene);
+
+/// Area of the base region. Relative error at most 2^-49: the exact corners, rounded at the very end.
+double region_area(const std::vector<RegionSide>& region);
+
+}  // namespace vcell
