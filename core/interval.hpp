@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "sign.hpp"
@@ -34,7 +35,7 @@ public:
     double lower() const { return lo_; }
     double upper() const { return hi_; }
     /// A point within, for bounded intervals.
-    double mid() const { return 0.5 * lo_ + 0.5 * hi_; }
+    double mid() const { return std::midpoint(lo_, hi_); }
     /// Upper bound of half the width.
     double radius() const { return up(0.5 * up(hi_ - lo_)); }
     double magnitude() const { return std::max(std::abs(lo_), std::abs(hi_)); }
