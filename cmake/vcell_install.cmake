@@ -1,9 +1,12 @@
-# Installs the libraries with what find_package(vcell) and pkg-config need.
+# Installs the libraries and the program, with what find_package(vcell) and pkg-config need.
 include(CMakePackageConfigHelpers)
 
-get_property(modules GLOBAL PROPERTY VCELL_MODULES)
-install(TARGETS vcell ${modules} EXPORT vcellTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS vcell ${vcell_joined_modules} EXPORT vcellTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES vcell.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vcell)
+foreach(folder IN LISTS vcell_module_folders)
+  install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vcell/${folder}
+          FILES_MATCHING PATTERN "*.hpp")
+endforeach()
 if(TARGET vcell_program)
   install(TARGETS vcell_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

@@ -1,6 +1,6 @@
 # One module, one static library: vcell_module(name SOURCES ... [DEPENDS modules ...]).
 # The target is vcell_<name> (vcell::<name> for users), the archive libvcell_<name>.a. Headers lie beside
-# the sources and are installed under include/vcell/<directory of the module>/.
+# the sources; <vcell/module/header.hpp> finds them in the build tree as it does installed.
 function(vcell_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_library(vcell_${name} STATIC ${ARG_SOURCES})
@@ -12,17 +12,15 @@ function(vcell_module name)
   endforeach()
   set_property(GLOBAL APPEND PROPERTY VCELL_MODULES vcell_${name})
 
-  # <vcell/module/header.hpp> works in the build tree as it does installed.
-  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${vcell_SOURCE_DIR} OUTPUT_VARIABLE place)
-  cmake_path(GET place PARENT_PATH parent)
-  if(NOT parent)  # a module inside a module comes with the outer one
-    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${vcell_BINARY_DIR}/include/vcell/${place} SYMBOLIC)
-    install(DIRECTORY . DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vcell/${place}
-            FILES_MATCHING PATTERN "*.hpp")
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${vcell_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  set(link ${vcell_BINARY_DIR}/include/vcell/${folder})
+  if(NOT EXISTS ${link})  # a module inside another's folder is there already
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${link} SYMBOLIC)
   endif()
 endfunction()
 
-# libvcell.a: the objects of all modules declared so far in one archive; target vcell::vcell.
+# libvcell.a: the objects of all modules declared so far in one archive; target vcell::vcell. Leaves
+# the modules' targets in vcell_joined_modules.
 function(vcell_joined_library)
   get_property(modules GLOBAL PROPERTY VCELL_MODULES)
   add_library(vcell STATIC)
@@ -32,6 +30,7 @@ function(vcell_joined_library)
   endforeach()
   set_target_properties(vcell PROPERTIES LINKER_LANGUAGE CXX)
   vcell_usage(vcell)
+  set(vcell_joined_modules ${modules} PARENT_SCOPE)
 endfunction()
 
 # What compiling against any of our libraries takes.
