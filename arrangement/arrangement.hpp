@@ -1,5 +1,9 @@
 /// Subdivisions of the plane by curves: topology and exact predicates.
 #pragma once
 
+#include "arc_geometry.hpp"
 #include "circle_kernel.hpp"
 #include "dcel.hpp"
+#include "overlay.hpp"
+#include "point_location.hpp"
+#include "sweep.hpp"
