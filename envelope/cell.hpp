@@ -22,18 +22,18 @@ std::string to_string(CurveKind kind);  ///< "line", "circle", ...
 /// Vertices on a box side, or over the rim of the base region, list that side among the sites.
 struct CellVertex {
     Vec3 point;
-    double radius = 0;         ///< clearance
-    std::vector<Site> sites;   ///< all that attain it, ascending; the base is not listed
-    double error = 0;          ///< bound on the distance of `point` from the true vertex
+    double radius = 0;        ///< clearance
+    std::vector<Site> sites;  ///< all that attain it, ascending; the base is not listed
+    double error = 0;         ///< bound on the distance of `point` from the true vertex
 };
 
 /// A trisector arc, maximal between vertices, or an arc of a box side or of the region's rim.
 struct CellEdge {
-    std::array<Site, 2> sites;              ///< left and right of the edge, seen against the base normal
-    std::vector<Site> extra_sites;          ///< further sites that attain the minimum all along it
-    std::vector<std::uint32_t> vertices;    ///< {start, end}, or empty for a closed edge without vertex
+    std::array<Site, 2> sites;            ///< left and right of the edge, seen against the base normal
+    std::vector<Site> extra_sites;        ///< further sites that attain the minimum all along it
+    std::vector<std::uint32_t> vertices;  ///< {start, end}, or empty for a closed edge without vertex
     CurveKind kind = CurveKind::Line;
-    double error = 0;                       ///< bound on the distance from the true arc; 0: exact up to rounding
+    double error = 0;  ///< bound on the distance from the true arc; 0: exact up to rounding
     double length = 0;
     RationalCurve3 curve;
 };
@@ -41,8 +41,8 @@ struct CellEdge {
 /// One directed curve of a trimming loop, in (u, v), parametrised like the edge's space curve
 /// (reversed: the edge's space curve runs the other way, t -> domain_begin + domain_end - t).
 struct TrimCurve {
-    std::optional<std::uint32_t> edge;   ///< none: a seam piece
-    std::optional<std::uint32_t> seam;   ///< shared with the patch on the other side of a chart boundary
+    std::optional<std::uint32_t> edge;  ///< none: a seam piece
+    std::optional<std::uint32_t> seam;  ///< shared with the patch on the other side of a chart boundary
     bool reversed = false;
     RationalCurve2 curve;
 };
@@ -55,20 +55,20 @@ struct TrimmedPatch {
 /// A connected region of the base with one nearest site, lifted to the cell's boundary.
 struct CellFace {
     Site site;
-    std::vector<Site> extra_sites;   ///< further sites that attain the minimum all over it
-    std::string bisector;            ///< "paraboloid", "plane", "box", ...
+    std::vector<Site> extra_sites;  ///< further sites that attain the minimum all over it
+    std::string bisector;           ///< "paraboloid", "plane", "box", ...
     double area = 0;
     std::vector<TrimmedPatch> patches;
 };
 
 struct Measures {
-    double volume = 0, volume_error = 0;   ///< whole cell inside the box, the base's own body included
-    double body_volume = 0;                ///< the base body's share
-    double area = 0, area_error = 0;       ///< cell boundary without its box sides
-    double box_area = 0;                   ///< the box sides' part
-    double base_area = 0;                  ///< the base region
-    double min_clearance = 0, max_clearance = 0;
-    bool touches_box = false;
+    double volume = 0, volume_error = 0;  ///< whole cell inside the box, the base's own body included
+    double body_volume = 0;               ///< the base body's share
+    double area = 0, area_error = 0;      ///< cell boundary without its box sides
+    double box_area = 0;                  ///< the box sides' part
+    double base_area = 0;                 ///< the base region
+    double min_clearance = 0, max_clearance = 0;  ///< over the faces, box sides included
+    bool touches_box = false;  ///< over a plane base always: its region ends at the box
 };
 
 struct Report {

@@ -3,3 +3,4 @@
 
 #include "cell.hpp"
 #include "minimization_diagram.hpp"
+#include "voronoi_cell.hpp"

@@ -1,0 +1,216 @@
+#include "chart_arc.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <numbers>
+
+#include "../arrangement/circle_kernel.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+// Spans turn by 1.6 rad at most: a full circle takes four, weights stay above 0.69.
+constexpr double largest_turn = 1.6;
+
+// Chord directions and tangents that may be off by more than this (radians) do not tell an arc that is
+// next to nothing from one that is all but the full circle.
+constexpr double largest_doubt = 0.1;
+
+double cross(const Vector2d& p, const Vector2d& q) { return p.x() * q.y() - p.y() * q.x(); }
+
+Vector2d turned(const Vector2d& p, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+}
+
+// The gradient of f - g at p with a bound on its rounding error, relative to its length.
+struct Gradient {
+    Vector2d value;
+    double doubt;
+};
+
+Gradient gradient_of_difference(const CircularForm& f, const CircularForm& g, const Vector2d& p) {
+    const auto gradient = [&](const CircularForm& h) -> Vector2d {
+        return {(2 * h.k * (p.x() - h.cx) + h.a) / h.w, (2 * h.k * (p.y() - h.cy) + h.b) / h.w};
+    };
+    const Vector2d df = gradient(f), dg = gradient(g);
+    const Vector2d d = df - dg;
+    // Each component carries the 4u of its form's coefficients and a few roundings of its own.
+    return {d, 16 * u * (df.norm() + dg.norm()) / d.norm()};
+}
+
+}  // namespace
+
+ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram)
+    : family_(family),
+      diagram_(diagram),
+      errors_(diagram.edges.size(), 0.0),
+      is_line_(diagram.edges.size(), true) {
+    spans_.reserve(diagram.edges.size());
+    offsets_.reserve(diagram.edges.size() + 1);
+    offsets_.push_back(0);
+    for (const EdgeId e : diagram.edges.ids()) {
+        add_edge(e);
+        offsets_.push_back(static_cast<std::uint32_t>(spans_.size()));
+    }
+}
+
+void ChartArcs::add_edge(EdgeId e) {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    if (edge.on_rim()) return add_line(e);
+    const Sign sign = curvature_sign(edge.left, edge.right);
+    if (sign == Sign::Zero) return add_line(e);
+    is_line_[e] = false;
+    // left - right = K |p|^2 + ... is negative left of the edge: inside the circle where K > 0.
+    const double turn = static_cast<int>(sign);
+    const VertexId from = diagram_.dcel.origin(Dcel::half_edge(e)),
+                   to = diagram_.dcel.target(Dcel::half_edge(e));
+    if (from == to)
+        add_full_circle(e, turn, circle(edge.left, edge.right));
+    else
+        add_circular_arc(e, turn);
+}
+
+void ChartArcs::add_line(EdgeId e) {
+    const MinimizationDiagram::Vertex& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
+    const MinimizationDiagram::Vertex& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
+    spans_.push_back({p.point, q.point, 0});
+    errors_[e] = std::max(p.error, q.error);
+}
+
+void ChartArcs::add_full_circle(EdgeId e, double turn, const Circle& c) {
+    const VertexId v = diagram_.dcel.origin(Dcel::half_edge(e));
+    if (v.valid()) {
+        add_around_center(e, c, 2 * std::numbers::pi * turn);
+        return;
+    }
+    // Quarters that begin on the axes: their control points are the corners and sides of a square.
+    const Vector2d x(c.radius, 0), y(0, turn * c.radius);
+    const double quarter = turn * std::numbers::pi / 4;
+    spans_.push_back({c.center + x, c.center + y, quarter});
+    spans_.push_back({c.center + y, c.center - x, quarter});
+    spans_.push_back({c.center - x, c.center - y, quarter});
+    spans_.push_back({c.center - y, c.center + x, quarter});
+    errors_[e] = 4 * u * (c.center.norm() + c.radius);
+}
+
+// From the edge's start about the centre by `angle`, the last span ending at the edge's end.
+void ChartArcs::add_around_center(EdgeId e, const Circle& c, double angle) {
+    const MinimizationDiagram::Vertex& start = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
+    const MinimizationDiagram::Vertex& end = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
+    const int count = std::max(1, static_cast<int>(std::ceil(std::abs(angle) / largest_turn)));
+    const Vector2d spoke = (start.point - c.center).normalized() * c.radius;
+    Vector2d from = start.point;
+    for (int i = 1; i <= count; ++i) {
+        const Vector2d to = i == count ? end.point : Vector2d(c.center + turned(spoke, angle * i / count));
+        spans_.push_back({from, to, 0.5 * angle / count});
+        from = to;
+    }
+    errors_[e] = 2 * (start.error + end.error) + 16 * u * (c.center.norm() + c.radius);
+}
+
+// The chord makes the same angle (half of what the arc turns by) with the tangents at both ends. Both
+// angles come from the forms at the end points alone, so nothing grows with the radius.
+void ChartArcs::add_circular_arc(EdgeId e, double turn) {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    const MinimizationDiagram::Vertex& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
+    const MinimizationDiagram::Vertex& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
+    const CircularForm &f = diagram_.forms[edge.left], &g = diagram_.forms[edge.right];
+    const Gradient at_p = gradient_of_difference(f, g, p.point), at_q = gradient_of_difference(f, g, q.point);
+    const Vector2d chord = q.point - p.point;
+    // left - right grows to the right of the edge.
+    const Vector2d tp(-at_p.value.y(), at_p.value.x()), tq(-at_q.value.y(), at_q.value.x());
+    const double half_p = std::atan2(turn * cross(tp, chord), tp.dot(chord));
+    const double half_q = std::atan2(turn * cross(chord, tq), chord.dot(tq));
+    const double radius = chord.norm() / (2 * std::abs(std::sin(half_p)));
+    const double doubt =
+        (p.error + q.error) * (1 / chord.norm() + 1 / radius) + std::max(at_p.doubt, at_q.doubt);
+    if (!(doubt < largest_doubt)) {
+        // End points that doubles hardly tell apart: the exact circle says which way round the edge goes.
+        const Circle c = circle(edge.left, edge.right);
+        if (is_major_arc(e, c)) return add_around_center(e, c, 2 * std::numbers::pi * turn);
+        spans_.push_back({p.point, q.point, 0});
+        errors_[e] = p.error + q.error + chord.norm();
+        return;
+    }
+    // Rounding may turn an angle near 0 or pi to the other side of it, no more.
+    const auto settled = [](double half) { return half >= 0 ? half : half > -1.0 ? 0.0 : std::numbers::pi; };
+    const double half = 0.5 * (settled(half_p) + settled(half_q));
+    if (2 * half > largest_turn) return add_around_center(e, circle(edge.left, edge.right), 2 * half * turn);
+    spans_.push_back({p.point, q.point, half * turn});
+    // The end points' own errors, the tangents' (at most a quarter chord times their angle), rounding.
+    errors_[e] = p.error + q.error + chord.norm() * doubt + 4 * u * (p.point.norm() + q.point.norm());
+}
+
+// Sign of K in f - g = K |p|^2 + ...; only two spheres leave it open: K = 1/w_f - 1/w_g.
+Sign ChartArcs::curvature_sign(FormId f, FormId g) {
+    const CircularForm &F = diagram_.forms[f], &G = diagram_.forms[g];
+    if (F.k == 0 || G.k == 0) return sign_of(F.k - G.k);
+    const double difference = F.k * G.w - G.k * F.w;
+    if (std::abs(difference) > 16 * u * (F.k * G.w + G.k * F.w)) {
+        ++decisions_.by_double;
+        return sign_of(difference);
+    }
+    ++decisions_.by_exact;
+    const ExactForm ef = family_.exact(f), eg = family_.exact(g);
+    return (ef.K * eg.W - eg.K * ef.W).sign();
+}
+
+// f - g = (K |p|^2 + A x + B y + C) / ..., exact up to the last step.
+ChartArcs::Circle ChartArcs::circle(FormId f, FormId g) const {
+    const ExactForm F = family_.exact(f), G = family_.exact(g);
+    const Exact K = F.K * G.W - G.K * F.W, A = F.A * G.W - G.A * F.W, B = F.B * G.W - G.B * F.W,
+                C = F.C * G.W - G.C * F.W;
+    const Interval k = K.enclosure();
+    const Interval r = sqrt((A * A + B * B - 4.0 * K * C).enclosure()) / (2.0 * k);
+    return {{-0.5 * (A.enclosure() / k).mid(), -0.5 * (B.enclosure() / k).mid()}, std::abs(r.mid())};
+}
+
+// Of the two arcs between the end points, is the edge the longer one? Asked only where the end points
+// are very close to each other, against the radius. The longer arc then holds the circle's leftmost or
+// rightmost point, or both; the shorter one neither, or one that is next to the end points.
+bool ChartArcs::is_major_arc(EdgeId e, const Circle& c) {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    const std::span<const FormId> along = diagram_.label(e);
+    CircleKernel kernel;
+    kernel.reset(&family_);
+    const FormPair curve{kernel.add_form(edge.left), kernel.add_form(edge.right)};
+    // Something takes over at an end: a third form or a side of the region. The difference decreases
+    // along the edge at its start and grows at its end, which names one of the two crossings.
+    const auto end_point = [&](VertexId v, Sign orientation) {
+        FormPair other;
+        const auto labels = diagram_.label(v);
+        const auto third = std::find_if(labels.begin(), labels.end(), [&](FormId f) {
+            return std::find(along.begin(), along.end(), f) == along.end();
+        });
+        if (third != labels.end()) {
+            other = {curve.f, kernel.add_form(*third)};
+        } else {
+            assert(!diagram_.sides(v).empty());
+            const ConvexRegion::Side& side = diagram_.region.sides[diagram_.sides(v).front()];
+            other = {CircleKernel::zero_form(), kernel.add_line(side.a, side.b, side.c)};
+        }
+        const Vector2d& near = diagram_.vertices[v].point;
+        const auto crossing = kernel.intersection(curve, other, orientation, near);
+        return crossing ? *crossing : kernel.touching_point(curve, other);
+    };
+    const VertexId from = diagram_.dcel.origin(Dcel::half_edge(e)),
+                   to = diagram_.dcel.target(Dcel::half_edge(e));
+    const PointId p = end_point(from, Sign::Negative), q = end_point(to, Sign::Positive);
+    const PointId left = kernel.leftmost_point(curve), right = kernel.rightmost_point(curve);
+    const bool holds_left = kernel.strictly_between(curve, p, q, left);
+    const bool holds_right = kernel.strictly_between(curve, p, q, right);
+    decisions_ += kernel.decisions();
+    if (holds_left == holds_right) return holds_left;
+    // The end points are together on one half of the circle: does the edge hold the far extreme?
+    const bool ends_left = diagram_.vertices[from].point.x() < c.center.x();
+    return ends_left == holds_right;
+}
+
+}  // namespace vcell

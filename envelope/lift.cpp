@@ -1,0 +1,297 @@
+#include "lift.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "chart_arc.hpp"
+#include "measures.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector2d;
+using Range = std::array<double, 2>;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+Vector2d gradient(const CircularForm& f, const Vector2d& p) {
+    return {(2 * f.k * (p.x() - f.cx) + f.a) / f.w, (2 * f.k * (p.y() - f.cy) + f.b) / f.w};
+}
+
+// Knots of `spans` Bezier pieces of one degree, joined: full and clamped on [0, 1].
+std::vector<double> joined_knots(int degree, std::size_t spans) {
+    std::vector<double> knots(degree + 1, 0.0);
+    for (std::size_t i = 1; i < spans; ++i)
+        knots.insert(knots.end(), degree, static_cast<double>(i) / static_cast<double>(spans));
+    knots.insert(knots.end(), degree + 1, 1.0);
+    return knots;
+}
+
+// Extends a range by one coordinate of a rational quadratic with controls a, b, c and weights 1, w, 1.
+// In s = 1 - t: N = a s^2 + 2 w b s t + c t^2, D likewise with ones; N' D - N D' is a multiple of
+// w (b - a) s^2 + (c - a) s t + w (c - b) t^2, which has a root inside only if b lies outside [a, c]; its
+// outer coefficients then differ in sign and exactly one root t : s is positive.
+void extend(Range& range, double a, double b, double c, double w) {
+    range[0] = std::min({range[0], a, c});
+    range[1] = std::max({range[1], a, c});
+    if (std::min(a, c) <= b && b <= std::max(a, c)) return;
+    const double p = w * (b - a), q = c - a, r = w * (c - b);
+    const double h = -0.5 * (q + std::copysign(std::sqrt(q * q - 4 * p * r), q));
+    const double ratio = std::max(h / r, p / h), s = 1 / (1 + ratio), t = ratio * s;
+    const double value = (a * s * s + 2 * w * b * s * t + c * t * t) / (s * s + 2 * w * s * t + t * t);
+    range[0] = std::min(range[0], value);
+    range[1] = std::max(range[1], value);
+}
+
+class Lifter {
+public:
+    Lifter(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram)
+        : problem_(problem), diagram_(diagram), arcs_(problem.family, diagram) {}
+
+    Cell lift() {
+        add_vertices();
+        add_edges();
+        add_faces();
+        measure(problem_, diagram_, arcs_, cell_);
+        cell_.measures.max_clearance = max_height_;
+        cell_.report.decisions = diagram_.decisions;
+        cell_.report.decisions += arcs_.decisions();
+        return std::move(cell_);
+    }
+
+private:
+    void add_vertices() {
+        cell_.vertices.reserve(diagram_.vertices.size());
+        for (const VertexId v : diagram_.vertices.ids()) {
+            const MinimizationDiagram::Vertex& from = diagram_.vertices[v];
+            CellVertex vertex;
+            const Vec3 canonical(from.point.x(), from.point.y(), from.height);
+            vertex.point = problem_.frame.to_world(canonical);
+            vertex.radius = from.height;
+            for (const FormId f : diagram_.label(v))
+                vertex.sites.insert(vertex.sites.end(), problem_.sites[f].begin(), problem_.sites[f].end());
+            for (const std::uint32_t side : diagram_.sides(v))
+                vertex.sites.push_back(problem_.region[side].site);
+            sort_unique(vertex.sites);
+            // The motion back: three products and three sums a coordinate, of factors rounded once.
+            vertex.error = std::hypot(from.error, from.height_error) +
+                           8 * u * (canonical.norm() + problem_.frame.origin.norm());
+            cell_.vertices.push_back(std::move(vertex));
+        }
+    }
+
+    static void sort_unique(std::vector<Site>& sites) {
+        std::sort(sites.begin(), sites.end());
+        sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+    }
+
+    Site main_site(FormId f) const { return problem_.sites[f].front(); }
+
+    // [HE, Lemmas 1-3] over a plane base, by exact facts only. In the chart the curve is a line or a circle;
+    // lifted to a linear height it lies in that plane, lifted to two paraboloids in the plane that a
+    // linear combination of the two leaves.
+    CurveKind kind(EdgeId e) const {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        const CircularForm& f = diagram_.forms[edge.left];
+        if (edge.on_rim()) return f.k == 0 ? CurveKind::Line : CurveKind::Parabola;
+        const CircularForm& g = diagram_.forms[edge.right];
+        if (f.k == 0 && g.k == 0) return CurveKind::Line;
+        // A vertical plane through a paraboloid with vertical axis.
+        if (arcs_.is_line(e)) return CurveKind::Parabola;
+        // A vertical circular cylinder cut by the plane: a circle exactly when that plane is horizontal. For
+        // two spheres it has the slope 2 (c_g - c_f) / (w_f - w_g). Coefficients here are zero in double
+        // exactly when they are zero.
+        const bool horizontal = f.k != 0 && g.k != 0 ? f.cx == g.cx && f.cy == g.cy
+                                : f.k == 0           ? f.a == 0 && f.b == 0
+                                                     : g.a == 0 && g.b == 0;
+        return horizontal ? CurveKind::Circle : CurveKind::Ellipse;
+    }
+
+    // Chart control points (x, y, w) of an edge, in the direction of its loop.
+    static RationalCurve2 trim_curve(std::span<const ArcSpan> spans, int degree, bool reversed) {
+        RationalCurve2 curve;
+        curve.degree = degree;
+        curve.knots = joined_knots(degree, spans.size());
+        curve.points.reserve(degree * spans.size() + 1);
+        const auto add = [&](const Vector2d& p, double w) { curve.points.push_back({p.x(), p.y(), w}); };
+        add(spans.front().from, 1);
+        for (const ArcSpan& span : spans) {
+            if (degree == 2) add(span.middle(), span.weight());
+            add(span.to, 1);
+        }
+        // Knots are uniform and weights symmetric within each span: only the order changes.
+        if (reversed) std::reverse(curve.points.begin(), curve.points.end());
+        return curve;
+    }
+
+    int degree(EdgeId e) const {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        const bool curved =
+            diagram_.forms[edge.left].k != 0 || (!edge.on_rim() && diagram_.forms[edge.right].k != 0);
+        return curved ? 2 : 1;
+    }
+
+    // Along the edge's circle f is linear up to a multiple of the circle's equation, along a line it is
+    // quadratic; either way the control point where two tangents meet lies on the lifted curve's tangent,
+    // and its height is f(from) + grad f(from) . (middle - from). That needs neither centre nor radius.
+    RationalCurve3 space_curve(EdgeId e, std::span<const ArcSpan> spans, int degree, Range& heights) const {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        // A linear height is the better conditioned of the two.
+        const bool use_right = !edge.on_rim() && diagram_.forms[edge.right].k == 0;
+        const CircularForm& f = diagram_.forms[use_right ? edge.right : edge.left];
+        const VertexId start = diagram_.dcel.origin(Dcel::half_edge(e)),
+                       end = diagram_.dcel.target(Dcel::half_edge(e));
+        const auto height = [&](const Vector2d& p) { return f(p.x(), p.y()); };
+
+        RationalCurve3 curve;
+        curve.degree = degree;
+        curve.knots = joined_knots(degree, spans.size());
+        curve.points.reserve(degree * spans.size() + 1);
+        const auto add = [&](const Vector2d& p, double z, double w) {
+            const Vec3 world = problem_.frame.to_world({p.x(), p.y(), z});
+            curve.points.push_back({world.x(), world.y(), world.z(), w});
+        };
+        double z = start.valid() ? diagram_.vertices[start].height : height(spans.front().from);
+        const double z_end = end.valid() ? diagram_.vertices[end].height : z;
+        add(spans.front().from, z, 1);
+        for (std::size_t i = 0; i < spans.size(); ++i) {
+            const ArcSpan& span = spans[i];
+            const double z_to = i + 1 == spans.size() ? z_end : height(span.to);
+            double z_middle = z;
+            if (degree == 2) {
+                const Vector2d m = span.middle();
+                z_middle = 0.5 * (height(span.from) + gradient(f, span.from).dot(m - span.from)) +
+                           0.5 * (height(span.to) + gradient(f, span.to).dot(m - span.to));
+                add(m, z_middle, span.weight());
+            }
+            extend(heights, z, z_middle, z_to, span.weight());
+            add(span.to, z_to, 1);
+            z = z_to;
+        }
+        return curve;
+    }
+
+    void add_edges() {
+        cell_.edges.reserve(diagram_.edges.size());
+        Range heights{std::numeric_limits<double>::infinity(), 0};
+        for (const EdgeId e : diagram_.edges.ids()) {
+            const MinimizationDiagram::Edge& from = diagram_.edges[e];
+            CellEdge edge;
+            edge.sites[0] = main_site(from.left);
+            edge.sites[1] = from.on_rim() ? problem_.region[from.side].site : main_site(from.right);
+            for (const FormId f : diagram_.label(e))
+                for (const Site site : problem_.sites[f])
+                    if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
+            sort_unique(edge.extra_sites);
+            const VertexId start = diagram_.dcel.origin(Dcel::half_edge(e));
+            if (start.valid()) edge.vertices = {start.value, diagram_.dcel.target(Dcel::half_edge(e)).value};
+            edge.kind = kind(e);
+            edge.curve = space_curve(e, arcs_.spans(e), degree(e), heights);
+            cell_.edges.push_back(std::move(edge));
+        }
+        // Every height is convex: over a face it is largest on the face's boundary.
+        for (const VertexId v : diagram_.vertices.ids())
+            heights[1] = std::max(heights[1], diagram_.vertices[v].height);
+        max_height_ = heights[1];
+    }
+
+    std::vector<TrimCurve> loop(CcbId ccb) const {
+        std::vector<TrimCurve> curves;
+        const HalfEdgeId start = diagram_.dcel.start(ccb);
+        HalfEdgeId h = start;
+        do {
+            TrimCurve curve;
+            const EdgeId e = Dcel::edge(h);
+            curve.edge = e.value;
+            curve.reversed = h != Dcel::half_edge(e);
+            curve.curve = trim_curve(arcs_.spans(e), degree(e), curve.reversed);
+            curves.push_back(std::move(curve));
+            h = diagram_.dcel.next(h);
+        } while (h != start);
+        return curves;
+    }
+
+    // The bounding rectangle of an outer loop.
+    std::array<Range, 2> bounds(CcbId ccb) const {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        std::array<Range, 2> box{{{infinity, -infinity}, {infinity, -infinity}}};
+        const HalfEdgeId start = diagram_.dcel.start(ccb);
+        HalfEdgeId h = start;
+        do {
+            for (const ArcSpan& span : arcs_.spans(Dcel::edge(h))) {
+                const Vector2d m = span.middle();
+                for (int i = 0; i < 2; ++i) extend(box[i], span.from[i], m[i], span.to[i], span.weight());
+            }
+            h = diagram_.dcel.next(h);
+        } while (h != start);
+        // A face thinner than the spacing of doubles still needs a domain that has two ends.
+        for (Range& range : box)
+            if (range[0] == range[1]) range[1] = std::nextafter(range[1], infinity);
+        return box;
+    }
+
+    // The height as a Bezier patch on [u0,u1] x [v0,v1]: blossoms. In one variable (u - c)^2 has the
+    // coefficients (u0-c)^2, (u0-c)(u1-c), (u1-c)^2, and u itself u0, (u0+u1)/2, u1.
+    RationalPatch patch(const CircularForm& f, const std::array<Range, 2>& box) const {
+        RationalPatch surface;
+        const int n = f.k != 0 ? 2 : 1;
+        surface.degree_u = surface.degree_v = n;
+        surface.domain_u = box[0];
+        surface.domain_v = box[1];
+        const auto blossom = [n](const Range& r, int i, double c) {
+            return (r[i == n] - c) * (r[i > 0] - c);
+        };
+        const auto abscissa = [n](const Range& r, int i) {
+            return i == 0 ? r[0] : i == n ? r[1] : 0.5 * r[0] + 0.5 * r[1];
+        };
+        for (int i = 0; i <= n; ++i) {
+            for (int j = 0; j <= n; ++j) {
+                const double x = abscissa(box[0], i), y = abscissa(box[1], j);
+                const double quadratic =
+                    f.k == 0 ? 0 : f.k * (blossom(box[0], i, f.cx) + blossom(box[1], j, f.cy));
+                const double z = (quadratic + f.a * x + f.b * y + f.e) / f.w;
+                const Vec3 world = problem_.frame.to_world({x, y, z});
+                surface.points.push_back({world.x(), world.y(), world.z(), 1});
+            }
+        }
+        return surface;
+    }
+
+    void add_faces() {
+        const std::size_t count = diagram_.dcel.face_count();
+        cell_.faces.reserve(count - 1);
+        for (std::uint32_t i = 1; i < count; ++i) {
+            const FaceId id{i};
+            const FormId form = diagram_.face_forms[id];
+            const CircularForm& f = diagram_.forms[form];
+            CellFace face;
+            face.site = main_site(form);
+            face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
+            face.bisector = !face.site.is_object() ? "box" : f.k != 0 ? "paraboloid" : "plane";
+            TrimmedPatch trimmed;
+            const CcbId outer = diagram_.dcel.outer_ccb(id);
+            trimmed.surface = patch(f, bounds(outer));
+            trimmed.loops.push_back(loop(outer));
+            for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) trimmed.loops.push_back(loop(inner));
+            face.patches.push_back(std::move(trimmed));
+            cell_.faces.push_back(std::move(face));
+        }
+    }
+
+    const PlaneBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    const ChartArcs arcs_;
+    Cell cell_;
+    double max_height_ = 0;
+};
+
+}  // namespace
+
+Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram) {
+    return Lifter(problem, diagram).lift();
+}
+
+}  // namespace vcell

@@ -1,0 +1,57 @@
+#include "voronoi_cell.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "../primitives/plane_base.hpp"
+#include "lift.hpp"
+#include "minimization_diagram.hpp"
+
+namespace vcell {
+
+namespace {
+
+class Stopwatch {
+public:
+    /// Seconds since the last call, or since construction.
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
+    const auto report = [&](const char* stage, double fraction) {
+        if (options.progress) options.progress(stage, fraction);
+    };
+    Stopwatch watch;
+    report("bisectors", 0);
+    validate(scene);
+    PlaneBaseProblem problem = plane_base_problem(scene);
+    report("bisectors", 1);
+    const double seconds_bisectors = watch.lap();
+
+    ConvexRegion region;
+    for (const RegionSide& side : problem.region) region.sides.push_back({side.a, side.b, side.c});
+    EnvelopeOptions envelope_options;
+    if (options.progress) envelope_options.progress = [&](double fraction) { report("envelope", fraction); };
+    const MinimizationDiagram diagram = lower_envelope(problem.family, region, envelope_options);
+    const double seconds_envelope = watch.lap();
+
+    report("patches", 0);
+    Cell cell = lift(problem, diagram);
+    report("patches", 1);
+    cell.scene = scene;
+    cell.report.seconds_bisectors = seconds_bisectors;
+    cell.report.seconds_envelope = seconds_envelope;
+    cell.report.seconds_patches = watch.lap();
+    cell.report.warnings = std::move(problem.warnings);
+    return cell;
+}
+
+}  // namespace vcell

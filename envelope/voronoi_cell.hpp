@@ -1,0 +1,21 @@
+/// The whole way from a scene to its cell.
+#pragma once
+
+#include <functional>
+
+#include "../primitives/scene.hpp"
+#include "cell.hpp"
+
+namespace vcell {
+
+struct CellOptions {
+    /// Called now and then with the stage ("bisectors", "envelope", "patches") and the fraction of it that is
+    /// done, in [0, 1]; may throw to cancel.
+    std::function<void(const char* stage, double fraction)> progress;
+};
+
+/// The Voronoi cell of the scene's base among its objects, inside the box.
+/// Throws InputError as validate() and plane_base_problem() do.
+Cell voronoi_cell(const Scene& scene, const CellOptions& options = {});
+
+}  // namespace vcell
