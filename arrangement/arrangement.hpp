@@ -1,4 +1,5 @@
-/// Subdivisions of the plane by curves: topology and exact predicates.
+/// Subdivisions of the plane by curves: topology, sweep, overlay, point location, and the exact
+/// predicates of circles and lines.
 #pragma once
 
 #include "arc_geometry.hpp"
