@@ -1,0 +1,372 @@
+#include "cell_file.hpp"
+
+#include <fmt/format.h>
+
+#include <climits>
+#include <utility>
+
+#include "files.hpp"
+#include "scene_json.hpp"
+
+namespace vcell {
+
+namespace {
+
+void write_site(JsonWriter& out, Site site) {
+    if (site.is_object())
+        out.value(site.index);
+    else
+        out.value(to_string(site));
+}
+
+template <class Sites>
+void write_sites(JsonWriter& out, const Sites& sites) {
+    out.array([&] {
+        for (const Site& s : sites) write_site(out, s);
+    });
+}
+
+template <int Dim>
+void write_curve(JsonWriter& out, const RationalCurve<Dim>& curve) {
+    out.object([&] {
+        out.key("degree").value(curve.degree);
+        out.key("knots").value(curve.knots);
+        out.key("points").value(curve.points);
+    });
+}
+
+void write_vertex(JsonWriter& out, const CellVertex& v) {
+    out.object([&] {
+        out.key("point").value(v.point);
+        out.key("radius").value(v.radius);
+        write_sites(out.key("sites"), v.sites);
+        out.key("error").value(v.error);
+    });
+}
+
+void write_edge(JsonWriter& out, const CellEdge& e) {
+    out.object([&] {
+        write_sites(out.key("sites"), e.sites);
+        if (!e.extra_sites.empty()) write_sites(out.key("extra_sites"), e.extra_sites);
+        out.key("vertices").value(e.vertices);
+        out.key("kind").value(to_string(e.kind));
+        out.key("error").value(e.error);
+        out.key("length").value(e.length);
+        write_curve(out.key("curve"), e.curve);
+    });
+}
+
+void write_trim_curve(JsonWriter& out, const TrimCurve& c) {
+    out.object([&] {
+        out.key("edge");
+        if (c.edge)
+            out.value(*c.edge);
+        else
+            out.null();
+        if (c.seam) out.key("seam").value(*c.seam);
+        out.key("reversed").value(c.reversed);
+        write_curve(out.key("curve"), c.curve);
+    });
+}
+
+void write_interval(JsonWriter& out, const std::array<double, 2>& ends) {
+    out.array([&] {
+        for (const double x : ends) out.value(x);
+    });
+}
+
+void write_patch(JsonWriter& out, const TrimmedPatch& patch) {
+    const RationalPatch& s = patch.surface;
+    out.object([&] {
+        out.key("degree").array([&] {
+            out.value(s.degree_u);
+            out.value(s.degree_v);
+        });
+        out.key("domain").array([&] {
+            write_interval(out, s.domain_u);
+            write_interval(out, s.domain_v);
+        });
+        out.key("points").array([&] {
+            for (int i = 0; i <= s.degree_u; ++i)
+                out.array([&] {
+                    for (int j = 0; j <= s.degree_v; ++j) out.value(s.point(i, j));
+                });
+        });
+        out.key("loops").array([&] {
+            for (const auto& loop : patch.loops)
+                out.array([&] {
+                    for (const TrimCurve& c : loop) write_trim_curve(out, c);
+                });
+        });
+    });
+}
+
+void write_face(JsonWriter& out, const CellFace& f) {
+    out.object([&] {
+        write_site(out.key("site"), f.site);
+        if (!f.extra_sites.empty()) write_sites(out.key("extra_sites"), f.extra_sites);
+        out.key("bisector").value(f.bisector);
+        out.key("area").value(f.area);
+        out.key("patches").array([&] {
+            for (const TrimmedPatch& p : f.patches) write_patch(out, p);
+        });
+    });
+}
+
+void write_measures(JsonWriter& out, const Measures& m) {
+    out.object([&] {
+        out.key("volume").value(m.volume);
+        out.key("volume_error").value(m.volume_error);
+        out.key("body_volume").value(m.body_volume);
+        out.key("area").value(m.area);
+        out.key("area_error").value(m.area_error);
+        out.key("box_area").value(m.box_area);
+        out.key("base_area").value(m.base_area);
+        out.key("min_clearance").value(m.min_clearance);
+        out.key("max_clearance").value(m.max_clearance);
+        out.key("touches_box").value(m.touches_box);
+    });
+}
+
+void write_report(JsonWriter& out, const Report& r) {
+    out.object([&] {
+        out.key("decisions").object([&] {
+            out.key("double").value(r.decisions.by_double);
+            out.key("interval").value(r.decisions.by_interval);
+            out.key("exact").value(r.decisions.by_exact);
+            out.key("multiprecision").value(r.decisions.by_multiprecision);
+            out.key("assumed").value(r.decisions.assumed);
+        });
+        out.key("seconds").object([&] {
+            out.key("bisectors").value(r.seconds_bisectors);
+            out.key("envelope").value(r.seconds_envelope);
+            out.key("patches").value(r.seconds_patches);
+        });
+        out.key("warnings").lines(r.warnings, [&](const std::string& w) { out.value(w); });
+    });
+}
+
+class CellReader {
+public:
+    explicit CellReader(std::string_view text) : in_(text) {}
+
+    Cell read() {
+        in_.object(required_member("vcell", [&] { read_format_version(in_); }),
+                   required_member("scene", [&] { cell_.scene = read_scene_value(in_); }),
+                   required_member("vertices", [&] { list(cell_.vertices, [&] { return vertex(); }); }),
+                   required_member("edges", [&] { list(cell_.edges, [&] { return edge(); }); }),
+                   required_member("faces", [&] { list(cell_.faces, [&] { return face(); }); }),
+                   required_member("neighbors", [&] { list(cell_.neighbors, [&] { return index(); }); }),
+                   required_member("measures", [&] { measures(cell_.measures); }),
+                   required_member("report", [&] { report(cell_.report); }));
+        in_.end();
+        return std::move(cell_);
+    }
+
+private:
+    using Kind = InputError::Kind;
+
+    template <class T, class F>
+    void list(std::vector<T>& items, F item) {
+        in_.array([&](std::size_t) { items.push_back(item()); });
+    }
+
+    std::uint32_t index() { return static_cast<std::uint32_t>(in_.unsigned_integer(UINT32_MAX - 1)); }
+
+    int degree() { return static_cast<int>(in_.unsigned_integer(INT_MAX - 1)); }
+
+    Site site() {
+        if (in_.next_is_number()) return Site::object(index());
+        if (!in_.next_is_string()) in_.fail(Kind::WrongType, "must be an object's index or a site's name");
+        const std::string name = in_.string();
+        std::vector<Site> named{Site::base(), Site::end(0), Site::end(1)};
+        for (std::uint32_t side = 0; side < 6; ++side) named.push_back(Site::box_side(side));
+        for (const Site s : named)
+            if (to_string(s) == name) return s;
+        in_.fail(Kind::OutOfRange, "must be \"base\", a side as \"box:-x\" or an end as \"end:+\"");
+    }
+
+    CurveKind curve_kind() {
+        const std::string name = in_.string();
+        for (const CurveKind k : {CurveKind::Line, CurveKind::Circle, CurveKind::Ellipse, CurveKind::Parabola,
+                                  CurveKind::Hyperbola, CurveKind::Spline})
+            if (to_string(k) == name) return k;
+        in_.fail(Kind::OutOfRange, "must be line, circle, ellipse, parabola, hyperbola or spline");
+    }
+
+    template <int N>
+    Eigen::Matrix<double, N, 1> control_point() {
+        Eigen::Matrix<double, N, 1> p;
+        in_.array_of(N, [&](std::size_t i) { p[static_cast<Eigen::Index>(i)] = in_.number(); });
+        return p;
+    }
+
+    template <int Dim>
+    RationalCurve<Dim> curve() {
+        RationalCurve<Dim> c;
+        in_.object(
+            required_member("degree", [&] { c.degree = degree(); }),
+            required_member("knots", [&] { list(c.knots, [&] { return in_.number(); }); }),
+            required_member("points", [&] { list(c.points, [&] { return control_point<Dim + 1>(); }); }));
+        return c;
+    }
+
+    CellVertex vertex() {
+        CellVertex v;
+        in_.object(required_member("point", [&] { v.point = read_vec3(in_); }),
+                   required_member("radius", [&] { v.radius = in_.number(); }),
+                   required_member("sites", [&] { list(v.sites, [&] { return site(); }); }),
+                   required_member("error", [&] { v.error = in_.number(); }));
+        return v;
+    }
+
+    CellEdge edge() {
+        CellEdge e;
+        in_.object(
+            required_member("sites", [&] { in_.array_of(2, [&](std::size_t i) { e.sites[i] = site(); }); }),
+            optional_member("extra_sites", [&] { list(e.extra_sites, [&] { return site(); }); }),
+            required_member("vertices", [&] { list(e.vertices, [&] { return index(); }); }),
+            required_member("kind", [&] { e.kind = curve_kind(); }),
+            required_member("error", [&] { e.error = in_.number(); }),
+            required_member("length", [&] { e.length = in_.number(); }),
+            required_member("curve", [&] { e.curve = curve<3>(); }));
+        return e;
+    }
+
+    TrimCurve trim_curve() {
+        TrimCurve c;
+        in_.object(required_member("edge",
+                                   [&] {
+                                       if (!in_.null()) c.edge = index();
+                                   }),
+                   optional_member("seam", [&] { c.seam = index(); }),
+                   required_member("reversed", [&] { c.reversed = in_.boolean(); }),
+                   required_member("curve", [&] { c.curve = curve<2>(); }));
+        return c;
+    }
+
+    std::array<double, 2> interval() {
+        std::array<double, 2> ends{};
+        in_.array_of(2, [&](std::size_t i) { ends[i] = in_.number(); });
+        return ends;
+    }
+
+    TrimmedPatch patch() {
+        TrimmedPatch p;
+        RationalPatch& s = p.surface;
+        std::vector<std::size_t> row_sizes;
+        in_.object(required_member("degree",
+                                   [&] {
+                                       in_.array_of(2, [&](std::size_t i) {
+                                           (i == 0 ? s.degree_u : s.degree_v) = degree();
+                                       });
+                                   }),
+                   required_member("domain",
+                                   [&] {
+                                       in_.array_of(2, [&](std::size_t i) {
+                                           (i == 0 ? s.domain_u : s.domain_v) = interval();
+                                       });
+                                   }),
+                   required_member("points",
+                                   [&] {
+                                       in_.array([&](std::size_t) {
+                                           const std::size_t before = s.points.size();
+                                           list(s.points, [&] { return control_point<4>(); });
+                                           row_sizes.push_back(s.points.size() - before);
+                                       });
+                                   }),
+                   required_member("loops", [&] {
+                       list(p.loops, [&] {
+                           std::vector<TrimCurve> loop;
+                           list(loop, [&] { return trim_curve(); });
+                           return loop;
+                       });
+                   }));
+        bool complete = row_sizes.size() == static_cast<std::size_t>(s.degree_u) + 1;
+        for (const std::size_t n : row_sizes)
+            complete = complete && n == static_cast<std::size_t>(s.degree_v) + 1;
+        if (!complete)
+            in_.fail(Kind::OutOfRange, fmt::format("points must be {} rows of {} by the degree",
+                                                   s.degree_u + 1, s.degree_v + 1));
+        return p;
+    }
+
+    CellFace face() {
+        CellFace f;
+        in_.object(required_member("site", [&] { f.site = site(); }),
+                   optional_member("extra_sites", [&] { list(f.extra_sites, [&] { return site(); }); }),
+                   required_member("bisector", [&] { f.bisector = in_.string(); }),
+                   required_member("area", [&] { f.area = in_.number(); }),
+                   required_member("patches", [&] { list(f.patches, [&] { return patch(); }); }));
+        return f;
+    }
+
+    void measures(Measures& m) {
+        in_.object(required_member("volume", [&] { m.volume = in_.number(); }),
+                   required_member("volume_error", [&] { m.volume_error = in_.number(); }),
+                   required_member("body_volume", [&] { m.body_volume = in_.number(); }),
+                   required_member("area", [&] { m.area = in_.number(); }),
+                   required_member("area_error", [&] { m.area_error = in_.number(); }),
+                   required_member("box_area", [&] { m.box_area = in_.number(); }),
+                   required_member("base_area", [&] { m.base_area = in_.number(); }),
+                   required_member("min_clearance", [&] { m.min_clearance = in_.number(); }),
+                   required_member("max_clearance", [&] { m.max_clearance = in_.number(); }),
+                   required_member("touches_box", [&] { m.touches_box = in_.boolean(); }));
+    }
+
+    void report(Report& r) {
+        Decisions& d = r.decisions;
+        in_.object(
+            required_member(
+                "decisions",
+                [&] {
+                    in_.object(required_member("double", [&] { d.by_double = in_.unsigned_integer(); }),
+                               required_member("interval", [&] { d.by_interval = in_.unsigned_integer(); }),
+                               required_member("exact", [&] { d.by_exact = in_.unsigned_integer(); }),
+                               required_member("multiprecision",
+                                               [&] { d.by_multiprecision = in_.unsigned_integer(); }),
+                               required_member("assumed", [&] { d.assumed = in_.unsigned_integer(); }));
+                }),
+            required_member("seconds",
+                            [&] {
+                                in_.object(
+                                    required_member("bisectors", [&] { r.seconds_bisectors = in_.number(); }),
+                                    required_member("envelope", [&] { r.seconds_envelope = in_.number(); }),
+                                    required_member("patches", [&] { r.seconds_patches = in_.number(); }));
+                            }),
+            required_member("warnings", [&] { list(r.warnings, [&] { return in_.string(); }); }));
+    }
+
+    JsonReader in_;
+    Cell cell_;
+};
+
+}  // namespace
+
+void write_cell(std::ostream& out, const Cell& cell) {
+    JsonWriter writer(out);
+    writer.object([&] {
+        writer.key("vcell").value(format_version);
+        write_scene_value(writer.line_key("scene"), cell.scene);
+        writer.line_key("vertices").lines(cell.vertices, [&](const CellVertex& v) {
+            write_vertex(writer, v);
+        });
+        writer.line_key("edges").lines(cell.edges, [&](const CellEdge& e) { write_edge(writer, e); });
+        writer.line_key("faces").lines(cell.faces, [&](const CellFace& f) { write_face(writer, f); });
+        writer.line_key("neighbors").value(cell.neighbors);
+        write_measures(writer.line_key("measures"), cell.measures);
+        write_report(writer.line_key("report"), cell.report);
+    });
+    writer.finish();
+    out << '\n';
+}
+
+Cell parse_cell(std::string_view text) {
+    Cell cell = CellReader(text).read();
+    validate(cell.scene);
+    return cell;
+}
+
+Cell read_cell(const std::string& path) { return parse_cell(read_file(path)); }
+
+}  // namespace vcell

@@ -1,0 +1,44 @@
+/// A triangle mesh of a cell's boundary: one tessellation for all mesh formats.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "../envelope/cell.hpp"
+#include "triangulate.hpp"
+
+namespace vcell {
+
+struct MeshOptions {
+    /// The largest distance, in length, between a triangle's side and the surface, measured at the side's
+    /// middle. None: a thousandth of the box diagonal.
+    std::optional<double> chord;
+    /// With walls under the rim and the base region as floor: the mesh of the whole solid.
+    bool closed = false;
+};
+
+struct CellMesh {
+    struct Group {
+        enum class Kind : std::uint8_t { Face, Walls, Base };
+        Kind kind;
+        std::uint32_t face;      ///< Face: index into Cell::faces
+        std::size_t begin, end;  ///< range of triangles
+    };
+
+    std::vector<Vec3> points;
+    std::vector<Vec3> normals;             ///< unit, out of the cell
+    std::vector<Triangle> triangles;       ///< into points, counter-clockwise seen from outside
+    std::vector<Triangle> corner_normals;  ///< into normals, corner by corner
+    std::vector<Group> groups;
+    std::vector<std::vector<std::uint32_t>> edge_lines;  ///< for each cell edge, into points
+};
+
+/// Every edge of the cell is sampled once and both of its faces share these points, so the mesh has no
+/// cracks: each of its sides belongs to two triangles, or to one on the rim if it is not closed.
+/// Sampling is refined until no two sides of a face cross.
+/// Pre: a plane base; patches have u, v as the chart's x, y. Throws InternalError for a cell whose rim
+/// does not close.
+CellMesh tessellate(const Cell& cell, const MeshOptions& options = {});
+
+}  // namespace vcell

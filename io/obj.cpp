@@ -1,0 +1,92 @@
+#include "obj.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <ostream>
+#include <set>
+
+#include "site_style.hpp"
+
+namespace vcell {
+
+namespace {
+
+class Output {
+public:
+    explicit Output(std::ostream& out) : out_(out) {}
+    ~Output() { flush(); }
+
+    template <class... Args>
+    void print(fmt::format_string<Args...> format, Args&&... args) {
+        fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
+        constexpr std::size_t enough = 1 << 16;
+        if (buffer_.size() > enough) flush();
+    }
+
+private:
+    void flush() {
+        out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+        buffer_.clear();
+    }
+    std::ostream& out_;
+    std::string buffer_;
+};
+
+/// "object_7", "box_-x"
+std::string owner(Site site) {
+    if (site.is_object()) return fmt::format("object_{}", site.index);
+    std::string name = to_string(site);
+    std::replace(name.begin(), name.end(), ':', '_');
+    return name;
+}
+
+}  // namespace
+
+void write_obj(std::ostream& stream, const Cell& cell, const CellMesh& mesh,
+               const std::string& material_file) {
+    Output out(stream);
+    out.print("# Voronoi cell, {} faces\n", cell.faces.size());
+    if (!material_file.empty()) out.print("mtllib {}\n", material_file);
+    for (const Vec3& p : mesh.points) out.print("v {} {} {}\n", p.x(), p.y(), p.z());
+    for (const Vec3& n : mesh.normals) out.print("vn {:.6g} {:.6g} {:.6g}\n", n.x(), n.y(), n.z());
+    for (const CellMesh::Group& g : mesh.groups) {
+        std::string material = "base";
+        std::string group = g.kind == CellMesh::Group::Kind::Walls ? "walls" : "base";
+        if (g.kind == CellMesh::Group::Kind::Face) {
+            material = owner(cell.faces[g.face].site);
+            group = fmt::format("face_{}_{}", g.face, material);
+        }
+        out.print("g {}\n", group);
+        if (!material_file.empty()) out.print("usemtl {}\n", material);
+        for (std::size_t t = g.begin; t < g.end; ++t) {
+            const Triangle &v = mesh.triangles[t], &n = mesh.corner_normals[t];
+            out.print("f {}//{} {}//{} {}//{}\n", v[0] + 1, n[0] + 1, v[1] + 1, n[1] + 1, v[2] + 1, n[2] + 1);
+        }
+    }
+    out.print("g edges\n");
+    for (const auto& line : mesh.edge_lines) {
+        out.print("l");
+        for (const std::uint32_t p : line) out.print(" {}", p + 1);
+        out.print("\n");
+    }
+}
+
+void write_mtl(std::ostream& stream, const Cell& cell) {
+    Output out(stream);
+    const auto colours = object_colours(cell);
+    const auto material = [&](const std::string& name, std::string_view colour) {
+        const auto channel = [&](std::size_t i) {
+            return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16) / 255.0;
+        };
+        out.print("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\n", name, channel(0), channel(1), channel(2));
+    };
+    constexpr std::string_view grey = "#dddddd";
+    std::set<Site> sites;
+    for (const CellFace& f : cell.faces) sites.insert(f.site);
+    for (const Site s : sites) material(owner(s), s.is_object() ? palette()[colours.at(s.index)] : grey);
+    material("base", grey);
+}
+
+}  // namespace vcell

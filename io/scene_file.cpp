@@ -1,0 +1,250 @@
+#include "scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "files.hpp"
+#include "scene_json.hpp"
+#include "text.hpp"
+
+namespace vcell {
+
+Vec3 read_vec3(JsonReader& in) {
+    Vec3 v;
+    in.array_of(3, [&](std::size_t i) { v[static_cast<Eigen::Index>(i)] = in.number(); });
+    return v;
+}
+
+void read_format_version(JsonReader& in) {
+    const double version = in.number();
+    if (version != format_version)
+        in.fail(InputError::Kind::Unsupported, fmt::format("must be {}, is {}", format_version, version));
+}
+
+namespace {
+
+Plane read_plane(JsonReader& in) {
+    Plane plane;
+    in.object(required_member("point", [&] { plane.point = read_vec3(in); }),
+              required_member("normal", [&] { plane.normal = read_vec3(in); }));
+    return plane;
+}
+
+Sphere read_sphere(JsonReader& in) {
+    Sphere sphere;
+    in.object(required_member("center", [&] { sphere.center = read_vec3(in); }),
+              required_member("radius", [&] { sphere.radius = in.number(); }));
+    return sphere;
+}
+
+Cylinder read_cylinder(JsonReader& in) {
+    Cylinder cylinder;
+    in.object(required_member("point", [&] { cylinder.point = read_vec3(in); }),
+              required_member("axis", [&] { cylinder.axis = read_vec3(in); }),
+              required_member("radius", [&] { cylinder.radius = in.number(); }));
+    return cylinder;
+}
+
+/// The base or one of the objects: exactly one kind, and perhaps a name.
+Object read_object(JsonReader& in, std::string& name) {
+    Object object;
+    const char* kind = nullptr;
+    const auto set = [&](const char* new_kind, auto read) {
+        if (kind)
+            in.fail(InputError::Kind::WrongType,
+                    fmt::format("second kind of one object, it is a {} already", kind));
+        kind = new_kind;
+        object = read(in);
+    };
+    in.object(optional_member("plane", [&] { set("plane", read_plane); }),
+              optional_member("sphere", [&] { set("sphere", read_sphere); }),
+              optional_member("cylinder", [&] { set("cylinder", read_cylinder); }),
+              optional_member("name", [&] { name = in.string(); }));
+    if (!kind) in.fail(InputError::Kind::MissingKey, "must hold one of plane, sphere, cylinder, holds none");
+    return object;
+}
+
+void read_objects(JsonReader& in, Scene& scene) {
+    in.array([&](std::size_t i) {
+        in.object_index = static_cast<std::uint32_t>(i);
+        std::string name;
+        scene.objects.push_back(read_object(in, name));
+        // Few scenes have names: none is stored before the first.
+        if (!name.empty()) scene.names.resize(i);
+        if (!name.empty() || !scene.names.empty()) scene.names.push_back(std::move(name));
+    });
+    in.object_index = InputError::no_object;
+}
+
+void write_object(JsonWriter& out, const Object& object, const std::string& name) {
+    out.object([&] {
+        if (const auto* plane = std::get_if<Plane>(&object))
+            out.key("plane").object([&] {
+                out.key("point").value(plane->point);
+                out.key("normal").value(plane->normal);
+            });
+        if (const auto* sphere = std::get_if<Sphere>(&object))
+            out.key("sphere").object([&] {
+                out.key("center").value(sphere->center);
+                out.key("radius").value(sphere->radius);
+            });
+        if (const auto* cylinder = std::get_if<Cylinder>(&object))
+            out.key("cylinder").object([&] {
+                out.key("point").value(cylinder->point);
+                out.key("axis").value(cylinder->axis);
+                out.key("radius").value(cylinder->radius);
+            });
+        if (!name.empty()) out.key("name").value(name);
+    });
+}
+
+}  // namespace
+
+Scene read_scene_value(JsonReader& in) {
+    Scene scene;
+    in.object(required_member("vcell", [&] { read_format_version(in); }),
+              required_member("base", [&] { scene.base = read_object(in, scene.base_name); }),
+              required_member("objects", [&] { read_objects(in, scene); }),
+              required_member("box",
+                              [&] {
+                                  in.object(required_member("min", [&] { scene.box.min = read_vec3(in); }),
+                                            required_member("max", [&] { scene.box.max = read_vec3(in); }));
+                              }),
+              optional_member("units", [&] { scene.units = in.string(); }),
+              optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
+    return scene;
+}
+
+void write_scene_value(JsonWriter& out, const Scene& scene) {
+    out.object([&] {
+        out.key("vcell").value(format_version);
+        out.line_key("base");
+        write_object(out, scene.base, scene.base_name);
+        std::size_t i = 0;
+        out.line_key("objects").lines(scene.objects, [&](const Object& object) {
+            write_object(out, object, i < scene.names.size() ? scene.names[i] : std::string());
+            ++i;
+        });
+        out.line_key("box").object([&] {
+            out.key("min").value(scene.box.min);
+            out.key("max").value(scene.box.max);
+        });
+        out.line_key("units").value(scene.units);
+        if (scene.tolerance) out.line_key("tolerance").value(*scene.tolerance);
+    });
+}
+
+void write_scene(std::ostream& out, const Scene& scene) {
+    JsonWriter writer(out);
+    write_scene_value(writer, scene);
+    writer.finish();
+    out << '\n';
+}
+
+namespace {
+
+[[noreturn]] void fail_option(const char* option, const std::string& what) {
+    throw InputError(InputError::Kind::MissingKey, InputError::no_object, option, what);
+}
+
+std::vector<Sphere> read_balls(std::string_view text) {
+    std::vector<Sphere> balls;
+    std::size_t line_number = 0;
+    for (std::size_t at = 0; at < text.size();) {
+        std::string_view line = next_line(text, at);
+        ++line_number;
+        double numbers[4];
+        int count = 0;
+        for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
+            if (count == 4)
+                throw InputError(InputError::Kind::Syntax, InputError::no_object,
+                                 fmt::format("line {}", line_number), "must be x y z r, has more");
+            numbers[count] = parse_number(word, line_number);
+        }
+        if (count == 0) continue;
+        if (count < 4)
+            throw InputError(InputError::Kind::Syntax, InputError::no_object,
+                             fmt::format("line {}", line_number),
+                             fmt::format("must be x y z r, has {} of the 4 numbers", count));
+        balls.push_back({Vec3(numbers[0], numbers[1], numbers[2]), numbers[3]});
+    }
+    return balls;
+}
+
+Box default_box(const std::vector<Sphere>& balls, const std::optional<Plane>& base_plane) {
+    if (balls.empty()) fail_option("--box", "missing, and there is no ball to derive it from");
+    Box box{balls[0].center, balls[0].center};
+    const auto include = [&](const Vec3& p) {
+        box.min = box.min.cwiseMin(p);
+        box.max = box.max.cwiseMax(p);
+    };
+    for (const Sphere& ball : balls) {
+        include(ball.center - Vec3::Constant(ball.radius));
+        include(ball.center + Vec3::Constant(ball.radius));
+        if (base_plane) {
+            const Vec3 n = base_plane->normal.stableNormalized();
+            include(ball.center - n.dot(ball.center - base_plane->point) * n);
+        }
+    }
+    const Vec3 margin = Vec3::Constant(0.5 * box.diagonal());
+    return {box.min - margin, box.max + margin};
+}
+
+Scene parse_text_scene(std::string_view text, const TextSceneOptions& options) {
+    if (options.base_ball && options.base_plane) fail_option("--base", "excludes --base-plane");
+    if (!options.base_ball && !options.base_plane)
+        fail_option("--base-plane", "missing: an x y z r file does not say what its base is");
+    const std::vector<Sphere> balls = read_balls(text);
+    Scene scene;
+    scene.box = options.box ? *options.box : default_box(balls, options.base_plane);
+    if (options.base_plane) {
+        scene.base = *options.base_plane;
+        scene.objects.assign(balls.begin(), balls.end());
+        return scene;
+    }
+    if (*options.base_ball >= balls.size())
+        throw InputError(InputError::Kind::OutOfRange, InputError::no_object, "--base",
+                         fmt::format("must be less than the number of balls, {}, is {}", balls.size(),
+                                     *options.base_ball));
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+        if (i == *options.base_ball) {
+            scene.base = balls[i];
+            scene.base_name = std::to_string(i);
+        } else {
+            scene.objects.push_back(balls[i]);
+            scene.names.push_back(std::to_string(i));
+        }
+    }
+    return scene;
+}
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, const TextSceneOptions& options) {
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    const bool plain =
+        first != text.npos && std::string_view("0123456789+-.#").find(text[first]) != text.npos;
+    Scene scene;
+    if (plain) {
+        scene = parse_text_scene(text, options);
+    } else {
+        if (options.any())
+            throw InputError(InputError::Kind::Unsupported, InputError::no_object,
+                             options.base_ball    ? "--base"
+                             : options.base_plane ? "--base-plane"
+                                                  : "--box",
+                             "is for x y z r files, this scene is JSON");
+        JsonReader reader(text);
+        scene = read_scene_value(reader);
+        reader.end();
+    }
+    validate(scene);
+    return scene;
+}
+
+Scene read_scene(const std::string& path, const TextSceneOptions& options) {
+    return parse_scene(read_file(path), options);
+}
+
+}  // namespace vcell

@@ -1,0 +1,17 @@
+/// SVG pictures of minimization diagrams.
+#pragma once
+
+#include <iosfwd>
+
+#include "../envelope/cell.hpp"
+
+namespace vcell {
+
+/// The minimization diagram of a cell over a plane base, drawn in chart coordinates (u to the right,
+/// v upwards) from the trimming loops of its patches: a face is a path with its site's colour and a
+/// tooltip, lines and circular arcs are exact, other curves are cubic pieces that stay within a millionth of
+/// the picture's size, vertices are circles that tell their clearance. Styled by CSS classes
+/// (face, box, edge, rim, vertex, c0 ... c7), without scripts.
+void write_svg(std::ostream& out, const Cell& cell);
+
+}  // namespace vcell
