@@ -141,24 +141,46 @@ bool before_by_angle(const RegionSide& i, const RegionSide& j) {
     return turn(i, j).sign() == Sign::Positive;
 }
 
+[[noreturn]] void fail_empty(const std::string& what) {
+    throw InputError(Kind::EmptyBox, InputError::no_object, "box", what);
+}
+
+// Exact in world coordinates: a plane across the box has corners on both sides; one that holds a face of
+// the box needs the box on its front side.
+void check_base_cuts_box(const Plane& base, const Box& box) {
+    int in_front = 0, behind = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Exact height;
+        for (int i = 0; i < 3; ++i)
+            height +=
+                base.normal[i] * (Exact((corner >> i & 1) != 0 ? box.max[i] : box.min[i]) - base.point[i]);
+        if (height.sign() == Sign::Positive) ++in_front;
+        if (height.sign() == Sign::Negative) ++behind;
+    }
+    if (in_front > 0 && behind > 0) return;
+    const int on_plane = 8 - in_front - behind;
+    if (on_plane == 4 && in_front == 4) return;
+    if (on_plane == 4) fail_empty("lies behind the base plane (base.plane), which it only touches");
+    if (on_plane > 0) fail_empty("meets the base plane (base.plane) in no more than a point or an edge");
+    fail_empty("does not meet the base plane (base.plane)");
+}
+
+// The part of the canonical plane z = 0 in the box. A plane that only grazes the box may lose its last
+// sliver when an oblique frame is rounded: the error is the same.
 std::vector<RegionSide> base_region(const std::array<BoxSide, 6>& box) {
-    const auto fail = [](const char* what) {
-        throw InputError(Kind::EmptyBox, InputError::no_object, "box", what);
-    };
     std::vector<RegionSide> lines;
+    bool empty = false;
     for (const BoxSide& side : box) {
-        if (side.m.x() != 0 || side.m.y() != 0) {
+        if (side.m.x() != 0 || side.m.y() != 0)
             lines.push_back({-side.m.x(), -side.m.y(), side.k, Site::box_side(side.index)});
-            continue;
-        }
-        if (side.k < 0) fail("does not meet the base plane (base.plane)");
-        if (side.k == 0 && side.m.z() > 0)
-            fail("lies behind the base plane (base.plane), which it only touches");
+        else if (side.k < 0 || (side.k == 0 && side.m.z() > 0))
+            empty = true;
     }
     std::vector<RegionSide> region;
     for (std::size_t i = 0; i < lines.size(); ++i)
         if (contributes(lines, i)) region.push_back(lines[i]);
-    if (region.empty()) fail("meets the base plane (base.plane) in no more than a point or an edge");
+    if (empty || region.empty())
+        fail_empty("meets the base plane (base.plane) in a region too small for doubles");
     std::sort(region.begin(), region.end(), before_by_angle);
     return region;
 }
@@ -420,25 +442,24 @@ private:
     }
 
     CircularForm rounded(const LinearForm& exact, Site site) const {
+        for (const Exact& x : exact) check_range(nearest(x), x.sign() == Sign::Zero, site);
         CircularForm f;
         f.a = nearest(exact[0]);
         f.b = nearest(exact[1]);
         f.e = nearest(exact[2]);
         f.w = nearest(exact[3]);
-        check_range(f, site);
         return f;
     }
 
-    void check_range(const CircularForm& f, Site site) const {
-        for (const double x : {f.a, f.b, f.e, f.w}) {
-            if (x == 0 || std::abs(x) >= smallest_coefficient) continue;
-            const std::string what =
-                "is so close to the base, or so nearly parallel to it, that its height "
-                "leaves the range of doubles";
-            if (site.is_object()) fail(Kind::OutOfRange, site.index, what);
-            throw InputError(Kind::OutOfRange, InputError::no_object, "box",
-                             "side " + to_string(site) + " " + what);
-        }
+    // Pre: is_zero says whether the coefficient that x rounds is exactly zero.
+    void check_range(double x, bool is_zero, Site site) const {
+        if (is_zero || std::abs(x) >= smallest_coefficient) return;
+        const std::string what =
+            "is so close to the base, or so nearly parallel to it, that its height leaves the range of "
+            "doubles";
+        if (site.is_object()) fail(Kind::OutOfRange, site.index, what);
+        throw InputError(Kind::OutOfRange, InputError::no_object, "box",
+                         "side " + to_string(site) + " " + what);
     }
 
     // One form for every distinct height, in the order of their first sites: objects, then box sides.
@@ -473,7 +494,8 @@ private:
                 ball_forms[i] = ball_forms[first_ball[i]];
             } else {
                 const CircularForm f = ball_form(balls_[i]);
-                check_range(f, Site::object(ball_objects_[i]));
+                check_range(f.e, balls_[i].cz == balls_[i].rho, Site::object(ball_objects_[i]));
+                check_range(f.w, false, Site::object(ball_objects_[i]));
                 ball_forms[i] = forms_.push_back(f);
                 sources_->push_back(balls_[i]);
                 sites_.push_back({});
@@ -549,6 +571,7 @@ PlaneBaseProblem plane_base_problem(const Scene& scene) {
         throw InputError(Kind::Unsupported, InputError::no_object,
                          std::holds_alternative<Sphere>(scene.base) ? "base.sphere" : "base.cylinder",
                          "only planes are bases in this version");
+    check_base_cuts_box(*base, scene.box);
     return ProblemBuilder(scene, *base).build();
 }
 
