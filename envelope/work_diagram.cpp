@@ -1,0 +1,805 @@
+#include "work_diagram.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "../core/errors.hpp"
+
+namespace vcell {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void grow(std::array<double, 4>& box, const std::array<double, 4>& by) {
+    box = {std::min(box[0], by[0]), std::max(box[1], by[1]), std::min(box[2], by[2]), std::max(box[3], by[3])};
+}
+
+}  // namespace
+
+// --- Elements ----------------------------------------------------------------------------------------
+
+WorkDiagram::Index WorkDiagram::add_vertex(PointId p) {
+    Index v;
+    if (free_vertices_.empty()) {
+        v = static_cast<Index>(vertices_.size());
+        vertices_.emplace_back();
+    } else {
+        v = free_vertices_.back();
+        free_vertices_.pop_back();
+        vertices_[v] = Vertex{};
+    }
+    vertices_[v].point = p;
+    ++live_vertices_;
+    return v;
+}
+
+WorkDiagram::Index WorkDiagram::add_edge(FormPair curve, Index from, Index to, bool rim) {
+    Index e;
+    if (free_edges_.empty()) {
+        e = static_cast<Index>(edges_.size());
+        edges_.emplace_back();
+        half_edges_.resize(half_edges_.size() + 2);
+    } else {
+        e = free_edges_.back();
+        free_edges_.pop_back();
+        edges_[e] = Edge{};
+    }
+    edges_[e].curve = curve;
+    edges_[e].rim = rim;
+    half_edges_[2 * e] = {none, none, from, none, {}};
+    half_edges_[2 * e + 1] = {none, none, to, none, {}};
+    ++live_edges_;
+    return e;
+}
+
+WorkDiagram::Index WorkDiagram::add_face(FormId site) {
+    Index f;
+    if (free_faces_.empty()) {
+        f = static_cast<Index>(faces_.size());
+        faces_.emplace_back();
+    } else {
+        f = free_faces_.back();
+        free_faces_.pop_back();
+        Face& face = faces_[f];
+        face.inner.clear();
+        face.isolated.clear();
+        face.alive = true;
+    }
+    faces_[f].site = site;
+    faces_[f].outer = none;
+    faces_[f].box = {infinity, -infinity, infinity, -infinity};
+    return f;
+}
+
+void WorkDiagram::set_box(Index e) {
+    const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+    edges_[e].box = from == none ? kernel_.circle_box(edges_[e].curve)
+                                 : kernel_.arc_box(edges_[e].curve, vertices_[from].point, vertices_[to].point);
+}
+
+// Takes the edge out of the rotations at its ends; a vertex that keeps no edge goes with it.
+void WorkDiagram::kill_edge(Index e) {
+    const Index h = 2 * e, t = h + 1;
+    if (half_edges_[h].origin == none) {
+        --live_vertices_;
+    } else {
+        for (const Index g : {h, t}) {
+            const Index v = half_edges_[g].origin, before = half_edges_[g].prev, after = half_edges_[twin(g)].next;
+            if (after == g) {
+                vertices_[v].alive = false;
+                free_vertices_.push_back(v);
+                --live_vertices_;
+            } else {
+                vertices_[v].out = after;
+                link(before, after);
+            }
+        }
+    }
+    edges_[e].alive = false;
+    free_edges_.push_back(e);
+    --live_edges_;
+}
+
+// e keeps the part before p, the new edge takes the part after it. A closed edge becomes a loop at p and
+// no edge is added. Returns the vertex.
+WorkDiagram::Index WorkDiagram::split_edge(Index e, PointId p) {
+    const Index v = add_vertex(p);
+    if (half_edges_[2 * e].origin == none) {
+        --live_vertices_;  // the closed edge's own
+        half_edges_[2 * e].origin = half_edges_[2 * e + 1].origin = v;
+        vertices_[v].out = 2 * e;
+        return v;
+    }
+    const Index h = 2 * e, t = h + 1, end = half_edges_[t].origin;
+    const Index n = 2 * add_edge(edges_[e].curve, v, end, edges_[e].rim);
+    half_edges_[n].label = half_edges_[h].label;
+    half_edges_[n].face = half_edges_[h].face;
+    half_edges_[n + 1].label = half_edges_[t].label;
+    half_edges_[n + 1].face = half_edges_[t].face;
+    const Index after = half_edges_[h].next, before = half_edges_[t].prev;
+    half_edges_[t].origin = v;
+    link(n, after);
+    link(h, n);
+    link(before, n + 1);
+    link(n + 1, t);
+    vertices_[v].out = n;
+    if (vertices_[end].out == t) vertices_[end].out = n + 1;
+    edges_[n >> 1].ties = copy_ties(edges_[e].ties);
+    edges_[n >> 1].stamp = edges_[e].stamp;
+    return v;
+}
+
+void WorkDiagram::add_ties(Index& list, std::initializer_list<FormId> present, FormId tied) {
+    if (list == none) {
+        list = static_cast<Index>(ties_.size());
+        ties_.emplace_back();
+    }
+    std::vector<FormId>& forms = ties_[list];
+    for (const FormId f : present)
+        if (f.valid() && std::ranges::find(forms, f) == forms.end()) forms.push_back(f);
+    if (std::ranges::find(forms, tied) == forms.end()) forms.push_back(tied);
+}
+
+WorkDiagram::Index WorkDiagram::copy_ties(Index list) {
+    if (list == none) return none;
+    ties_.push_back(std::vector<FormId>(ties_[list]));
+    return static_cast<Index>(ties_.size() - 1);
+}
+
+void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
+    vertices_.clear();
+    half_edges_.clear();
+    edges_.clear();
+    faces_.clear();
+    ties_.clear();
+    free_vertices_.clear();
+    free_edges_.clear();
+    free_faces_.clear();
+    live_vertices_ = live_edges_ = 0;
+    live_cycles_ = 2;
+    stamp_ = 0;
+    const auto n = static_cast<Index>(lines.size());
+    const auto side = [&](Index i) { return FormPair{CircleKernel::zero_form(), lines[i % n]}; };
+    for (Index i = 0; i < n; ++i) {
+        const auto corner = kernel_.intersection(side(i + n - 1), side(i), Sign::Positive, {0, 0});
+        if (!corner) throw InternalError("the region's sides " + std::to_string(i) + " and its neighbour do not meet");
+        add_vertex(*corner);
+    }
+    add_face({});
+    const Index f = add_face(site);
+    for (Index i = 0; i < n; ++i) {
+        const Index e = add_edge(side(i), i, (i + 1) % n, true);
+        half_edges_[2 * e].label = site;
+        half_edges_[2 * e].face = f;
+        half_edges_[2 * e + 1].face = outside;
+        vertices_[i].out = 2 * e;
+        set_box(e);
+        grow(faces_[f].box, edges_[e].box);
+    }
+    for (Index i = 0; i < n; ++i) {
+        link(2 * i, 2 * ((i + 1) % n));
+        link(2 * ((i + 1) % n) + 1, 2 * i + 1);
+    }
+    faces_[f].outer = 0;
+    faces_[outside].inner.push_back(1);
+}
+
+// --- One merge -----------------------------------------------------------------------------------------
+
+void WorkDiagram::insert(FormId challenger) {
+    duels_.clear();
+    for (Index f = 1; f < faces_.size(); ++f) {
+        const Face& face = faces_[f];
+        if (!face.alive) continue;
+        if (kernel_.lower_bound(challenger, face.site, face.box[0], face.box[1], face.box[2], face.box[3]) > 0) continue;
+        duels_.push_back({f, challenger});
+    }
+    if (!duels_.empty()) resolve();
+}
+
+// Signs are those of challenger - defender: negative where the challenger wins. First every boundary is
+// cut where the sign changes; then arcs are inserted face by face; then labels decide which edges stay.
+void WorkDiagram::resolve() {
+    ++stamp_;
+    touched_.clear();
+    for (const Duel& d : duels_) decide_boundary(d);
+    const long components_before = component_count();
+    bool plain = true;  // no changed face has holes or isolated vertices
+    for (Duel& d : duels_) {
+        divide_face(d);
+        if (!d.changed) continue;
+        const Face& f = faces_[d.face];
+        live_cycles_ -= 1 + static_cast<long>(f.inner.size());
+        plain = plain && f.inner.empty() && f.isolated.empty();
+    }
+    if (touched_.empty()) return;
+    remove_inner_edges();
+
+    std::vector<Index> isolated;
+    for (const Duel& d : duels_) {
+        if (!d.changed) continue;
+        Face& f = faces_[d.face];
+        for (const Index v : f.isolated) isolated.push_back(v);
+        f.alive = false;
+        f.isolated.clear();
+        free_faces_.push_back(d.face);
+    }
+    rebuild_faces();
+    const long components = component_count();
+    if (isolated.empty() && (components == 1 || (plain && components == components_before))) {
+        for (const Index c : cycles_) {
+            const Index f = add_face(half_edges_[c].label);
+            Face& face = faces_[f];
+            face.outer = c;
+            for_cycle(c, [&](Index h) {
+                half_edges_[h].face = f;
+                grow(face.box, edges_[h >> 1].box);
+            });
+        }
+    } else {
+        nest_cycles(isolated);
+    }
+}
+
+void WorkDiagram::decide_boundary(const Duel& d) {
+    const Face& f = faces_[d.face];
+    const FormPair rival{d.challenger, f.site};
+    for_boundary(f, [&](Index h) {
+        if (half_edges_[h].origin != none) vertex_sign(half_edges_[h].origin, rival);
+    });
+    for (const Index v : f.isolated) vertex_sign(v, rival);
+    for_boundary(f, [&](Index h) {
+        if (edges_[h >> 1].stamp != stamp_) decide_edge(h, rival);
+    });
+}
+
+Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
+    Vertex& vertex = vertices_[v];
+    if (vertex.stamp == stamp_) return vertex.sign;
+    vertex.stamp = stamp_;
+    vertex.sign = kernel_.sign_at(vertex.point, rival.f, rival.g);
+    if (vertex.sign == Sign::Zero) {
+        Index h = vertex.out;
+        if (h == none) {
+            add_ties(vertex.ties, {}, rival.f);
+            return vertex.sign;
+        }
+        do {
+            add_ties(vertex.ties, {half_edges_[h].label}, rival.f);
+            h = twin(half_edges_[h].prev);
+        } while (h != vertex.out);
+    }
+    return vertex.sign;
+}
+
+// The roots of challenger - defender on the edge. On the whole curve c there are at most two, and they turn
+// opposite ways: crossing from minus to plus along c is a positive turn c x rival. So a change of sign
+// between the ends names its root; equal signs leave none or both; an end that is a root names the other.
+void WorkDiagram::decide_edge(Index h, FormPair rival) {
+    const Index e = h >> 1;
+    Edge& edge = edges_[e];
+    edge.stamp = stamp_;
+    const FormPair c = edge.curve;
+    const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+
+    if (from == none) {
+        const std::array<double, 4>& b = edge.box;
+        if (kernel_.lower_bound(rival.f, rival.g, b[0], b[1], b[2], b[3]) > 0) {
+            edge.sign = Sign::Positive;
+            return;
+        }
+        if (kernel_.lower_bound(rival.g, rival.f, b[0], b[1], b[2], b[3]) > 0) {
+            edge.sign = Sign::Negative;
+            return;
+        }
+        // The bottom of the circle is as good a place near it as any.
+        const Eigen::Vector2d near =
+            std::isfinite(b[2]) ? Eigen::Vector2d(0.5 * b[0] + 0.5 * b[1], b[2]) : Eigen::Vector2d(0, 0);
+        if (kernel_.same_curve(c, rival)) {
+            edge.sign = Sign::Zero;
+            add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, rival.f);
+            return;
+        }
+        switch (kernel_.intersection_sign(c, rival, near)) {
+            case Sign::Negative:
+                edge.sign = kernel_.sign_at(kernel_.leftmost_point(c), rival.f, rival.g);
+                return;
+            case Sign::Zero: {
+                const PointId p = kernel_.touching_point(c, rival);
+                const Cut cut{p, true};
+                cut_edge(e, rival, {&cut, 1}, kernel_.sign_beside_touching(p, c, rival));
+                return;
+            }
+            case Sign::Positive: {
+                const Cut cuts[] = {{*kernel_.intersection(c, rival, Sign::Positive, near), false},
+                                    {*kernel_.intersection(c, rival, Sign::Negative, near), false}};
+                cut_edge(e, rival, cuts, Sign::Negative);
+                return;
+            }
+        }
+    }
+
+    const Sign s = vertices_[from].sign, t = vertices_[to].sign;
+    const PointId p = vertices_[from].point, q = vertices_[to].point;
+    const Eigen::Vector2d near = 0.5 * (Eigen::Vector2d(at(from).x, at(from).y) + Eigen::Vector2d(at(to).x, at(to).y));
+    const auto root = [&](Sign turn) {
+        const auto r = kernel_.intersection(c, rival, turn, near);
+        if (!r) throw InternalError("no root of a sign change on edge e" + std::to_string(e));
+        return Cut{*r, false};
+    };
+    if (s != Sign::Zero && t != Sign::Zero) {
+        if (s != t) {
+            const Cut cut = root(t);
+            cut_edge(e, rival, {&cut, 1}, s);
+            return;
+        }
+        edge.sign = s;
+        const std::array<double, 4>& b = edge.box;
+        const bool apart = s == Sign::Positive ? kernel_.lower_bound(rival.f, rival.g, b[0], b[1], b[2], b[3]) > 0
+                                               : kernel_.lower_bound(rival.g, rival.f, b[0], b[1], b[2], b[3]) > 0;
+        if (apart) return;
+        switch (kernel_.intersection_sign(c, rival, near)) {
+            case Sign::Negative: return;
+            case Sign::Zero: {
+                const Cut cut{kernel_.touching_point(c, rival), true};
+                if (kernel_.strictly_between(c, p, q, cut.point)) cut_edge(e, rival, {&cut, 1}, s);
+                return;
+            }
+            case Sign::Positive: {
+                // Two lines cross once, and then the signs at the ends would differ.
+                if (kernel_.curvature_sign(c) == Sign::Zero && kernel_.curvature_sign(rival) == Sign::Zero) return;
+                const Cut first = root(-s);
+                if (!kernel_.strictly_between(c, p, q, first.point)) return;
+                const Cut cuts[] = {first, root(s)};
+                cut_edge(e, rival, cuts, s);
+                return;
+            }
+        }
+        return;
+    }
+
+    // An end is a root. Its turn tells the sign beside it, and whether the other root must lie on the edge.
+    if (s == Sign::Zero && t == Sign::Zero && kernel_.same_curve(c, rival)) {
+        edge.sign = Sign::Zero;
+        add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, rival.f);
+        return;
+    }
+    const Sign turn = kernel_.turn_at(s == Sign::Zero ? p : q, c, rival);
+    if (turn == Sign::Zero) {
+        edge.sign = kernel_.sign_beside_touching(s == Sign::Zero ? p : q, c, rival);
+    } else if (s == Sign::Zero && t == Sign::Zero && from != to) {
+        edge.sign = turn;
+    } else if (s == Sign::Zero) {  // also the loop at one vertex: the sign returns to its other side
+        edge.sign = turn;
+        if (from == to || t != turn) {
+            const Cut cut = root(-turn);
+            cut_edge(e, rival, {&cut, 1}, turn);
+        }
+    } else {
+        edge.sign = s;
+        if (s == turn) {
+            const Cut cut = root(-turn);
+            cut_edge(e, rival, {&cut, 1}, s);
+        }
+    }
+}
+
+// Splits e at the cuts, in order along its curve. The sign before the first is given; it changes at
+// every cut that is no touching.
+void WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
+    Sign sign = before;
+    const bool closed = half_edges_[2 * e].origin == none;
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+        const Cut& cut = cuts[i];
+        const Index v = split_edge(e, cut.point);
+        vertices_[v].stamp = stamp_;
+        vertices_[v].sign = Sign::Zero;
+        const FormId left = half_edges_[2 * e].label, right = half_edges_[2 * e + 1].label;
+        if (edges_[e].ties != none) vertices_[v].ties = copy_ties(edges_[e].ties);
+        if (cut.touching || vertices_[v].ties != none) add_ties(vertices_[v].ties, {left, right}, rival.f);
+        if (closed && i == 0) {
+            // The loop starts after the first cut; a second one ends it.
+            if (!cut.touching) sign = -sign;
+            edges_[e].sign = sign;
+            continue;
+        }
+        edges_[e].sign = sign;
+        set_box(e);
+        if (!cut.touching) sign = -sign;
+        e = half_edges_[2 * e].next >> 1;
+        edges_[e].sign = sign;
+    }
+    set_box(e);
+}
+
+// --- Arcs inside a face -------------------------------------------------------------------------------
+
+void WorkDiagram::divide_face(Duel& d) {
+    const Face& f = faces_[d.face];
+    const FormPair rival{d.challenger, f.site};
+    bool positive = false, negative = false, root = false;
+    const std::size_t first_touched = touched_.size();
+    for_boundary(f, [&](Index h) {
+        touched_.push_back(h);
+        positive = positive || edges_[h >> 1].sign == Sign::Positive;
+        negative = negative || edges_[h >> 1].sign == Sign::Negative;
+        const Index v = half_edges_[h].origin;
+        root = root || edges_[h >> 1].sign == Sign::Zero || (v != none && vertices_[v].sign == Sign::Zero);
+    });
+    const std::size_t boundary_count = touched_.size() - first_touched;
+    branches_.clear();
+    if (root) {
+        find_branches(f.outer, rival);
+        for (const Index h : f.inner) find_branches(h, rival);
+    }
+    d.changed = negative || !branches_.empty();
+    if (!positive && !negative)  // bounded by the trisector alone
+        d.changed = winner(f.outer, d) == d.challenger;
+    if (!root) insert_island(d, negative ? Sign::Negative : Sign::Positive);
+    if (!d.changed) {
+        touched_.resize(first_touched);
+        return;
+    }
+    const std::size_t boundary_end = boundary_count + first_touched;
+    for (std::size_t i = first_touched; i < boundary_end; ++i)
+        half_edges_[touched_[i]].label = winner(touched_[i], d);
+    insert_arcs(rival);
+}
+
+// Who wins beside half-edge h of the face, on its left.
+FormId WorkDiagram::winner(Index h, const Duel& d) {
+    const FormId site = faces_[d.face].site;
+    switch (edges_[h >> 1].sign) {
+        case Sign::Negative: return d.challenger;
+        case Sign::Positive: return site;
+        case Sign::Zero: break;
+    }
+    const FormPair c = directed(h), rival{d.challenger, site};
+    const Index v = half_edges_[h].origin;
+    const bool along = v == none ? kernel_.curvature_sign(c) == kernel_.curvature_sign(rival)
+                                 : kernel_.same_direction(vertices_[v].point, c, rival);
+    return along ? d.challenger : site;
+}
+
+// At a root vertex the boundary arrives by h and leaves by next(h); the face fills the sector that runs
+// counter-clockwise from the leaving half-edge back to the arriving one. If the signs on the two differ,
+// exactly one of the trisector's two branches lies in the sector, and the sign left of it is that of h.
+// Otherwise none or both do, or an edge itself is one: ask for each branch.
+void WorkDiagram::find_branches(Index cycle, FormPair rival) {
+    for_cycle(cycle, [&](Index h) {
+        const Index v = target(h);
+        if (v == none || vertices_[v].sign != Sign::Zero) return;
+        const Index n = half_edges_[h].next;
+        const Sign in = edges_[h >> 1].sign, out = edges_[n >> 1].sign;
+        if (in != Sign::Zero && out != Sign::Zero && in != out) {
+            branches_.push_back({h, v, in == Sign::Negative});
+            return;
+        }
+        const PointId p = vertices_[v].point;
+        const FormPair from = directed(n), to = directed(twin(h));
+        const bool leaves = kernel_.branch_in_sector(p, from, rival, to);
+        const bool arrives = kernel_.branch_in_sector(p, from, rival.reversed(), to);
+        // Counter-clockwise from n: beside a winning edge the challenger's region ends first.
+        const bool start_first = out == Sign::Positive;
+        if (leaves && start_first) branches_.push_back({h, v, true});
+        if (arrives) branches_.push_back({h, v, false});
+        if (leaves && !start_first) branches_.push_back({h, v, true});
+    });
+}
+
+// Each start is joined with the first end that the trisector meets from there.
+void WorkDiagram::insert_arcs(FormPair rival) {
+    if (branches_.empty()) return;
+    const auto starts = std::ranges::count_if(branches_, &Branch::start);
+    if (2 * starts != static_cast<std::ptrdiff_t>(branches_.size()))
+        throw InternalError("a trisector enters a face " + std::to_string(starts) + " times and leaves it " +
+                            std::to_string(static_cast<std::ptrdiff_t>(branches_.size()) - starts) + " times");
+    const bool several = starts > 1;
+    const bool line = several && kernel_.curvature_sign(rival) == Sign::Zero;
+    for (Branch& s : branches_) {
+        if (!s.start) continue;
+        const PointId p = vertices_[s.vertex].point;
+        Branch* first = nullptr;
+        for (Branch& t : branches_) {
+            if (t.start) continue;
+            const PointId q = vertices_[t.vertex].point;
+            if (line && !kernel_.precedes_on_line(rival, p, q)) continue;
+            if (!first || kernel_.strictly_between(rival, p, vertices_[first->vertex].point, q)) first = &t;
+        }
+        if (!first || first->half_edge != none) throw InternalError("a trisector's arc has no end");
+        const Index e = add_edge(rival, s.vertex, first->vertex, false);
+        edges_[e].stamp = stamp_;
+        half_edges_[2 * e].label = rival.f;
+        half_edges_[2 * e + 1].label = rival.g;
+        s.half_edge = 2 * e;
+        first->half_edge = 2 * e + 1;
+        set_box(e);
+        touched_.push_back(2 * e);
+        touched_.push_back(2 * e + 1);
+    }
+    // Branches of one corner follow each other counter-clockwise from the leaving boundary edge: arriving
+    // along one turns into the one before.
+    for (std::size_t i = 0; i < branches_.size();) {
+        const Index corner = branches_[i].corner;
+        Index leaving = half_edges_[corner].next;
+        for (; i < branches_.size() && branches_[i].corner == corner; ++i) {
+            link(twin(branches_[i].half_edge), leaving);
+            leaving = branches_[i].half_edge;
+        }
+        link(corner, leaving);
+    }
+}
+
+// The trisector does not meet the face's boundary. It may still be a circle inside: then the loser of the
+// boundary wins inside the circle, or touches in a single point.
+void WorkDiagram::insert_island(Duel& d, Sign boundary) {
+    const Face& f = faces_[d.face];
+    const FormPair rival{d.challenger, f.site};
+    if (kernel_.curvature_sign(rival) != boundary || kernel_.circle_leaves_box(rival, f.box)) return;
+    const Sign radius = kernel_.radius_sign(rival);
+    if (radius == Sign::Negative) return;
+    const PointId p = radius == Sign::Zero ? kernel_.center_point(rival) : kernel_.leftmost_point(rival);
+    if (!face_contains(f, p)) return;
+    const bool losing = boundary == Sign::Positive;
+    if (radius == Sign::Zero) {
+        const Index v = add_vertex(p);
+        --live_vertices_;
+        add_ties(vertices_[v].ties, {f.site}, d.challenger);
+        vertices_[v].stamp = stamp_;
+        vertices_[v].isolated_in = d.face;
+        faces_[d.face].isolated.push_back(v);
+        return;
+    }
+    const Index e = add_edge(rival, none, none, false);
+    ++live_vertices_;
+    link(2 * e, 2 * e);
+    link(2 * e + 1, 2 * e + 1);
+    half_edges_[2 * e].label = rival.f;
+    half_edges_[2 * e + 1].label = rival.g;
+    set_box(e);
+    if (losing && f.inner.empty() && f.isolated.empty()) {
+        // The common case at once: a new face in a hole of the old one.
+        live_cycles_ += 2;
+        const Index inside = add_face(d.challenger);
+        faces_[inside].outer = 2 * e;
+        faces_[inside].box = edges_[e].box;
+        half_edges_[2 * e].face = inside;
+        half_edges_[2 * e + 1].face = d.face;
+        faces_[d.face].inner.push_back(2 * e + 1);
+        return;
+    }
+    d.changed = true;
+    touched_.push_back(2 * e);
+    touched_.push_back(2 * e + 1);
+}
+
+void WorkDiagram::remove_inner_edges() {
+    for (const Index h : touched_) {
+        const Index e = h >> 1;
+        if (edges_[e].alive && half_edges_[2 * e].label == half_edges_[2 * e + 1].label) kill_edge(e);
+    }
+    // On the rim, where no edge goes, vertices between equal labels do.
+    for (const Index h : touched_) {
+        const Index e = h >> 1;
+        if (!edges_[e].alive || !edges_[e].rim || edges_[e].stamp != stamp_) continue;
+        if (edges_[e].sign == Sign::Negative) edges_[e].ties = none;
+        while (vertices_[target(h)].sign == Sign::Negative) {
+            vertices_[target(h)].ties = none;
+            if (edges_[half_edges_[h].next >> 1].curve != edges_[e].curve) break;
+            join_rim_edges(h);
+        }
+    }
+}
+
+// Lets rim half-edge h run on over its successor, and drops the vertex between them.
+void WorkDiagram::join_rim_edges(Index h) {
+    const Index n = half_edges_[h].next, v = half_edges_[n].origin, end = target(n);
+    half_edges_[twin(h)].origin = end;
+    link(h, half_edges_[n].next);
+    link(half_edges_[twin(n)].prev, twin(h));
+    if (vertices_[end].out == twin(n)) vertices_[end].out = twin(h);
+    vertices_[v].alive = false;
+    free_vertices_.push_back(v);
+    --live_vertices_;
+    edges_[n >> 1].alive = false;
+    free_edges_.push_back(n >> 1);
+    --live_edges_;
+    set_box(h >> 1);
+}
+
+// Collects the new boundary components of all changed faces into cycles_.
+void WorkDiagram::rebuild_faces() {
+    cycles_.clear();
+    for (const Index h : touched_) {
+        if (!edges_[h >> 1].alive) continue;
+        half_edges_[h].face = none;
+        Edge& edge = edges_[h >> 1];
+        // The edge may separate others than before, tied all along it.
+        if (!edge.rim && edge.ties != none)
+            edge.curve = {half_edges_[h & ~1u].label, half_edges_[h | 1u].label};
+    }
+    for (const Index h : touched_) {
+        if (!edges_[h >> 1].alive || half_edges_[h].face != none) continue;
+        cycles_.push_back(h);
+        for_cycle(h, [&](Index g) { half_edges_[g].face = outside; });
+    }
+    live_cycles_ += static_cast<long>(cycles_.size());
+}
+
+// --- Islands ---------------------------------------------------------------------------------------------
+
+// Finds which of the new components bound faces from outside, and in which face each of the others, and
+// each isolated vertex, lies.
+void WorkDiagram::nest_cycles(std::span<const Index> isolated) {
+    std::vector<Index> outer, inner;
+    for (const Index c : cycles_) (is_outer_cycle(c) ? outer : inner).push_back(c);
+    for (const Index c : outer) {
+        const Index f = add_face(half_edges_[c].label);
+        faces_[f].outer = c;
+        for_cycle(c, [&](Index h) {
+            half_edges_[h].face = f;
+            grow(faces_[f].box, edges_[h >> 1].box);
+        });
+    }
+    const auto face_around = [&](PointId p, FormId label) {
+        // Faces inside an island may pass through p as well: they carry another label, or touch at p only.
+        const auto candidate = [&](Index c) {
+            if (label.valid() && half_edges_[c].label != label) return false;
+            bool through = false;
+            for_cycle(c, [&](Index h) {
+                through = through || (half_edges_[h].origin != none && vertices_[half_edges_[h].origin].point == p);
+            });
+            return !through && cycle_contains(c, p);
+        };
+        Index best = none;
+        for (const Index c : outer)
+            if (candidate(c) && (best == none || cycle_contains(best, point_on(c)))) best = c;
+        if (best == none) throw InternalError("an island lies in no face");
+        return half_edges_[best].face;
+    };
+    for (const Index c : inner) {
+        const Index f = face_around(point_on(c), half_edges_[c].label);
+        faces_[f].inner.push_back(c);
+        for_cycle(c, [&](Index h) { half_edges_[h].face = f; });
+    }
+    for (const Index v : isolated) {
+        Vertex& vertex = vertices_[v];
+        const Sign s = vertex.stamp == stamp_ ? vertex.sign : Sign::Positive;
+        if (s == Sign::Negative) {
+            vertex.alive = false;
+            free_vertices_.push_back(v);
+            continue;
+        }
+        const Index f = face_around(vertex.point, {});
+        vertex.isolated_in = f;
+        faces_[f].isolated.push_back(v);
+    }
+}
+
+PointId WorkDiagram::point_on(Index cycle) {
+    const Index v = half_edges_[cycle].origin;
+    return v != none ? vertices_[v].point : kernel_.leftmost_point(directed(cycle));
+}
+
+// The face lies right of the cycle's leftmost point if the cycle bounds it from outside, left of it if it
+// is an island in it.
+bool WorkDiagram::is_outer_cycle(Index cycle) {
+    if (half_edges_[cycle].origin == none) return kernel_.curvature_sign(directed(cycle)) == Sign::Positive;
+    PointId leftmost;
+    bool on_arc = false, outer = false;
+    double right_of_some = infinity;  // some point of the cycle lies left of here
+    for_cycle(cycle, [&](Index h) {
+        const KernelPoint& p = at(half_edges_[h].origin);
+        right_of_some = std::min(right_of_some, Interval::up(p.x + p.error));
+    });
+    for_cycle(cycle, [&](Index h) {
+        if (edges_[h >> 1].box[0] > right_of_some) return;
+        const Index v = half_edges_[h].origin, w = target(h);
+        const PointId p = vertices_[v].point;
+        if (!leftmost.valid() || (p != leftmost && kernel_.compare_xy(p, leftmost) == Sign::Negative)) {
+            leftmost = p;
+            on_arc = false;
+        }
+        const FormPair c = directed(h);
+        const Sign K = kernel_.curvature_sign(c);
+        if (K == Sign::Zero) return;
+        const PointId extreme = kernel_.leftmost_point(c);
+        if (!kernel_.strictly_between(c, p, vertices_[w].point, extreme)) return;
+        if (kernel_.compare_xy(extreme, leftmost) == Sign::Negative) {
+            leftmost = extreme;
+            on_arc = true;
+            outer = K == Sign::Positive;
+        }
+    });
+    if (on_arc) return outer;
+    // At a vertex: inner if a corner's sector contains the direction to the left. All edges leave to the
+    // right (or straight up), so a sector does unless it turns left from its first edge to its last.
+    bool inner = false;
+    for_cycle(cycle, [&](Index h) {
+        if (vertices_[target(h)].point != leftmost) return;
+        inner = inner || kernel_.sector_contains_left(leftmost, directed(half_edges_[h].next), directed(twin(h)));
+    });
+    return !inner;
+}
+
+bool WorkDiagram::cycle_contains(Index cycle, PointId p) {
+    int crossings = 0;
+    for_cycle(cycle, [&](Index h) { crossings += crossings_above(h >> 1, p); });
+    return crossings % 2 == 1;
+}
+
+bool WorkDiagram::face_contains(const Face& f, PointId p) {
+    int crossings = 0;
+    for_boundary(f, [&](Index h) { crossings += crossings_above(h >> 1, p); });
+    return crossings % 2 == 1;
+}
+
+// How often the open vertical ray upwards from p crosses the edge; p does not lie on it. An x-monotone
+// piece counts its left end and not its right one.
+int WorkDiagram::crossings_above(Index e, PointId p) {
+    const KernelPoint& at_p = kernel_.point(p);
+    const std::array<double, 4>& box = edges_[e].box;
+    if (box[1] < at_p.x - at_p.error || box[0] > at_p.x + at_p.error || box[3] < at_p.y - at_p.error) return 0;
+    const FormPair c = edges_[e].curve;
+    const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+    const auto left_of_or_at = [&](PointId q) { return kernel_.compare_x(q, p) != Sign::Positive; };
+    const Sign K = kernel_.curvature_sign(c);
+    if (K == Sign::Zero) {
+        const PointId a = vertices_[from].point, b = vertices_[to].point;
+        if (left_of_or_at(a) == left_of_or_at(b)) return 0;
+        // Above the line {F = 0}, F = A x + B y + C, F has the sign of B; B has that of -dx along it.
+        const Sign B = left_of_or_at(a) ? Sign::Negative : Sign::Positive;
+        return kernel_.sign_at(p, c.f, c.g) == -B ? 1 : 0;
+    }
+    const Sign side = kernel_.side_of_center(p, c), distance = K * kernel_.sign_at(p, c.f, c.g);
+    // Is p below the lower half (below the upper half) of the circle, where they have p's x?
+    const bool below_lower = distance == Sign::Positive && side == Sign::Negative;
+    const bool below_upper = distance == Sign::Negative || side == Sign::Negative ||
+                             (distance == Sign::Zero && side != Sign::Positive);
+    const PointId left = kernel_.leftmost_point(c), right = kernel_.rightmost_point(c);
+    int count = 0;
+    const auto piece = [&](PointId a, PointId b, bool upper) {
+        if (left_of_or_at(a) != left_of_or_at(b) && (upper ? below_upper : below_lower)) ++count;
+    };
+    if (from == none) {
+        piece(left, right, false);
+        piece(right, left, true);
+        return count;
+    }
+    // Counter-clockwise from a to b.
+    PointId a = vertices_[from].point, b = vertices_[to].point;
+    FormPair ccw = c;
+    if (K == Sign::Negative) {
+        std::swap(a, b);
+        ccw = c.reversed();
+    }
+    const bool has_left = kernel_.strictly_between(ccw, a, b, left), has_right = kernel_.strictly_between(ccw, a, b, right);
+    if (has_left && has_right) {
+        const bool left_first = kernel_.strictly_between(ccw, a, right, left);
+        if (left_first) {
+            piece(a, left, true);
+            piece(left, right, false);
+            piece(right, b, true);
+        } else {
+            piece(a, right, false);
+            piece(right, left, true);
+            piece(left, b, false);
+        }
+    } else if (has_left) {
+        piece(a, left, true);
+        piece(left, b, false);
+    } else if (has_right) {
+        piece(a, right, false);
+        piece(right, b, true);
+    } else {
+        // Within one half: the lower one is run to the right, the upper one to the left.
+        piece(a, b, kernel_.compare_x(a, b) == Sign::Positive);
+    }
+    return count;
+}
+
+}  // namespace vcell
