@@ -1,0 +1,440 @@
+/// lower_envelope() against brute force, on random and on degenerate scenes.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <random>
+
+#include "../test_support.hpp"
+#include "oracle.hpp"
+
+namespace vcell {
+namespace {
+
+/// Forms by their numbers, kept so that a scene can be moved. All numbers are dyadic and short: what is
+/// degenerate in the drawing is degenerate in the doubles.
+struct FormScene {
+    struct Numbers {
+        double k, cx, cy, a, b, e, w;
+    };
+    std::string name;
+    std::vector<Numbers> numbers;
+    std::array<double, 4> rectangle{-2, -2, 2, 2};
+    std::optional<ConvexRegion> polygon;  // instead of the rectangle
+
+    void sphere(double cx, double cy, double cz, double rho) {
+        paraboloid(cx, cy, (cz - rho) * (cz + rho), 2 * (cz + rho));
+    }
+    void paraboloid(double cx, double cy, double e, double w) { numbers.push_back({1, cx, cy, 0, 0, e, w}); }
+    void plane(double a, double b, double e, double w = 1) { numbers.push_back({0, 0, 0, a, b, e, w}); }
+
+    ConvexRegion region() const {
+        if (polygon) return *polygon;
+        return ConvexRegion::rectangle(rectangle[0], rectangle[1], rectangle[2], rectangle[3]);
+    }
+    FormFamily family() const {
+        FormFamily f;
+        for (const Numbers& n : numbers) f.forms.push_back({n.k, n.cx, n.cy, n.a, n.b, n.e, n.w});
+        f.exact = [all = numbers](FormId id) {
+            const Numbers& n = all[id.value];
+            const Exact k(n.k), cx(n.cx), cy(n.cy);
+            return ExactForm{k, Exact(n.a) - Exact(2) * k * cx, Exact(n.b) - Exact(2) * k * cy,
+                             Exact(n.e) + k * (cx * cx + cy * cy), Exact(n.w)};
+        };
+        return f;
+    }
+};
+
+double dyadic(double x) { return std::ldexp(std::round(std::ldexp(x, 20)), -20); }
+
+// --- Random scenes ----------------------------------------------------------------------------------
+
+FormScene random_spheres(std::mt19937_64& rng, int n, double density) {
+    std::uniform_real_distribution<double> u(0, 1);
+    FormScene s{.name = "random spheres, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
+    const double size = std::sqrt(n / density);
+    s.rectangle = {0, 0, dyadic(size), dyadic(size)};
+    for (int i = 0; i < n; ++i) {
+        const double rho = dyadic(0.3 * u(rng));
+        s.sphere(dyadic(size * u(rng)), dyadic(size * u(rng)), dyadic(rho + 0.1 + 2 * u(rng)), rho);
+    }
+    return s;
+}
+
+/// Radii by a power law and centres outside of the region too: big circles, small islands, deep nesting.
+FormScene heavy_tailed(std::mt19937_64& rng, int n) {
+    std::uniform_real_distribution<double> u(0, 1);
+    FormScene s{.name = "heavy-tailed radii, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
+    for (int i = 0; i < n; ++i) {
+        const double rho = dyadic(0.01 * std::pow(1e-4 + u(rng), -0.8));
+        s.sphere(dyadic(6 * u(rng) - 3), dyadic(6 * u(rng) - 3), dyadic(rho * (1 + 2 * u(rng)) + 0.01), rho);
+    }
+    return s;
+}
+
+FormScene mixed(std::mt19937_64& rng, int spheres, int planes) {
+    std::uniform_real_distribution<double> u(-1, 1);
+    FormScene s = random_spheres(rng, spheres, 1);
+    s.name = "spheres and planes, n = " + std::to_string(spheres + planes);
+    const double middle = s.rectangle[2] / 2;
+    for (int i = 0; i < planes; ++i) {
+        const double a = dyadic(u(rng)), b = dyadic(u(rng));
+        s.plane(a, b, dyadic(1.5 + 0.5 * u(rng) - (a + b) * middle), dyadic(1.25 + 0.5 * u(rng)));
+    }
+    return s;
+}
+
+FormScene in_polygon(FormScene s) {
+    s.name += ", in a hexagon";
+    const double m = s.rectangle[2];
+    // Cuts two opposite corners off the square [0, m]^2.
+    s.polygon =
+        ConvexRegion{{{0, 1, 0}, {-1, 0, m}, {-1, -1, 1.5 * m}, {0, -1, m}, {1, 0, 0}, {2, 1, -0.5 * m}}};
+    return s;
+}
+
+// --- Degenerate scenes ------------------------------------------------------------------------------
+
+FormScene lattice(const std::string& name, int n, double dx, double shear, double dy, double x0, double y0) {
+    FormScene s{.name = name, .numbers = {}, .polygon = {}};
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) s.sphere(x0 + i * dx + (j % 2) * shear, y0 + j * dy, 1, 0.25);
+    return s;
+}
+
+/// Equal spheres centred on the circle of radius 65/64: all are equally near above its centre.
+FormScene cocircular(double cx, double cy, const std::string& name) {
+    FormScene s{.name = name, .numbers = {}, .polygon = {}};
+    for (const auto& [x, y] :
+         {std::pair{65, 0}, {63, 16}, {60, 25}, {56, 33}, {52, 39}, {39, 52}, {33, 56}, {25, 60}, {16, 63}})
+        for (const auto& [p, q] : {std::pair{x, y}, {-y, x}, {-x, -y}, {y, -x}})
+            s.sphere(cx + p / 64.0, cy + q / 64.0, 1, 0.5);
+    return s;
+}
+
+std::vector<FormScene> degenerate_scenes() {
+    std::vector<FormScene> all;
+    const auto scene = [&](const std::string& name) -> FormScene& {
+        all.push_back({.name = name, .numbers = {}, .polygon = {}});
+        return all.back();
+    };
+    scene("empty");
+    scene("one sphere").sphere(0.25, 0.5, 1, 0.5);
+    scene("one plane").plane(0.25, 0, 2);
+
+    all.push_back(lattice("square lattice", 6, 1, 0, 1, -2.5, -2.5));
+    all.push_back(lattice("square lattice, rim through vertices and corners", 5, 1, 0, 1, -2.5, -2.5));
+    all.push_back(lattice("square lattice, corners at centres, rim along bisectors", 5, 1, 0, 1, -2, -2));
+    all.back().rectangle = {-1.5, -1, 1.5, 1};
+    all.push_back(lattice("sheared lattice", 6, 1, 0.5, 0.875, -2.75, -2.25));
+    all.push_back(lattice("hexagonal lattice, rounded", 6, 1, 0.5, std::sqrt(3) / 2, -2.75, -2.25));
+    all.push_back(cocircular(0, 0, "36 cocircular"));
+    all.push_back(cocircular(2, 0.5, "36 cocircular, centre on the rim"));
+    all.push_back(cocircular(2, 2, "36 cocircular, centre in a corner"));
+    all.push_back(cocircular(0, 0, "36 cocircular, one more in the middle"));
+    all.back().sphere(0, 0, 1, 0.25);
+    all.push_back(cocircular(0, 0, "36 cocircular, a plane through the vertex"));
+    all.back().plane(0, 0, 1 + (65.0 * 65 / 4096 - 2.25) / 3);
+
+    // Against the plane at height 1 a paraboloid (c, e = w - R^2, w) shows the disk |p - c| < R.
+    const auto disk = [](FormScene& s, double x, double y, double r, double w) {
+        s.paraboloid(x, y, w - r * r, w);
+    };
+    {
+        FormScene& s = scene("tangent disks outside each other");
+        s.plane(0, 0, 1);
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) disk(s, i - 1.5, j - 1.5, 0.5, 2);
+    }
+    {
+        FormScene& s = scene("tangent disks inside each other");
+        s.plane(0, 0, 1);
+        disk(s, 0, 0, 1.5, 4);
+        disk(s, 0.5, 0, 1, 2);
+        disk(s, 0.75, 0, 0.75, 1);
+        disk(s, -1, 0, 0.5, 1);
+    }
+    {
+        FormScene& s = scene("disks tangent to the rim");
+        s.plane(0, 0, 1);
+        disk(s, 1, 0, 1, 2);
+        disk(s, -3, 0.5, 1, 2);
+        disk(s, -1, -1, 1, 3);
+    }
+    {
+        FormScene& s = scene("islands");
+        s.plane(0, 0, 1);
+        disk(s, 0, 0, 1.5, 8);
+        for (int i = -1; i <= 1; ++i) s.paraboloid(i * 0.75, 0.125, 0.5 - 0.0625, 0.75);
+    }
+    {
+        FormScene& s = scene("collinear centres, equal");
+        for (int i = 0; i < 9; ++i) s.sphere(0.5 * i - 2, 0.25, 1, 0.25);
+    }
+    {
+        FormScene& s = scene("collinear centres, unequal");
+        for (int i = 0; i < 9; ++i) s.sphere(0.5 * i - 2, 0.25, 1 + 0.125 * (i % 3), 0.125 * (i % 4));
+    }
+    {
+        FormScene& s = scene("concentric");
+        for (int i = 1; i < 7; ++i) disk(s, 0.25, 0.125, 0.25 * i, 0.25 * i * i);
+        s.plane(0, 0, 1);
+    }
+    {
+        FormScene& s = scene("concentric, all through one circle");
+        for (int i = 1; i < 6; ++i) disk(s, 0.25, 0.125, 1, i);
+        s.plane(0, 0, 1);
+    }
+    {
+        FormScene& s = scene("planes through one line");
+        for (const double slope : {-1.0, -0.5, 0.0, 0.25, 1.0}) s.plane(slope, slope / 2, 5);
+    }
+    {
+        FormScene& s = scene("planes through one line, met by spheres");
+        for (const double slope : {-1.0, -0.5, 0.0, 0.25, 1.0}) s.plane(slope, 0, 2);
+        s.sphere(0, 0.5, 1, 0.5);
+        s.sphere(0, -1.25, 1.25, 0.25);
+    }
+    {
+        FormScene& s = scene("planes through one point");
+        for (const auto& [a, b] : {std::pair{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, -1}})
+            s.plane(a, b, 4);
+    }
+    {
+        FormScene& s = scene("plane equal to another along the rim");
+        s.plane(0, 0, 2);
+        s.plane(1, 0, 0);   // 2 at x = 2, lower inside
+        s.plane(-1, 0, 0);  // 2 at x = -2
+    }
+    {
+        FormScene& s = scene("plane that touches along the rim only");
+        s.plane(0, 0, 2);
+        s.plane(-1, 0, 4);  // 2 at x = 2, higher inside
+    }
+    {
+        FormScene& s = scene("centred on corners");
+        for (const double x : {-2, 2})
+            for (const double y : {-2, 2}) s.sphere(x, y, 1, 0.5);
+    }
+    {
+        FormScene& s = scene("centred on corners, one in the middle");
+        for (const double x : {-2, 2})
+            for (const double y : {-2, 2}) s.sphere(x, y, 1, 0.5);
+        s.sphere(0, 0, 1.5, 0.25);
+    }
+    {
+        // w1 (|p - c|^2 + e) - w |p|^2 - w e1 has radius 0 about 2c for w1 = 4, w = 2, e = |c|^2 + e1/2.
+        FormScene& s = scene("paraboloids that touch in a point");
+        s.paraboloid(0, 0, 2, 4);
+        s.paraboloid(0.5, 0, 0.25 + 1, 2);
+        s.paraboloid(-0.25, 0.5, 0.3125 + 1, 2);
+        s.paraboloid(1, 0.25, 1.0625 + 1, 2);  // touches on the rim
+        s.paraboloid(1, 1, 2 + 1, 2);          // touches in a corner
+    }
+    {
+        FormScene& s = scene("two that touch a third in the same point");
+        s.paraboloid(0, 0, 2, 4);
+        s.paraboloid(0.5, 0, 0.25 + 1, 2);
+        s.plane(0.5, 0, 0.25);  // tangent plane at (1, 0)
+        s.numbers.back().w = 1;
+    }
+    {
+        FormScene& s = scene("tangent planes of a paraboloid");
+        s.paraboloid(0, 0, 0.5, 1);
+        s.plane(2, 0, -0.5);
+        s.plane(0, 2, -0.5);
+        s.plane(-2, -2, -1.5);
+    }
+    {
+        FormScene& s = scene("a paraboloid touches an edge from above");
+        s.sphere(-1, 0, 1, 0.25);
+        s.sphere(1, 0, 1, 0.25);
+        // At (0, 0) both are at (1 + 15/16) / 2.5 = 31/40 with slopes -+0.8; the third is flat there.
+        s.paraboloid(0, 0, 31.0 / 64, 0.625);
+    }
+    return all;
+}
+
+std::string join(const std::vector<std::string>& lines) {
+    std::string s;
+    for (const auto& l : lines) s += l + "\n";
+    return s;
+}
+
+void judge(const FormScene& scene, std::mt19937_64& rng, const oracle::OracleOptions& options = {}) {
+    const FormFamily family = scene.family();
+    const MinimizationDiagram diagram = lower_envelope(family, scene.region());
+    const auto complaints = oracle::check_diagram(diagram, family, rng, options);
+    CHECK_MESSAGE(complaints.empty(), scene.name, "\n", join(complaints));
+}
+
+// --- Motions that keep the combinatorial diagram ----------------------------------------------------
+
+oracle::Renaming identity(const FormScene& s) {
+    oracle::Renaming r;
+    r.form.resize(s.numbers.size());
+    std::iota(r.form.begin(), r.form.end(), 0u);
+    r.side.resize(s.region().sides.size());
+    std::iota(r.side.begin(), r.side.end(), 0u);
+    return r;
+}
+
+void same_diagram(const FormScene& before, const FormScene& after, const oracle::Renaming& renaming,
+                  const char* motion) {
+    CAPTURE(before.name);
+    CAPTURE(motion);
+    const auto a = oracle::canonical(lower_envelope(before.family(), before.region()), renaming);
+    const auto b = oracle::canonical(lower_envelope(after.family(), after.region()), identity(after));
+    CHECK(a == b);
+}
+
+/// Pre: the region is a rectangle.
+void invariances(const FormScene& s, std::mt19937_64& rng) {
+    {
+        FormScene t = s;
+        oracle::Renaming r = identity(s);
+        std::ranges::shuffle(r.form, rng);
+        for (std::size_t i = 0; i < r.form.size(); ++i) t.numbers[r.form[i]] = s.numbers[i];
+        same_diagram(s, t, r, "permutation");
+    }
+    {
+        FormScene t = s;
+        const double x = 37.5, y = -12.25;
+        for (auto& n : t.numbers) {
+            if (n.k != 0) n.cx += x, n.cy += y;
+            n.e -= n.a * x + n.b * y;
+        }
+        t.rectangle = {s.rectangle[0] + x, s.rectangle[1] + y, s.rectangle[2] + x, s.rectangle[3] + y};
+        same_diagram(s, t, identity(s), "translation");
+    }
+    for (const double scale : {0x1p-30, 0x1p20}) {
+        FormScene t = s;
+        for (auto& n : t.numbers) {
+            n.cx *= scale, n.cy *= scale;
+            n.e *= n.k != 0 ? scale * scale : scale;
+            if (n.k != 0) n.w *= scale;
+        }
+        for (double& v : t.rectangle) v *= scale;
+        same_diagram(s, t, identity(s), "scaling");
+    }
+    {
+        FormScene t = s;
+        for (auto& n : t.numbers) n.cx = -n.cx, n.a = -n.a;
+        t.rectangle = {-s.rectangle[2], s.rectangle[1], -s.rectangle[0], s.rectangle[3]};
+        oracle::Renaming r = identity(s);
+        std::swap(r.side[1], r.side[3]);
+        r.mirrored = true;
+        same_diagram(s, t, r, "mirror");
+    }
+}
+
+}  // namespace
+
+TEST_CASE("lower_envelope: agrees with brute force on random spheres of several sizes and densities") {
+    std::mt19937_64 rng(test_seed());
+    for (const int n : {2, 3, 5, 8, 12, 30, 100, 400})
+        for (const double density : {0.2, 1.0, 20.0}) judge(random_spheres(rng, n, density), rng);
+    for (int i = 0; i < 100; ++i) judge(random_spheres(rng, 4 + i % 9, 2), rng, {.samples = 100});
+}
+
+TEST_CASE("lower_envelope: agrees with brute force on heavy-tailed radii") {
+    std::mt19937_64 rng(test_seed());
+    for (const int n : {5, 10, 16, 50, 200, 500}) judge(heavy_tailed(rng, n), rng);
+    for (int i = 0; i < 100; ++i) judge(heavy_tailed(rng, 4 + i % 9), rng, {.samples = 100});
+}
+
+TEST_CASE("lower_envelope: agrees with brute force on spheres mixed with planes") {
+    std::mt19937_64 rng(test_seed());
+    for (const auto& [spheres, planes] : {std::pair{1, 1}, {0, 12}, {6, 6}, {50, 4}, {20, 60}, {300, 20}}) {
+        judge(mixed(rng, spheres, planes), rng);
+        judge(in_polygon(mixed(rng, spheres + 1, planes)), rng);
+    }
+}
+
+TEST_CASE("lower_envelope: agrees with brute force on degenerate families") {
+    std::mt19937_64 rng(test_seed());
+    for (const FormScene& s : degenerate_scenes()) judge(s, rng, {.brute_force_forms = 40});
+}
+
+TEST_CASE("lower_envelope: permutation, translation, scaling and mirror keep the diagram") {
+    std::mt19937_64 rng(test_seed());
+    for (const FormScene& s : degenerate_scenes()) invariances(s, rng);
+    for (const int n : {3, 10, 60}) {
+        invariances(random_spheres(rng, n, 1), rng);
+        invariances(heavy_tailed(rng, n), rng);
+        invariances(mixed(rng, n, 3), rng);
+    }
+}
+
+TEST_CASE("oracle: objects to corrupted diagrams") {
+    std::mt19937_64 rng(test_seed());
+    FormScene scene{.name = "four spheres", .numbers = {}, .polygon = {}};
+    scene.sphere(-1, -0.75, 1, 0.25);
+    scene.sphere(1, -1, 1.25, 0.5);
+    scene.sphere(-0.75, 1, 1, 0.125);
+    scene.sphere(1, 1, 1.125, 0.25);
+    const FormFamily family = scene.family();
+    const MinimizationDiagram good = lower_envelope(family, scene.region());
+    REQUIRE(oracle::check_diagram(good, family, rng).empty());
+
+    const auto objects = [&](const char* damage, const auto& corrupt) {
+        MinimizationDiagram bad = good;
+        corrupt(bad);
+        CHECK_MESSAGE(!oracle::check_diagram(bad, family, rng).empty(), damage);
+    };
+    const VertexId inner = [&] {
+        VertexId v{0};
+        while (!good.sides(v).empty()) ++v.value;
+        return v;
+    }();
+    const EdgeId inner_edge = [&] {
+        EdgeId e{0};
+        while (good.edges[e].on_rim()) ++e.value;
+        return e;
+    }();
+
+    objects("two faces exchange their forms",
+            [](auto& d) { std::swap(d.face_forms[{1}], d.face_forms[{2}]); });
+    objects("two faces and all that mentions them exchange their forms", [](auto& d) {
+        const FormId a = d.face_forms[{1}], b = d.face_forms[{2}];
+        const auto exchange = [&](FormId& f) { f = f == a ? b : f == b ? a : f; };
+        for (FormId& f : d.face_forms) exchange(f);
+        for (auto& e : d.edges) exchange(e.left), exchange(e.right);
+        for (auto* labels : {&d.vertex_labels_, &d.edge_labels_}) {
+            for (FormId& f : *labels) exchange(f);
+        }
+        for (auto* offsets : {&d.vertex_offsets_, &d.edge_offsets_}) {
+            auto& labels = offsets == &d.vertex_offsets_ ? d.vertex_labels_ : d.edge_labels_;
+            for (std::size_t i = 0; i + 1 < offsets->size(); ++i)
+                std::sort(labels.begin() + (*offsets)[i], labels.begin() + (*offsets)[i + 1]);
+        }
+    });
+    objects("a vertex with a wrong label", [&](auto& d) {
+        FormId& f = d.vertex_labels_[d.vertex_offsets_[inner.value]];
+        f.value = f.value == 0 ? 3 : f.value - 1;
+    });
+    objects("a vertex without one of its forms", [&](auto& d) {
+        d.vertex_labels_.erase(d.vertex_labels_.begin() + d.vertex_offsets_[inner.value]);
+        for (std::size_t i = inner.value + 1; i < d.vertex_offsets_.size(); ++i) --d.vertex_offsets_[i];
+    });
+    objects("a vertex moved", [&](auto& d) { d.vertices[inner].point.x() += 1e-9; });
+    objects("a height changed", [&](auto& d) { d.vertices[inner].height += 1e-9; });
+    objects("a vertex on a side that it does not touch", [&](auto& d) {
+        d.vertex_sides_.insert(d.vertex_sides_.begin() + d.side_offsets_[inner.value], 0);
+        for (std::size_t i = inner.value + 1; i < d.side_offsets_.size(); ++i) ++d.side_offsets_[i];
+    });
+    objects("an edge turned round",
+            [&](auto& d) { std::swap(d.edges[inner_edge].left, d.edges[inner_edge].right); });
+    objects("a rim edge on the wrong side", [&](auto& d) {
+        for (auto& e : d.edges)
+            if (e.on_rim()) {
+                e.side = (e.side + 1) % 4;
+                return;
+            }
+    });
+}
+
+}  // namespace vcell

@@ -1,0 +1,427 @@
+/// check_cell() on cells built here by hand, on computed ones, and on damaged ones.
+#include <doctest/doctest.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check.hpp"
+#include "../test_support.hpp"
+
+namespace vcell {
+namespace {
+
+// --- Cells over the plane z = 0, by hand --------------------------------------------------------------
+
+/// The height (k |p - c|^2 + e) / w, and its lift.
+struct Height {
+    double k, cx, e, w;
+
+    double operator()(double x, double y) const { return (k * ((x - cx) * (x - cx) + y * y) + e) / w; }
+    Vec3 over(const Vec2& p) const { return {p.x(), p.y(), (*this)(p.x(), p.y())}; }
+
+    RationalPatch patch(double x0, double x1, double y0, double y1) const {
+        RationalPatch s;
+        s.degree_u = s.degree_v = 2;
+        s.domain_u = {x0, x1};
+        s.domain_v = {y0, y1};
+        const std::array us{x0, 0.5 * (x0 + x1), x1}, vs{y0, 0.5 * (y0 + y1), y1};
+        const std::array u2{(x0 - cx) * (x0 - cx), (x0 - cx) * (x1 - cx), (x1 - cx) * (x1 - cx)};
+        const std::array v2{y0 * y0, y0 * y1, y1 * y1};
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) s.points.push_back({us[i], vs[j], (k * (u2[i] + v2[j]) + e) / w, 1});
+        return s;
+    }
+};
+
+RationalCurve2 segment(const Vec2& p, const Vec2& q) {
+    RationalCurve2 c;
+    c.degree = 2;
+    c.knots = {0, 0, 0, 1, 1, 1};
+    const Vec2 m = 0.5 * (p + q);
+    c.points = {{p.x(), p.y(), 1}, {m.x(), m.y(), 1}, {q.x(), q.y(), 1}};
+    return c;
+}
+
+RationalCurve2 circle(double r) {
+    RationalCurve2 c;
+    c.degree = 2;
+    c.knots = {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4};
+    const double w = std::numbers::sqrt2 / 2;
+    c.points = {{r, 0, 1},   {r, r, w},  {0, r, 1},  {-r, r, w}, {-r, 0, 1},
+                {-r, -r, w}, {0, -r, 1}, {r, -r, w}, {r, 0, 1}};
+    return c;
+}
+
+RationalCurve2 reversed(RationalCurve2 c) {
+    std::ranges::reverse(c.points);  // the knots above are symmetric
+    return c;
+}
+
+/// A chart curve lifted to a height: on a segment the middle control point is the blossom, on a circle
+/// about the height's axis the height is constant.
+RationalCurve3 lifted(const RationalCurve2& c, const Height& h) {
+    RationalCurve3 s;
+    s.degree = c.degree;
+    s.knots = c.knots;
+    const Vec2 p = c.points.front().head<2>(), q = c.points.back().head<2>();
+    for (std::size_t i = 0; i < c.points.size(); ++i) {
+        const Vec2 x = c.points[i].head<2>();
+        double z = h(p.x(), p.y());
+        if (p != q && i == 1) z = 2 * h(x.x(), x.y()) - 0.5 * (z + h(q.x(), q.y()));
+        if (p != q && i == 2) z = h(q.x(), q.y());
+        s.points.push_back({x.x(), x.y(), z, c.points[i][2]});
+    }
+    return s;
+}
+
+double simpson(const std::function<double(double)>& f, double a, double b) {
+    constexpr int n = 2000;
+    double sum = f(a) + f(b);
+    for (int i = 1; i < n; ++i) sum += (i % 2 ? 4 : 2) * f(a + (b - a) * i / n);
+    return sum * (b - a) / (3 * n);
+}
+
+double length(const RationalCurve3& c) {
+    double sum = 0;
+    for (double t = 0; t < c.domain_end(); ++t)
+        sum += simpson([&](double s) { return c.evaluate_with_derivative(s)[1].norm(); }, t, t + 1 - 1e-15);
+    return sum;
+}
+
+void add_edge(Cell& cell, Site left, Site right, std::vector<std::uint32_t> vertices, CurveKind kind,
+              const RationalCurve2& chart, const Height& h) {
+    CellEdge e;
+    e.sites = {left, right};
+    e.vertices = std::move(vertices);
+    e.kind = kind;
+    e.curve = lifted(chart, h);
+    e.length = length(e.curve);
+    cell.edges.push_back(std::move(e));
+}
+
+constexpr std::array<std::array<double, 2>, 4> kCorners{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+
+Scene square_scene() {
+    Scene s;
+    s.base = Plane{};
+    s.box = {{-1, -1, 0}, {1, 1, 2}};
+    return s;
+}
+
+/// Two equal spheres: two faces that meet along a parabola over x = 0.
+Cell two_spheres() {
+    Cell cell;
+    cell.scene = square_scene();
+    cell.scene.objects = {Sphere{{-0.5, 0, 1}, 0.25}, Sphere{{0.5, 0, 1}, 0.25}};
+    const Height left{1, -0.5, 15.0 / 16, 2.5}, right{1, 0.5, 15.0 / 16, 2.5};
+    const Site a = Site::object(0), b = Site::object(1);
+    const Site west = Site::box_side(0), east = Site::box_side(1), south = Site::box_side(2),
+               north = Site::box_side(3);
+    const std::vector<Vec2> p{{-1, -1}, {0, -1}, {1, -1}, {1, 1}, {0, 1}, {-1, 1}};
+    const std::vector<std::vector<Site>> sites{{a, west, south}, {a, b, south}, {b, east, south},
+                                               {b, east, north}, {a, b, north}, {a, west, north}};
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        const Vec3 x = (p[i].x() <= 0 ? left : right).over(p[i]);
+        cell.vertices.push_back({x, x.z(), sites[i], 1e-15});
+    }
+    const std::vector<Site> sides{south, south, east, north, north, west};
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        const bool is_left = i == 0 || i > 3;
+        add_edge(cell, is_left ? a : b, sides[i], {i, (i + 1) % 6}, CurveKind::Parabola,
+                 segment(p[i], p[(i + 1) % 6]), is_left ? left : right);
+    }
+    add_edge(cell, a, b, {1, 4}, CurveKind::Parabola, segment(p[1], p[4]), left);
+
+    const auto trim = [&](std::uint32_t e, bool back) {
+        const auto& ends = cell.edges[e].vertices;
+        return TrimCurve{e, {}, back, segment(p[ends[back]], p[ends[!back]])};
+    };
+    // The area over x in [0, 1] is that over [-1/2, 1/2] from the axis: its inner integral is elementary.
+    const double area = simpson(
+        [&](double x) {
+            return simpson([&](double y) { return std::sqrt(1 + (x * x + y * y) / (1.25 * 1.25)); }, -1, 1);
+        },
+        -0.5, 0.5);
+    cell.faces.push_back(
+        {a,
+         {},
+         "paraboloid",
+         area,
+         {{left.patch(-1, 0, -1, 1), {{trim(0, false), trim(6, false), trim(4, false), trim(5, false)}}}}});
+    cell.faces.push_back(
+        {b,
+         {},
+         "paraboloid",
+         area,
+         {{right.patch(0, 1, -1, 1), {{trim(1, false), trim(2, false), trim(3, false), trim(6, true)}}}}});
+    cell.neighbors = {0, 1};
+    // Half the square: 2 (1/12) / 2 + 2 / 3 + 15/8 over 2.5; walls by the mean of each parabola.
+    cell.measures.volume = 2 * (1.0 / 6 + 2.0 / 3 + 15.0 / 8) / 2.5;
+    cell.measures.area = 2 * area;
+    cell.measures.volume_error = cell.measures.area_error = 1e-14;
+    cell.measures.box_area = (4 * (1.0 / 12 + 1 + 15.0 / 16) + 2 * 2 * (0.25 + 1.0 / 3 + 15.0 / 16)) / 2.5;
+    cell.measures.base_area = 4;
+    cell.measures.min_clearance = 0.375;
+    cell.measures.max_clearance = 0.875;
+    cell.measures.touches_box = true;
+    return cell;
+}
+
+/// A sphere below a horizontal plane: an island with a closed edge and no vertex, in a face with a hole.
+Cell island() {
+    Cell cell;
+    cell.scene = square_scene();
+    cell.scene.objects = {Sphere{{0, 0, 1}, 0.25}, Plane{{0, 0, 0.95}, {0, 0, -1}}};
+    const Height bowl{1, 0, 15.0 / 16, 2.5}, lid{0, 0, 0.475, 1};
+    const Site sphere = Site::object(0), plane = Site::object(1);
+    const std::array sides{Site::box_side(2), Site::box_side(1), Site::box_side(3), Site::box_side(0)};
+    TrimmedPatch outer{lid.patch(-1, 1, -1, 1), {{}, {}}};
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        const Vec2 p(kCorners[i][0], kCorners[i][1]), q(kCorners[(i + 1) % 4][0], kCorners[(i + 1) % 4][1]);
+        std::vector<Site> sites{plane, sides[i], sides[(i + 3) % 4]};
+        std::ranges::sort(sites);
+        cell.vertices.push_back({lid.over(p), 0.475, sites, 1e-15});
+        add_edge(cell, plane, sides[i], {i, (i + 1) % 4}, CurveKind::Line, segment(p, q), lid);
+        outer.loops[0].push_back({i, {}, false, segment(p, q)});
+    }
+    add_edge(cell, sphere, plane, {}, CurveKind::Circle, circle(0.5), lid);
+    outer.loops[1].push_back({4, {}, true, reversed(circle(0.5))});
+    const TrimmedPatch inner{bowl.patch(-0.5, 0.5, -0.5, 0.5), {{{4, {}, false, circle(0.5)}}}};
+    const double pi = std::numbers::pi;
+    // [Over a disk of radius r, z = rho^2 / w has the area (pi w^2 / 6) ((1 + 4 r^2 / w^2)^(3/2) - 1).]
+    const double bowl_area = pi * 6.25 / 6 * (std::pow(1 + 1 / 6.25, 1.5) - 1), lid_area = 4 - pi / 4;
+    cell.faces.push_back({plane, {}, "plane", lid_area, {outer}});
+    cell.faces.push_back({sphere, {}, "paraboloid", bowl_area, {inner}});
+    cell.neighbors = {1, 0};
+    cell.measures.volume = lid_area * 0.475 + (pi / 32 + 15.0 / 64 * pi) / 2.5;
+    cell.measures.area = lid_area + bowl_area;
+    cell.measures.volume_error = cell.measures.area_error = 1e-14;
+    cell.measures.box_area = 8 * 0.475;
+    cell.measures.base_area = 4;
+    cell.measures.min_clearance = 0.375;
+    cell.measures.max_clearance = 0.475;
+    cell.measures.touches_box = true;
+    return cell;
+}
+
+// --- Computed cells -----------------------------------------------------------------------------------
+
+Scene random_scene(std::mt19937_64& rng, int spheres, int planes, bool tilted) {
+    std::uniform_real_distribution<double> u(-1, 1);
+    Scene s;
+    s.box = {{-2, -1.5, -1}, {2, 1.5, 2}};
+    Plane base{{0.1, -0.2, tilted ? 0 : -1.0}, {0, 0, 1}};
+    if (tilted) base.normal = {0.3 * u(rng), 0.3 * u(rng), 1.5};
+    s.base = base;
+    const Vec3 n = base.normal.normalized();
+    for (int i = 0; i < spheres; ++i) {
+        const double radius = 0.15 * (1 + u(rng));
+        const Vec3 foot =
+            base.point + 2 * u(rng) * n.unitOrthogonal() + 2 * u(rng) * n.cross(n.unitOrthogonal());
+        s.objects.push_back(Sphere{foot + (radius + 0.3 + 0.25 * u(rng)) * n, radius});
+    }
+    for (int i = 0; i < planes; ++i)
+        s.objects.push_back(
+            Plane{base.point + (1.2 + 0.3 * u(rng)) * n, -n + 0.15 * Vec3(u(rng), u(rng), u(rng))});
+    return s;
+}
+
+std::string listing(const std::vector<Finding>& findings) {
+    std::string s;
+    for (const Finding& f : findings) s += f.where + ": " + f.what + "\n";
+    return s;
+}
+
+void expect_clean(const Cell& cell) {
+    const auto findings = check_cell(cell);
+    CHECK_MESSAGE(findings.empty(), listing(findings));
+}
+
+struct Damage {
+    const char* what;
+    std::string where;  ///< a finding must name this place, or a part of it
+    std::function<void(Cell&)> make;
+};
+
+void expect_named(const Cell& good, const Damage& damage) {
+    CAPTURE(damage.what);
+    Cell bad = good;
+    damage.make(bad);
+    const auto findings = check_cell(bad);
+    const bool named = std::ranges::any_of(findings, [&](const Finding& f) {
+        if (!f.where.starts_with(damage.where)) return false;
+        const char after = f.where.size() > damage.where.size() ? f.where[damage.where.size()] : '.';
+        return after == '.' || after == '[';
+    });
+    CHECK_MESSAGE(named, "expected ", damage.where, ", found\n", listing(findings));
+}
+
+}  // namespace
+
+TEST_CASE("check_cell: finds nothing wrong with cells built by hand") {
+    expect_clean(two_spheres());
+    expect_clean(island());
+}
+
+TEST_CASE("check_cell: finds nothing wrong with computed cells") {
+    std::mt19937_64 rng(test_seed());
+    for (const bool tilted : {false, true})
+        for (const auto& [spheres, planes] : {std::pair{0, 0}, {1, 0}, {0, 1}, {3, 1}, {12, 0}, {60, 2}}) {
+            CAPTURE(spheres);
+            CAPTURE(planes);
+            CAPTURE(tilted);
+            expect_clean(voronoi_cell(random_scene(rng, spheres, planes, tilted)));
+        }
+}
+
+TEST_CASE("check_cell: names each damage to two faces that meet in a parabola") {
+    const std::vector<Damage> damages{
+        {"a vertex moved", "vertices[1]", [](Cell& c) { c.vertices[1].point.z() += 1e-6; }},
+        {"a vertex moved along the rim", "vertices[1]", [](Cell& c) { c.vertices[1].point.x() += 1e-6; }},
+        {"a vertex with a wrong clearance", "vertices[2].radius",
+         [](Cell& c) { c.vertices[2].radius += 1e-6; }},
+        {"a vertex lacks a site", "vertices[4].sites",
+         [](Cell& c) { c.vertices[4].sites.erase(c.vertices[4].sites.begin()); }},
+        {"a vertex lists a site that is farther", "vertices[0]",
+         [](Cell& c) { c.vertices[0].sites.insert(c.vertices[0].sites.begin() + 1, Site::object(1)); }},
+        {"a site that does not exist", "vertices[3].sites",
+         [](Cell& c) { c.vertices[3].sites[0] = Site::object(7); }},
+        {"an edge's sites exchanged", "edges[6].sites",
+         [](Cell& c) { std::swap(c.edges[6].sites[0], c.edges[6].sites[1]); }},
+        {"an edge joins the wrong vertex", "edges[6].vertices", [](Cell& c) { c.edges[6].vertices[1] = 3; }},
+        {"a control point moved", "edges[6].curve", [](Cell& c) { c.edges[6].curve.points[1].z() += 1e-6; }},
+        {"a weight changed", "edges[6].curve", [](Cell& c) { c.edges[6].curve.points[1].w() += 1e-6; }},
+        {"a negative weight", "edges[6].curve", [](Cell& c) { c.edges[6].curve.points[1].w() = -1; }},
+        {"a knot vector not clamped", "edges[0].curve", [](Cell& c) { c.edges[0].curve.knots[0] = -1; }},
+        {"a wrong kind", "edges[6].kind", [](Cell& c) { c.edges[6].kind = CurveKind::Ellipse; }},
+        {"a wrong length", "edges[2].length", [](Cell& c) { c.edges[2].length *= 1 + 1e-6; }},
+        {"an edge twice", "edges[7]", [](Cell& c) { c.edges.push_back(c.edges[6]); }},
+        {"a face dropped", "edges[1]", [](Cell& c) { c.faces.pop_back(); }},
+        {"a face dropped, seen by its absence", "faces", [](Cell& c) { c.faces.pop_back(); }},
+        {"a face twice", "faces[2]", [](Cell& c) { c.faces.push_back(c.faces[1]); }},
+        {"a face of the wrong owner", "faces[1].site", [](Cell& c) { c.faces[1].site = Site::object(0); }},
+        {"a face of the wrong name", "faces[1].bisector", [](Cell& c) { c.faces[1].bisector = "plane"; }},
+        {"a wrong face area", "faces[1].area", [](Cell& c) { c.faces[1].area += 1e-6; }},
+        {"a patch control point moved", "faces[0].patches[0]",
+         [](Cell& c) { c.faces[0].patches[0].surface.points[4].z() += 1e-6; }},
+        {"a loop reversed", "faces[0].patches[0].loops[0]",
+         [](Cell& c) {
+             auto& loop = c.faces[0].patches[0].loops[0];
+             std::ranges::reverse(loop);
+             for (TrimCurve& t : loop) {
+                 t.reversed = !t.reversed;
+                 t.curve = reversed(t.curve);
+             }
+         }},
+        {"loop curves out of order", "faces[0].patches[0].loops[0]",
+         [](Cell& c) { std::swap(c.faces[0].patches[0].loops[0][1], c.faces[0].patches[0].loops[0][2]); }},
+        {"a trimming curve moved", "faces[0].patches[0].loops[0][1]",
+         [](Cell& c) { c.faces[0].patches[0].loops[0][1].curve.points[1].x() += 1e-6; }},
+        {"a trimming curve of no edge", "faces[0].patches[0].loops[0][1]",
+         [](Cell& c) { c.faces[0].patches[0].loops[0][1].edge.reset(); }},
+        {"a neighbour forgotten", "neighbors", [](Cell& c) { c.neighbors.pop_back(); }},
+        {"a neighbour twice", "neighbors[2]", [](Cell& c) { c.neighbors.push_back(0); }},
+        {"an object removed", "faces[1].site", [](Cell& c) { c.scene.objects.pop_back(); }},
+        {"an object moved closer", "faces[1].patches[0]",
+         [](Cell& c) { std::get<Sphere>(c.scene.objects[1]).center.z() -= 1e-6; }},
+        {"an object added", "faces[0]",
+         [](Cell& c) {
+             c.scene.objects.push_back(Sphere{{-0.75, 0.25, 0.5}, 0.125});
+         }},
+        {"a wrong volume", "measures.volume", [](Cell& c) { c.measures.volume += 1e-6; }},
+        {"a wrong area", "measures.area", [](Cell& c) { c.measures.area -= 1e-6; }},
+        {"a wrong box area", "measures.box_area", [](Cell& c) { c.measures.box_area = 0; }},
+        {"a wrong base area", "measures.base_area", [](Cell& c) { c.measures.base_area = 3; }},
+        {"a wrong least clearance", "measures.min_clearance",
+         [](Cell& c) { c.measures.min_clearance += 1e-6; }},
+        {"a wrong greatest clearance", "measures.max_clearance",
+         [](Cell& c) { c.measures.max_clearance -= 1e-6; }},
+        {"a cell that does not touch its box", "measures.touches_box",
+         [](Cell& c) { c.measures.touches_box = false; }},
+        {"time that runs backwards", "report.seconds.envelope",
+         [](Cell& c) { c.report.seconds_envelope = -1; }},
+    };
+    const Cell good = two_spheres();
+    for (const Damage& d : damages) expect_named(good, d);
+}
+
+TEST_CASE("check_cell: names each damage to an island") {
+    const std::vector<Damage> damages{
+        {"neighbours in the wrong order", "neighbors[1]",
+         [](Cell& c) { std::swap(c.neighbors[0], c.neighbors[1]); }},
+        {"a hole forgotten", "edges[4]", [](Cell& c) { c.faces[0].patches[0].loops.pop_back(); }},
+        {"a hole counter-clockwise", "faces[0].patches[0].loops[1]",
+         [](Cell& c) { c.faces[0].patches[0].loops[1][0].curve = circle(0.5); }},
+        {"the island forgotten", "faces", [](Cell& c) { c.faces.pop_back(); }},
+        {"a circle that is larger", "edges[4].curve",
+         [](Cell& c) {
+             for (auto& p : c.edges[4].curve.points) p.head<2>() *= 1 + 1e-6;
+         }},
+        {"a circle called an ellipse", "edges[4].kind",
+         [](Cell& c) { c.edges[4].kind = CurveKind::Ellipse; }},
+        {"a circle called a parabola", "edges[4].kind",
+         [](Cell& c) { c.edges[4].kind = CurveKind::Parabola; }},
+        {"a line called a circle", "edges[0].kind", [](Cell& c) { c.edges[0].kind = CurveKind::Circle; }},
+        {"an open closed curve", "edges[4].curve",
+         [](Cell& c) { c.edges[4].curve.points.back().x() += 1e-6; }},
+        {"a closed edge exchanged", "edges[4].sites",
+         [](Cell& c) { std::swap(c.edges[4].sites[0], c.edges[4].sites[1]); }},
+        {"a vertex splits an edge", "vertices[4]",
+         [](Cell& c) {
+             // The rim edge 0 in two halves, consistently, with a vertex where nothing changes.
+             const Vec2 p(-1, -1), m(0, -1), q(1, -1);
+             const Height lid{0, 0, 0.475, 1};
+             c.vertices.push_back({lid.over(m), 0.475, {Site::object(1), Site::box_side(2)}, 1e-15});
+             c.edges[0].vertices[1] = 4;
+             c.edges[0].curve = lifted(segment(p, m), lid);
+             c.edges[0].length = 1;
+             add_edge(c, Site::object(1), Site::box_side(2), {4, 1}, CurveKind::Line, segment(m, q), lid);
+             auto& loop = c.faces[0].patches[0].loops[0];
+             loop[0].curve = segment(p, m);
+             loop.insert(loop.begin() + 1, {5, {}, false, segment(m, q)});
+         }},
+    };
+    const Cell good = island();
+    for (const Damage& d : damages) expect_named(good, d);
+}
+
+TEST_CASE("check_cell: names damage to a computed cell of many faces") {
+    std::mt19937_64 rng(test_seed());
+    const Cell good = voronoi_cell(random_scene(rng, 20, 1, true));
+    std::uint32_t v = 0;  // an inner vertex
+    while (!std::ranges::all_of(good.vertices[v].sites, &Site::is_object)) ++v;
+    std::uint32_t e = 0;  // an inner edge
+    while (!good.edges[e].sites[0].is_object() || !good.edges[e].sites[1].is_object()) ++e;
+    const std::string vertex = "vertices[" + std::to_string(v) + "]",
+                      edge = "edges[" + std::to_string(e) + "]";
+    const std::vector<Damage> damages{
+        {"a vertex moved up", vertex, [&](Cell& c) { c.vertices[v].point.z() += 1e-6; }},
+        {"a vertex moved aside", vertex, [&](Cell& c) { c.vertices[v].point.x() += 1e-6; }},
+        {"a vertex lacks a site", vertex + ".sites", [&](Cell& c) { c.vertices[v].sites.pop_back(); }},
+        {"an edge's curve moved", edge + ".curve", [&](Cell& c) { c.edges[e].curve.points[1].x() += 1e-5; }},
+        {"an edge's sites exchanged", edge + ".sites",
+         [&](Cell& c) { std::swap(c.edges[e].sites[0], c.edges[e].sites[1]); }},
+        {"a face forgotten", "faces", [](Cell& c) { c.faces.erase(c.faces.begin() + c.faces.size() / 2); }},
+        {"the objects renumbered", "faces[0].patches[0]",
+         [](Cell& c) {
+             const std::uint32_t i = c.faces[0].site.index;
+             std::swap(c.scene.objects[i], c.scene.objects[(i + 1) % c.scene.objects.size()]);
+         }},
+    };
+    REQUIRE(good.faces[0].site.is_object());
+    for (const Damage& d : damages) expect_named(good, d);
+}
+
+TEST_CASE("check_cell: refuses bases other than planes") {
+    Cell cell = two_spheres();
+    cell.scene.base = Sphere{{0, 0, 0}, 1};
+    CHECK_THROWS_AS(check_cell(cell), InputError);
+}
+
+}  // namespace vcell
