@@ -252,9 +252,15 @@ public:
         e2_ = normal_.cross(e1_);
         scale_ =
             std::max({scene_.box.min.norm(), scene_.box.max.norm(), origin_.norm()}) + scene_.box.diagonal();
-        for (const Object& o : scene_.objects)
-            object_rounding_.push_back(kRounding *
-                                       (scale_ + std::visit([](const auto& x) { return magnitude(x); }, o)));
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
+            const Object& o = scene_.objects[i];
+            const double size = std::visit([](const auto& x) { return magnitude(x); }, o);
+            object_rounding_.push_back(kRounding * (scale_ + size));
+            if (const auto* sphere = std::get_if<Sphere>(&o))
+                spheres_.add(i, *sphere, object_rounding_.back());
+            else
+                others_.push_back(i);
+        }
     }
 
     std::vector<Finding> run() {
@@ -311,11 +317,29 @@ private:
         return s.is_object() ? distance(scene_.objects[s.index], p) - r : inside_side(s.index, p);
     }
 
-    /// Some object closer to p than r, by more than slack and rounding.
+    /// Some object closer to p than r, by more than slack and rounding. The one loop over all objects for
+    /// every point that is judged: blocks of spheres by squared distances first, which vectorise.
     std::optional<std::uint32_t> nearer(const Vec3& p, double r, double slack) const {
-        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
-            if (distance(scene_.objects[i], p) < r - slack - object_rounding_[i]) return i;
+        const double reach = r - slack;
+        constexpr std::size_t kBlock = 256;
+        for (std::size_t begin = 0; begin < spheres_.object.size(); begin += kBlock) {
+            const std::size_t end = std::min(begin + kBlock, spheres_.object.size());
+            int hits = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                const double dx = p.x() - spheres_.x[i], dy = p.y() - spheres_.y[i],
+                             dz = p.z() - spheres_.z[i];
+                const double limit = std::max(0.0, reach + spheres_.reduced_radius[i]);
+                hits += dx * dx + dy * dy + dz * dz < limit * limit;
+            }
+            for (std::size_t i = begin; hits > 0 && i < end; ++i)
+                if (is_nearer(spheres_.object[i], p, reach)) return spheres_.object[i];
+        }
+        for (const std::uint32_t i : others_)
+            if (is_nearer(i, p, reach)) return i;
         return std::nullopt;
+    }
+    bool is_nearer(std::uint32_t i, const Vec3& p, double reach) const {
+        return distance(scene_.objects[i], p) < reach - object_rounding_[i];
     }
 
     /// What contradicts that p, stated with an error, bounds the cell by the given sites; nothing if fine.
@@ -1332,6 +1356,18 @@ private:
     Vec3 origin_, normal_, e1_, e2_;
     double scale_ = 0;
     std::vector<double> object_rounding_;
+    struct Spheres {
+        std::vector<double> x, y, z, reduced_radius;  // the radius less rounding
+        std::vector<std::uint32_t> object;
+        void add(std::uint32_t i, const Sphere& s, double rounding) {
+            x.push_back(s.center.x());
+            y.push_back(s.center.y());
+            z.push_back(s.center.z());
+            reduced_radius.push_back(s.radius - rounding);
+            object.push_back(i);
+        }
+    } spheres_;
+    std::vector<std::uint32_t> others_;  // objects that are no spheres
     std::vector<std::vector<Bezier<3>>> edge_pieces_;
     std::vector<std::vector<Use>> uses_;                  // by edge
     std::vector<std::optional<std::uint32_t>> rim_side_;  // by edge: the side it runs over

@@ -369,6 +369,68 @@ TEST_CASE("lower_envelope: permutation, translation, scaling and mirror keep the
     }
 }
 
+TEST_CASE("oracle: accepts a diagram built by hand") {
+    // Two equal spheres meet over x = 0; a third, lower and narrower, is an island on the right.
+    FormScene scene{.name = "by hand", .numbers = {}, .polygon = {}};
+    scene.paraboloid(-1, 0, 1, 2);
+    scene.paraboloid(1, 0, 1, 2);
+    scene.paraboloid(1, 0, 0.25, 1);  // lower than its neighbour where 2 (r^2 + 1/4) < r^2 + 1
+    const FormFamily family = scene.family();
+
+    MinimizationDiagram d;
+    d.region = scene.region();
+    d.forms = family.forms;
+    const std::vector<Eigen::Vector2d> points{{-2, -2}, {0, -2}, {2, -2}, {2, 2}, {0, 2}, {-2, 2}};
+    const std::vector<std::vector<std::uint32_t>> sides{{0, 3}, {0}, {0, 1}, {1, 2}, {2}, {2, 3}};
+    const std::vector<std::vector<FormId>> labels{{{0}}, {{0}, {1}}, {{1}}, {{1}}, {{0}, {1}}, {{0}}};
+    d.vertex_offsets_ = d.edge_offsets_ = d.side_offsets_ = {0};
+    std::vector<VertexId> v;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        v.push_back(d.dcel.add_vertex());
+        d.vertices.push_back({points[i], 0, family.forms[labels[i][0]](points[i].x(), points[i].y()), 1e-15});
+        d.vertex_labels_.insert(d.vertex_labels_.end(), labels[i].begin(), labels[i].end());
+        d.vertex_sides_.insert(d.vertex_sides_.end(), sides[i].begin(), sides[i].end());
+        d.vertex_offsets_.push_back(d.vertex_labels_.size());
+        d.side_offsets_.push_back(d.vertex_sides_.size());
+    }
+    const auto add_edge = [&](VertexId from, VertexId to, MinimizationDiagram::Edge edge) {
+        d.dcel.add_edge(from, to);
+        d.edge_labels_.push_back(edge.left);
+        if (edge.right.valid()) d.edge_labels_.push_back(edge.right);
+        std::sort(d.edge_labels_.begin() + d.edge_offsets_.back(), d.edge_labels_.end());
+        d.edge_offsets_.push_back(d.edge_labels_.size());
+        d.edges.push_back(edge);
+    };
+    const FormId none;
+    const std::array<std::uint32_t, 6> rim_sides{0, 0, 1, 2, 2, 3};
+    for (std::uint32_t i = 0; i < 6; ++i)
+        add_edge(v[i], v[(i + 1) % 6], {{i == 0 || i > 3 ? 0u : 1u}, none, rim_sides[i]});
+    add_edge(v[1], v[4], {{0}, {1}});
+    add_edge({}, {}, {{2}, {1}});
+    const auto half = [](std::uint32_t e, unsigned direction = 0) { return Dcel::half_edge({e}, direction); };
+    const auto cycle = [&](std::vector<HalfEdgeId> h) {
+        for (std::size_t i = 0; i < h.size(); ++i) d.dcel.link(h[i], h[(i + 1) % h.size()]);
+    };
+    cycle({half(0), half(6), half(4), half(5)});
+    cycle({half(1), half(2), half(3), half(6, 1)});
+    cycle({half(5, 1), half(4, 1), half(3, 1), half(2, 1), half(1, 1), half(0, 1)});
+    d.face_forms.push_back(none);
+    for (const std::uint32_t form : {0, 1, 2}) {
+        d.dcel.add_face();
+        d.face_forms.push_back({form});
+    }
+    d.dcel.add_inner_ccb({0}, half(0, 1));
+    d.dcel.add_outer_ccb({1}, half(0));
+    d.dcel.add_outer_ccb({2}, half(1));
+    d.dcel.add_outer_ccb({3}, half(7));
+    d.dcel.add_inner_ccb({2}, half(7, 1));
+
+    std::mt19937_64 rng(test_seed());
+    CHECK_MESSAGE(oracle::check_diagram(d, family, rng).empty(), join(oracle::check_diagram(d, family, rng)));
+    std::swap(d.edges[{7}].left, d.edges[{7}].right);
+    CHECK(!oracle::check_diagram(d, family, rng).empty());
+}
+
 TEST_CASE("oracle: objects to corrupted diagrams") {
     std::mt19937_64 rng(test_seed());
     FormScene scene{.name = "four spheres", .numbers = {}, .polygon = {}};
