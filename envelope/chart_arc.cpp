@@ -129,23 +129,39 @@ void ChartArcs::add_circular_arc(EdgeId e, double turn) {
     const double half_p = std::atan2(turn * cross(tp, chord), tp.dot(chord));
     const double half_q = std::atan2(turn * cross(chord, tq), chord.dot(tq));
     const double radius = chord.norm() / (2 * std::abs(std::sin(half_p)));
-    const double doubt =
-        (p.error + q.error) * (1 / chord.norm() + 1 / radius) + std::max(at_p.doubt, at_q.doubt);
-    if (!(doubt < largest_doubt)) {
-        // End points that doubles hardly tell apart: the exact circle says which way round the edge goes.
-        const Circle c = circle(edge.left, edge.right);
-        if (is_major_arc(e, c)) return add_around_center(e, c, 2 * std::numbers::pi * turn);
-        spans_.push_back({p.point, q.point, 0});
-        errors_[e] = p.error + q.error + chord.norm();
-        return;
+    double doubt = (p.error + q.error) * (1 / chord.norm() + 1 / radius) + std::max(at_p.doubt, at_q.doubt);
+    double half;
+    if (doubt < largest_doubt) {
+        // Rounding may turn an angle near 0 or pi to the other side of it, no more.
+        const auto settled = [](double angle) {
+            return angle >= 0 ? angle : angle > -1.0 ? 0.0 : std::numbers::pi;
+        };
+        half = 0.5 * (settled(half_p) + settled(half_q));
+    } else {
+        half = 0.5 * exact_turn(e, turn);
+        doubt = 16 * u;
     }
-    // Rounding may turn an angle near 0 or pi to the other side of it, no more.
-    const auto settled = [](double half) { return half >= 0 ? half : half > -1.0 ? 0.0 : std::numbers::pi; };
-    const double half = 0.5 * (settled(half_p) + settled(half_q));
     if (2 * half > largest_turn) return add_around_center(e, circle(edge.left, edge.right), 2 * half * turn);
     spans_.push_back({p.point, q.point, half * turn});
-    // The end points' own errors, the tangents' (at most a quarter chord times their angle), rounding.
+    // The end points' own errors, the tangents' (at most half a chord times their angle), rounding.
     errors_[e] = p.error + q.error + chord.norm() * doubt + 4 * u * (p.point.norm() + q.point.norm());
+}
+
+// By how much the edge's arc turns, from the exact circle: for end points that are hardly further apart than
+// their errors, and for forms so much alike that the gradient of their difference is lost in rounding.
+double ChartArcs::exact_turn(EdgeId e, double turn) {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    const Vector2d& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))].point;
+    const Vector2d& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))].point;
+    const Circle c = circle(edge.left, edge.right);
+    const double chord = (q - p).norm();
+    if (chord > 0.5 * c.radius) {
+        const Vector2d from = p - c.center, to = q - c.center;
+        const double angle = std::atan2(turn * cross(from, to), from.dot(to));
+        return angle >= 0 ? angle : angle + 2 * std::numbers::pi;
+    }
+    const double minor = 2 * std::asin(0.5 * chord / c.radius);
+    return is_major_arc(e, c) ? 2 * std::numbers::pi - minor : minor;
 }
 
 // Sign of K in f - g = K |p|^2 + ...; only two spheres leave it open: K = 1/w_f - 1/w_g.
@@ -172,9 +188,9 @@ ChartArcs::Circle ChartArcs::circle(FormId f, FormId g) const {
     return {{-0.5 * (A.enclosure() / k).mid(), -0.5 * (B.enclosure() / k).mid()}, std::abs(r.mid())};
 }
 
-// Of the two arcs between the end points, is the edge the longer one? Asked only where the end points
-// are very close to each other, against the radius. The longer arc then holds the circle's leftmost or
-// rightmost point, or both; the shorter one neither, or one that is next to the end points.
+// Of the two arcs between the end points, is the edge the longer one? Decided by the exact order of four
+// points on the circle. Pre: the chord is at most half the radius. The longer arc holds the circle's leftmost
+// or rightmost point, or both; the shorter one neither, or one that is next to the end points.
 bool ChartArcs::is_major_arc(EdgeId e, const Circle& c) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     const std::span<const FormId> along = diagram_.label(e);

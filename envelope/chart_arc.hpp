@@ -75,6 +75,7 @@ private:
     void add_around_center(EdgeId e, const Circle& circle, double angle);
     Sign curvature_sign(FormId f, FormId g);
     Circle circle(FormId f, FormId g) const;
+    double exact_turn(EdgeId e, double turn);
     bool is_major_arc(EdgeId e, const Circle& circle);
 
     const FormFamily& family_;

@@ -107,9 +107,10 @@ void add_span(const LocalHeight& f, const ArcSpan& span, BoundedSum& volume, Bou
 // F is analytic where 1 + s stays off the negative axis. About a part's middle, with arc length sigma,
 // tangent T, normal N and curvature kappa, |q|^2 changes by at most
 // 2.36 |q.T| |sigma| + 1.1 (1 + |q.N| kappa) |sigma|^2 for complex |sigma| <= 1 / kappa (from
-// |sin z| <= 1.18 |z|, |1 - cos z| <= 0.55 |z|^2). While that is below |q|^2 + w^2 / 4, 1 + s keeps to the
-// disk of radius 1 + s(middle) around 1 + s(middle): its real part stays positive, |1 + s| is below
-// Z = 2 (1 + s(middle)) and |(1 + s)^(3/2) + 1| above 1/sqrt(2).
+// |sin z| <= 1.18 |z|, |1 - cos z| <= 0.55 |z|^2). `radius` is where that reaches |q|^2 + w^2 / 4. On the
+// ellipse, within 2.4/2.5 of the radius, 1 + s therefore differs from its value m in the middle by at most
+// 0.96 m: |1 + s| lies between 0.04 m and 2 m, its argument within a right angle, and |(1 + s)^(3/2) + 1| is
+// at least 1/sqrt(2) and at least (0.04 m)^(3/2) - 1.
 void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, BoundedSum& area) {
     const auto reach = [&](const ArcSpan& part) {
         const Vector2d q = part.half_way() - center, t = part.chord().normalized();
@@ -126,12 +127,14 @@ void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, 
             const double s = 4 * q.squaredNorm() / (w * w);
             sum += (s * s + 3 * s + 3) / (3 * ((1 + s) * std::sqrt(1 + s) + 1)) * cross(q, step);
         });
-        const double length = part.length(), radius = (part.half_way() - center).norm() + length;
-        const double s = 4 * radius * radius / (w * w), z = 2 * (1 + s);
+        const double length = part.length(), distance = (part.half_way() - center).norm();
+        const double m = 1 + 4 * distance * distance / (w * w);
+        const double divisor = 3 * std::max(0.7, 0.04 * m * std::sqrt(0.04 * m) - 1);
         // |q| grows by at most 1.8 * 2.4 half lengths on the ellipse, the step is at most 2.8 half lengths.
-        const double truncation =
-            quadrature::truncation * 2 * (z * z + z + 1) / 2.1 * (radius + 2.2 * length) * 1.4 * length;
-        area.add(sum, term_rounding * std::sqrt(1 + s) * radius * length + truncation);
+        const double truncation = quadrature::truncation * 2 * (4 * m * m + 2 * m + 1) / divisor *
+                                  (distance + 2.2 * length) * 1.4 * length;
+        const double far = distance + 0.5 * length;
+        area.add(sum, term_rounding * std::sqrt(1 + 4 * far * far / (w * w)) * far * length + truncation);
     });
 }
 

@@ -1,0 +1,177 @@
+/// What must hold in every cell, checked against distances and brute force, not against the code's formulas.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "../../envelope/cell.hpp"
+#include "../../primitives/plane_base.hpp"
+
+namespace vcell::testing {
+
+inline double distance_to(const Object& object, const Vec3& p) {
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return (p - sphere->center).norm() - sphere->radius;
+    const auto& plane = std::get<Plane>(object);
+    return std::abs((p - plane.point).dot(plane.normal)) / plane.normal.norm();
+}
+
+/// Signed distance of p from a site; for a box side zero on the side's plane.
+inline double distance_to(const Scene& scene, Site site, const Vec3& p) {
+    if (site.is_object()) return distance_to(scene.objects[site.index], p);
+    const Eigen::Index axis = site.index / 2;
+    return site.index % 2 ? scene.box.max[axis] - p[axis] : p[axis] - scene.box.min[axis];
+}
+
+inline double clearance(const Scene& scene, const Vec3& p) {
+    const auto& base = std::get<Plane>(scene.base);
+    return (p - base.point).dot(base.normal) / base.normal.norm();
+}
+
+/// How far p is from lying on the bisector of base and site (on the box side itself).
+inline double bisector_residual(const Scene& scene, Site site, const Vec3& p) {
+    return std::abs(distance_to(scene, site, p) - (site.is_object() ? clearance(scene, p) : 0));
+}
+
+/// Curves on patches, end points on vertices, loops closed and oriented, edges used as often as they must be.
+inline void check_geometry(const Cell& cell) {
+    const double tolerance = 1e-13 * (cell.scene.box.diagonal() + cell.scene.box.min.norm());
+    const Scene& scene = cell.scene;
+    for (const CellVertex& vertex : cell.vertices) {
+        for (const Site site : vertex.sites)
+            CHECK(bisector_residual(scene, site, vertex.point) <= tolerance + 4 * vertex.error);
+        CHECK(std::abs(clearance(scene, vertex.point) - vertex.radius) <= tolerance);
+        CHECK(std::is_sorted(vertex.sites.begin(), vertex.sites.end()));
+        CHECK(vertex.error < tolerance);
+    }
+    std::vector<std::array<int, 2>> uses(cell.edges.size(), {0, 0});
+    for (std::size_t i = 0; i < cell.edges.size(); ++i) {
+        const CellEdge& edge = cell.edges[i];
+        CAPTURE(i);
+        REQUIRE(edge.curve.knots.size() == edge.curve.points.size() + edge.curve.degree + 1);
+        double polyline = 0;
+        Vec3 last = edge.curve.evaluate(0);
+        for (int k = 0; k <= 512; ++k) {
+            const Vec3 p = edge.curve.evaluate(k / 512.0);
+            polyline += (p - last).norm();
+            last = p;
+            if (k % 32) continue;
+            for (const Site site : edge.sites) CHECK(bisector_residual(scene, site, p) <= tolerance);
+            for (const Site site : edge.extra_sites) CHECK(bisector_residual(scene, site, p) <= tolerance);
+        }
+        CHECK(edge.length == doctest::Approx(polyline).epsilon(1e-4));
+        CHECK(edge.length >= polyline - tolerance);
+        if (edge.vertices.empty()) {
+            CHECK((edge.curve.evaluate(0) - edge.curve.evaluate(1)).norm() <= tolerance);
+        } else {
+            REQUIRE(edge.vertices.size() == 2);
+            CHECK(edge.curve.points.front().head<3>() == cell.vertices[edge.vertices[0]].point);
+            CHECK(edge.curve.points.back().head<3>() == cell.vertices[edge.vertices[1]].point);
+        }
+        for (const auto& control : edge.curve.points) CHECK(control(3) > 0);
+    }
+    for (std::size_t i = 0; i < cell.faces.size(); ++i) {
+        const CellFace& face = cell.faces[i];
+        CAPTURE(i);
+        REQUIRE(face.patches.size() == 1);
+        const RationalPatch& surface = face.patches[0].surface;
+        for (int a = 0; a <= 6; ++a) {
+            for (int b = 0; b <= 6; ++b) {
+                const double u = surface.domain_u[0] + a / 6.0 * (surface.domain_u[1] - surface.domain_u[0]);
+                const double v = surface.domain_v[0] + b / 6.0 * (surface.domain_v[1] - surface.domain_v[0]);
+                const Vec3 p = surface.evaluate(u, v);
+                // Beyond the box heights may grow: the residual does with them.
+                CHECK(bisector_residual(scene, face.site, p) <=
+                      tolerance + 1e-14 * (p - scene.box.min).norm());
+            }
+        }
+        bool outer = true;
+        for (const std::vector<TrimCurve>& loop : face.patches[0].loops) {
+            double area = 0;
+            for (std::size_t k = 0; k < loop.size(); ++k) {
+                const TrimCurve& trim = loop[k];
+                REQUIRE(trim.edge);
+                const CellEdge& edge = cell.edges[*trim.edge];
+                // A half-edge has its face on the left: the sites tell which one runs forward.
+                ++uses[*trim.edge][trim.reversed];
+                CHECK(edge.sites[trim.reversed] == face.site);
+                CHECK(trim.curve.knots == edge.curve.knots);
+                const RationalCurve2& next = loop[(k + 1) % loop.size()].curve;
+                const double gap = (trim.curve.points.back() - next.points.front()).norm();
+                if (edge.vertices.empty())
+                    CHECK(gap <= tolerance);
+                else
+                    CHECK(gap == 0);
+                Eigen::Vector2d last = trim.curve.evaluate(0);
+                for (int s = 0; s <= 64; ++s) {
+                    const double t = s / 64.0;
+                    const Eigen::Vector2d uv = trim.curve.evaluate(t);
+                    area += 0.5 * (last.x() * uv.y() - last.y() * uv.x());
+                    last = uv;
+                    const Vec3 on_edge = edge.curve.evaluate(trim.reversed ? 1 - t : t);
+                    CHECK((surface.evaluate(uv.x(), uv.y()) - on_edge).norm() <= tolerance);
+                    CHECK(uv.x() >= surface.domain_u[0] - tolerance);
+                    CHECK(uv.x() <= surface.domain_u[1] + tolerance);
+                    CHECK(uv.y() >= surface.domain_v[0] - tolerance);
+                    CHECK(uv.y() <= surface.domain_v[1] + tolerance);
+                }
+            }
+            CHECK((outer ? area > 0 : area < 0));
+            outer = false;
+        }
+    }
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+        const bool rim = cell.edges[i].sites[1].kind == Site::Kind::BoxSide && uses[i][1] == 0;
+        CHECK(uses[i][0] == 1);
+        CHECK(uses[i][1] == (rim ? 0 : 1));
+    }
+}
+
+/// Measures by the midpoint rule on an n x n grid over the region's bounding rectangle, heights and slopes by
+/// brute force over all forms.
+struct SampledMeasures {
+    double volume = 0, area = 0, box_face_area = 0, min_clearance = std::numeric_limits<double>::infinity();
+    double max_clearance = 0;
+};
+inline SampledMeasures sample_measures(const PlaneBaseProblem& problem, int n) {
+    Eigen::Vector2d low = problem.corners[0], high = low;
+    for (const Eigen::Vector2d& c : problem.corners) {
+        low = low.cwiseMin(c);
+        high = high.cwiseMax(c);
+    }
+    const Eigen::Vector2d step = (high - low) / n;
+    const double cell_area = step.x() * step.y();
+    SampledMeasures m;
+    for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+            const double x = low.x() + (i + 0.5) * step.x(), y = low.y() + (j + 0.5) * step.y();
+            bool inside = true;
+            for (const RegionSide& side : problem.region)
+                inside = inside && side.a * x + side.b * y + side.c >= 0;
+            if (!inside) continue;
+            FormId best{0};
+            double height = std::numeric_limits<double>::infinity();
+            for (const FormId f : problem.family.forms.ids()) {
+                const double h = problem.family.forms[f](x, y);
+                if (h < height) {
+                    height = h;
+                    best = f;
+                }
+            }
+            const CircularForm& f = problem.family.forms[best];
+            const double gx = (2 * f.k * (x - f.cx) + f.a) / f.w, gy = (2 * f.k * (y - f.cy) + f.b) / f.w;
+            const double area = cell_area * std::sqrt(1 + gx * gx + gy * gy);
+            m.volume += cell_area * height;
+            (problem.sites[best].front().is_object() ? m.area : m.box_face_area) += area;
+            m.min_clearance = std::min(m.min_clearance, height);
+            m.max_clearance = std::max(m.max_clearance, height);
+        }
+    }
+    return m;
+}
+
+}  // namespace vcell::testing
