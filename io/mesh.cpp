@@ -1,5 +1,6 @@
 #include "mesh.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,15 +34,28 @@ bool proper_crossing(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d)
     return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
 }
 
+/// How far the middle of the side from a to b, straight in space, stays away from the patch.
+double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
+    const Vec2 m = 0.5 * (a + b);
+    const Vec3 chord_middle = 0.5 * (s.evaluate(a.x(), a.y()) + s.evaluate(b.x(), b.y()));
+    return (s.evaluate(m.x(), m.y()) - chord_middle).norm();
+}
+
+/// The point of a trimming curve at the edge's parameter t: they share it, or run against each other.
+Vec2 at_edge_parameter(const TrimCurve& c, double t) {
+    return c.curve.evaluate(c.reversed ? c.curve.domain_begin() + c.curve.domain_end() - t : t);
+}
+
 class Tessellator {
 public:
     Tessellator(const Cell& cell, const MeshOptions& options)
         : cell_(cell),
           chord_(options.chord.value_or(1e-3 * cell.scene.box.diagonal())),
           pieces_(cell.edges.size()),
-          uses_(cell.edges.size(), 0) {
-        for_each_curve([&](const TrimCurve& c) {
-            if (c.edge) ++uses_[*c.edge];
+          uses_(cell.edges.size()) {
+        for_each_curve([&](const TrimCurve& c, const RationalPatch& s) {
+            if (!c.edge) throw InternalError("tessellate: a chart seam over a plane base");
+            uses_[*c.edge].push_back({&c, &s});
         });
     }
 
@@ -63,12 +77,18 @@ public:
     }
 
 private:
+    /// A trimming curve on an edge, and its patch.
+    struct Use {
+        const TrimCurve* curve;
+        const RationalPatch* patch;
+    };
+
     template <class F>
     void for_each_curve(F f) const {
         for (const CellFace& face : cell_.faces)
             for (const TrimmedPatch& patch : face.patches)
                 for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop) f(c);
+                    for (const TrimCurve& c : loop) f(c, patch.surface);
     }
 
     // Pieces that an edge has at least: enough for a loop to be a polygon, and for a curved edge to have
@@ -78,15 +98,28 @@ private:
         return e.kind == CurveKind::Line ? 1 : 2;
     }
 
+    // Whether the stretch [from, to] of an edge needs a point between: for the curve itself, and for the
+    // patches on both sides, whose inner sides could not be shorter than those on the boundary.
+    bool too_coarse(std::size_t edge, double from, double to) const {
+        const RationalCurve3& curve = cell_.edges[edge].curve;
+        const Vec3 chord_middle = 0.5 * (curve.evaluate(from) + curve.evaluate(to));
+        if ((curve.evaluate(0.5 * (from + to)) - chord_middle).norm() > chord_) return true;
+        for (const Use& use : uses_[edge])
+            if (deviation(*use.patch, at_edge_parameter(*use.curve, from),
+                          at_edge_parameter(*use.curve, to)) > chord_)
+                return true;
+        return false;
+    }
+
     // Parameters of an edge: pieces of equal length in the parameter, halved while they are too coarse.
-    std::vector<double> parameters(const CellEdge& e, std::size_t pieces) const {
-        const double begin = e.curve.domain_begin(), end = e.curve.domain_end();
+    std::vector<double> parameters(std::size_t edge, std::size_t pieces) const {
+        const RationalCurve3& curve = cell_.edges[edge].curve;
+        const double begin = curve.domain_begin(), end = curve.domain_end();
         std::vector<double> result{begin};
         const auto add = [&](auto& self, double from, double to, int depth) -> void {
             constexpr int deepest = 12;
-            const double middle = 0.5 * (from + to);
-            const Vec3 chord_middle = 0.5 * (e.curve.evaluate(from) + e.curve.evaluate(to));
-            if (depth < deepest && (e.curve.evaluate(middle) - chord_middle).norm() > chord_) {
+            if (depth < deepest && too_coarse(edge, from, to)) {
+                const double middle = 0.5 * (from + to);
                 self(self, from, middle, depth + 1);
                 self(self, middle, to, depth + 1);
             } else {
@@ -112,7 +145,7 @@ private:
         for (std::size_t i = 0; i < edges_.size(); ++i) {
             const CellEdge& e = cell_.edges[i];
             SampledEdge& s = edges_[i];
-            s.parameters = parameters(e, pieces_[i]);
+            s.parameters = parameters(i, pieces_[i]);
             for (const double t : s.parameters) {
                 const bool at_begin = t == s.parameters.front(), at_end = t == s.parameters.back();
                 if (at_begin && !e.vertices.empty())
@@ -130,18 +163,15 @@ private:
         return static_cast<std::uint32_t>(mesh_.points.size() - 1);
     }
 
-    // A trimming loop as a polygon. The curve shares the parameter of the edge, or runs against it.
+    // A trimming loop as a polygon.
     std::vector<LoopPoint> polygon(const std::vector<TrimCurve>& loop) const {
         std::vector<LoopPoint> result;
         for (const TrimCurve& c : loop) {
-            if (!c.edge) throw InternalError("tessellate: a chart seam over a plane base");
             const SampledEdge& e = edges_[*c.edge];
             const std::size_t n = e.points.size();
             for (std::size_t i = 0; i + 1 < n; ++i) {
                 const std::size_t k = c.reversed ? n - 1 - i : i;
-                const double t = e.parameters[k];
-                const double along = c.reversed ? c.curve.domain_begin() + c.curve.domain_end() - t : t;
-                result.push_back({e.points[k], c.curve.evaluate(along), *c.edge});
+                result.push_back({e.points[k], at_edge_parameter(c, e.parameters[k]), *c.edge});
             }
         }
         return result;
@@ -194,13 +224,9 @@ private:
         const RationalPatch& s = patch.surface;
         const std::vector<std::vector<LoopPoint>> loops = polygons(patch);
         if (loops.empty()) return;
-        const auto too_coarse = [&](const Vec2& a, const Vec2& b) {
-            const Vec2 m = 0.5 * (a + b);
-            const Vec3 chord_middle = 0.5 * (s.evaluate(a.x(), a.y()) + s.evaluate(b.x(), b.y()));
-            return (s.evaluate(m.x(), m.y()) - chord_middle).norm() > chord_;
-        };
+        const auto split = [&](const Vec2& a, const Vec2& b) { return deviation(s, a, b) > chord_; };
         add_triangles(
-            loops, too_coarse, [&](const Vec2& uv) { return s.evaluate(uv.x(), uv.y()); },
+            loops, split, [&](const Vec2& uv) { return s.evaluate(uv.x(), uv.y()); },
             [&](const Vec2& uv) {
                 const auto [du, dv] = s.partials(uv.x(), uv.y());
                 return Vec3(du.cross(dv).stableNormalized());
@@ -273,8 +299,8 @@ private:
         std::unordered_map<std::uint32_t, std::vector<LoopPoint>> pieces;  // by first point
         std::uint32_t start = none;
         std::size_t count = 0;
-        for_each_curve([&](const TrimCurve& c) {
-            if (!c.edge || uses_[*c.edge] != 1) return;
+        for_each_curve([&](const TrimCurve& c, const RationalPatch&) {
+            if (uses_[*c.edge].size() != 1) return;
             std::vector<LoopPoint> piece = polygon({c});
             start = piece.front().point;
             count += pieces.emplace(start, std::move(piece)).second;
@@ -296,7 +322,7 @@ private:
     const Cell& cell_;
     double chord_;
     std::vector<std::size_t> pieces_;  // per edge, before halving
-    std::vector<int> uses_;            // per edge: trimming curves on it
+    std::vector<std::vector<Use>> uses_;
     std::vector<SampledEdge> edges_;
     CellMesh mesh_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numeric>
 #include <unordered_map>
 
@@ -157,16 +158,17 @@ public:
     }
 
     void refine(const std::function<bool(const Point&, const Point&)>& split) {
-        // Far above what a smooth patch needs at any tolerance that a picture can show.
-        constexpr std::size_t most_points = 200'000;
-        std::vector<Side> todo;
+        // First come, first served: should the points run out, the mesh is equally fine everywhere. Round
+        // triangles as long as the polygon's sides are n^2 / 16 or so.
+        const std::size_t n = points_.size(), most_points = n + n * n + 1000;
+        std::deque<Side> todo;
         const auto add_all = [&](std::uint32_t t) {
             for (std::uint32_t k = 0; k < 3; ++k) todo.push_back({t, k});
         };
         for (std::uint32_t t = 0; t < triangles_.size(); ++t) add_all(t);
         while (!todo.empty() && points_.size() < most_points) {
-            const auto [t, k] = todo.back();
-            todo.pop_back();
+            const auto [t, k] = todo.front();
+            todo.pop_front();
             if (across_[t][k] == none) continue;
             const Point &a = points_[triangles_[t][k]], &b = points_[triangles_[t][(k + 1) % 3]];
             if (a == b || !split(a, b)) continue;

@@ -19,8 +19,9 @@ struct Triangulation {
 
 /// Triangulates a polygon: `loops[0]` runs counter-clockwise around it, the others clockwise around its
 /// holes; none crosses itself or another. Sides of the polygon are kept whole, so polygons that share sides
-/// fit together. Where `split(a, b)` says so, inner edges are halved until it no longer does (or far
-/// too many have been); the triangles are as round as the vertices allow (Delaunay flips).
+/// fit together. Where `split(a, b)` says so, inner edges are halved until it no longer does; where it
+/// would not let the polygon's sides be either, that may never be, and a bound on the points ends it. The
+/// triangles are as round as the vertices allow (Delaunay flips).
 ///
 /// Floating point throughout, for looks; but every side belongs to exactly one triangle and every other edge
 /// to two whatever the coordinates are. Vertices of different loops, or met twice by one, are different
