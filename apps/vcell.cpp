@@ -1,0 +1,372 @@
+// The vcell program: reads scenes, computes and judges cells, writes them. Thin: what it does is the
+// library's.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <new>
+
+#include "../core/errors.hpp"
+#include "../envelope/voronoi_cell.hpp"
+#include "../io/check.hpp"
+#include "../io/io.hpp"
+#include "../io/text.hpp"
+#include "progress.hpp"
+#include "query.hpp"
+
+namespace vcell {
+
+namespace {
+
+enum Status { done = 0, wrong_usage = 1, bad_input = 2, undecided = 3, check_failed = 4 };
+
+constexpr const char* program_help = R"(The Voronoi cell of a base object among others, exact.)";
+
+constexpr const char* program_footer = R"(
+Examples:
+  vcell compute scene.json -o cell.json -o diagram.svg -o cell.obj
+  vcell compute balls.xyzr --base-plane 0 0 0 0 0 1 -o cell.json
+  vcell query scene.json points.txt
+  vcell measure scene.json
+  vcell compute scene.json -o - | vcell check -
+
+A file named - is standard input or output. Scenes are JSON or plain "x y z r" lines.
+Exit status: 0 done, 1 wrong usage or an output that cannot be written, 2 bad input, 3 a question that
+could not be decided, 4 a check that failed. "vcell COMMAND --help" tells more.)";
+
+void warn(const std::string& text) { fmt::print(stderr, "vcell: warning: {}\n", text); }
+
+/// Wrong usage that the option parser cannot see.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// ---- Scenes --------------------------------------------------------------------------------------
+
+/// The scene argument of a command, with what a plain file leaves open.
+struct SceneArgument {
+    std::string path;
+    std::size_t base = 0;
+    std::vector<double> base_plane, box;
+    CLI::Option* has_base = nullptr;
+
+    void add_to(CLI::App& command) {
+        command.add_option("SCENE", path, "scene file, JSON or x y z r lines; - is standard input")
+            ->required();
+        const char* group = "Scenes of x y z r lines";
+        has_base =
+            command.add_option("--base", base, "the ball that is the base, counted from 0")->group(group);
+        command.add_option("--base-plane", base_plane, "the base plane: a point of it and its normal")
+            ->expected(6)
+            ->type_name("X Y Z NX NY NZ")
+            ->excludes(has_base)
+            ->group(group);
+        command
+            .add_option("--box", box,
+                        "the box, instead of one about the balls that leaves half its diagonal of room")
+            ->expected(6)
+            ->type_name("X0 Y0 Z0 X1 Y1 Z1")
+            ->group(group);
+    }
+
+    Scene read() const {
+        TextSceneOptions options;
+        const auto vec = [](const std::vector<double>& v, std::size_t i) {
+            return Vec3(v[i], v[i + 1], v[i + 2]);
+        };
+        if (has_base->count() > 0) options.base_ball = base;
+        if (!base_plane.empty()) options.base_plane = Plane{vec(base_plane, 0), vec(base_plane, 3)};
+        if (!box.empty()) options.box = Box{vec(box, 0), vec(box, 3)};
+        return read_scene(path, options);
+    }
+};
+
+Cell compute_cell(const Scene& scene) {
+    ProgressBar bar;
+    CellOptions options;
+    options.progress = [&](const char* stage, double fraction) { bar.show(stage, fraction); };
+    return voronoi_cell(scene, options);
+}
+
+/// Warnings, and whether every question was decided.
+Status report(const Cell& cell) {
+    for (const std::string& w : cell.report.warnings) warn(w);
+    const auto assumed = cell.report.decisions.assumed;
+    if (assumed == 0) return done;
+    warn(fmt::format("{} coincidences could not be decided and were taken for granted", assumed));
+    return undecided;
+}
+
+// ---- compute -------------------------------------------------------------------------------------
+
+class Compute {
+public:
+    explicit Compute(CLI::App& app)
+        : command_(*app.add_subcommand("compute", "compute the cell of a scene")) {
+        scene_.add_to(command_);
+        command_
+            .add_option("-o,--output", outputs_,
+                        "output file, .json, .svg or .obj (with .mtl); may be repeated")
+            ->required()
+            ->allow_extra_args(false)
+            ->type_name("FILE");
+        command_.add_option("--format", format_, "format of standard output: json, svg or obj")
+            ->check(CLI::IsMember({"json", "svg", "obj"}))
+            ->capture_default_str();
+        command_
+            .add_option("--chord", chord_,
+                        "OBJ: largest distance of a triangle side from the surface, in length")
+            ->check(CLI::PositiveNumber);
+        command_.add_flag("--solid", solid_, "OBJ: with walls and base, a closed mesh");
+        command_.footer("No output appears before all of them are complete.");
+    }
+
+    bool chosen() const { return command_.parsed(); }
+
+    Status run() {
+        // Every target is opened before the work: what cannot be written is known at once.
+        for (const std::string& target : outputs_) add(target);
+        const Scene scene = scene_.read();
+        const Cell cell = compute_cell(scene);
+        std::optional<CellMesh> mesh;
+        for (const auto& out : files_) {
+            if (out->format == "obj" && !mesh)
+                mesh = tessellate(cell, {chord_ > 0 ? std::optional(chord_) : std::nullopt, solid_});
+            write(*out, cell, mesh);
+        }
+        for (const auto& out : files_) out->file.close();
+        for (const auto& out : files_) out->file.commit();
+        return report(cell);
+    }
+
+private:
+    struct Output {
+        OutputFile file;
+        std::string format;
+        std::string material_file;
+    };
+
+    void add(const std::string& target) {
+        namespace fs = std::filesystem;
+        std::string format = format_;
+        std::string material_file;
+        if (target != "-") {
+            format = fs::path(target).extension().string();
+            std::transform(format.begin(), format.end(), format.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            if (format != ".json" && format != ".svg" && format != ".obj")
+                throw UsageError(fmt::format("{}: an output must end in .json, .svg or .obj", target));
+            format.erase(0, 1);
+        }
+        if (format == "obj" && target != "-") {
+            const fs::path beside = fs::path(target).replace_extension(".mtl");
+            material_file = beside.filename().string();
+            open(beside.string(), "mtl", "");
+        }
+        open(target, format, material_file);
+    }
+
+    void open(const std::string& target, const std::string& format, const std::string& material_file) {
+        for (const auto& other : files_)
+            if (other->file.target() == target) throw UsageError(fmt::format("{}: given twice", target));
+        files_.push_back(std::unique_ptr<Output>(new Output{OutputFile(target), format, material_file}));
+    }
+
+    static void write(Output& out, const Cell& cell, const std::optional<CellMesh>& mesh) {
+        std::ostream& stream = out.file.stream();
+        if (out.format == "json") write_cell(stream, cell);
+        if (out.format == "svg") write_svg(stream, cell);
+        if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);
+        if (out.format == "mtl") write_mtl(stream, cell);
+    }
+
+    CLI::App& command_;
+    SceneArgument scene_;
+    std::vector<std::string> outputs_;
+    std::string format_ = "json";
+    double chord_ = 0;
+    bool solid_ = false;
+    std::vector<std::unique_ptr<Output>> files_;
+};
+
+// ---- query ---------------------------------------------------------------------------------------
+
+class Query {
+public:
+    explicit Query(CLI::App& app)
+        : command_(*app.add_subcommand("query", "who is nearest above a base point?")) {
+        scene_.add_to(command_);
+        command_.add_option("POINTS", points_, "file of x y z lines")->capture_default_str();
+        command_.footer(
+            "Prints for each point a line \"site clearance inside\": the site that owns the ray through the\n"
+            "point along the base's normal (the first of those that tie), the height of the cell's boundary\n"
+            "on that ray, and true if the point lies in the cell, false if not. A ray from outside the base\n"
+            "region has no owner: \"- - false\".");
+    }
+
+    bool chosen() const { return command_.parsed(); }
+
+    Status run() const {
+        if (scene_.path == "-" && points_ == "-")
+            throw UsageError("query: scene and points cannot both come from standard input");
+        const Scene scene = scene_.read();
+        const PlaneBaseProblem problem = plane_base_problem(scene);
+        for (const std::string& w : problem.warnings) warn(w);
+        std::string answers;
+        for (const Vec3& p : read_points()) {
+            if (const auto a = query_point(problem, p))
+                answers += fmt::format("{} {} {}\n", to_string(a->site), a->clearance, a->inside);
+            else
+                answers += "- - false\n";
+        }
+        OutputFile out("-");
+        out.stream() << answers;
+        out.commit();
+        return done;
+    }
+
+private:
+    std::vector<Vec3> read_points() const try {
+        const std::string text = read_file(points_);
+        std::vector<Vec3> points;
+        std::size_t line_number = 0;
+        for (std::size_t at = 0; at < text.size();) {
+            std::string_view line = next_line(text, at);
+            ++line_number;
+            std::vector<double> numbers;
+            for (std::string_view word; !(word = next_word(line)).empty();)
+                numbers.push_back(parse_number(word, line_number));
+            if (numbers.empty()) continue;
+            if (numbers.size() != 3)
+                throw InputError(InputError::Kind::Syntax, InputError::no_object,
+                                 fmt::format("line {}", line_number),
+                                 fmt::format("must be x y z, has {} numbers", numbers.size()));
+            points.emplace_back(numbers[0], numbers[1], numbers[2]);
+        }
+        return points;
+    } catch (const InputError& e) {
+        throw InputError(e.kind, e.object, points_ == "-" ? "points" : points_, e.what());
+    }
+
+    CLI::App& command_;
+    SceneArgument scene_;
+    std::string points_ = "-";
+};
+
+// ---- measure -------------------------------------------------------------------------------------
+
+class Measure {
+public:
+    explicit Measure(CLI::App& app)
+        : command_(*app.add_subcommand("measure", "volume, areas and clearances")) {
+        scene_.add_to(command_);
+        command_.footer("Prints a header and one line, tab-separated.");
+    }
+
+    bool chosen() const { return command_.parsed(); }
+
+    Status run() const {
+        const Cell cell = compute_cell(scene_.read());
+        const Measures& m = cell.measures;
+        OutputFile out("-");
+        out.stream() << "volume\tvolume_error\tbody_volume\tarea\tarea_error\tbox_area\tbase_area\t"
+                        "min_clearance\tmax_clearance\ttouches_box\tfaces\tedges\tvertices\tneighbors\n"
+                     << fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n", m.volume,
+                                    m.volume_error, m.body_volume, m.area, m.area_error, m.box_area,
+                                    m.base_area, m.min_clearance, m.max_clearance, m.touches_box,
+                                    cell.faces.size(), cell.edges.size(), cell.vertices.size(),
+                                    cell.neighbors.size());
+        out.commit();
+        return report(cell);
+    }
+
+private:
+    CLI::App& command_;
+    SceneArgument scene_;
+};
+
+// ---- check ---------------------------------------------------------------------------------------
+
+class Check {
+public:
+    explicit Check(CLI::App& app)
+        : command_(*app.add_subcommand("check", "judge a cell file from its own data")) {
+        command_.add_option("CELL", path_, "cell file, JSON; - is standard input")->required();
+        command_.footer("Prints a line for each finding, or \"ok\". Exit status 4 if there is a finding.");
+    }
+
+    bool chosen() const { return command_.parsed(); }
+
+    Status run() const {
+        const Cell cell = read_cell(path_);
+        const std::vector<Finding> findings = check_cell(cell);
+        OutputFile out("-");
+        for (const Finding& f : findings) out.stream() << f.where << ": " << f.what << '\n';
+        if (findings.empty())
+            out.stream() << fmt::format("ok: {} faces, {} edges, {} vertices\n", cell.faces.size(),
+                                        cell.edges.size(), cell.vertices.size());
+        out.commit();
+        return findings.empty() ? done : check_failed;
+    }
+
+private:
+    CLI::App& command_;
+    std::string path_;
+};
+
+int run(int argc, char** argv) {
+    CLI::App app(program_help, "vcell");
+    app.footer(program_footer);
+    app.set_version_flag("--version", "vcell " VCELL_VERSION);
+    app.require_subcommand(1);
+    Compute compute(app);
+    Query query(app);
+    Measure measure(app);
+    Check check(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? done : wrong_usage;
+    }
+    if (compute.chosen()) return compute.run();
+    if (query.chosen()) return query.run();
+    if (measure.chosen()) return measure.run();
+    return check.run();
+}
+
+}  // namespace
+
+}  // namespace vcell
+
+int main(int argc, char** argv) {
+    using namespace vcell;
+    std::ios::sync_with_stdio(false);
+    remove_unfinished_on_signals();
+    const auto fail = [](Status status, std::string_view what) {
+        fmt::print(stderr, "vcell: {}\n", what);
+        return status;
+    };
+    try {
+        return run(argc, argv);
+    } catch (const InputError& e) {
+        return fail(bad_input, e.what());
+    } catch (const ReadError& e) {
+        return fail(bad_input, e.what());
+    } catch (const WriteError& e) {
+        return fail(wrong_usage, e.what());
+    } catch (const UsageError& e) {
+        return fail(wrong_usage, e.what());
+    } catch (const std::bad_alloc&) {
+        return fail(undecided, "out of memory");
+    } catch (const std::exception& e) {
+        return fail(undecided,
+                    fmt::format("internal error: {}\nThis is a fault of vcell, not of the input. Nothing was "
+                                "written; please report it together with the scene.",
+                                e.what()));
+    }
+}
