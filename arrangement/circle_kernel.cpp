@@ -58,10 +58,13 @@ FormId CircleKernel::add_line(double a, double b, double c) {
 }
 
 FormId CircleKernel::add_form(FormId in_family) {
-    const CircularForm& f = family_->forms[in_family];
-    const double iw = 1 / f.w;
-    forms_.push_back({f.k, f.cx, f.cy, f.a, f.b, f.e, iw, f.k * iw});
+    forms_.push_back(make_form(family_->forms[in_family]));
     return sources_.push_back({in_family});
+}
+
+CircleKernel::Form CircleKernel::make_form(const CircularForm& f) {
+    const double iw = 1 / f.w;
+    return {f.k, f.cx, f.cy, f.a, f.b, f.e, iw, f.k * iw};
 }
 
 // --- First rung --------------------------------------------------------------------------------------
@@ -83,8 +86,7 @@ CircleKernel::Jet CircleKernel::jet(const Form& f, double x, double y) {
     return j;
 }
 
-CircleKernel::Jet CircleKernel::difference(FormPair c, double x, double y) const {
-    const Jet p = jet(forms_[c.f], x, y), q = jet(forms_[c.g], x, y);
+CircleKernel::Jet CircleKernel::difference(const Jet& p, const Jet& q) {
     Jet d{p.v - q.v, p.gx - q.gx, p.gy - q.gy, p.K - q.K, 0, 0, 0};
     d.ev = (p.ev + q.ev + u * std::abs(d.v)) * slop;
     d.eg = (p.eg + q.eg + u * std::max(std::abs(d.gx), std::abs(d.gy))) * slop;
@@ -157,11 +159,15 @@ std::optional<PointId> CircleKernel::intersection(FormPair c, FormPair d, Sign o
 double CircleKernel::lower_bound(FormId f, FormId g, double x0, double x1, double y0, double y1) const {
     const double x = 0.5 * x0 + 0.5 * x1, y = 0.5 * y0 + 0.5 * y1;
     const double rx = std::max(x1 - x, x - x0) * slop, ry = std::max(y1 - y, y - y0) * slop;
-    const Jet d = difference({f, g}, x, y);
+    return lower_bound(jet(forms_[f], x, y), jet(forms_[g], x, y), rx, ry);
+}
+
+double CircleKernel::lower_bound(const Jet& f, const Jet& g, double rx, double ry) {
+    const Jet d = difference(f, g);
+    const double K = d.K - d.eK;
     // Per coordinate: min over |t| <= r of K t^2 + G t, from below.
     const auto term = [&](double G, double r) {
         G = std::abs(G) + d.eg;
-        const double K = d.K - d.eK;
         if (G < 2 * K * r) return -G * G / (4 * K) * slop - tiny;
         const double t = (K * r - G) * r;
         return t - 8 * u * (std::abs(K) * r + G) * r - tiny;
@@ -398,31 +404,32 @@ std::array<double, 4> CircleKernel::arc_box(FormPair c, PointId p, PointId q) co
     return circle_box(c);
 }
 
-std::array<double, 4> CircleKernel::circle_box(FormPair c) const {
-    constexpr double inf = std::numeric_limits<double>::infinity();
+// F about the centre of one of the forms: the circle's centre is at -grad / 2K from there.
+std::optional<CircleKernel::Circle> CircleKernel::circle(FormPair c) const {
     const Form& f = forms_[c.f].K != 0 ? forms_[c.f] : forms_[c.g];
     const Jet o = difference(c, f.cx, f.cy);
     const Interval K = Interval::ball(o.K, o.eK);
-    if (K.contains(0)) return {-inf, inf, -inf, inf};
-    const Interval gx = Interval::ball(o.gx, o.eg), gy = Interval::ball(o.gy, o.eg), v = Interval::ball(o.v, o.ev);
+    if (K.contains(0)) return std::nullopt;
     const Interval half = Interval(0.5) / K;
-    const Interval cx = Interval(f.cx) - gx * half, cy = Interval(f.cy) - gy * half;
-    const Interval r2 = (square(gx) + square(gy)) * square(half) - v / K;
-    const double r = sqrt(Interval(0.0, std::max(0.0, r2.upper()))).upper();
-    return {Interval::down(cx.lower() - r), Interval::up(cx.upper() + r), Interval::down(cy.lower() - r),
-            Interval::up(cy.upper() + r)};
+    const Interval gx = Interval::ball(o.gx, o.eg) * half, gy = Interval::ball(o.gy, o.eg) * half;
+    return Circle{Interval(f.cx) - gx, Interval(f.cy) - gy, square(gx) + square(gy) - Interval::ball(o.v, o.ev) / K};
+}
+
+std::array<double, 4> CircleKernel::circle_box(FormPair c) const {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    const auto o = circle(c);
+    if (!o) return {-inf, inf, -inf, inf};
+    const Interval r = Interval(-1, 1) * sqrt(Interval(0.0, std::max(0.0, o->r2.upper())));
+    const Interval x = o->cx + r, y = o->cy + r;
+    return {x.lower(), x.upper(), y.lower(), y.upper()};
 }
 
 bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& box) const {
-    const Form& f = forms_[c.f].K != 0 ? forms_[c.f] : forms_[c.g];
-    const Jet o = difference(c, f.cx, f.cy);
-    const double K = std::abs(o.K) - o.eK;
-    if (!(K > 0)) return false;
-    // The centre is f's centre - grad / 2K; it must lie in the box if the circle does.
-    const double x = f.cx - o.gx / (2 * o.K), y = f.cy - o.gy / (2 * o.K);
-    const double error = ((o.eg + o.eK / K * std::max(std::abs(o.gx), std::abs(o.gy))) / K +
-                          8 * u * (std::abs(x) + std::abs(y) + std::abs(f.cx) + std::abs(f.cy))) * slop + tiny;
-    return x + error < box[0] || x - error > box[1] || y + error < box[2] || y - error > box[3];
+    const auto o = circle(c);
+    if (!o) return false;
+    const double r = o->r2.lower() > 0 ? sqrt(o->r2).lower() : 0.0;
+    return o->cx.upper() - r < box[0] || o->cx.lower() + r > box[1] || o->cy.upper() - r < box[2] ||
+           o->cy.lower() + r > box[3];
 }
 
 // --- Branches around a point ---------------------------------------------------------------------------
@@ -461,6 +468,14 @@ bool CircleKernel::branch_in_sector(PointId p, FormPair from, FormPair x, FormPa
         if (turn != Sign::Zero) return turn == Sign::Positive;
     }
     return curvature_order(p, x, to) == Sign::Negative;
+}
+
+bool CircleKernel::sector_contains_left(PointId p, FormPair from, FormPair to) {
+    const Sign turn = turn_at(p, from, to);
+    if (turn != Sign::Zero) return turn == Sign::Negative;
+    if (along_sign(p, from, to) == Sign::Positive) return curvature_order(p, to, from) != Sign::Positive;
+    // One goes straight up, the other straight down: the tangent (-B, A) of `from` decides.
+    return sign(exact_gradient(exact_curve(from), exact_point(p))[0]) == Sign::Positive;
 }
 
 // --- Exact rung ----------------------------------------------------------------------------------------
@@ -601,20 +616,24 @@ PointId CircleKernel::touching_point(FormPair c, FormPair d) {
     return add_exact_point(c, d, Sign::Zero, std::move(*exact));
 }
 
-PointId CircleKernel::center_point(FormPair c) {
-    const ExactCurve e = exact_curve(c);
-    assert(e.K.sign() != Sign::Zero);
-    const Exact s(e.K.sign() == Sign::Positive ? 1.0 : -1.0);
-    return add_exact_point(c, c, Sign::Zero, {-(s * e.A), Exact(), -(s * e.B), Exact(), Exact(), s * Exact(2.0) * e.K});
+PointId CircleKernel::circle_point(FormPair c, Sign which) {
+    const auto o = circle(c);
+    if (o && (which == Sign::Zero || o->r2.lower() > 0)) {
+        const Interval x = which == Sign::Zero       ? o->cx
+                           : which == Sign::Negative ? o->cx - sqrt(o->r2)
+                                                     : o->cx + sqrt(o->r2);
+        const double error = std::hypot(x.radius(), o->cy.radius()) * slop + tiny;
+        if (error < DBL_MAX) return points_.push_back({x.mid(), o->cy.mid(), error, c, c, which});
+    }
+    return add_exact_point(c, c, which, exact_circle_point(c, which));
 }
 
-PointId CircleKernel::x_extreme_point(FormPair c, bool right) {
+CircleKernel::ExactPoint CircleKernel::exact_circle_point(FormPair c, Sign which) {
     const ExactCurve e = exact_curve(c);
     assert(e.K.sign() != Sign::Zero);
-    const Exact s(e.K.sign() == Sign::Positive ? 1.0 : -1.0);
-    return add_exact_point(c, c, Sign::Zero,
-                           {-(s * e.A), Exact(right ? 1.0 : -1.0), -(s * e.B), Exact(),
-                            e.A * e.A + e.B * e.B - Exact(4.0) * e.K * e.C, s * Exact(2.0) * e.K});
+    const Exact s(static_cast<double>(e.K.sign()));
+    return {-(s * e.A), Exact(static_cast<double>(which)), -(s * e.B), Exact(),
+            e.A * e.A + e.B * e.B - Exact(4.0) * e.K * e.C, s * Exact(2.0) * e.K};
 }
 
 const CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
@@ -622,10 +641,11 @@ const CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
     std::int32_t& slot = exact_point_index_[p.value];
     if (slot < 0) {
         const KernelPoint& q = points_[p];
-        auto exact = exact_intersection(exact_curve(q.first), exact_curve(q.second), q.orientation);
-        assert(exact);
+        ExactPoint exact = q.first == q.second
+                               ? exact_circle_point(q.first, q.orientation)
+                               : exact_intersection(exact_curve(q.first), exact_curve(q.second), q.orientation).value();
         slot = static_cast<std::int32_t>(exact_points_.size());
-        exact_points_.push_back(std::move(*exact));
+        exact_points_.push_back(std::move(exact));
     }
     return exact_points_[static_cast<std::size_t>(slot)];
 }

@@ -38,7 +38,7 @@ struct FormPair {
 /// An exact point in double clothes: the true point lies within `error` of (x, y).
 struct KernelPoint {
     double x, y, error;
-    FormPair first, second;
+    FormPair first, second;  ///< equal: the circle's leftmost point, centre or rightmost point (by orientation)
     /// Sign of grad(first) x grad(second) at the point, grad being that of f - g; Zero where the two
     /// curves touch.
     Sign orientation;
@@ -74,11 +74,11 @@ public:
     Sign intersection_sign(FormPair c, FormPair d, const Eigen::Vector2d& near);
     /// The point in which the curves touch. Pre: intersection_sign is Zero.
     PointId touching_point(FormPair c, FormPair d);
-    /// The one point of a circle of radius zero. Pre: radius_sign(c) is Zero.
-    PointId center_point(FormPair c);
+    /// The centre of a circle. Pre: c is not a line.
+    PointId center_point(FormPair c) { return circle_point(c, Sign::Zero); }
     /// Leftmost point of a circle. Pre: radius_sign(c) is Positive and c is not a line.
-    PointId leftmost_point(FormPair c) { return x_extreme_point(c, false); }
-    PointId rightmost_point(FormPair c) { return x_extreme_point(c, true); }
+    PointId leftmost_point(FormPair c) { return circle_point(c, Sign::Negative); }
+    PointId rightmost_point(FormPair c) { return circle_point(c, Sign::Positive); }
 
     /// Do the two forms of c define the same curve as those of d? (Pencils: one curve for many pairs.)
     bool same_curve(FormPair c, FormPair d);
@@ -109,6 +109,9 @@ public:
     /// Where c and d, through p, have parallel gradients there: the sign of d's f - g along c near p, on both
     /// sides of p alike. Zero: the same curve.
     Sign sign_beside_touching(PointId p, FormPair c, FormPair d) { return curvature_order(p, d, c); }
+    /// Two branches leave p, the leftmost point of all there is, so neither goes left: does the sector from
+    /// `from` counter-clockwise to `to` contain the direction to the left?
+    bool sector_contains_left(PointId p, FormPair from, FormPair to);
     /// Do c and d, two directions of one curve through p, agree?
     bool same_direction(PointId p, FormPair c, FormPair d) { return along_sign(p, c, d) == Sign::Positive; }
     /// Does q come after p on the line c? Pre: c is a line, both points lie on it.
@@ -144,6 +147,9 @@ public:
         double ev, eg, eK;
     };
     static Jet jet(const Form& f, double x, double y);
+    static Form make_form(const CircularForm& f);
+    /// Lower bound of f - g over |dx| <= rx, |dy| <= ry about the place where both jets were taken.
+    static double lower_bound(const Jet& f, const Jet& g, double rx, double ry);
 
 private:
     struct Source {
@@ -159,12 +165,20 @@ private:
         Exact K, A, B, C;
     };
 
-    Jet difference(FormPair c, double x, double y) const;
+    static Jet difference(const Jet& f, const Jet& g);
+    Jet difference(FormPair c, double x, double y) const {
+        return difference(jet(forms_[c.f], x, y), jet(forms_[c.g], x, y));
+    }
     std::optional<KernelPoint> certified_intersection(FormPair c, FormPair d, Sign orientation,
                                                       const Eigen::Vector2d& near) const;
     bool certify(KernelPoint& p) const;
     PointId add_exact_point(FormPair c, FormPair d, Sign orientation, ExactPoint exact);
-    PointId x_extreme_point(FormPair c, bool right);
+    PointId circle_point(FormPair c, Sign which);
+    ExactPoint exact_circle_point(FormPair c, Sign which);
+    struct Circle {
+        Interval cx, cy, r2;
+    };
+    std::optional<Circle> circle(FormPair c) const;
     const ExactForm& exact_form(FormId f);
     ExactCurve exact_curve(FormPair c);
     std::optional<ExactPoint> exact_intersection(const ExactCurve& c, const ExactCurve& d, Sign orientation);

@@ -1,0 +1,409 @@
+#include "patchwork.hpp"
+
+#include <algorithm>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "../core/errors.hpp"
+
+namespace vcell {
+
+namespace {
+
+void sort_unique(std::vector<FormId>& forms) {
+    std::ranges::sort(forms);
+    forms.erase(std::ranges::unique(forms).begin(), forms.end());
+}
+
+}  // namespace
+
+Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceSide> line_sides) {
+    const CircleKernel& kernel = piece.kernel();
+    const auto operand = [&](FormId f) {
+        Operand o;
+        o.form = kernel.family_id(f);
+        if (!o.form.valid() && f != CircleKernel::zero_form()) o.line = line_sides[f.value - 1].id;
+        return o;
+    };
+    const auto copy_ties = [&](Index list) {
+        if (list == none) return none;
+        std::vector<FormId> forms;
+        for (const FormId f : piece.ties()[list]) forms.push_back(kernel.family_id(f));
+        sort_unique(forms);
+        ties_.push_back(std::move(forms));
+        return static_cast<Index>(ties_.size() - 1);
+    };
+
+    // Faces first: their numbers shift by a constant once the dead ones are skipped.
+    std::vector<Index>& face_map = face_map_;
+    face_map.assign(piece.faces().size(), none);
+    for (Index f = 1; f < piece.faces().size(); ++f) {
+        if (!piece.faces()[f].alive) continue;
+        face_map[f] = static_cast<Index>(faces_.size());
+        faces_.push_back({kernel.family_id(piece.faces()[f].site), face_map[f]});
+    }
+    std::vector<Index>& vertex_map = vertex_map_;
+    vertex_map.assign(piece.vertices().size(), none);
+    for (Index v = 0; v < piece.vertices().size(); ++v) {
+        const WorkDiagram::Vertex& from = piece.vertices()[v];
+        if (!from.alive) continue;
+        const KernelPoint& p = kernel.point(from.point);
+        vertex_map[v] = static_cast<Index>(vertices_.size());
+        Vertex& to = vertices_.emplace_back();
+        to.x = p.x;
+        to.y = p.y;
+        to.error = p.error;
+        to.curves = {operand(p.first.f), operand(p.first.g), operand(p.second.f), operand(p.second.g)};
+        to.orientation = p.orientation;
+        to.ties = copy_ties(from.ties);
+        // Some face at the vertex: its form attains the minimum here.
+        Index face = from.isolated_in;
+        if (from.out != none) {
+            Index h = from.out;
+            while (piece.half_edges()[h].face == WorkDiagram::outside) h = piece.half_edges()[h].prev ^ 1u;
+            face = piece.half_edges()[h].face;
+        } else {
+            to.isolated_in = face_map[face];
+            isolated_.push_back(vertex_map[v]);
+        }
+        const auto [height, height_error] = kernel.height(piece.faces()[face].site, from.point);
+        to.height = height;
+        to.height_error = height_error;
+    }
+    std::vector<Index>& edge_map = edge_map_;
+    edge_map.assign(piece.edges().size(), none);
+    Index count = static_cast<Index>(edges_.size());
+    for (Index e = 0; e < piece.edges().size(); ++e)
+        if (piece.edges()[e].alive) edge_map[e] = count++;
+    const auto map_half_edge = [&](Index h) { return 2 * edge_map[h >> 1] | (h & 1u); };
+    Index handle = none;
+    for (Index e = 0; e < piece.edges().size(); ++e) {
+        const WorkDiagram::Edge& from = piece.edges()[e];
+        if (!from.alive) continue;
+        Edge& to = edges_.emplace_back();
+        to.left = kernel.family_id(piece.half_edges()[2 * e].label);
+        if (from.rim)
+            to.side = line_sides[from.curve.g.value - 1].id;
+        else
+            to.right = kernel.family_id(piece.half_edges()[2 * e + 1].label);
+        to.ties = copy_ties(from.ties);
+        for (const Index h : {2 * e, 2 * e + 1}) {
+            const WorkDiagram::HalfEdge& half = piece.half_edges()[h];
+            const Index origin = half.origin == none ? none : vertex_map[half.origin];
+            half_edges_.push_back({map_half_edge(half.next), map_half_edge(half.prev), origin, face_map[half.face]});
+            if (origin != none) vertices_[origin].out = map_half_edge(h);
+            if (half.face == WorkDiagram::outside) handle = map_half_edge(h);
+        }
+    }
+    return handle;
+}
+
+Patchwork::Index Patchwork::find(Index f) {
+    while (faces_[f].parent != f) f = faces_[f].parent = faces_[faces_[f].parent].parent;
+    return f;
+}
+
+void Patchwork::merge_faces(Index f, Index g) {
+    f = find(f);
+    g = find(g);
+    if (faces_[f].site != faces_[g].site) throw InternalError("labels differ across a seam at face f" + std::to_string(f));
+    faces_[std::max(f, g)].parent = std::min(f, g);
+}
+
+// The half-edges along the seam, in their order on the outer boundary.
+std::vector<Patchwork::Index> Patchwork::side_chain(Index outer, std::uint32_t seam) const {
+    const auto on_seam = [&](Index h) { return edges_[h >> 1].side == seam; };
+    Index h = outer;
+    while (on_seam(h)) h = half_edges_[h].prev;
+    const Index stop = h;
+    do {
+        h = half_edges_[h].next;
+        if (h == stop) throw InternalError("a piece does not reach its seam");
+    } while (!on_seam(h));
+    std::vector<Index> chain;
+    for (; on_seam(h); h = half_edges_[h].next) chain.push_back(h);
+    return chain;
+}
+
+// Turn the seam upright, the first piece on its left. On the outside the first piece's chain runs down,
+// the second's up. At a vertex of the seam let a_1, ..., a_p be the first piece's half-edges that leave it,
+// counter-clockwise from the seam's upper half, and b_1, ..., b_q the second's from the lower half. Their
+// rotation in the union is a_1 .. a_p b_1 .. b_q: only the turns a_p -> b_1 and b_q -> a_1 are new.
+Patchwork::Index Patchwork::glue(Index piece, Index other, std::uint32_t seam) {
+    const std::vector<Index> down = side_chain(piece, seam), up = side_chain(other, seam);
+    const std::size_t k = down.size();
+    if (up.size() != k) throw InternalError("a seam has " + std::to_string(k) + " edges on one side and " +
+                                            std::to_string(up.size()) + " on the other");
+    const auto first = [&](std::size_t j) { return twin(down[j]); };          // runs up on the left
+    const auto second = [&](std::size_t j) { return twin(up[k - 1 - j]); };   // runs down on the right
+    for (std::size_t j = 0; j < k; ++j) merge_faces(half_edges_[first(j)].face, half_edges_[second(j)].face);
+
+    const Index top_before = half_edges_[down[0]].prev, top_after = half_edges_[up[k - 1]].next;
+    const Index bottom_before = half_edges_[up[0]].prev, bottom_after = half_edges_[down[k - 1]].next;
+    struct Junction {
+        Index kept, other, outgoing, face;
+    };
+    std::vector<Junction> junctions;
+    junctions.reserve(k + 1);
+    for (std::size_t j = 0; j <= k; ++j) {
+        Junction v{j < k ? half_edges_[down[j]].origin : target(down[k - 1]),
+                   j < k ? target(up[k - 1 - j]) : half_edges_[up[0]].origin, none, half_edges_[first(j < k ? j : k - 1)].face};
+        // Below: the first piece's last half-edge a_p, and the one that arrives along b_1; above: b_q, a_1.
+        const Index a_last = j < k ? half_edges_[first(j)].next : none;
+        const Index b_first = j < k ? half_edges_[second(j)].prev : none;
+        const Index a_first = j > 0 ? half_edges_[first(j - 1)].prev : none;
+        const Index b_last = j > 0 ? half_edges_[second(j - 1)].next : none;
+        const bool no_a = j > 0 && j < k && a_last == first(j - 1), no_b = j > 0 && j < k && b_last == second(j);
+        if (j == 0) {
+            link(b_first, a_last);
+            v.outgoing = a_last;
+        } else if (j == k) {
+            link(a_first, b_last);
+            v.outgoing = b_last;
+        } else if (no_a && !no_b) {
+            link(b_first, b_last);
+            v.outgoing = b_last;
+        } else if (no_b && !no_a) {
+            link(a_first, a_last);
+            v.outgoing = a_last;
+        } else if (!no_a) {
+            link(b_first, a_last);
+            link(a_first, b_last);
+            v.outgoing = a_last;
+        }
+        junctions.push_back(v);
+    }
+    link(top_before, top_after);
+    link(bottom_before, bottom_after);
+    for (std::size_t j = 0; j < k; ++j) edges_[down[j] >> 1].alive = edges_[up[j] >> 1].alive = false;
+    for (const Junction& v : junctions) unite_vertices(v.kept, v.other, v.outgoing, v.face);
+    for (const Junction& v : junctions) smooth(v.kept);
+    for (const Index h : {top_before, top_after, bottom_before, bottom_after})
+        if (edges_[h >> 1].alive) return h;
+    throw InternalError("a glued piece has no outer edge");
+}
+
+void Patchwork::unite_vertices(Index kept, Index other, Index outgoing, Index face) {
+    vertices_[other].alive = false;
+    Vertex& v = vertices_[kept];
+    v.out = outgoing;
+    if (vertices_[other].ties != none) {
+        if (v.ties == none) {
+            v.ties = vertices_[other].ties;
+        } else {
+            std::vector<FormId>& forms = ties_[v.ties];
+            forms.insert(forms.end(), ties_[vertices_[other].ties].begin(), ties_[vertices_[other].ties].end());
+            sort_unique(forms);
+        }
+    }
+    if (outgoing == none) {
+        // Nothing crosses or touches the seam here but, perhaps, a form that ties at this one point.
+        if (v.ties == none || ties_[v.ties].size() < 2) {
+            v.alive = false;
+        } else {
+            v.isolated_in = face;
+            isolated_.push_back(kept);
+        }
+        return;
+    }
+    Index h = outgoing;
+    do {
+        half_edges_[h].origin = kept;
+        h = twin(half_edges_[h].prev);
+    } while (h != outgoing);
+}
+
+std::vector<FormId> Patchwork::label_of_edge(Index e) const {
+    std::vector<FormId> forms;
+    if (edges_[e].ties != none) forms = ties_[edges_[e].ties];
+    for (const FormId f : {edges_[e].left, edges_[e].right})
+        if (f.valid()) forms.push_back(f);
+    sort_unique(forms);
+    return forms;
+}
+
+// Removes v if it only continues one arc: two edges of one curve and one label, and nothing else that
+// attains the minimum at v.
+void Patchwork::smooth(Index v) {
+    if (!vertices_[v].alive || vertices_[v].out == none) return;
+    const Index h = vertices_[v].out, g = twin(half_edges_[h].prev);
+    if (g == h || twin(half_edges_[g].prev) != h) return;
+    const Index e = h >> 1, f = g >> 1;
+    if (edges_[e].side != edges_[f].side || left_of(h) != left_of(twin(g)) || left_of(twin(h)) != left_of(g)) return;
+    if (vertices_[v].ties != none || edges_[e].ties != none || edges_[f].ties != none) {
+        const std::vector<FormId> label = label_of_edge(e);
+        if (label != label_of_edge(f)) return;
+        if (vertices_[v].ties != none && !std::ranges::includes(label, ties_[vertices_[v].ties])) return;
+    }
+    vertices_[v].alive = false;
+    if (e == f) {  // the last vertex of a closed curve
+        half_edges_[h].origin = half_edges_[g].origin = none;
+        return;
+    }
+    const Index start = target(g);
+    half_edges_[h].origin = start;
+    link(half_edges_[twin(g)].prev, h);
+    link(twin(h), half_edges_[g].next);
+    if (vertices_[start].out == twin(g)) vertices_[start].out = h;
+    edges_[f].alive = false;
+}
+
+// The component that reaches farthest left: of a face's components, its outer one.
+std::size_t Patchwork::leftmost(std::span<const Index> components) const {
+    CircleKernel kernel;
+    kernel.reset(&family_);
+    std::unordered_map<std::uint32_t, FormId> local_forms, local_lines;
+    const auto local = [&](const Operand& o) {
+        if (o.form.valid()) {
+            const auto [it, is_new] = local_forms.try_emplace(o.form.value);
+            if (is_new) it->second = kernel.add_form(o.form);
+            return it->second;
+        }
+        if (o.line == UINT32_MAX) return CircleKernel::zero_form();
+        const auto [it, is_new] = local_lines.try_emplace(o.line);
+        const ConvexRegion::Side& s = o.line & seam_bit ? seams_[o.line & ~seam_bit] : region_.sides[o.line];
+        if (is_new) it->second = kernel.add_line(s.a, s.b, s.c);
+        return it->second;
+    };
+    std::unordered_map<Index, PointId> points;
+    const auto point = [&](Index v) {
+        const auto [it, is_new] = points.try_emplace(v);
+        if (is_new) {
+            const Vertex& from = vertices_[v];
+            const FormPair first{local(from.curves[0]), local(from.curves[1])};
+            const FormPair second{local(from.curves[2]), local(from.curves[3])};
+            it->second = from.orientation == Sign::Zero
+                             ? kernel.touching_point(first, second)
+                             : kernel.intersection(first, second, from.orientation, {from.x, from.y}).value();
+        }
+        return it->second;
+    };
+
+    std::size_t best = 0;
+    PointId leftmost_point;
+    for (std::size_t i = 0; i < components.size(); ++i) {
+        const auto consider = [&](PointId p) {
+            if (leftmost_point.valid() && kernel.compare_xy(p, leftmost_point) != Sign::Negative) return;
+            leftmost_point = p;
+            best = i;
+        };
+        Index h = components[i];
+        do {
+            const Index from = half_edges_[h].origin;
+            if (from != none) consider(point(from));
+            const Edge& edge = edges_[h >> 1];
+            if (edge.right.valid()) {
+                const FormPair c{local({left_of(h)}), local({left_of(twin(h))})};
+                if (kernel.curvature_sign(c) != Sign::Zero) {
+                    const PointId extreme = kernel.leftmost_point(c);
+                    if (from == none || kernel.strictly_between(c, point(from), point(target(h)), extreme)) consider(extreme);
+                }
+            }
+            h = half_edges_[h].next;
+        } while (h != components[i]);
+    }
+    return best;
+}
+
+MinimizationDiagram Patchwork::finish() {
+    MinimizationDiagram out;
+    out.region = region_;
+    out.forms = family_.forms;
+
+    std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none), face_map(faces_.size(), none);
+    const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges_, &Edge::alive));
+    const auto alive_vertices = static_cast<std::size_t>(std::ranges::count_if(vertices_, &Vertex::alive));
+    out.dcel.reserve(alive_vertices, alive_edges, faces_.size() + 1);
+    out.vertices.reserve(alive_vertices);
+    out.edges.reserve(alive_edges);
+    out.face_forms.push_back({});
+    for (Index v = 0; v < vertices_.size(); ++v) {
+        if (!vertices_[v].alive) continue;
+        vertex_map[v] = out.dcel.add_vertex().value;
+        const Vertex& from = vertices_[v];
+        out.vertices.push_back({{from.x, from.y}, from.error, from.height, from.height_error});
+    }
+    for (Index e = 0; e < edges_.size(); ++e) {
+        if (!edges_[e].alive) continue;
+        const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+        edge_map[e] = out.dcel.add_edge(from == none ? VertexId{} : VertexId{vertex_map[from]},
+                                        to == none ? VertexId{} : VertexId{vertex_map[to]}).value;
+        out.edges.push_back({edges_[e].left, edges_[e].right, edges_[e].side});
+    }
+    const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
+    for (Index h = 0; h < half_edges_.size(); ++h)
+        if (edges_[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
+
+    // Boundary components by face; only a face with several needs to know which one is outer.
+    std::vector<bool> seen(half_edges_.size());
+    std::vector<std::pair<Index, Index>> components;  // (face, half-edge)
+    for (Index h = 0; h < half_edges_.size(); ++h) {
+        if (!edges_[h >> 1].alive || seen[h]) continue;
+        const Index f = half_edges_[h].face;
+        components.emplace_back(f == none ? none : find(f), h);
+        for (Index g = h; !seen[g]; g = half_edges_[g].next) seen[g] = true;
+    }
+    std::ranges::stable_sort(components, {}, &std::pair<Index, Index>::first);
+    std::vector<Index> starts;
+    for (std::size_t i = 0; i < components.size();) {
+        const Index f = components[i].first;
+        starts.clear();
+        for (; i < components.size() && components[i].first == f; ++i) starts.push_back(components[i].second);
+        if (f == none) {
+            for (const Index h : starts) out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(h));
+            continue;
+        }
+        const FaceId id = out.dcel.add_face();
+        face_map[f] = id.value;
+        out.face_forms.push_back(faces_[f].site);
+        const std::size_t outer = starts.size() == 1 ? 0 : leftmost(starts);
+        out.dcel.add_outer_ccb(id, half_edge(starts[outer]));
+        for (std::size_t j = 0; j < starts.size(); ++j)
+            if (j != outer) out.dcel.add_inner_ccb(id, half_edge(starts[j]));
+    }
+    for (const Index v : isolated_)
+        if (vertices_[v].alive)
+            out.dcel.add_isolated_vertex(FaceId{face_map[find(vertices_[v].isolated_in)]}, VertexId{vertex_map[v]});
+
+    // Labels: the faces around, and whatever else ties.
+    std::vector<FormId> label;
+    std::vector<std::uint32_t> sides;
+    out.vertex_offsets_.push_back(0);
+    out.side_offsets_.push_back(0);
+    for (Index v = 0; v < vertices_.size(); ++v) {
+        if (!vertices_[v].alive) continue;
+        label.clear();
+        sides.clear();
+        if (vertices_[v].ties != none) label = ties_[vertices_[v].ties];
+        if (const Index start = vertices_[v].out; start != none) {
+            Index h = start;
+            do {
+                if (left_of(h).valid()) label.push_back(left_of(h));
+                if (edges_[h >> 1].side != UINT32_MAX) sides.push_back(edges_[h >> 1].side);
+                h = twin(half_edges_[h].prev);
+            } while (h != start);
+        }
+        sort_unique(label);
+        std::ranges::sort(sides);
+        sides.erase(std::ranges::unique(sides).begin(), sides.end());
+        out.vertex_labels_.insert(out.vertex_labels_.end(), label.begin(), label.end());
+        out.vertex_sides_.insert(out.vertex_sides_.end(), sides.begin(), sides.end());
+        out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
+        out.side_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_sides_.size()));
+    }
+    out.edge_offsets_.push_back(0);
+    for (Index e = 0; e < edges_.size(); ++e) {
+        if (!edges_[e].alive) continue;
+        label.clear();
+        if (edges_[e].ties != none) label = ties_[edges_[e].ties];
+        for (const FormId f : {edges_[e].left, edges_[e].right})
+            if (f.valid()) label.push_back(f);
+        sort_unique(label);
+        out.edge_labels_.insert(out.edge_labels_.end(), label.begin(), label.end());
+        out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
+    }
+    return out;
+}
+
+}  // namespace vcell

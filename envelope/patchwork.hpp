@@ -1,0 +1,106 @@
+/// Puts the minimization diagrams of adjacent pieces of a region together into one.
+///
+/// The region is split by lines (seams) into convex pieces, and each piece has its own diagram. Both
+/// sides of a seam were decided exactly, so along it they show the same vertices and labels in the same
+/// order: gluing is a walk along both, without a single comparison of coordinates. Seam edges vanish (both
+/// their sides carry one label), and so do the vertices they leave between two arcs of one curve.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "minimization_diagram.hpp"
+#include "work_diagram.hpp"
+
+namespace vcell {
+
+/// A side of a piece: one of the region's sides, or a seam.
+struct PieceSide {
+    double a, b, c;    ///< a x + b y + c >= 0 inside
+    std::uint32_t id;  ///< index of the region's side, or a seam's id
+};
+
+class Patchwork {
+public:
+    using Index = WorkDiagram::Index;
+    static constexpr Index none = WorkDiagram::none;
+
+    Patchwork(const FormFamily& family, const ConvexRegion& region) : family_(family), region_(region) {}
+
+    /// Registers the line a x + b y + c = 0 as a seam and returns its id.
+    std::uint32_t new_seam(double a, double b, double c) {
+        seams_.push_back({a, b, c});
+        return seam_bit | static_cast<std::uint32_t>(seams_.size() - 1);
+    }
+
+    /// Takes over a finished piece. `line_sides[i]` is the side that the kernel's form 1 + i stands for.
+    /// Returns a half-edge on its outer side, the piece's handle.
+    Index add(const WorkDiagram& piece, std::span<const PieceSide> line_sides);
+
+    /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
+    Index glue(Index piece, Index other, std::uint32_t seam);
+
+    /// Collects faces and boundary components. Pre: all pieces have been glued into one.
+    MinimizationDiagram finish();
+
+private:
+    static constexpr std::uint32_t seam_bit = 0x80000000u;
+
+    // What a point's curves compare: a form, a line (by side or seam id), or zero (neither).
+    struct Operand {
+        FormId form;
+        std::uint32_t line = UINT32_MAX;
+    };
+    struct Vertex {
+        double x, y, error, height, height_error;
+        std::array<Operand, 4> curves;  // as in KernelPoint: first.f, first.g, second.f, second.g
+        Sign orientation;
+        bool alive = true;
+        Index out = none;
+        Index isolated_in = none;
+        Index ties = none;
+    };
+    struct HalfEdge {
+        Index next, prev, origin, face;
+    };
+    struct Edge {
+        FormId left, right;  // of half-edge 2e; rim: left only
+        std::uint32_t side = UINT32_MAX;
+        Index ties = none;
+        bool alive = true;
+    };
+    struct Face {
+        FormId site;
+        Index parent;  // union-find over seams
+    };
+
+    static Index twin(Index h) { return h ^ 1u; }
+    Index target(Index h) const { return half_edges_[twin(h)].origin; }
+    void link(Index first, Index second) {
+        half_edges_[first].next = second;
+        half_edges_[second].prev = first;
+    }
+    Index find(Index f);
+    void merge_faces(Index f, Index g);
+    FormId left_of(Index h) const { return h & 1u ? edges_[h >> 1].right : edges_[h >> 1].left; }
+    std::vector<FormId> label_of_edge(Index e) const;
+    std::vector<Index> side_chain(Index outer, std::uint32_t seam) const;
+    void unite_vertices(Index kept, Index other, Index outgoing, Index face);
+    void smooth(Index v);
+    std::size_t leftmost(std::span<const Index> components) const;
+
+    const FormFamily& family_;
+    const ConvexRegion& region_;
+    std::vector<Vertex> vertices_;
+    std::vector<HalfEdge> half_edges_;
+    std::vector<Edge> edges_;
+    std::vector<Face> faces_;
+    std::vector<std::vector<FormId>> ties_;
+    std::vector<Index> isolated_;
+    std::vector<Index> face_map_, vertex_map_, edge_map_;  // working space of add()
+    std::vector<ConvexRegion::Side> seams_;
+};
+
+}  // namespace vcell
