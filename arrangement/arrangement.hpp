@@ -3,6 +3,7 @@
 #pragma once
 
 #include "arc_geometry.hpp"
+#include "circle_arcs.hpp"
 #include "circle_kernel.hpp"
 #include "dcel.hpp"
 #include "overlay.hpp"
