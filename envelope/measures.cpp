@@ -239,16 +239,19 @@ private:
     // Between two faces the heights agree on the true edge, so the volume in the strip is of second order.
     void add_position_error(const MinimizationDiagram::Edge& edge, const ArcSpan& span, double error) {
         const double strip = 2 * span.length() * error;
+        const auto add_area_error = [&](FormId form, double slope) {
+            if (problem_.sites[form].front().is_object()) area_.add(0, strip * std::hypot(1, slope));
+        };
         const CircularForm& f = diagram_.forms[edge.left];
         const double slope_f = slope_bound(f, span);
+        add_area_error(edge.left, slope_f);
         if (edge.on_rim()) {
             volume_.add(0, strip * std::max(f(span.from.x(), span.from.y()), f(span.to.x(), span.to.y())));
-            area_.add(0, strip * std::hypot(1, slope_f));
             return;
         }
         const double slope_g = slope_bound(diagram_.forms[edge.right], span);
+        add_area_error(edge.right, slope_g);
         volume_.add(0, strip * error * (slope_f + slope_g));
-        area_.add(0, strip * (std::hypot(1, slope_f) + std::hypot(1, slope_g)));
     }
 
     void measure_face(FaceId id, CellFace& face) {

@@ -29,11 +29,18 @@ double nearest(const Exact& value) { return value.enclosure().mid(); }
 
 // ---- Frame ------------------------------------------------------------------------------------------
 
+// A rotation in doubles is off by a few units of 2^-53. Components of the unit normal below that are noise
+// (a cosine of pi/2), and taking them at their word would lean the box's sides over the base by as
+// much: they are rounded to zero together with the rest of the frame.
+constexpr double frame_rounding = 0x1p-51;
+
 BaseFrame canonical_frame(const Plane& base, const Box& box) {
     BaseFrame frame;
-    const Vec3& n = base.normal;
+    Vec3 n = base.normal;
     Eigen::Index k = 0;
     const double size = n.cwiseAbs().maxCoeff(&k);
+    for (double& component : n)
+        if (std::abs(component) < frame_rounding * size) component = 0;
     const Eigen::Index i = (k + 1) % 3, j = (k + 2) % 3;
     frame.rotation.setZero();
     if (n[i] == 0 && n[j] == 0) {

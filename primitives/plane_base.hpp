@@ -24,7 +24,7 @@ namespace vcell {
 /// A rigid motion between world and canonical coordinates: canonical = R (world - origin).
 /// For axis-parallel normals R is a signed permutation, the origin is the base's point on that axis, and
 /// the motion is exact up to that one subtraction. In general the origin is the foot of the box's centre
-/// on the base and the input is rounded once here. All later statements are exact about the rounded,
+/// on the base and the input is rounded once here (components of the unit normal below 2^-51 to zero). All later statements are exact about the rounded,
 /// canonical doubles.
 struct BaseFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();

@@ -169,20 +169,39 @@ TEST_CASE("cell: turning, scaling and moving a scene moves its cell") {
         CHECK(b.box_area == doctest::Approx(a.box_area * scale * scale).epsilon(1e-12));
         CHECK(b.base_area == doctest::Approx(a.base_area * scale * scale).epsilon(1e-13));
         CHECK(b.min_clearance == doctest::Approx(a.min_clearance * scale).epsilon(1e-12));
-        CHECK(b.max_clearance == doctest::Approx(a.max_clearance * scale).epsilon(1e-12));
+        // Attained at a vertex, whose error may be larger.
+        double error = 0;
+        for (const CellVertex& v : other.vertices) error = std::max(error, v.error);
+        CHECK(std::abs(b.max_clearance - a.max_clearance * scale) <= 4 * error + 1e-12);
     }
 }
 
-TEST_CASE("cell: an oblique frame gives the measures of the axis-parallel one it almost is") {
+TEST_CASE("cell: oblique frames of one scene, its axes exchanged, agree") {
+    std::mt19937_64 rng(test_seed());
+    std::normal_distribution<double> normal;
+    for (int round = 0; round < 5; ++round) {
+        Scene scene = random_scene(rng, 15, 0);
+        scene.base = Plane{{0, 0, -0.6}, {0.1 * normal(rng), 0.1 * normal(rng), 1}};
+        scene.box.min.z() = -1.5;
+        const Cell cell = voronoi_cell(scene), other = voronoi_cell(moved(scene, 1, {0, 0, 0}));
+        CHECK(other.faces.size() == cell.faces.size());
+        CHECK(other.vertices.size() == cell.vertices.size());
+        CHECK(other.neighbors == cell.neighbors);
+        CHECK(other.measures.volume == doctest::Approx(cell.measures.volume).epsilon(1e-13));
+        CHECK(other.measures.area == doctest::Approx(cell.measures.area).epsilon(1e-12));
+        CHECK(other.measures.box_area == doctest::Approx(cell.measures.box_area).epsilon(1e-12));
+        CHECK(other.measures.max_clearance == doctest::Approx(cell.measures.max_clearance).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("cell: rounding noise in the base's normal does not lean the box over the base") {
     std::mt19937_64 rng(test_seed());
     Scene scene = random_scene(rng, 15, 3);
     const Measures straight = voronoi_cell(scene).measures;
-    scene.base = Plane{{0, 0, 0}, {1e-17, 0, 1}};
-    scene.box.min.z() = -0.1;
-    const Measures oblique = voronoi_cell(scene).measures;
-    CHECK(oblique.volume == doctest::Approx(straight.volume).epsilon(1e-13));
-    CHECK(oblique.area == doctest::Approx(straight.area).epsilon(1e-12));
-    CHECK(oblique.box_area == doctest::Approx(straight.box_area).epsilon(1e-12));
+    scene.base = Plane{{0, 0, 0}, {std::sin(std::numbers::pi), -1e-17, 1}};
+    const Measures noisy = voronoi_cell(scene).measures;
+    CHECK(noisy.volume == straight.volume);
+    CHECK(noisy.box_area == straight.box_area);
 }
 
 TEST_CASE("cell: duplicates stay in the labels, the first one owns the face") {
