@@ -7,6 +7,7 @@
 #include <set>
 
 #include "check_arrangement.hpp"
+#include "polyline_geometry.hpp"
 #include "segment_geometry.hpp"
 #include "test_support.hpp"
 #include "vcell/arrangement/sweep.hpp"
@@ -189,6 +190,52 @@ TEST_CASE("sweep: degenerate families agree with brute force") {
                                            segment(a, a, a, b)});
         }
         check(squares, {{6, 6, 1}, {1, 2, 4}, {20, 20, 1}});
+    }
+}
+
+TEST_CASE("sweep: chains that cross and overlap many times have the faces of their segments") {
+    SegmentGeometry flat;
+    PolylineGeometry g;
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < 150; ++round) {
+        CAPTURE(round);
+        const int height = 1 + round % 4;  // low grids make overlaps that begin and end inside chains
+        std::uniform_int_distribution x(0, 12), y(0, height);
+        std::vector<PolylineGeometry::Arc> chains;
+        std::vector<Segment> segments;
+        for (int i = 0; i < 5; ++i) {
+            std::set<int> xs;
+            for (int j = 0; j < 9; ++j) xs.insert(x(rng));
+            PolylineGeometry::Arc chain;
+            int from = -1, at = y(rng);
+            for (const int to : xs) {
+                const int next = y(rng);
+                if (from >= 0) chain.push_back(SegmentGeometry::segment(from, at, to, next));
+                from = to;
+                at = next;
+            }
+            segments.insert(segments.end(), chain.begin(), chain.end());
+            chains.push_back(chain);
+        }
+        chains.push_back({SegmentGeometry::segment(6, 0, 6, height)});
+        segments.push_back(chains.back().front());
+
+        const auto a = arrange<PolylineGeometry>(g, chains);
+        REQUIRE(arrangement_defect(g, a) == "");
+        const auto b = arrange<SegmentGeometry>(flat, segments);
+        REQUIRE(a.dcel.face_count() == b.dcel.face_count());
+        REQUIRE(component_count(a.dcel) == component_count(b.dcel));
+        std::vector<Point> queries(b.points.begin(), b.points.end());
+        Grid grid(rng(), 12);
+        for (int i = 0; i < 20; ++i) queries.push_back(grid.fine_point());
+        check_location(g, a, queries);
+
+        const std::vector half(chains.begin() + 3, chains.end());
+        chains.resize(3);
+        const auto both =
+            overlay(g, arrange<PolylineGeometry>(g, chains), arrange<PolylineGeometry>(g, half));
+        REQUIRE(arrangement_defect(g, both) == "");
+        REQUIRE(both.dcel.face_count() == a.dcel.face_count());
     }
 }
 
