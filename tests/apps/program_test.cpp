@@ -1,0 +1,376 @@
+// The vcell program from outside: arguments, files, streams, exit statuses.
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "test_support.hpp"
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+std::string contents(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream out;
+    out << in.rdbuf();
+    return out.str();
+}
+
+struct Outcome {
+    int status;
+    std::string out, err;
+};
+
+/// A directory of its own, in which the program runs.
+class Workplace {
+public:
+    Workplace() {
+        std::string name = (fs::temp_directory_path() / "vcell_program_test.XXXXXX").string();
+        REQUIRE(::mkdtemp(name.data()) != nullptr);
+        dir_ = fs::path(name) / "work";
+        fs::create_directory(dir_);
+    }
+    ~Workplace() { fs::remove_all(dir_.parent_path()); }
+
+    /// `arguments` as a shell reads them. The streams are kept outside the directory.
+    Outcome run(const std::string& arguments, const std::string& input = "") const {
+        const fs::path outside = dir_.parent_path();
+        std::ofstream(outside / "in", std::ios::binary) << input;
+        const std::string command =
+            "cd '" + dir_.string() + "' && '" VCELL_PROGRAM "' " + arguments + " < ../in > ../out 2> ../err";
+        const int status = std::system(command.c_str());
+        REQUIRE(WIFEXITED(status));
+        return {WEXITSTATUS(status), contents(outside / "out"), contents(outside / "err")};
+    }
+
+    void write(const char* name, const std::string& text) const {
+        std::ofstream(dir_ / name, std::ios::binary) << text;
+    }
+    std::string read(const char* name) const { return contents(dir_ / name); }
+    fs::path path(const char* name) const { return dir_ / name; }
+    std::vector<std::string> files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(dir_)) names.push_back(entry.path().filename());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+
+private:
+    fs::path dir_;
+};
+
+std::string example(const std::string& name) { return VCELL_EXAMPLE_SCENES "/" + name; }
+
+using Names = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("program: help and version") {
+    Workplace w;
+    for (const char* arguments :
+         {"--help", "compute --help", "query --help", "measure --help", "check --help"}) {
+        const Outcome o = w.run(arguments);
+        CHECK(o.status == 0);
+        CHECK(o.err.empty());
+        CHECK(o.out.find("Usage:") != o.out.npos);
+    }
+    CHECK(w.run("--help").out.find("vcell compute scene.json -o cell.json") != std::string::npos);
+    CHECK(w.run("--version").out.find("vcell ") == 0);
+}
+
+TEST_CASE("program: wrong usage is status 1") {
+    Workplace w;
+    w.write("s.json", contents(example("figure1.json")));
+    for (const char* arguments : {"",
+                                  "compile s.json",
+                                  "compute",
+                                  "compute s.json",
+                                  "compute s.json -o",
+                                  "compute s.json -o a.txt",
+                                  "compute s.json -o a",
+                                  "compute s.json -o a.svg -o a.svg",
+                                  "compute s.json -o a.obj -o - --format tiff",
+                                  "compute s.json -o a.obj --chord 0",
+                                  "compute s.json -o a.obj --chord -1",
+                                  "compute s.json -o /nowhere/a.json",
+                                  "compute s.json -o .",
+                                  "compute s.json --base-plane 1 2 3 -o a.json",
+                                  "query",
+                                  "query - -",
+                                  "query -",
+                                  "compute s.json --surprise -o a.json",
+                                  "check",
+                                  "measure",
+                                  "compute s.json --base 1 --base-plane 0 0 0 0 0 1 -o a.json"}) {
+        CAPTURE(arguments);
+        const Outcome o = w.run(arguments);
+        CHECK(o.status == 1);
+        CHECK_FALSE(o.err.empty());
+        CHECK(o.out.empty());
+    }
+    CHECK(w.files() == Names{"s.json"});
+}
+
+TEST_CASE("program: several outputs from one computation") {
+    Workplace w;
+    const Outcome o = w.run("compute " + example("figure2.json") + " -o a.json -o b.SVG -o c.obj --solid");
+    CHECK(o.status == 0);
+    CHECK(o.out.empty());
+    CHECK(o.err.empty());
+    CHECK(w.files() == Names{"a.json", "b.SVG", "c.mtl", "c.obj"});
+    CHECK(json::parse(w.read("a.json")).at("faces").size() == 6);
+    CHECK(w.read("b.SVG").find("<svg") == 0);
+    CHECK(w.read("c.obj").find("mtllib c.mtl\n") != std::string::npos);
+    CHECK(w.read("c.obj").find("\ng walls\n") != std::string::npos);
+    CHECK(w.run("check a.json").status == 0);
+    CHECK(w.run("check a.json").out.find("ok: 6 faces") == 0);
+}
+
+TEST_CASE("program: standard input and output") {
+    Workplace w;
+    const std::string scene = contents(example("figure1.json"));
+    const Outcome computed = w.run("compute - -o -", scene);
+    CHECK(computed.status == 0);
+    CHECK(json::parse(computed.out).at("vertices").size() == 8);
+    const Outcome checked = w.run("check -", computed.out);
+    CHECK(checked.status == 0);
+    CHECK(checked.out == "ok: 3 faces, 10 edges, 8 vertices\n");
+    CHECK(w.run("compute - -o - --format svg", scene).out.find("<svg") == 0);
+    CHECK(w.run("compute - -o - --format obj", scene).out.find("mtl") == std::string::npos);
+    CHECK(w.files().empty());
+    json to_stream = json::parse(w.run("compute - -o - -o a.json", scene).out);
+    json to_file = json::parse(w.read("a.json"));
+    to_stream["report"].erase("seconds");
+    to_file["report"].erase("seconds");
+    CHECK(to_stream == to_file);
+    CHECK(w.files() == Names{"a.json"});
+}
+
+TEST_CASE("program: an output that exists is replaced whole or not at all") {
+    Workplace w;
+    w.write("a.json", "old");
+    CHECK(w.run("compute - -o a.json -o b.svg", "{}").status == 2);
+    CHECK(w.read("a.json") == "old");
+    CHECK(w.files() == Names{"a.json"});
+    CHECK(w.run("compute " + example("figure1.json") + " -o a.json").status == 0);
+    CHECK(json::accept(w.read("a.json")));
+}
+
+TEST_CASE("program: bad scenes are status 2, named, and leave nothing") {
+    Workplace w;
+    json scene = json::parse(contents(example("figure1.json")));
+    const auto complaint = [&](const json& s) {
+        const Outcome o = w.run("compute - -o a.json -o a.svg -o a.obj", s.dump());
+        CHECK(o.status == 2);
+        CHECK(o.out.empty());
+        CHECK(w.files().empty());
+        return o.err;
+    };
+    json bad = scene;
+    bad["objects"][1]["sphere"]["radius"] = -1;
+    CHECK(complaint(bad) == "vcell: objects[1].sphere.radius: must be >= 0, is -1\n");
+    bad = scene;
+    bad["objects"][2]["sphere"].erase("center");
+    CHECK(complaint(bad) == "vcell: objects[2].sphere.center: missing\n");
+    bad = scene;
+    bad["objects"][0]["sphere"]["centre"] = 1;
+    CHECK(complaint(bad) == "vcell: objects[0].sphere.centre: unknown key, known are center, radius\n");
+    bad = scene;
+    bad["objects"][0] = {{"cylinder", {{"point", {0, 0, 1}}, {"axis", {1, 0, 0}}, {"radius", 0.1}}}};
+    CHECK(complaint(bad).find("vcell: objects[0].cylinder: cylinders") == 0);
+    bad = scene;
+    bad["objects"][1]["sphere"]["center"][2] = 0;
+    CHECK(complaint(bad).find("vcell: objects[1].sphere: cuts the base region at (") == 0);
+    bad = scene;
+    bad["base"] = {{"sphere", {{"center", {0, 0, 0}}, {"radius", 0.5}}}};
+    CHECK(complaint(bad) == "vcell: base.sphere: only planes are bases in this version\n");
+    bad = scene;
+    bad["box"]["max"][2] = -1;
+    CHECK(complaint(bad).find("vcell: box.min[2]: must be < ") == 0);
+    for (const char* command : {"measure missing.json", "compute missing.json -o a.json",
+                                "query missing.json", "check missing.json"}) {
+        const Outcome o = w.run(command);
+        CHECK(o.status == 2);
+        CHECK(o.err == "vcell: cannot read missing.json: No such file or directory\n");
+    }
+    CHECK(w.files().empty());
+}
+
+TEST_CASE("program: plain balls") {
+    Workplace w;
+    w.write("balls.xyzr", "# x y z r\n0.5 0.5 1 0.25\n-0.5 -0.5 1 0.125\n");
+    const Outcome o = w.run("compute balls.xyzr --base-plane 0 0 0 0 0 1 --box -1 -1 -1 1 1 2 -o -");
+    CHECK(o.status == 0);
+    const json cell = json::parse(o.out);
+    CHECK(cell.at("faces").size() == 2);
+    CHECK(cell.at("scene").at("box").at("min") == json{-1, -1, -1});
+    CHECK(w.run("measure balls.xyzr --base-plane 0 0 0 0 0 1").status == 0);
+    CHECK(w.run("measure balls.xyzr").err ==
+          "vcell: --base-plane: missing: an x y z r file does not say what its base is\n");
+    CHECK(w.run("measure balls.xyzr --base 0").err ==
+          "vcell: base.sphere: only planes are bases in this version\n");
+    CHECK(w.run("measure balls.xyzr --base 7").status == 2);
+    CHECK(w.run("measure " + example("figure1.json") + " --base 0").status == 2);
+}
+
+TEST_CASE("program: query answers point by point") {
+    Workplace w;
+    // One sphere over the middle: z = (x^2 + y^2 + 15/16) / (5/2). Two equal ones: a tie half-way.
+    const char* one = R"({"vcell":1,"base":{"plane":{"point":[0,0,0],"normal":[0,0,1]}},
+        "objects":[{"sphere":{"center":[0,0,1],"radius":0.25}}],"box":{"min":[-1,-1,0],"max":[1,1,2]}})";
+    w.write("one.json", one);
+    w.write("points.txt",
+            "0 0 0.375 # on the boundary\n0 0 0.376\n\n0 0 0\n0 0 -0.001\n1 1 1\n1.001 0 0.1\n0.5 0 0.1\n");
+    const Outcome o = w.run("query one.json points.txt");
+    CHECK(o.status == 0);
+    CHECK(
+        o.out ==
+        "0 0.375 true\n0 0.375 false\n0 0.375 true\n0 0.375 false\n0 1.175 true\n- - false\n0 0.475 true\n");
+    CHECK(w.run("query one.json", "0 0 0").out == "0 0.375 true\n");
+    CHECK(w.run("query - points.txt", one).out == o.out);
+    const char* two = R"({"vcell":1,"base":{"plane":{"point":[0,0,0],"normal":[0,0,1]}},
+        "objects":[{"sphere":{"center":[0.5,0,1],"radius":0.25}},{"sphere":{"center":[-0.5,0,1],"radius":0.25}}],
+        "box":{"min":[-1,-1,0],"max":[1,1,0.5]}})";
+    w.write("two.json", two);
+    const std::string answers = w.run("query two.json", "0 0.1 0\n-1e-9 0.1 0\n0 1 0\n").out;
+    CHECK(answers.find("0 0.479") == 0);
+    CHECK(answers.find("\n1 0.478999") != std::string::npos);
+    CHECK(answers.find("\nbox:+z 0.5 true") != std::string::npos);
+}
+
+TEST_CASE("program: query names a bad line") {
+    Workplace w;
+    const std::string scene = example("figure1.json");
+    w.write("points.txt", "0 0 0\n0 0\n");
+    CHECK(w.run("query " + scene + " points.txt").status == 2);
+    CHECK(w.run("query " + scene + " points.txt").err ==
+          "vcell: points.txt: line 2: must be x y z, has 2 numbers\n");
+    CHECK(w.run("query " + scene, "0 0 x").err == "vcell: points: line 1: 'x' is not a number\n");
+    CHECK(w.run("query " + scene, "0 0 nan").err ==
+          "vcell: points: line 1: must be a finite number, is nan\n");
+    CHECK(w.run("query " + scene, "").out.empty());
+}
+
+TEST_CASE("program: measure prints a header and a line") {
+    Workplace w;
+    std::istringstream lines(w.run("measure " + example("figure1.json")).out);
+    std::string header, values, more;
+    REQUIRE(std::getline(lines, header));
+    REQUIRE(std::getline(lines, values));
+    CHECK_FALSE(std::getline(lines, more));
+    CHECK(std::count(header.begin(), header.end(), '\t') == std::count(values.begin(), values.end(), '\t'));
+    CHECK(header.find("volume\tvolume_error\tbody_volume\tarea\t") == 0);
+    const json cell = json::parse(w.run("compute " + example("figure1.json") + " -o -").out);
+    CHECK(std::stod(values) == cell.at("measures").at("volume").get<double>());
+}
+
+TEST_CASE("program: check names the damage, status 4") {
+    Workplace w;
+    json cell = json::parse(w.run("compute " + example("figure2.json") + " -o -").out);
+    cell["vertices"][3]["radius"] = cell["vertices"][3]["radius"].get<double>() + 0.01;
+    const Outcome o = w.run("check -", cell.dump());
+    CHECK(o.status == 4);
+    CHECK(o.out.find("vertices[3]") != o.out.npos);
+    cell["edges"][2]["vertices"][0] = 1000;
+    CHECK(w.run("check -", cell.dump()).status == 4);
+    cell["edges"][2].erase("kind");
+    CHECK(w.run("check -", cell.dump()).status == 2);
+    CHECK(w.run("check -", cell.dump()).err == "vcell: edges[2].kind: missing\n");
+}
+
+TEST_CASE("program: warnings go to standard error") {
+    Workplace w;
+    json scene = json::parse(contents(example("figure1.json")));
+    scene["objects"].push_back(scene["objects"][0]);
+    const Outcome o = w.run("compute - -o a.json", scene.dump());
+    CHECK(o.status == 0);
+    CHECK(o.err.find("vcell: warning: object 0 (O1) and object 3 (O1)") == 0);
+    CHECK(json::parse(w.read("a.json")).at("report").at("warnings").size() == 1);
+}
+
+TEST_CASE("program: a device that is full is an error") {
+    if (!fs::is_character_file("/dev/full")) return;
+    Workplace w;
+    const std::string scene = example("figure1.json");
+    for (const std::string& command : {"compute " + scene + " -o - -o a.svg", "measure " + scene}) {
+        const int status = std::system(("cd '" + w.path("").string() + "' && '" VCELL_PROGRAM "' " + command +
+                                        " > /dev/full 2> /dev/null")
+                                           .c_str());
+        REQUIRE(WIFEXITED(status));
+        CHECK(WEXITSTATUS(status) == 1);
+    }
+    CHECK(w.files().empty());
+}
+
+TEST_CASE("program: stopped while it waits for its scene, it leaves nothing") {
+    Workplace w;
+    int pipe_ends[2];
+    REQUIRE(::pipe(pipe_ends) == 0);
+    const pid_t child = ::fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        ::dup2(pipe_ends[0], 0);
+        ::close(pipe_ends[1]);
+        if (::chdir(w.path("").c_str()) != 0) ::_exit(9);
+        ::execl(VCELL_PROGRAM, VCELL_PROGRAM, "compute", "-", "-o", "a.json", static_cast<char*>(nullptr));
+        ::_exit(9);
+    }
+    ::close(pipe_ends[0]);
+    // The temporary file shows that the program is up; it then waits for the rest of its scene.
+    for (int i = 0; i < 1000 && w.files().empty(); ++i) ::usleep(10'000);
+    CHECK(w.files().size() == 1);
+    REQUIRE(::kill(child, SIGTERM) == 0);
+    int status = 0;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    ::close(pipe_ends[1]);
+    CHECK(WIFSIGNALED(status));
+    CHECK(w.files().empty());
+}
+
+TEST_CASE("program: hostile scenes end soon, with status 2 and without output") {
+    Workplace w;
+    std::mt19937_64 rng(vcell::test_seed());
+    std::string noise(10'000'000, '\0');
+    for (char& c : noise) c = static_cast<char>(rng());
+    for (const std::string& text :
+         {noise, std::string(100'000, '['), std::string(100'000, '{'), std::string(), std::string("null"),
+          std::string(10'000'000, '7'), R"({"vcell":1,"objects":)" + std::string(100'000, '[')}) {
+        CHECK(w.run("compute - -o a.json -o a.svg -o a.obj", text).status == 2);
+        CHECK(w.run("check -", text).status == 2);
+        CHECK(w.files().empty());
+    }
+}
+
+TEST_CASE("program: mutated scenes give a cell that checks, or status 2") {
+    Workplace w;
+    std::mt19937_64 rng(vcell::test_seed());
+    const std::string scene = contents(example("figure1.json"));
+    for (int i = 0; i < 150; ++i) {
+        std::string text = scene;
+        for (auto n = 1 + rng() % 2; n-- > 0;) {
+            const std::size_t at = rng() % text.size();
+            if (rng() % 3 == 0)
+                text.erase(at, 1);
+            else
+                text[at] = "0123456789.-e,"[rng() % 14];
+        }
+        CAPTURE(text);
+        const Outcome o = w.run("compute - -o a.json", text);
+        CHECK((o.status == 0 || o.status == 2));
+        if (o.status == 0) {
+            CHECK(w.run("check a.json").status == 0);
+            fs::remove(w.path("a.json"));
+        }
+        CHECK(w.files().empty());
+    }
+}

@@ -1,0 +1,83 @@
+#include <doctest/doctest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <boost/property_tree/xml_parser.hpp>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/io.hpp"
+#include "sample_cells.hpp"
+
+using namespace vcell;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> example_scenes() {
+    std::vector<std::string> paths;
+    for (const auto& entry : fs::directory_iterator(VCELL_EXAMPLE_SCENES))
+        if (entry.path().extension() == ".json") paths.push_back(entry.path().string());
+    std::sort(paths.begin(), paths.end());
+    return paths;
+}
+
+}  // namespace
+
+TEST_CASE("example scenes: cells survive the file and pass the check") {
+    CHECK(example_scenes().size() >= 16);
+    for (const std::string& path : example_scenes()) {
+        CAPTURE(path);
+        const Cell cell = voronoi_cell(read_scene(path));
+        const std::string text = cell_text(cell);
+        const Cell read = parse_cell(text);
+        CHECK(cell_text(read) == text);
+        for (const Finding& f : check_cell(read)) FAIL_CHECK(f.where << ": " << f.what);
+    }
+}
+
+TEST_CASE("example scenes: the closed mesh is a sphere's and holds the cell's volume") {
+    for (const std::string& path : example_scenes()) {
+        CAPTURE(path);
+        const Cell cell = voronoi_cell(read_scene(path));
+        const double chord = 1e-4 * cell.scene.box.diagonal();
+        const CellMesh mesh = tessellate(cell, {chord, true});
+        std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+        std::set<std::uint32_t> vertices;
+        double six_volumes = 0;
+        for (const Triangle& t : mesh.triangles) {
+            for (int k = 0; k < 3; ++k) ++sides[{t[k], t[(k + 1) % 3]}], vertices.insert(t[k]);
+            const Vec3 a = mesh.points[t[0]], b = mesh.points[t[1]], c = mesh.points[t[2]];
+            six_volumes += (Eigen::Matrix3d() << a, b, c).finished().determinant();
+        }
+        bool manifold = true;
+        for (const auto& [side, count] : sides)
+            manifold = manifold && count == 1 && sides.contains({side.second, side.first});
+        CHECK(manifold);
+        CHECK(vertices.size() + mesh.triangles.size() == sides.size() / 2 + 2);
+        // Every triangle stays within a small multiple of the chord of the surface.
+        CHECK(std::abs(six_volumes / 6 - cell.measures.volume) < 2 * chord * cell.measures.area);
+    }
+}
+
+TEST_CASE("example scenes: the picture shows every face, edge and vertex") {
+    for (const std::string& path : example_scenes()) {
+        CAPTURE(path);
+        const Cell cell = voronoi_cell(read_scene(path));
+        std::stringstream svg;
+        write_svg(svg, cell);
+        boost::property_tree::ptree document;
+        boost::property_tree::read_xml(svg, document);
+        std::map<std::string, std::size_t> count;
+        for (const auto& [name, element] : document.get_child("svg.g")) {
+            const auto css = element.get<std::string>("<xmlattr>.class", "");
+            ++count[css.substr(0, css.find(' '))];
+        }
+        CHECK(count["face"] == cell.faces.size());
+        CHECK(count["edge"] == cell.edges.size());
+        CHECK(count["vertex"] == cell.vertices.size());
+    }
+}
