@@ -157,7 +157,8 @@ double space_length(const CircularForm& f, const ArcSpan& span) {
     double length = 0;
     quadrature::visit_parts(span, reach, [&](const ArcSpan& part) {
         quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
-            length += std::hypot(step.norm(), gradient(f, p).dot(step));
+            const double rise = gradient(f, p).dot(step);
+            length += std::sqrt(step.squaredNorm() + rise * rise);
         });
     });
     return length;
@@ -278,7 +279,8 @@ private:
         for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) add_loop(inner);
 
         const double stretch = std::hypot(1, f.a / f.w, f.b / f.w);
-        face.area = f.k != 0 ? curved_area.value() : stretch * chart_area.value();
+        // A face thinner than the spacing of doubles may come out below zero by its rounding.
+        face.area = std::max(0.0, f.k != 0 ? curved_area.value() : stretch * chart_area.value());
         const double error = f.k != 0 ? curved_area.bound() : stretch * chart_area.bound();
         volume_.add(volume.value(), volume.bound());
         if (face.site.is_object())
