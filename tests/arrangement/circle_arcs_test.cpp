@@ -393,6 +393,18 @@ TEST_CASE("circle arcs: one curve under several names overlaps with itself") {
     const auto q = scene.arcs.crossing({f, g}, axis, Sign::Positive, {3, -4}).value();
     scene.arcs.cut_arc({f, g}, p, q, part);
     scene.arcs.cut_circle({f, h}, part);
+    REQUIRE(part.size() == 4);
+    for (const Arc& piece : {part[0], part[1]}) {
+        for (const Arc& half : {part[2], part[3]}) {
+            ArcIntersections<PointId, Arc> common;
+            scene.arcs.intersect(piece, half, common);
+            REQUIRE(common.overlaps.size() == (piece.shape == half.shape ? 1 : 0));
+            CHECK(common.points.size() == (piece.shape == half.shape ? 0 : 1));
+            if (common.overlaps.empty()) continue;
+            CHECK(scene.arcs.compare_xy(common.overlaps[0].left, piece.left) == Sign::Zero);
+            CHECK(scene.arcs.compare_xy(common.overlaps[0].right, piece.right) == Sign::Zero);
+        }
+    }
     const auto both = arrange<CircleArcs>(scene.arcs, part);
     CHECK(arrangement_defect(scene.arcs, both) == "");
     CHECK(both.dcel.vertex_count() == 4);
