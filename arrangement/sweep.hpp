@@ -98,7 +98,7 @@ struct SweepResult {
     Arrangement<G> arrangement;
     IndexLists vertex_points;  ///< the input points at each vertex, ends of arcs among them
     IndexLists vertex_arcs;    ///< the input arcs that pass through each vertex, with neither end there
-    IndexLists edge_arcs;      ///< the input arcs that run along each edge
+    IndexLists edge_arcs;      ///< the input arcs that run along each edge, in no particular order
 };
 
 /// The arrangement of all arcs and points of the input. Throws InternalError where the geometry's answers are
