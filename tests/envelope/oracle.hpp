@@ -452,7 +452,8 @@ private:
         // the two when the centre lies on the other side.
         const int turn = g.K > 0 ? 1 : -1;
         const Real half = chord / 2, square = r * r - half * half;
-        const Real h = square > 0 ? Real(sqrt(square)) : Real(0);
+        // A half circle leaves only rounding under the root, which would be half as precise.
+        const Real h = square > kTie * r * r ? Real(sqrt(square)) : Real(0);
         const bool small = turn * (d.x * (c.y - p.y) - d.y * (c.x - p.x)) >= 0;
         const Real bulge = turn * (small ? Real(half * half / (r + h)) : Real(r + h)) / chord;
         return {(p.x + q.x) / 2 + bulge * d.y, (p.y + q.y) / 2 - bulge * d.x};

@@ -244,7 +244,7 @@ void expect_clean(const Cell& cell) {
 }
 
 struct Damage {
-    const char* what;
+    std::string what;
     std::string where;  ///< a finding must name this place, or a part of it
     std::function<void(Cell&)> make;
 };
