@@ -631,7 +631,7 @@ private:
         return std::ranges::all_of(edge_pieces_[e], [&](const auto& piece) {
             for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0}) {
                 const Vec3 p = piece.evaluate(piece.begin + s * (piece.end - piece.begin))[0];
-                if (std::abs(inside_side(side, foot(p))) > cell_.edges[e].error + rounding()) return false;
+                if (std::abs(inside_side(side, foot(p))) > full_error(e) + rounding()) return false;
             }
             return true;
         });
@@ -866,7 +866,7 @@ private:
             return note(where, fmt::format("is {}, the sites meet in another kind ({})", to_string(kind),
                                            to_string(kinds[0])));
         for (const auto& piece : edge_pieces_[i])
-            if (!fits(kind, piece, cell_.edges[i].error))
+            if (!fits(kind, piece, full_error(i)))
                 return note(where, fmt::format("is {}, the control points disagree", to_string(kind)));
     }
 
@@ -953,7 +953,7 @@ private:
             error += part.error[0];
         }
         const double stated = cell_.edges[i].length;
-        if (std::abs(stated - length) > error + kLengthError * length + 2 * cell_.edges[i].error + rounding())
+        if (std::abs(stated - length) > error + kLengthError * length + 2 * full_error(i) + rounding())
             note(edge_path(i) + ".length", fmt::format("is {}, the curve is {} long", stated, length));
     }
 
@@ -1152,12 +1152,15 @@ private:
             return Triple(height(s.p) * shadow, across.norm(), shadow);
         };
         const Vec2 extent = patch.hi - patch.lo;
-        Triple floor = Triple::Zero();
+        Triple most = Triple::Zero();
         for (const double s : {0.0, 0.5, 1.0})
             for (const double t : {0.0, 0.5, 1.0})
-                floor =
-                    floor.max(density(patch.lo.x() + s * extent.x(), patch.lo.y() + t * extent.y()).abs());
-        floor *= kRounding * extent.x();
+                most = most.max(density(patch.lo.x() + s * extent.x(), patch.lo.y() + t * extent.y()).abs());
+        // Parameters are rounded at their size, which for a thin patch far out is more than rounding of the
+        // integral.
+        const Vec2 size = patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
+        const Triple inner_floor = kRounding * size.x() * most;
+        const Triple floor = kRounding * (size.x() * extent.y() + size.y() * extent.x()) * most;
         Integral<Triple> total{Triple::Zero(), Triple::Zero()};
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop)
@@ -1167,14 +1170,14 @@ private:
                         [&](double t) -> Triple {
                             const auto [q, d] = piece.evaluate(t);
                             if (d.y() == 0) return Triple::Zero();
-                            const auto inner =
-                                integrate([&](double u) { return density(u, q.y()); }, u0, q.x(), floor);
+                            const auto inner = integrate([&](double u) { return density(u, q.y()); }, u0,
+                                                         q.x(), inner_floor);
                             inner_error = inner_error.max(inner.error * std::abs(d.y()));
                             return inner.value * d.y();
                         },
-                        piece.begin, piece.end, Triple(floor * extent.y()));
+                        piece.begin, piece.end, floor);
                     total.value += part.value;
-                    total.error += part.error + inner_error * (piece.end - piece.begin);
+                    total.error += part.error + floor + inner_error * (piece.end - piece.begin);
                 }
         return total;
     }
@@ -1201,7 +1204,8 @@ private:
         check_amount("measures.area_error", m.area_error);
         double volume = 0, area = 0, box_area = 0, shadow = 0;
         double edge_errors = 0;  // area between the stated and the true edges
-        for (const CellEdge& e : cell_.edges) edge_errors += e.length * e.error;
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e)
+            edge_errors += cell_.edges[e].length * full_error(e);
         Triple error = Triple::Zero();
         std::vector<double> face_areas(cell_.faces.size()), face_errors(cell_.faces.size());
         for (const Patch& patch : patches_) {
@@ -1259,7 +1263,7 @@ private:
             error = std::max(error, rounding() + v.error);
         }
         for (std::size_t e = 0; e < edge_pieces_.size(); ++e) {
-            error = std::max(error, rounding() + cell_.edges[e].error);
+            error = std::max(error, rounding() + full_error(e));
             for (const auto& piece : edge_pieces_[e])
                 for (const double sign : {-1.0, 1.0}) meet(sign * lowest_along(piece, sign));
         }
