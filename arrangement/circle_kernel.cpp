@@ -21,20 +21,7 @@ namespace vcell {
 
 namespace {
 
-constexpr double u = DBL_EPSILON / 2;  // unit roundoff
-constexpr double tiny = DBL_MIN;       // covers underflow in any bound below
-
-// A form's value is computed with at most 13 relative roundings of the sum of absolute values of its
-// terms (4 in a coefficient or in w, 5 in 1/w and the product with it, 4 in the terms and their sum), its
-// gradient with at most 12, K with 6. The bounds themselves are computed with a handful of roundings.
-constexpr double value_roundings = 16 * u;
-constexpr double gradient_roundings = 16 * u;
-constexpr double K_roundings = 8 * u;
-static_assert(value_roundings >= (13 + 2) * u);
-static_assert(gradient_roundings >= (12 + 2) * u);
-
-// Bounds are sums and products of at most some twenty roundings; this covers them all.
-constexpr double slop = 1 + 64 * u;
+using namespace kernel_bounds;
 
 double cross(double ax, double ay, double bx, double by) { return ax * by - ay * bx; }
 
@@ -69,37 +56,17 @@ CircleKernel::Form CircleKernel::make_form(const CircularForm& f) {
 
 // --- First rung --------------------------------------------------------------------------------------
 
-CircleKernel::Jet CircleKernel::jet(const Form& f, double x, double y) {
-    const double dx = x - f.cx, dy = y - f.cy;
-    const double r2 = f.k * (dx * dx + dy * dy), ax = f.a * x, by = f.b * y;
-    const double kx = 2 * f.k * dx, ky = 2 * f.k * dy;
-    Jet j;
-    j.v = (r2 + (ax + by + f.e)) * f.iw;
-    j.gx = (kx + f.a) * f.iw;
-    j.gy = (ky + f.b) * f.iw;
-    j.K = f.K;
-    j.ev = value_roundings * ((std::abs(r2) + std::abs(ax) + std::abs(by) + std::abs(f.e)) * f.iw) + tiny;
-    j.eg = gradient_roundings *
-               ((std::max(std::abs(kx), std::abs(ky)) + std::max(std::abs(f.a), std::abs(f.b))) * f.iw) +
-           tiny;
-    j.eK = K_roundings * std::abs(f.K);
-    return j;
-}
-
-CircleKernel::Jet CircleKernel::difference(const Jet& p, const Jet& q) {
-    Jet d{p.v - q.v, p.gx - q.gx, p.gy - q.gy, p.K - q.K, 0, 0, 0};
-    d.ev = (p.ev + q.ev + u * std::abs(d.v)) * slop;
-    d.eg = (p.eg + q.eg + u * std::max(std::abs(d.gx), std::abs(d.gy))) * slop;
-    d.eK = (p.eK + q.eK + u * std::abs(d.K)) * slop;
-    return d;
-}
-
 // Newton-Kantorovich for F = (F1, F2) at the double point p, whose Jacobian J changes by exactly
 // 2 (K1, K2)^T (q - p)^T between p and q. With eta >= |J^-1 F(p)| and omega >= 2 |J^-1 (K1, K2)^T|:
 // if omega eta <= 1/4, F has exactly one root within 2 eta of p, and J is regular within 1/omega, so
 // the sign of det J at the root is its sign at p [Deuflhard04, Thm. 2.1].
 bool CircleKernel::certify(KernelPoint& p) const {
-    const Jet a = difference(p.first, p.x, p.y), b = difference(p.second, p.x, p.y);
+    const Jet f1 = jet(forms_[p.first.f], p.x, p.y), g1 = jet(forms_[p.first.g], p.x, p.y);
+    const Jet f2 = jet(forms_[p.second.f], p.x, p.y);
+    const Jet g2 = p.second.g == p.first.f   ? f1
+                   : p.second.g == p.first.g ? g1
+                                             : jet(forms_[p.second.g], p.x, p.y);
+    const Jet a = difference(f1, g1), b = difference(f2, g2);
     const double det = cross(a.gx, a.gy, b.gx, b.gy);
     const double a1 = std::abs(a.gx) + std::abs(a.gy), b1 = std::abs(b.gx) + std::abs(b.gy);
     const double det_error = (a.eg * b1 + b.eg * a1 + 2 * a.eg * b.eg + 4 * u * a1 * b1) * slop + tiny;
@@ -118,10 +85,25 @@ bool CircleKernel::certify(KernelPoint& p) const {
 
 // Closed form about `near`: with J, C, K taken there, F = 0 reads J q = -C - K X, X = |q|^2. So
 // q = a + b X with a = -J^-1 C, b = -J^-1 K, and |b|^2 X^2 - h X + |a|^2 = 0, h = 1 - 2 a.b. The smaller
-// X has the orientation of J itself, the larger one the opposite.
+// X has the orientation of J itself, the larger one the opposite. Nothing here needs a bound: certify()
+// proves the outcome.
 std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, FormPair d, Sign orientation,
                                                                 const Eigen::Vector2d& near) const {
-    const Jet f = difference(c, near.x(), near.y()), g = difference(d, near.x(), near.y());
+    struct Plain {
+        double v, gx, gy, K;
+    };
+    const auto plain = [&](FormId id) {
+        const Form& f = forms_[id];
+        const double dx = near.x() - f.cx, dy = near.y() - f.cy;
+        return Plain{(f.k * (dx * dx + dy * dy) + (f.a * near.x() + f.b * near.y() + f.e)) * f.iw,
+                     (2 * f.k * dx + f.a) * f.iw, (2 * f.k * dy + f.b) * f.iw, f.K};
+    };
+    const auto minus = [](const Plain& p, const Plain& q) {
+        return Plain{p.v - q.v, p.gx - q.gx, p.gy - q.gy, p.K - q.K};
+    };
+    const Plain cf = plain(c.f), cg = plain(c.g), df = plain(d.f);
+    const Plain dg = d.g == c.f ? cf : d.g == c.g ? cg : plain(d.g);
+    const Plain f = minus(cf, cg), g = minus(df, dg);
     const double det = cross(f.gx, f.gy, g.gx, g.gy);
     const double inv = -1 / det;
     const double ax = (g.gy * f.v - f.gy * g.v) * inv, ay = (f.gx * g.v - g.gx * f.v) * inv;
@@ -162,20 +144,6 @@ double CircleKernel::lower_bound(FormId f, FormId g, double x0, double x1, doubl
     return lower_bound(jet(forms_[f], x, y), jet(forms_[g], x, y), rx, ry);
 }
 
-double CircleKernel::lower_bound(const Jet& f, const Jet& g, double rx, double ry) {
-    const Jet d = difference(f, g);
-    const double K = d.K - d.eK;
-    // Per coordinate: min over |t| <= r of K t^2 + G t, from below.
-    const auto term = [&](double G, double r) {
-        G = std::abs(G) + d.eg;
-        if (G < 2 * K * r) return -G * G / (4 * K) * slop - tiny;
-        const double t = (K * r - G) * r;
-        return t - 8 * u * (std::abs(K) * r + G) * r - tiny;
-    };
-    const double low = d.v - d.ev + (term(d.gx, rx) + term(d.gy, ry));
-    return low - 4 * u * (std::abs(d.v) + std::abs(low)) - tiny;
-}
-
 std::array<double, 2> CircleKernel::height(FormId f, double x, double y) const {
     const Jet j = jet(forms_[f], x, y);
     return {j.v, j.ev};
@@ -188,9 +156,9 @@ std::array<double, 2> CircleKernel::height(FormId f, PointId p) const {
     return {j.v, (j.ev + slope * q.error) * slop + tiny};
 }
 
-Sign CircleKernel::sign_at(PointId p, FormId f, FormId g) {
+Sign CircleKernel::sign_at(PointId p, FormId f, FormId g, Jet& d) {
     const KernelPoint& q = points_[p];
-    const Jet d = difference({f, g}, q.x, q.y);
+    d = difference({f, g}, q.x, q.y);
     // |F(true) - F(q)| <= |grad F| r + |K| r^2 on the disk of radius r: the difference's own gradient.
     const double slope = std::abs(d.gx) + std::abs(d.gy) + 2 * d.eg + (std::abs(d.K) + d.eK) * q.error;
     const double bound = (d.ev + slope * q.error) * slop + tiny;
@@ -219,7 +187,7 @@ Sign CircleKernel::sign_at(PointId p, FormId f, FormId g) {
 
 Sign CircleKernel::turn_at(PointId p, FormPair c, FormPair d) {
     const KernelPoint& q = points_[p];
-    if (q.first == c && q.second == d) return q.orientation;
+    if (q.first == c && q.second == d && !(c == d)) return q.orientation;
     const Jet a = difference(c, q.x, q.y), b = difference(d, q.x, q.y);
     const double ea = (a.eg + 2 * (std::abs(a.K) + a.eK) * q.error) * slop;
     const double eb = (b.eg + 2 * (std::abs(b.K) + b.eK) * q.error) * slop;
@@ -306,7 +274,8 @@ bool CircleKernel::strictly_between(FormPair c, PointId p, PointId q, PointId r)
             ++decisions_.by_double;
             return ta < tb;
         }
-    } else if (std::abs(j.K) > j.eK && la > ea && lb > eb) {
+    }
+    if (std::abs(j.K) > j.eK && la > ea && lb > eb) {
         const double turn = cross(ax, ay, bx, by);
         const double error = (ea * lb + eb * la + ea * eb + 4 * u * la * lb) * slop * 1.5 + tiny;
         if (std::abs(turn) > error) {
@@ -385,21 +354,25 @@ Sign CircleKernel::side_of_center(PointId p, FormPair c) {
 }
 
 // An arc whose chord makes an angle theta < 90 degrees with the tangent at p stays within the sagitta
-// |chord| / 2 tan(theta / 2) of its chord. Longer arcs get their circle's box.
+// |chord| / 2 tan(theta / 2) of its chord. Longer arcs get their circle's box. A box may be generous: where
+// the gradient keeps enough digits in plain arithmetic, a relative margin of 1e-6 covers every rounding.
 std::array<double, 4> CircleKernel::arc_box(FormPair c, PointId p, PointId q) const {
     const KernelPoint &P = points_[p], &Q = points_[q];
-    const Jet j = difference(c, P.x, P.y);
-    const double bx = Q.x - P.x, by = Q.y - P.y;
-    const double g = std::sqrt(j.gx * j.gx + j.gy * j.gy), l = std::sqrt(bx * bx + by * by);
-    const double eb = P.error + Q.error;
-    const double eg = 2 * (j.eg + 2 * (std::abs(j.K) + j.eK) * P.error);
-    const double cosine = (-j.gy * bx + j.gx * by) / (g * l);
-    const double error = 2 * (eg / g + eb / l) + 16 * u;  // of the angle between chord and tangent
-    if (cosine > 0.1 && error < 0.05) {
-        const double sine = std::abs(j.gy * by + j.gx * bx) / (g * l);
-        const double margin = (0.5 * (l + eb) * (sine + error) / (1 + cosine - error) + eb) * slop + tiny;
-        return {Interval::down(std::min(P.x, Q.x) - margin), Interval::up(std::max(P.x, Q.x) + margin),
-                Interval::down(std::min(P.y, Q.y) - margin), Interval::up(std::max(P.y, Q.y) + margin)};
+    const Form &f = forms_[c.f], &h = forms_[c.g];
+    const double fx = (2 * f.k * (P.x - f.cx) + f.a) * f.iw, fy = (2 * f.k * (P.y - f.cy) + f.b) * f.iw;
+    const double hx = (2 * h.k * (P.x - h.cx) + h.a) * h.iw, hy = (2 * h.k * (P.y - h.cy) + h.b) * h.iw;
+    const double gx = fx - hx, gy = fy - hy, bx = Q.x - P.x, by = Q.y - P.y;
+    const double g = std::sqrt(gx * gx + gy * gy), l = std::sqrt(bx * bx + by * by);
+    const double terms = std::abs(f.K * P.x) + std::abs(f.K * P.y) + std::abs(f.K * f.cx) + std::abs(f.K * f.cy) +
+                         std::abs(h.K * P.x) + std::abs(h.K * P.y) + std::abs(h.K * h.cx) + std::abs(h.K * h.cy) +
+                         std::abs(fx) + std::abs(fy) + std::abs(hx) + std::abs(hy);
+    const double error = P.error + Q.error;
+    const double cosine = (gx * by - gy * bx) / (g * l);
+    if (cosine > 0.1 && 1e8 * error < l && 1e-6 * terms < g) {
+        const double sine = std::abs(gx * bx + gy * by) / (g * l);
+        const double margin = 0.5 * l * ((sine + 1e-7) / (1 + cosine) + 1e-7) * (1 + 1e-6);
+        return {std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
+                std::max(P.y, Q.y) + margin};
     }
     return circle_box(c);
 }

@@ -11,7 +11,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cfloat>
+#include <cmath>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -44,6 +47,26 @@ struct KernelPoint {
     Sign orientation;
 };
 
+// Rounding bounds of the first rung.
+namespace kernel_bounds {
+
+constexpr double u = DBL_EPSILON / 2;  // unit roundoff
+constexpr double tiny = DBL_MIN;       // covers underflow in any bound below
+
+// A form's value is computed with at most 13 relative roundings of the sum of absolute values of its
+// terms (4 in a coefficient or in w, 5 in 1/w and the product with it, 4 in the terms and their sum), its
+// gradient with at most 12, K with 6. The bounds themselves are computed with a handful of roundings.
+constexpr double value_roundings = 16 * u;
+constexpr double gradient_roundings = 16 * u;
+constexpr double K_roundings = 8 * u;
+static_assert(value_roundings >= (13 + 2) * u);
+static_assert(gradient_roundings >= (12 + 2) * u);
+
+// Bounds are sums and products of at most some twenty roundings; this covers them all.
+constexpr double slop = 1 + 64 * u;
+
+}  // namespace kernel_bounds
+
 class CircleKernel {
 public:
     /// Starts empty: no points, no forms but the zero form.
@@ -69,6 +92,11 @@ public:
     /// near which the arithmetic is best conditioned; any finite one gives a correct answer.
     /// Pre: orientation is not Zero; the curves are not the same.
     std::optional<PointId> intersection(FormPair c, FormPair d, Sign orientation, const Eigen::Vector2d& near);
+    /// The same if the first rung can prove it; none says nothing.
+    std::optional<PointId> certain_intersection(FormPair c, FormPair d, Sign orientation, const Eigen::Vector2d& near) {
+        if (const auto p = certified_intersection(c, d, orientation, near)) return points_.push_back(*p);
+        return std::nullopt;
+    }
     /// Positive: the curves cross in two points (one, if both are lines). Zero: they touch in one
     /// point. Negative: they do not meet. Pre: not the same curve.
     Sign intersection_sign(FormPair c, FormPair d, const Eigen::Vector2d& near);
@@ -88,8 +116,19 @@ public:
     /// is constant.
     Sign radius_sign(FormPair c);
 
+    /// A form's value, gradient and quadratic coefficient at a place, with bounds on their errors.
+    struct Jet {
+        double v, gx, gy, K;
+        double ev, eg, eK;
+    };
+
     /// Sign of f - g at p.
-    Sign sign_at(PointId p, FormId f, FormId g);
+    Sign sign_at(PointId p, FormId f, FormId g) {
+        Jet at_point;
+        return sign_at(p, f, g, at_point);
+    }
+    /// The same, and the jet of f - g at the double coordinates of p.
+    Sign sign_at(PointId p, FormId f, FormId g, Jet& at_point);
     /// Sign of grad(c) x grad(d) at p, a point of both.
     Sign turn_at(PointId p, FormPair c, FormPair d);
     /// Lexicographic order of points.
@@ -141,15 +180,28 @@ public:
     };
     const Form& form(FormId f) const { return forms_[f]; }
 
-    /// A form's value, gradient and quadratic coefficient at a place, with bounds on their errors.
-    struct Jet {
-        double v, gx, gy, K;
-        double ev, eg, eK;
-    };
     static Jet jet(const Form& f, double x, double y);
     static Form make_form(const CircularForm& f);
+    /// A form about the middle of a rectangle of half sides rx, ry: for quick comparisons over the whole of it.
+    struct Place {
+        double v, gx, gy, K;
+        double top;    ///< about the highest value in the rectangle
+        double scale;  ///< bound on the sum of the absolute values of all terms anywhere in it
+    };
+    static Place place(const Form& f, double x, double y, double rx, double ry);
+    /// Is a form certainly above another one all over the rectangle? Plain arithmetic with one margin.
+    static bool certainly_above(const Place& f, const Place& g, double rx, double ry);
+    static bool certainly_above(const Form& f, const Place& g, double x, double y, double rx, double ry) {
+        return certainly_above(place(f, x, y, rx, ry), g, rx, ry);
+    }
+
     /// Lower bound of f - g over |dx| <= rx, |dy| <= ry about the place where both jets were taken.
-    static double lower_bound(const Jet& f, const Jet& g, double rx, double ry);
+    static double lower_bound(const Jet& f, const Jet& g, double rx, double ry) {
+        return lower_bound(difference(f, g), rx, ry);
+    }
+    /// The same for the jet of a difference.
+    static double lower_bound(const Jet& difference, double rx, double ry);
+    static Jet difference(const Jet& f, const Jet& g);
 
 private:
     struct Source {
@@ -165,7 +217,6 @@ private:
         Exact K, A, B, C;
     };
 
-    static Jet difference(const Jet& f, const Jet& g);
     Jet difference(FormPair c, double x, double y) const {
         return difference(jet(forms_[c.f], x, y), jet(forms_[c.g], x, y));
     }
@@ -202,5 +253,70 @@ private:
     std::deque<ExactPoint> exact_points_;
     Decisions decisions_;
 };
+
+// --- First rung: called for every pair of a form and a place, hence inline. -------------------------------
+
+inline CircleKernel::Jet CircleKernel::jet(const Form& f, double x, double y) {
+    using namespace kernel_bounds;
+    const double dx = x - f.cx, dy = y - f.cy;
+    const double r2 = f.k * (dx * dx + dy * dy), ax = f.a * x, by = f.b * y;
+    const double kx = 2 * f.k * dx, ky = 2 * f.k * dy;
+    Jet j;
+    j.v = (r2 + (ax + by + f.e)) * f.iw;
+    j.gx = (kx + f.a) * f.iw;
+    j.gy = (ky + f.b) * f.iw;
+    j.K = f.K;
+    j.ev = value_roundings * ((std::abs(r2) + std::abs(ax) + std::abs(by) + std::abs(f.e)) * f.iw) + tiny;
+    j.eg = gradient_roundings *
+               ((std::max(std::abs(kx), std::abs(ky)) + std::max(std::abs(f.a), std::abs(f.b))) * f.iw) +
+           tiny;
+    j.eK = K_roundings * std::abs(f.K);
+    return j;
+}
+
+inline CircleKernel::Jet CircleKernel::difference(const Jet& p, const Jet& q) {
+    using namespace kernel_bounds;
+    Jet d{p.v - q.v, p.gx - q.gx, p.gy - q.gy, p.K - q.K, 0, 0, 0};
+    d.ev = (p.ev + q.ev + u * std::abs(d.v)) * slop;
+    d.eg = (p.eg + q.eg + u * std::max(std::abs(d.gx), std::abs(d.gy))) * slop;
+    d.eK = (p.eK + q.eK + u * std::abs(d.K)) * slop;
+    return d;
+}
+
+inline double CircleKernel::lower_bound(const Jet& d, double rx, double ry) {
+    using namespace kernel_bounds;
+    const double K = d.K - d.eK;
+    // Per coordinate: min over |t| <= r of K t^2 + G t, from below.
+    const auto term = [&](double G, double r) {
+        G = std::abs(G) + d.eg;
+        if (G < 2 * K * r) return -G * G / (4 * K) * slop - tiny;
+        const double t = (K * r - G) * r;
+        return t - 8 * u * (std::abs(K) * r + G) * r - tiny;
+    };
+    const double low = d.v - d.ev + (term(d.gx, rx) + term(d.gy, ry));
+    return low - 4 * u * (std::abs(d.v) + std::abs(low)) - tiny;
+}
+
+inline CircleKernel::Place CircleKernel::place(const Form& f, double x, double y, double rx, double ry) {
+    const double dx = x - f.cx, dy = y - f.cy;
+    const double quadratic = f.k * (dx * dx + dy * dy), ax = f.a * x, by = f.b * y;
+    Place p;
+    p.v = (quadratic + ax + by + f.e) * f.iw;
+    p.gx = (2 * f.k * dx + f.a) * f.iw;
+    p.gy = (2 * f.k * dy + f.b) * f.iw;
+    p.K = f.K;
+    const double change = std::abs(p.gx) * rx + std::abs(p.gy) * ry + std::abs(f.K) * (rx * rx + ry * ry);
+    p.top = p.v + change;
+    p.scale = (std::abs(quadratic) + std::abs(ax) + std::abs(by) + std::abs(f.e)) * f.iw + change;
+    return p;
+}
+
+// Per coordinate K t^2 + G t >= -|G| r + (K r^2, where the minimum is at an end). Every quantity here is a sum of
+// terms that `scale` bounds, with fewer than 40 roundings each.
+inline bool CircleKernel::certainly_above(const Place& f, const Place& g, double rx, double ry) {
+    const double K = f.K - g.K, Gx = std::abs(f.gx - g.gx), Gy = std::abs(f.gy - g.gy);
+    const double curved = (Gx > 2 * K * rx ? K * rx * rx : 0) + (Gy > 2 * K * ry ? K * ry * ry : 0);
+    return f.v - g.v - (Gx * rx + Gy * ry) + curved > 64 * DBL_EPSILON * (f.scale + g.scale);
+}
 
 }  // namespace vcell

@@ -25,7 +25,8 @@ using Jet = CircleKernel::Jet;
 
 // Measured on random scenes (bench_envelope): pieces of fewer candidates spend more on seams, larger ones more
 // on comparing faces with forms that lose there.
-constexpr std::size_t piece_candidates = 40;
+constexpr std::size_t piece_candidates = 64;
+constexpr std::size_t quartering_candidates = 16;
 // Splitting on although the candidates hardly get fewer: this often in a row, then the piece is taken as it is.
 constexpr int most_stalled_splits = 8;
 // Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
@@ -85,26 +86,38 @@ public:
     }
 
 private:
-    // Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above
-    // the one that is lowest in the middle.
-    void cull(const Rect& r, std::span<const FormId> candidates, std::vector<FormId>& kept) {
-        kept.clear();
+    // Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above a
+    // rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
+    template <class Keep>
+    void cull(const Rect& r, std::span<const FormId> candidates, Keep&& keep) {
         const double x = 0.5 * r.x0 + 0.5 * r.x1, y = 0.5 * r.y0 + 0.5 * r.y1;
-        const double rx = std::max(r.x1 - x, x - r.x0) * (1 + 1e-15), ry = std::max(r.y1 - y, y - r.y0) * (1 + 1e-15);
-        jets_.resize(candidates.size());
-        std::size_t lowest = 0;
+        const double rx = Interval::up(std::max(r.x1 - x, x - r.x0)), ry = Interval::up(std::max(r.y1 - y, y - r.y0));
+        places_.resize(candidates.size());
+        std::size_t rival = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i) {
-            jets_[i] = CircleKernel::jet(forms_[candidates[i]], x, y);
-            if (jets_[i].v < jets_[lowest].v) lowest = i;
+            places_[i] = CircleKernel::place(forms_[candidates[i]], x, y, rx, ry);
+            if (places_[i].top < places_[rival].top) rival = i;
         }
         for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (!(CircleKernel::lower_bound(jets_[i], jets_[lowest], rx, ry) > 0)) kept.push_back(candidates[i]);
+            if (!CircleKernel::certainly_above(places_[i], places_[rival], rx, ry)) keep(i);
+    }
+
+    // Looks closer before the merging starts: a form must hold out in one of four quarters.
+    void cull_in_quarters(const Rect& r, std::vector<FormId>& candidates) {
+        const double x = r.x0 + 0.5 * (r.x1 - r.x0), y = r.y0 + 0.5 * (r.y1 - r.y0);
+        kept_.assign(candidates.size(), false);
+        for (const Rect& quarter : {Rect{r.x0, x, r.y0, y}, Rect{x, r.x1, r.y0, y}, Rect{r.x0, x, y, r.y1}, Rect{x, r.x1, y, r.y1}})
+            cull(quarter, candidates, [&](std::size_t i) { kept_[i] = true; });
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < candidates.size(); ++i)
+            if (kept_[i]) candidates[count++] = candidates[i];
+        candidates.resize(count);
     }
 
     // Returns the handle of the piece's diagram in the patchwork.
     Patchwork::Index solve(const Piece& piece, std::span<const FormId> inherited, double share, int stalled) {
         std::vector<FormId> candidates;
-        cull(piece.rect, inherited, candidates);
+        cull(piece.rect, inherited, [&](std::size_t i) { candidates.push_back(inherited[i]); });
         stalled = 8 * candidates.size() > 7 * inherited.size() ? stalled + 1 : 0;
         if (candidates.size() > piece_candidates && stalled <= most_stalled_splits) {
             if (const auto halves = split(piece)) {
@@ -157,6 +170,7 @@ private:
 
     Patchwork::Index conquer(const Piece& piece, std::vector<FormId>& candidates, double share) {
         const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1, y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
+        if (candidates.size() > quartering_candidates) cull_in_quarters(piece.rect, candidates);
         // Low ones first: most of the others then lose at once.
         order_.clear();
         for (const FormId f : candidates) order_.emplace_back(CircleKernel::jet(forms_[f], x, y).v, f);
@@ -186,7 +200,8 @@ private:
     WorkDiagram work_;
     double done_ = 0;
     // Working space.
-    std::vector<Jet> jets_;
+    std::vector<CircleKernel::Place> places_;
+    std::vector<char> kept_;
     std::vector<std::pair<double, FormId>> order_;
     std::vector<FormId> lines_;
 };

@@ -1,6 +1,7 @@
 #include "work_diagram.hpp"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -22,7 +23,7 @@ void grow(std::array<double, 4>& box, const std::array<double, 4>& by) {
 
 // --- Elements ----------------------------------------------------------------------------------------
 
-WorkDiagram::Index WorkDiagram::add_vertex(PointId p) {
+WorkDiagram::Index WorkDiagram::add_vertex(PointId p, FormId lowest) {
     Index v;
     if (free_vertices_.empty()) {
         v = static_cast<Index>(vertices_.size());
@@ -33,8 +34,15 @@ WorkDiagram::Index WorkDiagram::add_vertex(PointId p) {
         vertices_[v] = Vertex{};
     }
     vertices_[v].point = p;
+    set_height(vertices_[v], lowest);
     ++live_vertices_;
     return v;
+}
+
+void WorkDiagram::set_height(Vertex& v, FormId lowest) const {
+    const auto [height, error] = kernel_.height(lowest, v.point);
+    v.height = height;
+    v.height_error = error;
 }
 
 WorkDiagram::Index WorkDiagram::add_edge(FormPair curve, Index from, Index to, bool rim) {
@@ -106,8 +114,8 @@ void WorkDiagram::kill_edge(Index e) {
 
 // e keeps the part before p, the new edge takes the part after it. A closed edge becomes a loop at p and
 // no edge is added. Returns the vertex.
-WorkDiagram::Index WorkDiagram::split_edge(Index e, PointId p) {
-    const Index v = add_vertex(p);
+WorkDiagram::Index WorkDiagram::split_edge(Index e, PointId p, FormId lowest) {
+    const Index v = add_vertex(p, lowest);
     if (half_edges_[2 * e].origin == none) {
         --live_vertices_;  // the closed edge's own
         half_edges_[2 * e].origin = half_edges_[2 * e + 1].origin = v;
@@ -167,7 +175,7 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
     for (Index i = 0; i < n; ++i) {
         const auto corner = kernel_.intersection(side(i + n - 1), side(i), Sign::Positive, {0, 0});
         if (!corner) throw InternalError("the region's sides " + std::to_string(i) + " and its neighbour do not meet");
-        add_vertex(*corner);
+        add_vertex(*corner, site);
     }
     add_face({});
     const Index f = add_face(site);
@@ -186,17 +194,26 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
     }
     faces_[f].outer = 0;
     faces_[outside].inner.push_back(1);
+    set_center(faces_[f]);
+}
+
+void WorkDiagram::set_center(Face& f) const {
+    f.x = 0.5 * f.box[0] + 0.5 * f.box[1];
+    f.y = 0.5 * f.box[2] + 0.5 * f.box[3];
+    f.rx = Interval::up(std::max(f.box[1] - f.x, f.x - f.box[0]));
+    f.ry = Interval::up(std::max(f.box[3] - f.y, f.y - f.box[2]));
+    f.place = CircleKernel::place(kernel_.form(f.site), f.x, f.y, f.rx, f.ry);
 }
 
 // --- One merge -----------------------------------------------------------------------------------------
 
 void WorkDiagram::insert(FormId challenger) {
     duels_.clear();
+    const CircleKernel::Form form = kernel_.form(challenger);
     for (Index f = 1; f < faces_.size(); ++f) {
         const Face& face = faces_[f];
         if (!face.alive) continue;
-        if (kernel_.lower_bound(challenger, face.site, face.box[0], face.box[1], face.box[2], face.box[3]) > 0) continue;
-        duels_.push_back({f, challenger});
+        if (!CircleKernel::certainly_above(form, face.place, face.x, face.y, face.rx, face.ry)) duels_.push_back({f, challenger});
     }
     if (!duels_.empty()) resolve();
 }
@@ -206,7 +223,7 @@ void WorkDiagram::insert(FormId challenger) {
 void WorkDiagram::resolve() {
     ++stamp_;
     touched_.clear();
-    for (const Duel& d : duels_) decide_boundary(d);
+    for (Duel& d : duels_) decide_boundary(d);
     const long components_before = component_count();
     bool plain = true;  // no changed face has holes or isolated vertices
     for (Duel& d : duels_) {
@@ -239,21 +256,28 @@ void WorkDiagram::resolve() {
                 half_edges_[h].face = f;
                 grow(face.box, edges_[h >> 1].box);
             });
+            set_center(face);
         }
     } else {
         nest_cycles(isolated);
     }
 }
 
-void WorkDiagram::decide_boundary(const Duel& d) {
+void WorkDiagram::decide_boundary(Duel& d) {
     const Face& f = faces_[d.face];
     const FormPair rival{d.challenger, f.site};
     for_boundary(f, [&](Index h) {
-        if (half_edges_[h].origin != none) vertex_sign(half_edges_[h].origin, rival);
+        const Index v = half_edges_[h].origin;
+        if (v != none && vertex_sign(v, rival) != Sign::Positive) d.met = true;
     });
     for (const Index v : f.isolated) vertex_sign(v, rival);
     for_boundary(f, [&](Index h) {
-        if (edges_[h >> 1].stamp != stamp_) decide_edge(h, rival);
+        Edge& edge = edges_[h >> 1];
+        if (edge.stamp != stamp_) {
+            edge.stamp = stamp_;
+            d.met = decide_edge(h >> 1, rival) || d.met;
+        }
+        d.met = d.met || edges_[h >> 1].sign != Sign::Positive;
     });
 }
 
@@ -261,6 +285,15 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     Vertex& vertex = vertices_[v];
     if (vertex.stamp == stamp_) return vertex.sign;
     vertex.stamp = stamp_;
+    const KernelPoint& p = kernel_.point(vertex.point);
+    vertex.challenger = CircleKernel::place(kernel_.form(rival.f), p.x, p.y, p.error, p.error);
+    const double difference = vertex.challenger.v - vertex.height;
+    const double change = vertex.challenger.top - vertex.challenger.v;  // over the point's uncertainty
+    if (std::abs(difference) > 1.01 * (change + vertex.height_error) + 64 * DBL_EPSILON * vertex.challenger.scale) {
+        ++kernel_.decisions().by_double;
+        vertex.sign = sign_of(difference);
+        return vertex.sign;
+    }
     vertex.sign = kernel_.sign_at(vertex.point, rival.f, rival.g);
     if (vertex.sign == Sign::Zero) {
         Index h = vertex.out;
@@ -276,13 +309,26 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     return vertex.sign;
 }
 
+// Do the forms' values and slopes at the edge's end v alone prove that challenger - defender keeps the sign it
+// has there all along the edge?
+bool WorkDiagram::keeps_sign(Index v, Index e, FormId defender) const {
+    const KernelPoint& p = at(v);
+    const std::array<double, 4>& box = edges_[e].box;
+    const double rx = Interval::up(std::max(box[1] - p.x, p.x - box[0]));
+    const double ry = Interval::up(std::max(box[3] - p.y, p.y - box[2]));
+    CircleKernel::Place b = vertices_[v].challenger;
+    b.scale += std::abs(b.gx) * rx + std::abs(b.gy) * ry + std::abs(b.K) * (rx * rx + ry * ry);
+    const CircleKernel::Place a = CircleKernel::place(kernel_.form(defender), p.x, p.y, rx, ry);
+    return vertices_[v].sign == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry)
+                                               : CircleKernel::certainly_above(a, b, rx, ry);
+}
+
 // The roots of challenger - defender on the edge. On the whole curve c there are at most two, and they turn
 // opposite ways: crossing from minus to plus along c is a positive turn c x rival. So a change of sign
 // between the ends names its root; equal signs leave none or both; an end that is a root names the other.
-void WorkDiagram::decide_edge(Index h, FormPair rival) {
-    const Index e = h >> 1;
+// Returns whether the edge has been cut.
+bool WorkDiagram::decide_edge(Index e, FormPair rival) {
     Edge& edge = edges_[e];
-    edge.stamp = stamp_;
     const FormPair c = edge.curve;
     const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
 
@@ -290,11 +336,11 @@ void WorkDiagram::decide_edge(Index h, FormPair rival) {
         const std::array<double, 4>& b = edge.box;
         if (kernel_.lower_bound(rival.f, rival.g, b[0], b[1], b[2], b[3]) > 0) {
             edge.sign = Sign::Positive;
-            return;
+            return false;
         }
         if (kernel_.lower_bound(rival.g, rival.f, b[0], b[1], b[2], b[3]) > 0) {
             edge.sign = Sign::Negative;
-            return;
+            return false;
         }
         // The bottom of the circle is as good a place near it as any.
         const Eigen::Vector2d near =
@@ -302,23 +348,21 @@ void WorkDiagram::decide_edge(Index h, FormPair rival) {
         if (kernel_.same_curve(c, rival)) {
             edge.sign = Sign::Zero;
             add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, rival.f);
-            return;
+            return false;
         }
         switch (kernel_.intersection_sign(c, rival, near)) {
             case Sign::Negative:
                 edge.sign = kernel_.sign_at(kernel_.leftmost_point(c), rival.f, rival.g);
-                return;
+                return false;
             case Sign::Zero: {
                 const PointId p = kernel_.touching_point(c, rival);
                 const Cut cut{p, true};
-                cut_edge(e, rival, {&cut, 1}, kernel_.sign_beside_touching(p, c, rival));
-                return;
+                return cut_edge(e, rival, {&cut, 1}, kernel_.sign_beside_touching(p, c, rival));
             }
             case Sign::Positive: {
                 const Cut cuts[] = {{*kernel_.intersection(c, rival, Sign::Positive, near), false},
                                     {*kernel_.intersection(c, rival, Sign::Negative, near), false}};
-                cut_edge(e, rival, cuts, Sign::Negative);
-                return;
+                return cut_edge(e, rival, cuts, Sign::Negative);
             }
         }
     }
@@ -334,39 +378,39 @@ void WorkDiagram::decide_edge(Index h, FormPair rival) {
     if (s != Sign::Zero && t != Sign::Zero) {
         if (s != t) {
             const Cut cut = root(t);
-            cut_edge(e, rival, {&cut, 1}, s);
-            return;
+            return cut_edge(e, rival, {&cut, 1}, s);
         }
         edge.sign = s;
         const std::array<double, 4>& b = edge.box;
+        if (keeps_sign(from, e, rival.g) || keeps_sign(to, e, rival.g)) return false;
         const bool apart = s == Sign::Positive ? kernel_.lower_bound(rival.f, rival.g, b[0], b[1], b[2], b[3]) > 0
                                                : kernel_.lower_bound(rival.g, rival.f, b[0], b[1], b[2], b[3]) > 0;
-        if (apart) return;
-        switch (kernel_.intersection_sign(c, rival, near)) {
-            case Sign::Negative: return;
-            case Sign::Zero: {
-                const Cut cut{kernel_.touching_point(c, rival), true};
-                if (kernel_.strictly_between(c, p, q, cut.point)) cut_edge(e, rival, {&cut, 1}, s);
-                return;
-            }
-            case Sign::Positive: {
-                // Two lines cross once, and then the signs at the ends would differ.
-                if (kernel_.curvature_sign(c) == Sign::Zero && kernel_.curvature_sign(rival) == Sign::Zero) return;
-                const Cut first = root(-s);
-                if (!kernel_.strictly_between(c, p, q, first.point)) return;
-                const Cut cuts[] = {first, root(s)};
-                cut_edge(e, rival, cuts, s);
-                return;
+        if (apart) return false;
+        // Two lines cross once, and then the signs at the ends would differ.
+        if (edge.rim && kernel_.curvature_sign(rival) == Sign::Zero) return false;
+        auto first = kernel_.certain_intersection(c, rival, -s, near);
+        if (!first) {
+            switch (kernel_.intersection_sign(c, rival, near)) {
+                case Sign::Negative: return false;
+                case Sign::Zero: {
+                    const Cut cut{kernel_.touching_point(c, rival), true};
+                    return kernel_.strictly_between(c, p, q, cut.point) && cut_edge(e, rival, {&cut, 1}, s);
+                }
+                case Sign::Positive:
+                    if (kernel_.curvature_sign(c) == Sign::Zero && kernel_.curvature_sign(rival) == Sign::Zero) return false;
+                    first = root(-s).point;
             }
         }
-        return;
+        if (!kernel_.strictly_between(c, p, q, *first)) return false;
+        const Cut cuts[] = {{*first, false}, root(s)};
+        return cut_edge(e, rival, cuts, s);
     }
 
     // An end is a root. Its turn tells the sign beside it, and whether the other root must lie on the edge.
     if (s == Sign::Zero && t == Sign::Zero && kernel_.same_curve(c, rival)) {
         edge.sign = Sign::Zero;
         add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, rival.f);
-        return;
+        return false;
     }
     const Sign turn = kernel_.turn_at(s == Sign::Zero ? p : q, c, rival);
     if (turn == Sign::Zero) {
@@ -377,25 +421,27 @@ void WorkDiagram::decide_edge(Index h, FormPair rival) {
         edge.sign = turn;
         if (from == to || t != turn) {
             const Cut cut = root(-turn);
-            cut_edge(e, rival, {&cut, 1}, turn);
+            return cut_edge(e, rival, {&cut, 1}, turn);
         }
     } else {
         edge.sign = s;
         if (s == turn) {
             const Cut cut = root(-turn);
-            cut_edge(e, rival, {&cut, 1}, s);
+            return cut_edge(e, rival, {&cut, 1}, s);
         }
     }
+    return false;
 }
 
-// Splits e at the cuts, in order along its curve. The sign before the first is given; it changes at
+// Splits e at the cuts, in order along its curve. Parts that the challenger takes over are as good as gone. The sign before the first is given; it changes at
 // every cut that is no touching.
-void WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
+bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
+    const auto stays = [&](Index part) { return edges_[part].rim || edges_[part].sign != Sign::Negative; };
     Sign sign = before;
     const bool closed = half_edges_[2 * e].origin == none;
     for (std::size_t i = 0; i < cuts.size(); ++i) {
         const Cut& cut = cuts[i];
-        const Index v = split_edge(e, cut.point);
+        const Index v = split_edge(e, cut.point, rival.g);
         vertices_[v].stamp = stamp_;
         vertices_[v].sign = Sign::Zero;
         const FormId left = half_edges_[2 * e].label, right = half_edges_[2 * e + 1].label;
@@ -408,29 +454,35 @@ void WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, S
             continue;
         }
         edges_[e].sign = sign;
-        set_box(e);
+        if (stays(e)) set_box(e);
         if (!cut.touching) sign = -sign;
         e = half_edges_[2 * e].next >> 1;
         edges_[e].sign = sign;
     }
-    set_box(e);
+    if (stays(e)) set_box(e);
+    return true;
 }
 
 // --- Arcs inside a face -------------------------------------------------------------------------------
 
 void WorkDiagram::divide_face(Duel& d) {
+    if (!d.met) {
+        insert_island(d, Sign::Positive);
+        return;
+    }
     const Face& f = faces_[d.face];
     const FormPair rival{d.challenger, f.site};
     bool positive = false, negative = false, root = false;
     const std::size_t first_touched = touched_.size();
     for_boundary(f, [&](Index h) {
         touched_.push_back(h);
-        positive = positive || edges_[h >> 1].sign == Sign::Positive;
-        negative = negative || edges_[h >> 1].sign == Sign::Negative;
+        const Sign s = edges_[h >> 1].sign;
+        positive = positive || s == Sign::Positive;
+        negative = negative || s == Sign::Negative;
         const Index v = half_edges_[h].origin;
-        root = root || edges_[h >> 1].sign == Sign::Zero || (v != none && vertices_[v].sign == Sign::Zero);
+        root = root || s == Sign::Zero || (v != none && vertices_[v].sign == Sign::Zero);
     });
-    const std::size_t boundary_count = touched_.size() - first_touched;
+    const std::size_t boundary_end = touched_.size();
     branches_.clear();
     if (root) {
         find_branches(f.outer, rival);
@@ -439,15 +491,16 @@ void WorkDiagram::divide_face(Duel& d) {
     d.changed = negative || !branches_.empty();
     if (!positive && !negative)  // bounded by the trisector alone
         d.changed = winner(f.outer, d) == d.challenger;
-    if (!root) insert_island(d, negative ? Sign::Negative : Sign::Positive);
     if (!d.changed) {
         touched_.resize(first_touched);
         return;
     }
-    const std::size_t boundary_end = boundary_count + first_touched;
     for (std::size_t i = first_touched; i < boundary_end; ++i)
         half_edges_[touched_[i]].label = winner(touched_[i], d);
-    insert_arcs(rival);
+    if (root)
+        insert_arcs(rival);
+    else
+        insert_island(d, Sign::Negative);
 }
 
 // Who wins beside half-edge h of the face, on its left.
@@ -546,7 +599,7 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     if (!face_contains(f, p)) return;
     const bool losing = boundary == Sign::Positive;
     if (radius == Sign::Zero) {
-        const Index v = add_vertex(p);
+        const Index v = add_vertex(p, f.site);
         --live_vertices_;
         add_ties(vertices_[v].ties, {f.site}, d.challenger);
         vertices_[v].stamp = stamp_;
@@ -567,12 +620,16 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
         const Index inside = add_face(d.challenger);
         faces_[inside].outer = 2 * e;
         faces_[inside].box = edges_[e].box;
+        set_center(faces_[inside]);
         half_edges_[2 * e].face = inside;
         half_edges_[2 * e + 1].face = d.face;
         faces_[d.face].inner.push_back(2 * e + 1);
         return;
     }
-    d.changed = true;
+    if (losing) {
+        d.changed = true;
+        for_boundary(f, [&](Index h) { touched_.push_back(h); });
+    }
     touched_.push_back(2 * e);
     touched_.push_back(2 * e + 1);
 }
@@ -588,9 +645,14 @@ void WorkDiagram::remove_inner_edges() {
         if (!edges_[e].alive || !edges_[e].rim || edges_[e].stamp != stamp_) continue;
         if (edges_[e].sign == Sign::Negative) edges_[e].ties = none;
         while (vertices_[target(h)].sign == Sign::Negative) {
-            vertices_[target(h)].ties = none;
-            if (edges_[half_edges_[h].next >> 1].curve != edges_[e].curve) break;
-            join_rim_edges(h);
+            if (edges_[half_edges_[h].next >> 1].curve == edges_[e].curve) {
+                join_rim_edges(h);
+                continue;
+            }
+            Vertex& corner = vertices_[target(h)];
+            corner.ties = none;
+            set_height(corner, half_edges_[h].label);
+            break;
         }
     }
 }
@@ -644,6 +706,7 @@ void WorkDiagram::nest_cycles(std::span<const Index> isolated) {
             half_edges_[h].face = f;
             grow(faces_[f].box, edges_[h >> 1].box);
         });
+        set_center(faces_[f]);
     }
     const auto face_around = [&](PointId p, FormId label) {
         // Faces inside an island may pass through p as well: they carry another label, or touch at p only.

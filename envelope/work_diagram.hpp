@@ -30,6 +30,8 @@ public:
         Index stamp = 0;
         Sign sign = Sign::Zero;    ///< of challenger - defender, while stamp is current
         bool alive = true;
+        double height, height_error;       ///< encloses the minimum at the vertex
+        CircleKernel::Place challenger;    ///< the challenger there, while stamp is current
     };
     struct HalfEdge {
         Index next, prev, origin, face;
@@ -48,6 +50,8 @@ public:
     struct Face {
         FormId site;
         std::array<double, 4> box;
+        double x = 0, y = 0, rx = 0, ry = 0;  ///< the box's centre and half sides
+        CircleKernel::Place place;            ///< of the site's form there
         Index outer = none;         ///< a half-edge of the outer boundary component
         std::vector<Index> inner;   ///< a half-edge of each inner boundary component
         std::vector<Index> isolated;
@@ -78,7 +82,8 @@ private:
     struct Duel {  // a face and who challenges it
         Index face;
         FormId challenger;
-        bool changed = false;
+        bool met = false;      // the challenger wins or ties somewhere on the boundary
+        bool changed = false;  // and takes over a part of the face
     };
     struct Branch {     // {challenger = defender} leaves a vertex into the face, or ends there
         Index corner;   // the boundary half-edge that arrives at the vertex
@@ -117,21 +122,24 @@ private:
         for (const Index h : f.inner) for_cycle(h, visit);
     }
 
-    Index add_vertex(PointId p);
+    Index add_vertex(PointId p, FormId lowest);
+    void set_height(Vertex& v, FormId lowest) const;
     Index add_edge(FormPair curve, Index from, Index to, bool rim);
     Index add_face(FormId site);
     void set_box(Index e);
     void kill_edge(Index e);
-    Index split_edge(Index e, PointId p);
+    Index split_edge(Index e, PointId p, FormId lowest);
     const KernelPoint& at(Index v) const { return kernel_.point(vertices_[v].point); }
     void add_ties(Index& list, std::initializer_list<FormId> present, FormId tied);
     Index copy_ties(Index list);
 
     void resolve();
-    void decide_boundary(const Duel& d);
+    void decide_boundary(Duel& d);
+    void set_center(Face& f) const;
+    bool keeps_sign(Index v, Index e, FormId defender) const;
     Sign vertex_sign(Index v, FormPair rival);
-    void decide_edge(Index h, FormPair rival);
-    void cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before);
+    bool decide_edge(Index e, FormPair rival);
+    bool cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before);
     void divide_face(Duel& d);
     void find_branches(Index cycle, FormPair rival);
     void insert_arcs(FormPair rival);
