@@ -4,6 +4,7 @@
 
 #include "arc_geometry.hpp"
 #include "circle_arcs.hpp"
+#include "circle_arcs.hpp"
 #include "circle_kernel.hpp"
 #include "dcel.hpp"
 #include "overlay.hpp"
