@@ -22,8 +22,6 @@ constexpr double largest_turn = 1.6;
 // next to nothing from one that is all but the full circle.
 constexpr double largest_doubt = 0.1;
 
-double cross(const Vector2d& p, const Vector2d& q) { return p.x() * q.y() - p.y() * q.x(); }
-
 Vector2d turned(const Vector2d& p, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
@@ -36,10 +34,7 @@ struct Gradient {
 };
 
 Gradient gradient_of_difference(const CircularForm& f, const CircularForm& g, const Vector2d& p) {
-    const auto gradient = [&](const CircularForm& h) -> Vector2d {
-        return {(2 * h.k * (p.x() - h.cx) + h.a) / h.w, (2 * h.k * (p.y() - h.cy) + h.b) / h.w};
-    };
-    const Vector2d df = gradient(f), dg = gradient(g);
+    const Vector2d df = gradient(f, p), dg = gradient(g, p);
     const Vector2d d = df - dg;
     // Each component carries the 4u of its form's coefficients and a few roundings of its own.
     return {d, 16 * u * (df.norm() + dg.norm()) / d.norm()};

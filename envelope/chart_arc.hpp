@@ -14,6 +14,16 @@
 
 namespace vcell {
 
+/// The gradient of f at p, plain double arithmetic.
+inline Eigen::Vector2d gradient(const CircularForm& f, const Eigen::Vector2d& p) {
+    return {(2 * f.k * (p.x() - f.cx) + f.a) / f.w, (2 * f.k * (p.y() - f.cy) + f.b) / f.w};
+}
+
+/// z component of the cross product: positive when q points to the left of p.
+inline double cross(const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+    return p.x() * q.y() - p.y() * q.x();
+}
+
 /// A circular arc that turns by 2 half_angle on its way (positive: counter-clockwise), or a segment
 /// (half_angle 0). |half_angle| <= 0.8.
 ///

@@ -17,10 +17,6 @@ using Range = std::array<double, 2>;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
-Vector2d gradient(const CircularForm& f, const Vector2d& p) {
-    return {(2 * f.k * (p.x() - f.cx) + f.a) / f.w, (2 * f.k * (p.y() - f.cy) + f.b) / f.w};
-}
-
 // Knots of `spans` Bezier pieces of one degree, joined: full and clamped on [0, 1].
 std::vector<double> joined_knots(int degree, std::size_t spans) {
     std::vector<double> knots(degree + 1, 0.0);

@@ -19,12 +19,6 @@ constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 // coefficients (4u each) to the term, doubled.
 constexpr double term_rounding = 128 * u;
 
-double cross(const Vector2d& p, const Vector2d& q) { return p.x() * q.y() - p.y() * q.x(); }
-
-Vector2d gradient(const CircularForm& f, const Vector2d& p) {
-    return {(2 * f.k * (p.x() - f.cx) + f.a) / f.w, (2 * f.k * (p.y() - f.cy) + f.b) / f.w};
-}
-
 // A sum with Neumaier's compensation, so that a million faces cost no digits, and a bound on the error of
 // what was added.
 struct BoundedSum {
@@ -59,7 +53,7 @@ struct LocalHeight {
         f0_error = 16 * u * (square + std::abs(f.a * o.x()) + std::abs(f.b * o.y()) + std::abs(f.e)) / f.w;
     }
     double factor(const Vector2d& q) const { return c * q.squaredNorm() / 4 + g.dot(q) / 3 + f0 / 2; }
-    // Bound on |factor| for |q| <= r, f0's error included as if it were rounding.
+    // Bound on |factor| for |q| <= r.
     double factor_bound(double r) const { return c * r * r / 4 + g.norm() * r / 3 + std::abs(f0) / 2; }
 };
 

@@ -19,7 +19,9 @@ struct Scene {
     std::optional<double> tolerance;  ///< length; none: 1e-7 of the box diagonal
 };
 
-/// Validates a scene on its own: finite numbers, non-zero directions, radii >= 0, a proper box.
+/// Validates a scene on its own: finite numbers, non-zero directions, radii >= 0, a proper box, and
+/// magnitudes whose products stay in the double range: coordinates, radii and components up to 1e60, a
+/// direction's largest component and the box's extents at least 1e-60.
 /// Throws InputError with the scene file's path of the first offender. Whether objects stay clear of
 /// the base is decided with the cell, by exact signs.
 void validate(const Scene& scene);
