@@ -52,10 +52,10 @@ double dyadic(double x) { return std::ldexp(std::round(std::ldexp(x, 20)), -20);
 
 // --- Random scenes ----------------------------------------------------------------------------------
 
-FormScene random_spheres(std::mt19937_64& rng, int n, double density) {
+/// n spheres over the square [0, size]^2.
+FormScene random_spheres(std::mt19937_64& rng, int n, double size) {
     std::uniform_real_distribution<double> u(0, 1);
     FormScene s{.name = "random spheres, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
-    const double size = std::sqrt(n / density);
     s.rectangle = {0, 0, dyadic(size), dyadic(size)};
     for (int i = 0; i < n; ++i) {
         const double rho = dyadic(0.3 * u(rng));
@@ -77,7 +77,7 @@ FormScene heavy_tailed(std::mt19937_64& rng, int n) {
 
 FormScene mixed(std::mt19937_64& rng, int spheres, int planes) {
     std::uniform_real_distribution<double> u(-1, 1);
-    FormScene s = random_spheres(rng, spheres, 1.0 * spheres / (spheres + planes));
+    FormScene s = random_spheres(rng, spheres, std::sqrt(spheres + planes));
     s.name = "spheres and planes, n = " + std::to_string(spheres + planes);
     const double middle = s.rectangle[2] / 2;
     for (int i = 0; i < planes; ++i) {
@@ -230,13 +230,17 @@ std::vector<FormScene> degenerate_scenes() {
         s.sphere(0, 0, 1.5, 0.25);
     }
     {
-        // w1 (|p - c|^2 + e) - w |p|^2 - w e1 has radius 0 about 2c for w1 = 4, w = 2, e = |c|^2 + e1/2.
-        FormScene& s = scene("paraboloids that touch in a point");
-        s.paraboloid(0, 0, 2, 4);
-        s.paraboloid(0.5, 0, 0.25 + 1, 2);
-        s.paraboloid(-0.25, 0.5, 0.3125 + 1, 2);
-        s.paraboloid(1, 0.25, 1.0625 + 1, 2);  // touches on the rim
-        s.paraboloid(1, 1, 2 + 1, 2);          // touches in a corner
+        // 4 (|p - c|^2 + e) - 2 (|p|^2 + 2), of w = 2 against w = 4, has radius 0 about 2c for e = |c|^2 + 1.
+        const auto touching = [](FormScene& s, double x, double y) {
+            s.paraboloid(x / 2, y / 2, (x * x + y * y) / 4 + 1, 2);
+        };
+        const std::vector<std::pair<const char*, std::vector<std::array<double, 2>>>> places{
+            {"inside", {{1, 0}, {-0.5, 1}}}, {"on the rim", {{2, 0.5}}}, {"in a corner", {{2, 2}}}};
+        for (const auto& [where, points] : places) {
+            FormScene& s = scene(std::string("paraboloids that touch in a point ") + where);
+            s.paraboloid(0, 0, 2, 4);
+            for (const auto& [x, y] : points) touching(s, x, y);
+        }
     }
     {
         FormScene& s = scene("two that touch a third in the same point");
@@ -343,7 +347,8 @@ void invariances(const FormScene& s, std::mt19937_64& rng) {
 TEST_CASE("lower_envelope: agrees with brute force on random spheres of several sizes and densities") {
     std::mt19937_64 rng(test_seed());
     for (const int n : {2, 3, 5, 8, 12, 30, 100, 400})
-        for (const double density : {0.2, 1.0, 20.0}) judge(random_spheres(rng, n, density), rng);
+        for (const double density : {0.2, 1.0, 20.0})
+            judge(random_spheres(rng, n, std::sqrt(n / density)), rng);
     for (int i = 0; i < 100; ++i) judge(random_spheres(rng, 4 + i % 9, 2), rng, {.samples = 100});
 }
 
@@ -355,6 +360,7 @@ TEST_CASE("lower_envelope: agrees with brute force on heavy-tailed radii") {
 
 TEST_CASE("lower_envelope: agrees with brute force on spheres mixed with planes") {
     std::mt19937_64 rng(test_seed());
+    for (int i = 0; i < 500; ++i) judge(mixed(rng, 1 + i % 13, 1 + i % 2), rng, {.samples = 100});
     for (const auto& [spheres, planes] : {std::pair{1, 1}, {0, 12}, {6, 6}, {50, 4}, {20, 60}, {300, 20}}) {
         judge(mixed(rng, spheres, planes), rng);
         judge(in_polygon(mixed(rng, spheres + 1, planes)), rng);
@@ -370,7 +376,7 @@ TEST_CASE("lower_envelope: permutation, translation, scaling and mirror keep the
     std::mt19937_64 rng(test_seed());
     for (const FormScene& s : degenerate_scenes()) invariances(s, rng);
     for (const int n : {3, 10, 60}) {
-        invariances(random_spheres(rng, n, 1), rng);
+        invariances(random_spheres(rng, n, std::sqrt(n)), rng);
         invariances(heavy_tailed(rng, n), rng);
         invariances(mixed(rng, n, 3), rng);
     }

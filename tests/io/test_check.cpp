@@ -11,6 +11,7 @@
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check.hpp"
+#include "../../io/scene_file.hpp"
 #include "../test_support.hpp"
 
 namespace vcell {
@@ -278,6 +279,14 @@ TEST_CASE("check_cell: finds nothing wrong with computed cells") {
             CAPTURE(tilted);
             expect_clean(voronoi_cell(random_scene(rng, spheres, planes, tilted)));
         }
+}
+
+TEST_CASE("check_cell: finds nothing wrong with scenes whose islands were once lost") {
+    for (const int i : {1, 2, 3, 4, 5}) {
+        const std::string name = "lost_island_" + std::to_string(i) + ".json";
+        CAPTURE(name);
+        expect_clean(voronoi_cell(read_scene(test_data(name))));
+    }
 }
 
 TEST_CASE("check_cell: names each damage to two faces that meet in a parabola") {
