@@ -1,0 +1,161 @@
+// The time of lower_envelope() alone, one thread, over scenes of spheres above a plane:
+//
+//   table3   the sizes of Table 3 of [HE], 4 ... 24 random spheres
+//   random   50 ... 1,000,000 random spheres at constant density, with the fit to c n log n
+//   lattice  equal spheres on a lattice, where every vertex is degenerate
+//
+// Usage: bench_envelope [--max_n=N] [Google Benchmark's options]
+//
+// Sizes above N (default 10,000) are left out: the million takes minutes with its checks. Counters, each
+// for one call: the diagram's vertices V, edges E (closed: those without vertices), faces F; the signs that
+// each rung of the ladder decided, cheap being the share of the first two; per_sphere, the CPU time
+// per sphere in seconds; peak_MB, the process's largest resident set so far. The latter means the size at
+// hand because sizes ascend within a family; run one family a process (--benchmark_filter=random) when
+// memory matters.
+//
+// Every size is checked once, after its measurement; a wrong diagram is an error and the exit status 1.
+#include <benchmark/benchmark.h>
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <optional>
+#include <string>
+
+#include "diagram_check.hpp"
+
+namespace vcell::bench {
+namespace {
+
+constexpr int samples = 300;
+bool failed = false;
+
+double peak_megabytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) * 1024e-6;  // kilobytes on Linux
+}
+
+// One scene at a time stays in memory, through all calls that its measurement takes.
+struct Family {
+    SphereScene (*make)(std::uint32_t);
+    std::uint32_t size = 0;
+    SphereScene scene = {};
+    FormFamily forms = {};
+    bool checked = false;
+
+    void prepare(std::uint32_t wanted) {
+        if (size == wanted) return;
+        size = wanted;
+        scene = make(wanted);
+        forms = clearances(scene);
+        checked = false;
+    }
+};
+
+void measure(benchmark::State& state, Family& family) {
+    family.prepare(static_cast<std::uint32_t>(state.range(0)));
+    const ConvexRegion region = family.scene.region();
+    std::optional<MinimizationDiagram> diagram;
+    for (auto _ : state) {
+        if (diagram) {  // its destruction is not the call's
+            state.PauseTiming();
+            diagram.reset();
+            state.ResumeTiming();
+        }
+        diagram = lower_envelope(family.forms, region);
+    }
+    const double peak = peak_megabytes();
+    if (!family.checked) {
+        const std::string fault = find_fault(family.scene, *diagram, samples);
+        if (!fault.empty()) {
+            failed = true;
+            state.SkipWithError(fault.c_str());
+            return;
+        }
+        family.checked = true;
+    }
+
+    const std::size_t n = family.scene.spheres.size();
+    state.SetComplexityN(static_cast<std::int64_t>(n));
+    const auto count = [&](const char* name, auto value) {
+        state.counters[name] = benchmark::Counter(static_cast<double>(value));
+    };
+    const DiagramCounts counts(*diagram);
+    count("n", n);
+    count("V", counts.vertices);
+    count("E", counts.edges);
+    count("F", counts.faces);
+    count("closed", counts.closed_edges);
+    const Decisions& d = diagram->decisions;
+    count("double", d.by_double);
+    count("interval", d.by_interval);
+    count("exact", d.by_exact);
+    count("multiprecision", d.by_multiprecision);
+    count("assumed", d.assumed);
+    count("cheap", d.total()
+                       ? static_cast<double>(d.by_double + d.by_interval) / static_cast<double>(d.total())
+                       : 1.0);
+    count("peak_MB", peak);
+    state.counters["per_sphere"] = benchmark::Counter(
+        static_cast<double>(n), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void register_families(std::uint32_t max_n) {
+    static Family table3{[](std::uint32_t n) { return random_scene(n); }};
+    static Family random{[](std::uint32_t n) { return random_scene(n); }};
+    static Family lattice{lattice_scene};
+
+    auto* bench = benchmark::RegisterBenchmark("table3", measure, std::ref(table3));
+    bench->Unit(benchmark::kMillisecond);
+    for (const std::uint32_t n : {4, 6, 8, 10, 12, 16, 18, 20, 22, 24})
+        if (n <= max_n) bench->Arg(n);
+
+    bench = benchmark::RegisterBenchmark("random", measure, std::ref(random));
+    bench->Unit(benchmark::kMillisecond)->Complexity(benchmark::oNLogN);
+    for (const std::uint32_t n :
+         {50, 100, 200, 500, 1000, 2000, 5000, 10'000, 20'000, 50'000, 100'000, 200'000, 500'000, 1'000'000})
+        if (n <= max_n) bench->Arg(n);
+
+    bench = benchmark::RegisterBenchmark("lattice", measure, std::ref(lattice));
+    bench->Unit(benchmark::kMillisecond);
+    for (const std::uint32_t side : {10, 30, 100, 300, 1000})
+        if (side * side <= max_n) bench->Arg(side);
+}
+
+}  // namespace
+}  // namespace vcell::bench
+
+int main(int argc, char** argv) {
+    std::uint32_t max_n = 10'000;
+    constexpr char option[] = "--max_n=";
+    int kept = 1;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strncmp(argv[i], option, sizeof(option) - 1) == 0)
+            max_n = static_cast<std::uint32_t>(std::strtoul(argv[i] + sizeof(option) - 1, nullptr, 10));
+        else
+            argv[kept++] = argv[i];
+    }
+    argc = kept;
+    if (max_n < 100) {
+        std::cerr << "bench_envelope: --max_n must be a number from 100 up\n";
+        return 1;
+    }
+
+    vcell::bench::register_families(max_n);
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+#ifdef __clang__
+    benchmark::AddCustomContext("compiler", __VERSION__);
+#else
+    benchmark::AddCustomContext("compiler", "GCC " __VERSION__);
+#endif
+#ifndef NDEBUG
+    benchmark::AddCustomContext("asserts", "on: times mean nothing");
+#endif
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return vcell::bench::failed ? 1 : 0;
+}
