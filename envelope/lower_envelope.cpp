@@ -210,8 +210,13 @@ private:
 
 MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options) {
     if (family.forms.empty()) {
-        // Nothing to compare: a form that is no candidate anywhere stands in, and its label is taken away.
-        throw InternalError("empty family");
+        // Any one form makes the region's face; then its label is taken away.
+        FormFamily constant;
+        constant.forms.push_back({});
+        constant.exact = [](FormId) { return ExactForm{{}, {}, {}, {}, Exact(1.0)}; };
+        MinimizationDiagram out = EnvelopeBuilder(constant, region, options).build();
+        out.clear_labels();
+        return out;
     }
     return EnvelopeBuilder(family, region, options).build();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <vector>
@@ -64,6 +65,17 @@ struct MinimizationDiagram {
     /// The sides of the region on which vertex v lies (none, one, or two at a corner).
     std::span<const std::uint32_t> sides(VertexId v) const {
         return {vertex_sides_.data() + side_offsets_[v.value], vertex_sides_.data() + side_offsets_[v.value + 1]};
+    }
+
+    /// Forgets all forms; the subdivision stays.
+    void clear_labels() {
+        forms.clear();
+        for (Edge& e : edges) e.left = e.right = {};
+        for (FormId& f : face_forms) f = {};
+        vertex_labels_.clear();
+        edge_labels_.clear();
+        std::ranges::fill(vertex_offsets_, 0u);
+        std::ranges::fill(edge_offsets_, 0u);
     }
 
     std::vector<FormId> vertex_labels_, edge_labels_;

@@ -532,6 +532,8 @@ void WorkDiagram::find_branches(Index cycle, FormPair rival) {
             branches_.push_back({h, v, in == Sign::Negative});
             return;
         }
+        // A trisector that is a single point has no branches.
+        if (kernel_.radius_sign(rival) == Sign::Zero) return;
         const PointId p = vertices_[v].point;
         const FormPair from = directed(n), to = directed(twin(h));
         const bool leaves = kernel_.branch_in_sector(p, from, rival, to);
@@ -595,6 +597,8 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     if (kernel_.curvature_sign(rival) != boundary || kernel_.circle_leaves_box(rival, f.box)) return;
     const Sign radius = kernel_.radius_sign(rival);
     if (radius == Sign::Negative) return;
+    if (radius == Sign::Zero && std::ranges::any_of(f.isolated, [&](Index v) { return vertices_[v].sign == Sign::Zero; }))
+        return;  // the point is known already
     const PointId p = radius == Sign::Zero ? kernel_.center_point(rival) : kernel_.leftmost_point(rival);
     if (!face_contains(f, p)) return;
     const bool losing = boundary == Sign::Positive;
