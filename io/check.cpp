@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <cfloat>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -181,7 +182,9 @@ std::optional<double> swept(const Bezier<2>& c, const Vec2& q, double near) {
         if (std::min(a.norm(), b.norm()) < near) return std::nullopt;
         return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
     }
-    if ((hi - lo).maxCoeff() < near) return std::nullopt;
+    // A box that rounding keeps from shrinking holds q for ever: q lies on the curve as far as doubles tell.
+    const double least = std::max(near, 4 * DBL_EPSILON * std::max(lo.cwiseAbs().maxCoeff(), hi.cwiseAbs().maxCoeff()));
+    if (!((hi - lo).maxCoeff() > least)) return std::nullopt;
     const auto halves = c.halves();
     const auto a = swept(halves[0], q, near), b = swept(halves[1], q, near);
     if (!a || !b) return std::nullopt;
