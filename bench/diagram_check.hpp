@@ -43,7 +43,7 @@ public:
         for_each_side([&](FormId f, HalfEdgeId h) { sides_[end[f.value]++] = h; });
     }
 
-    /// Times 2 pi, the winding number of f's boundary around p. Pre: f is the lowest form at p, strictly.
+    /// Times 2 pi, the winding number of f's boundary around p.
     double turn(FormId f, const Eigen::Vector2d& p) const {
         double angle = 0;
         for (std::uint32_t i = first_[f.value]; i < first_[f.value + 1]; ++i) angle += turn(sides_[i], p);
@@ -59,25 +59,27 @@ private:
         }
     }
 
-    // The angle under which p sees the arc from A to B: that of the chord, and a full turn more when p lies
-    // between chord and arc. The form on the left, f, is lowest at p, so p lies on the arc's left. When f's
-    // side is the inside of the circle, the arc runs counter-clockwise, and p lies between arc and chord if
-    // it is on the right of the chord. Otherwise p is outside the circle, and never lies between them.
+    // The angle under which p sees the arc from A to B: that of the chord, and a full turn more or less when
+    // p lies between chord and arc. The arc has f on its left. It runs counter-clockwise when f - g, whose
+    // square term is 1 / w_f - 1 / w_g, is convex: the side where f is lower is then the disc's inside.
     double turn(HalfEdgeId h, const Eigen::Vector2d& p) const {
-        const MinimizationDiagram::Edge& edge = d_.edges[Dcel::edge(h)];
-        bool inside = false;
-        if (!edge.on_rim()) {
-            // f - g has the square term 1 / w_f - 1 / w_g.
-            const bool reversed = h != Dcel::half_edge(Dcel::edge(h));
-            const double wf = d_.forms[reversed ? edge.right : edge.left].w;
-            const double wg = d_.forms[reversed ? edge.left : edge.right].w;
-            inside = wf < wg;
-        }
         const VertexId from = d_.dcel.origin(h), to = d_.dcel.target(h);
-        if (from == to) return inside ? 2 * std::numbers::pi : 0;
-        const Eigen::Vector2d a = d_.vertices[from].point - p, b = d_.vertices[to].point - p;
-        const double cross = a.x() * b.y() - a.y() * b.x();
-        return std::atan2(cross, a.dot(b)) + (inside && cross < 0 ? 2 * std::numbers::pi : 0);
+        double angle = 0, cross = 0;
+        if (from != to) {
+            const Eigen::Vector2d a = d_.vertices[from].point - p, b = d_.vertices[to].point - p;
+            cross = a.x() * b.y() - a.y() * b.x();
+            angle = std::atan2(cross, a.dot(b));
+        }
+        const MinimizationDiagram::Edge& edge = d_.edges[Dcel::edge(h)];
+        if (edge.on_rim()) return angle;
+        const bool reversed = h != Dcel::half_edge(Dcel::edge(h));
+        const CircularForm& f = d_.forms[reversed ? edge.right : edge.left];
+        const CircularForm& g = d_.forms[reversed ? edge.left : edge.right];
+        const int turning = (f.w < g.w) - (g.w < f.w);
+        const bool f_lower = f(p.x(), p.y()) < g(p.x(), p.y());
+        const bool in_disc = f_lower == (turning > 0);
+        const bool beyond_chord = from == to || turning * cross < 0;
+        return in_disc && beyond_chord ? angle + turning * 2 * std::numbers::pi : angle;
     }
 
     const MinimizationDiagram& d_;

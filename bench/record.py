@@ -94,6 +94,7 @@ def main():
     parser.add_argument("-o", "--output", default=str(SOURCE / "bench/results/envelope.csv"))
     options = parser.parse_args()
 
+    pathlib.Path(options.output).parent.mkdir(parents=True, exist_ok=True)
     rows = []
     for family in FAMILIES:
         report = run(options.program, family, options)
