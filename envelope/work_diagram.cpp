@@ -500,7 +500,7 @@ void WorkDiagram::divide_face(Duel& d) {
     if (root)
         insert_arcs(rival);
     else
-        insert_island(d, Sign::Negative);
+        insert_island(d, edges_[f.outer >> 1].sign);
 }
 
 // Who wins beside half-edge h of the face, on its left.
@@ -589,8 +589,8 @@ void WorkDiagram::insert_arcs(FormPair rival) {
     }
 }
 
-// The trisector does not meet the face's boundary. It may still be a circle inside: then the loser of the
-// boundary wins inside the circle, or touches in a single point.
+// The trisector does not meet the face's boundary. It may still be a circle inside, around some of the holes
+// or none: then the loser of the outer boundary wins inside the circle, or touches in a single point.
 void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     const Face& f = faces_[d.face];
     const FormPair rival{d.challenger, f.site};
@@ -601,7 +601,6 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
         return;  // the point is known already
     const PointId p = radius == Sign::Zero ? kernel_.center_point(rival) : kernel_.leftmost_point(rival);
     if (!face_contains(f, p)) return;
-    const bool losing = boundary == Sign::Positive;
     if (radius == Sign::Zero) {
         const Index v = add_vertex(p, f.site);
         --live_vertices_;
@@ -618,7 +617,7 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     half_edges_[2 * e].label = rival.f;
     half_edges_[2 * e + 1].label = rival.g;
     set_box(e);
-    if (losing && f.inner.empty() && f.isolated.empty()) {
+    if (!d.met && f.inner.empty() && f.isolated.empty()) {
         // The common case at once: a new face in a hole of the old one.
         live_cycles_ += 2;
         const Index inside = add_face(d.challenger);
@@ -630,7 +629,7 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
         faces_[d.face].inner.push_back(2 * e + 1);
         return;
     }
-    if (losing) {
+    if (!d.met) {
         d.changed = true;
         for_boundary(f, [&](Index h) { touched_.push_back(h); });
     }
