@@ -727,11 +727,12 @@ inline std::vector<std::string> canonical(const MinimizationDiagram& d, const Re
     for (const EdgeId e : d.edges.ids()) {
         const auto& edge = d.edges[e];
         const HalfEdgeId h = Dcel::half_edge(e);
-        // Seen from its smaller side; turned round, or mirrored, an edge starts where it ended.
+        // Seen from its smaller side; turned round, or mirrored, an edge starts where it ended. Without labels,
+        // a rim edge keeps the region on its left in the mirror too.
         std::array<std::string, 2> sides{form(edge.left), form(edge.right)};
         std::array<std::string, 2> ends{vertex(dcel.origin(h)), vertex(dcel.target(h))};
         if (r.mirrored) std::swap(sides[0], sides[1]);
-        if (sides[1] < sides[0]) {
+        if (sides[1] < sides[0] || (r.mirrored && sides[0] == sides[1])) {
             std::swap(sides[0], sides[1]);
             std::swap(ends[0], ends[1]);
         }
