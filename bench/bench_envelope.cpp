@@ -6,12 +6,11 @@
 //
 // Usage: bench_envelope [--max_n=N] [Google Benchmark's options]
 //
-// Sizes above N (default 10,000) are left out: the million takes minutes with its checks. Counters, each
+// Sizes above N (default 10,000) are left out: the million takes half a minute and 1.5 GB. Counters, each
 // for one call: the diagram's vertices V, edges E (closed: those without vertices), faces F; the signs that
-// each rung of the ladder decided, cheap being the share of the first two; per_sphere, the CPU time
-// per sphere in seconds; peak_MB, the process's largest resident set so far. The latter means the size at
-// hand because sizes ascend within a family; run one family a process (--benchmark_filter=random) when
-// memory matters.
+// each rung of the ladder decided, cheap being the share of the first two; per_sphere, CPU time in seconds;
+// peak_MB, the process's largest resident set so far. The latter means the size at hand because sizes ascend
+// within a family; run one family a process (--benchmark_filter=random) when memory matters.
 //
 // Every size is checked once, after its measurement; a wrong diagram is an error and the exit status 1.
 #include <benchmark/benchmark.h>
