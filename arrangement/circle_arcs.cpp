@@ -149,7 +149,7 @@ Sign CircleArcs::turn_at(PointId p, FormPair c, FormPair d) {
 // --- Cutting. ------------------------------------------------------------------------------------------
 
 CircleArcs::Arc CircleArcs::make_arc(FormPair rightward, PointId left, PointId right, Shape shape) const {
-    return {rightward, left, right, shape, kernel_.arc_box(rightward, left, right)};
+    return {rightward, left, right, shape, kernel_.arc_bounds(rightward, left, right).box};
 }
 
 void CircleArcs::cut_circle(FormPair c, std::vector<Arc>& out) {

@@ -356,7 +356,7 @@ Sign CircleKernel::side_of_center(PointId p, FormPair c) {
 // An arc whose chord makes an angle theta < 90 degrees with the tangent at p stays within the sagitta
 // |chord| / 2 tan(theta / 2) of its chord. Longer arcs get their circle's box. A box may be generous: where
 // the gradient keeps enough digits in plain arithmetic, a relative margin of 1e-6 covers every rounding.
-std::array<double, 4> CircleKernel::arc_box(FormPair c, PointId p, PointId q) const {
+CircleKernel::ArcBounds CircleKernel::arc_bounds(FormPair c, PointId p, PointId q) const {
     const KernelPoint &P = points_[p], &Q = points_[q];
     const Form &f = forms_[c.f], &h = forms_[c.g];
     const double fx = (2 * f.k * (P.x - f.cx) + f.a) * f.iw, fy = (2 * f.k * (P.y - f.cy) + f.b) * f.iw;
@@ -371,10 +371,13 @@ std::array<double, 4> CircleKernel::arc_box(FormPair c, PointId p, PointId q) co
     if (cosine > 0.1 && 1e8 * error < l && 1e-6 * terms < g) {
         const double sine = std::abs(gx * bx + gy * by) / (g * l);
         const double margin = 0.5 * l * ((sine + 1e-7) / (1 + cosine) + 1e-7) * (1 + 1e-6);
-        return {std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
-                std::max(P.y, Q.y) + margin};
+        return {{std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
+                 std::max(P.y, Q.y) + margin},
+                l * (1 + 1e-6),
+                margin};
     }
-    return circle_box(c);
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    return {circle_box(c), inf, inf};
 }
 
 // F about the centre of one of the forms: the circle's centre is at -grad / 2K from there.
@@ -397,12 +400,22 @@ std::array<double, 4> CircleKernel::circle_box(FormPair c) const {
     return {x.lower(), x.upper(), y.lower(), y.upper()};
 }
 
+// Plain arithmetic: the centre is -grad / 2K from a form's own, and a relative margin of 1e-9 of all terms covers
+// the roundings where K keeps enough digits. A circle in the box has its centre and extremes there.
 bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& box) const {
-    const auto o = circle(c);
-    if (!o) return false;
-    const double r = o->r2.lower() > 0 ? sqrt(o->r2).lower() : 0.0;
-    return o->cx.upper() - r < box[0] || o->cx.lower() + r > box[1] || o->cy.upper() - r < box[2] ||
-           o->cy.lower() + r > box[3];
+    const Form &f = forms_[c.f], &g = forms_[c.g];
+    const double K = f.K - g.K;
+    if (!(std::abs(K) > 1e-5 * (std::abs(f.K) + std::abs(g.K)))) return false;
+    const Form &o = f.K != 0 ? f : g, &p = f.K != 0 ? g : f;
+    const double sign = f.K != 0 ? 1 : -1;
+    // At o's centre only the other form has a quadratic part and slope, but for linear terms.
+    const double dx = o.cx - p.cx, dy = o.cy - p.cy;
+    const double ox = o.a * o.iw, oy = o.b * o.iw, px = (2 * p.k * dx + p.a) * p.iw, py = (2 * p.k * dy + p.b) * p.iw;
+    const double half = 0.5 / K;
+    const double x = o.cx - sign * (ox - px) * half, y = o.cy - sign * (oy - py) * half;
+    const double margin = 1e-9 * (std::abs(o.cx) + std::abs(o.cy) + std::abs(p.cx) + std::abs(p.cy) +
+                                  (std::abs(ox) + std::abs(oy) + std::abs(px) + std::abs(py)) * std::abs(half));
+    return x + margin < box[0] || x - margin > box[1] || y + margin < box[2] || y - margin > box[3];
 }
 
 // --- Branches around a point ---------------------------------------------------------------------------

@@ -156,8 +156,12 @@ public:
     /// Does q come after p on the line c? Pre: c is a line, both points lie on it.
     bool precedes_on_line(FormPair c, PointId p, PointId q);
 
-    /// A rectangle {x0, x1, y0, y1} that contains the arc of c from p to q (the whole circle for p == q).
-    std::array<double, 4> arc_box(FormPair c, PointId p, PointId q) const;
+    struct ArcBounds {
+        std::array<double, 4> box;  ///< {x0, x1, y0, y1}, contains the arc
+        double chord, sagitta;      ///< upper bounds on the distance of the ends, and of any point from their segment
+    };
+    /// The arc of c from p to q (the whole circle for p == q, with an infinite sagitta).
+    ArcBounds arc_bounds(FormPair c, PointId p, PointId q) const;
     /// A rectangle that contains the circle c; the whole plane where doubles cannot tell.
     std::array<double, 4> circle_box(FormPair c) const;
     /// Does the double rung prove that c's circle does not lie in the rectangle?

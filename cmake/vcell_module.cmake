@@ -38,7 +38,7 @@ function(vcell_usage target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   # Contraction would break the error bounds of the predicates' first rung; the interval operations
   # are inline, so users need the flag too.
-  target_compile_options(${target} PUBLIC -ffp-contract=off)
+  target_compile_options(${target} PUBLIC -ffp-contract=off PRIVATE -fno-math-errno -fno-trapping-math)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${vcell_BINARY_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

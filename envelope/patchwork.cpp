@@ -18,6 +18,15 @@ void sort_unique(std::vector<FormId>& forms) {
 
 }  // namespace
 
+// Room for what n forms usually leave, seams included: growing by copies costs more than address space.
+Patchwork::Patchwork(const FormFamily& family, const ConvexRegion& region) : family_(family), region_(region) {
+    const std::size_t n = family.forms.size() + 16;
+    vertices_.reserve(4 * n);
+    edges_.reserve(6 * n);
+    half_edges_.reserve(12 * n);
+    faces_.reserve(2 * n);
+}
+
 Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceSide> line_sides) {
     const CircleKernel& kernel = piece.kernel();
     const auto operand = [&](FormId f) {
@@ -335,25 +344,29 @@ MinimizationDiagram Patchwork::finish() {
     for (Index h = 0; h < half_edges_.size(); ++h)
         if (edges_[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
 
-    // Boundary components by face; only a face with several needs to know which one is outer.
+    // Boundary components by face, as linked lists; only a face with several needs to know which one is outer.
     std::vector<bool> seen(half_edges_.size());
-    std::vector<std::pair<Index, Index>> components;  // (face, half-edge)
+    std::vector<Index> first_start(faces_.size(), none), next_start;
+    std::vector<Index> component_start;
+    std::vector<Index> outside;
     for (Index h = 0; h < half_edges_.size(); ++h) {
         if (!edges_[h >> 1].alive || seen[h]) continue;
-        const Index f = half_edges_[h].face;
-        components.emplace_back(f == none ? none : find(f), h);
         for (Index g = h; !seen[g]; g = half_edges_[g].next) seen[g] = true;
-    }
-    std::ranges::stable_sort(components, {}, &std::pair<Index, Index>::first);
-    std::vector<Index> starts;
-    for (std::size_t i = 0; i < components.size();) {
-        const Index f = components[i].first;
-        starts.clear();
-        for (; i < components.size() && components[i].first == f; ++i) starts.push_back(components[i].second);
-        if (f == none) {
-            for (const Index h : starts) out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(h));
+        if (half_edges_[h].face == none) {
+            outside.push_back(h);
             continue;
         }
+        Index& first = first_start[find(half_edges_[h].face)];
+        next_start.push_back(first);
+        first = static_cast<Index>(component_start.size());
+        component_start.push_back(h);
+    }
+    for (const Index h : outside) out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(h));
+    std::vector<Index> starts;
+    for (Index f = 0; f < faces_.size(); ++f) {
+        if (first_start[f] == none) continue;
+        starts.clear();
+        for (Index c = first_start[f]; c != none; c = next_start[c]) starts.push_back(component_start[c]);
         const FaceId id = out.dcel.add_face();
         face_map[f] = id.value;
         out.face_forms.push_back(faces_[f].site);

@@ -27,7 +27,7 @@ public:
     using Index = WorkDiagram::Index;
     static constexpr Index none = WorkDiagram::none;
 
-    Patchwork(const FormFamily& family, const ConvexRegion& region) : family_(family), region_(region) {}
+    Patchwork(const FormFamily& family, const ConvexRegion& region);
 
     /// Registers the line a x + b y + c = 0 as a seam and returns its id.
     std::uint32_t new_seam(double a, double b, double c) {

@@ -15,6 +15,12 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// Centre and half sides of a box, the sides rounded up.
+std::array<double, 4> middle(const std::array<double, 4>& box) {
+    const double x = 0.5 * box[0] + 0.5 * box[1], y = 0.5 * box[2] + 0.5 * box[3];
+    return {x, y, Interval::up(std::max(box[1] - x, x - box[0])), Interval::up(std::max(box[3] - y, y - box[2]))};
+}
+
 void grow(std::array<double, 4>& box, const std::array<double, 4>& by) {
     box = {std::min(box[0], by[0]), std::max(box[1], by[1]), std::min(box[2], by[2]), std::max(box[3], by[3])};
 }
@@ -83,10 +89,12 @@ WorkDiagram::Index WorkDiagram::add_face(FormId site) {
     return f;
 }
 
-void WorkDiagram::set_box(Index e) {
+void WorkDiagram::set_bounds(Index e) {
     const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
-    edges_[e].box = from == none ? kernel_.circle_box(edges_[e].curve)
-                                 : kernel_.arc_box(edges_[e].curve, vertices_[from].point, vertices_[to].point);
+    if (from == none)
+        edges_[e].bounds = {kernel_.circle_box(edges_[e].curve), infinity, infinity};
+    else
+        edges_[e].bounds = kernel_.arc_bounds(edges_[e].curve, vertices_[from].point, vertices_[to].point);
 }
 
 // Takes the edge out of the rotations at its ends; a vertex that keeps no edge goes with it.
@@ -185,8 +193,8 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
         half_edges_[2 * e].face = f;
         half_edges_[2 * e + 1].face = outside;
         vertices_[i].out = 2 * e;
-        set_box(e);
-        grow(faces_[f].box, edges_[e].box);
+        set_bounds(e);
+        grow(faces_[f].box, edges_[e].bounds.box);
     }
     for (Index i = 0; i < n; ++i) {
         link(2 * i, 2 * ((i + 1) % n));
@@ -198,10 +206,11 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
 }
 
 void WorkDiagram::set_center(Face& f) const {
-    f.x = 0.5 * f.box[0] + 0.5 * f.box[1];
-    f.y = 0.5 * f.box[2] + 0.5 * f.box[3];
-    f.rx = Interval::up(std::max(f.box[1] - f.x, f.x - f.box[0]));
-    f.ry = Interval::up(std::max(f.box[3] - f.y, f.y - f.box[2]));
+    const auto [x, y, rx, ry] = middle(f.box);
+    f.x = x;
+    f.y = y;
+    f.rx = rx;
+    f.ry = ry;
     f.place = CircleKernel::place(kernel_.form(f.site), f.x, f.y, f.rx, f.ry);
 }
 
@@ -254,7 +263,7 @@ void WorkDiagram::resolve() {
             face.outer = c;
             for_cycle(c, [&](Index h) {
                 half_edges_[h].face = f;
-                grow(face.box, edges_[h >> 1].box);
+                grow(face.box, edges_[h >> 1].bounds.box);
             });
             set_center(face);
         }
@@ -286,10 +295,13 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     if (vertex.stamp == stamp_) return vertex.sign;
     vertex.stamp = stamp_;
     const KernelPoint& p = kernel_.point(vertex.point);
-    vertex.challenger = CircleKernel::place(kernel_.form(rival.f), p.x, p.y, p.error, p.error);
-    const double difference = vertex.challenger.v - vertex.height;
-    const double change = vertex.challenger.top - vertex.challenger.v;  // over the point's uncertainty
-    if (std::abs(difference) > 1.01 * (change + vertex.height_error) + 64 * DBL_EPSILON * vertex.challenger.scale) {
+    const CircleKernel::Place b = CircleKernel::place(kernel_.form(rival.f), p.x, p.y, p.error, p.error);
+    vertex.slope_x = b.gx;
+    vertex.slope_y = b.gy;
+    const double difference = b.v - vertex.height;
+    // b.top - b.v: its change over the point's uncertainty.
+    vertex.margin = std::abs(difference) - 1.01 * (b.top - b.v + vertex.height_error) - 64 * DBL_EPSILON * b.scale;
+    if (vertex.margin > 0) {
         ++kernel_.decisions().by_double;
         vertex.sign = sign_of(difference);
         return vertex.sign;
@@ -309,18 +321,21 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     return vertex.sign;
 }
 
-// Do the forms' values and slopes at the edge's end v alone prove that challenger - defender keeps the sign it
-// has there all along the edge?
-bool WorkDiagram::keeps_sign(Index v, Index e, FormId defender) const {
-    const KernelPoint& p = at(v);
-    const std::array<double, 4>& box = edges_[e].box;
-    const double rx = Interval::up(std::max(box[1] - p.x, p.x - box[0]));
-    const double ry = Interval::up(std::max(box[3] - p.y, p.y - box[2]));
-    CircleKernel::Place b = vertices_[v].challenger;
-    b.scale += std::abs(b.gx) * rx + std::abs(b.gy) * ry + std::abs(b.K) * (rx * rx + ry * ry);
-    const CircleKernel::Place a = CircleKernel::place(kernel_.form(defender), p.x, p.y, rx, ry);
-    return vertices_[v].sign == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry)
-                                               : CircleKernel::certainly_above(a, b, rx, ry);
+// Do the values at the ends alone prove that challenger - defender keeps their common sign along the edge? Let
+// g = F of the rivals, m the smaller |g| of the two ends, l the chord and s the sagitta. On the chord g is a
+// parabola of second derivative 2 K, so |g| >= m - |K| l^2 / 4; the arc leaves it by s, and g changes on the
+// way by at most |grad g| s + |K| s^2, where |grad g| <= |grad g(end)| + 2 |K| l.
+bool WorkDiagram::keeps_sign(Index e, FormPair rival) const {
+    const Vertex &v = vertices_[half_edges_[2 * e].origin], &w = vertices_[half_edges_[2 * e + 1].origin];
+    const CircleKernel::Form &b = kernel_.form(rival.f), &a = kernel_.form(rival.g);
+    const KernelPoint& p = kernel_.point(v.point);
+    const double l = edges_[e].bounds.chord, s = edges_[e].bounds.sagitta;
+    const double ax = (2 * a.k * (p.x - a.cx) + a.a) * a.iw, ay = (2 * a.k * (p.y - a.cy) + a.b) * a.iw;
+    const double slope = std::abs(v.slope_x - ax) + std::abs(v.slope_y - ay) +
+                         1e-12 * (std::abs(v.slope_x) + std::abs(ax) + std::abs(v.slope_y) + std::abs(ay) +
+                                  (b.K * (std::abs(p.x) + std::abs(p.y)) + a.K * (std::abs(p.x) + std::abs(p.y))));
+    const double K = std::abs(b.K - a.K) + 1e-12 * (std::abs(b.K) + std::abs(a.K));
+    return std::min(v.margin, w.margin) > (K * (0.25 * l * l + 2 * l * s + s * s) + slope * s) * (1 + 1e-9);
 }
 
 // The roots of challenger - defender on the edge. On the whole curve c there are at most two, and they turn
@@ -333,7 +348,7 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
     const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
 
     if (from == none) {
-        const std::array<double, 4>& b = edge.box;
+        const std::array<double, 4>& b = edge.bounds.box;
         if (kernel_.lower_bound(rival.f, rival.g, b[0], b[1], b[2], b[3]) > 0) {
             edge.sign = Sign::Positive;
             return false;
@@ -381,11 +396,12 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
             return cut_edge(e, rival, {&cut, 1}, s);
         }
         edge.sign = s;
-        const std::array<double, 4>& b = edge.box;
-        if (keeps_sign(from, e, rival.g) || keeps_sign(to, e, rival.g)) return false;
-        const bool apart = s == Sign::Positive ? kernel_.lower_bound(rival.f, rival.g, b[0], b[1], b[2], b[3]) > 0
-                                               : kernel_.lower_bound(rival.g, rival.f, b[0], b[1], b[2], b[3]) > 0;
-        if (apart) return false;
+        if (keeps_sign(e, rival)) return false;
+        const auto [x, y, rx, ry] = middle(edge.bounds.box);
+        const CircleKernel::Place b = CircleKernel::place(kernel_.form(rival.f), x, y, rx, ry);
+        const CircleKernel::Place a = CircleKernel::place(kernel_.form(rival.g), x, y, rx, ry);
+        if (s == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry) : CircleKernel::certainly_above(a, b, rx, ry))
+            return false;
         // Two lines cross once, and then the signs at the ends would differ.
         if (edge.rim && kernel_.curvature_sign(rival) == Sign::Zero) return false;
         auto first = kernel_.certain_intersection(c, rival, -s, near);
@@ -454,12 +470,12 @@ bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, S
             continue;
         }
         edges_[e].sign = sign;
-        if (stays(e)) set_box(e);
+        if (stays(e)) set_bounds(e);
         if (!cut.touching) sign = -sign;
         e = half_edges_[2 * e].next >> 1;
         edges_[e].sign = sign;
     }
-    if (stays(e)) set_box(e);
+    if (stays(e)) set_bounds(e);
     return true;
 }
 
@@ -572,7 +588,7 @@ void WorkDiagram::insert_arcs(FormPair rival) {
         half_edges_[2 * e + 1].label = rival.g;
         s.half_edge = 2 * e;
         first->half_edge = 2 * e + 1;
-        set_box(e);
+        set_bounds(e);
         touched_.push_back(2 * e);
         touched_.push_back(2 * e + 1);
     }
@@ -616,13 +632,13 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     link(2 * e + 1, 2 * e + 1);
     half_edges_[2 * e].label = rival.f;
     half_edges_[2 * e + 1].label = rival.g;
-    set_box(e);
+    set_bounds(e);
     if (!d.met && f.inner.empty() && f.isolated.empty()) {
         // The common case at once: a new face in a hole of the old one.
         live_cycles_ += 2;
         const Index inside = add_face(d.challenger);
         faces_[inside].outer = 2 * e;
-        faces_[inside].box = edges_[e].box;
+        faces_[inside].box = edges_[e].bounds.box;
         set_center(faces_[inside]);
         half_edges_[2 * e].face = inside;
         half_edges_[2 * e + 1].face = d.face;
@@ -673,7 +689,7 @@ void WorkDiagram::join_rim_edges(Index h) {
     edges_[n >> 1].alive = false;
     free_edges_.push_back(n >> 1);
     --live_edges_;
-    set_box(h >> 1);
+    set_bounds(h >> 1);
 }
 
 // Collects the new boundary components of all changed faces into cycles_.
@@ -707,7 +723,7 @@ void WorkDiagram::nest_cycles(std::span<const Index> isolated) {
         faces_[f].outer = c;
         for_cycle(c, [&](Index h) {
             half_edges_[h].face = f;
-            grow(faces_[f].box, edges_[h >> 1].box);
+            grow(faces_[f].box, edges_[h >> 1].bounds.box);
         });
         set_center(faces_[f]);
     }
@@ -763,7 +779,7 @@ bool WorkDiagram::is_outer_cycle(Index cycle) {
         right_of_some = std::min(right_of_some, Interval::up(p.x + p.error));
     });
     for_cycle(cycle, [&](Index h) {
-        if (edges_[h >> 1].box[0] > right_of_some) return;
+        if (edges_[h >> 1].bounds.box[0] > right_of_some) return;
         const Index v = half_edges_[h].origin, w = target(h);
         const PointId p = vertices_[v].point;
         if (!leftmost.valid() || (p != leftmost && kernel_.compare_xy(p, leftmost) == Sign::Negative)) {
@@ -808,7 +824,7 @@ bool WorkDiagram::face_contains(const Face& f, PointId p) {
 // piece counts its left end and not its right one.
 int WorkDiagram::crossings_above(Index e, PointId p) {
     const KernelPoint& at_p = kernel_.point(p);
-    const std::array<double, 4>& box = edges_[e].box;
+    const std::array<double, 4>& box = edges_[e].bounds.box;
     if (box[1] < at_p.x - at_p.error || box[0] > at_p.x + at_p.error || box[3] < at_p.y - at_p.error) return 0;
     const FormPair c = edges_[e].curve;
     const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;

@@ -31,7 +31,8 @@ public:
         Sign sign = Sign::Zero;    ///< of challenger - defender, while stamp is current
         bool alive = true;
         double height, height_error;       ///< encloses the minimum at the vertex
-        CircleKernel::Place challenger;    ///< the challenger there, while stamp is current
+        // While stamp is current: the challenger's slope, and a lower bound of |challenger - defender|.
+        double slope_x, slope_y, margin;
     };
     struct HalfEdge {
         Index next, prev, origin, face;
@@ -40,7 +41,7 @@ public:
     /// Half-edges 2e and 2e + 1; curve directs 2e. Rim curves are {zero_form, line}, inside on their left.
     struct Edge {
         FormPair curve;
-        std::array<double, 4> box;  ///< contains the arc: x0, x1, y0, y1
+        CircleKernel::ArcBounds bounds;
         Index ties = none;
         Index stamp = 0;
         Sign sign = Sign::Zero;
@@ -126,7 +127,7 @@ private:
     void set_height(Vertex& v, FormId lowest) const;
     Index add_edge(FormPair curve, Index from, Index to, bool rim);
     Index add_face(FormId site);
-    void set_box(Index e);
+    void set_bounds(Index e);
     void kill_edge(Index e);
     Index split_edge(Index e, PointId p, FormId lowest);
     const KernelPoint& at(Index v) const { return kernel_.point(vertices_[v].point); }
@@ -136,7 +137,7 @@ private:
     void resolve();
     void decide_boundary(Duel& d);
     void set_center(Face& f) const;
-    bool keeps_sign(Index v, Index e, FormId defender) const;
+    bool keeps_sign(Index e, FormPair rival) const;
     Sign vertex_sign(Index v, FormPair rival);
     bool decide_edge(Index e, FormPair rival);
     bool cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before);
