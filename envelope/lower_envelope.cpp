@@ -178,17 +178,40 @@ private:
         kernel_.reset(&family_);
         lines_.clear();
         for (const PieceSide& s : piece.sides) lines_.push_back(kernel_.add_line(s.a, s.b, s.c));
-        for (std::size_t i = 0; i < order_.size(); ++i) {
-            const FormId f = kernel_.add_form(order_[i].second);
-            if (i == 0)
-                work_.start(lines_, f);
-            else
-                work_.insert(f);
-        }
+        std::vector<FormId> forms;
+        for (const auto& [height, f] : order_) forms.push_back(kernel_.add_form(f));
+        merge_all(work_, forms, piece.rect);
         const Patchwork::Index handle = patchwork_.add(work_, piece.sides);
         done_ += share;
         if (options_.progress) options_.progress(done_);
         return handle;
+    }
+
+    // The diagram of these forms of the kernel, low ones first, over the polygon lines_.
+    void merge_all(WorkDiagram& work, std::span<FormId> forms, const Rect& r) {
+        if (forms.size() <= std::max<std::size_t>(options_.largest_piece, 1)) {
+            work.start(lines_, forms[0]);
+            for (const FormId f : forms.subspan(1)) work.insert(f);
+            return;
+        }
+        // Forms that are lowest in different places share few faces: halve along the longer side.
+        const bool wide = r.x1 - r.x0 >= r.y1 - r.y0;
+        const auto place = [&](FormId f) {
+            const Form& form = kernel_.form(f);
+            if (form.k != 0) return wide ? form.cx : form.cy;
+            const bool falls = (wide ? form.a : form.b) < 0;
+            return wide ? (falls ? r.x1 : r.x0) : (falls ? r.y1 : r.y0);
+        };
+        std::vector<FormId> sorted(forms.begin(), forms.end());
+        const std::size_t half = forms.size() / 2;
+        std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(half), {}, place);
+        // Their numbers ascend with their heights.
+        std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half));
+        std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(half), sorted.end());
+        WorkDiagram first(kernel_), second(kernel_);
+        merge_all(first, std::span(sorted).first(half), r);
+        merge_all(second, std::span(sorted).subspan(half), r);
+        work.merge(first, second);
     }
 
     const FormFamily& family_;

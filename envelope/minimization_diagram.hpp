@@ -91,6 +91,9 @@ private:
 struct EnvelopeOptions {
     /// Called now and then with the fraction done, in [0, 1]; may throw to cancel.
     std::function<void(double)> progress;
+    /// Where more functions than this compete in a piece of the region, the diagrams of two halves of them
+    /// are merged by overlay. Changes the time taken only, not the diagram.
+    std::size_t largest_piece = 256;
 };
 
 /// The lower envelope of the forms over the region, exact.

@@ -282,9 +282,12 @@ std::size_t Patchwork::leftmost(std::span<const Index> components) const {
             const Vertex& from = vertices_[v];
             const FormPair first{local(from.curves[0]), local(from.curves[1])};
             const FormPair second{local(from.curves[2]), local(from.curves[3])};
-            it->second = from.orientation == Sign::Zero
-                             ? kernel.touching_point(first, second)
-                             : kernel.intersection(first, second, from.orientation, {from.x, from.y}).value();
+            if (first == second)
+                it->second = from.orientation == Sign::Negative ? kernel.leftmost_point(first) : kernel.rightmost_point(first);
+            else if (from.orientation == Sign::Zero)
+                it->second = kernel.touching_point(first, second);
+            else
+                it->second = kernel.intersection(first, second, from.orientation, {from.x, from.y}).value();
         }
         return it->second;
     };

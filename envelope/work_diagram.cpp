@@ -105,7 +105,12 @@ void WorkDiagram::kill_edge(Index e) {
     } else {
         for (const Index g : {h, t}) {
             const Index v = half_edges_[g].origin, before = half_edges_[g].prev, after = half_edges_[twin(g)].next;
-            if (after == g) {
+            if (after == g && merging_ && vertices_[v].ties != none && ties_[vertices_[v].ties].size() > 1) {
+                // An isolated point of one diagram that lay on an edge of the other.
+                vertices_[v].out = none;
+                isolated_.push_back(v);
+                --live_vertices_;
+            } else if (after == g) {
                 vertices_[v].alive = false;
                 free_vertices_.push_back(v);
                 --live_vertices_;
@@ -145,6 +150,7 @@ WorkDiagram::Index WorkDiagram::split_edge(Index e, PointId p, FormId lowest) {
     vertices_[v].out = n;
     if (vertices_[end].out == t) vertices_[end].out = n + 1;
     edges_[n >> 1].ties = copy_ties(edges_[e].ties);
+    edges_[n >> 1].challenger_ties = edges_[e].challenger_ties;
     edges_[n >> 1].stamp = edges_[e].stamp;
     return v;
 }
@@ -166,7 +172,7 @@ WorkDiagram::Index WorkDiagram::copy_ties(Index list) {
     return static_cast<Index>(ties_.size() - 1);
 }
 
-void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
+void WorkDiagram::clear() {
     vertices_.clear();
     half_edges_.clear();
     edges_.clear();
@@ -175,9 +181,14 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
     free_vertices_.clear();
     free_edges_.clear();
     free_faces_.clear();
-    live_vertices_ = live_edges_ = 0;
-    live_cycles_ = 2;
+    live_vertices_ = live_edges_ = live_cycles_ = 0;
     stamp_ = 0;
+    merging_ = false;
+}
+
+void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
+    clear();
+    live_cycles_ = 2;
     const auto n = static_cast<Index>(lines.size());
     const auto side = [&](Index i) { return FormPair{CircleKernel::zero_form(), lines[i % n]}; };
     for (Index i = 0; i < n; ++i) {
@@ -232,7 +243,9 @@ void WorkDiagram::insert(FormId challenger) {
 void WorkDiagram::resolve() {
     ++stamp_;
     touched_.clear();
+    isolated_.clear();
     for (Duel& d : duels_) decide_boundary(d);
+    if (merging_) unite_ties();
     const long components_before = component_count();
     bool plain = true;  // no changed face has holes or isolated vertices
     for (Duel& d : duels_) {
@@ -245,18 +258,27 @@ void WorkDiagram::resolve() {
     if (touched_.empty()) return;
     remove_inner_edges();
 
-    std::vector<Index> isolated;
     for (const Duel& d : duels_) {
         if (!d.changed) continue;
         Face& f = faces_[d.face];
-        for (const Index v : f.isolated) isolated.push_back(v);
+        for (const Index v : f.isolated) {
+            Vertex& vertex = vertices_[v];
+            const bool stays = merging_ ? vertex.ties != none && ties_[vertex.ties].size() > 1
+                                        : vertex.stamp != stamp_ || vertex.sign != Sign::Negative;
+            if (stays) {
+                isolated_.push_back(v);
+            } else {
+                vertex.alive = false;
+                free_vertices_.push_back(v);
+            }
+        }
         f.alive = false;
         f.isolated.clear();
         free_faces_.push_back(d.face);
     }
     rebuild_faces();
     const long components = component_count();
-    if (isolated.empty() && (components == 1 || (plain && components == components_before))) {
+    if (isolated_.empty() && (components == 1 || (plain && components == components_before))) {
         for (const Index c : cycles_) {
             const Index f = add_face(half_edges_[c].label);
             Face& face = faces_[f];
@@ -268,7 +290,7 @@ void WorkDiagram::resolve() {
             set_center(face);
         }
     } else {
-        nest_cycles(isolated);
+        nest_cycles();
     }
 }
 
@@ -331,8 +353,13 @@ bool WorkDiagram::keeps_sign(Index e, FormPair rival) const {
     const KernelPoint& p = kernel_.point(v.point);
     const double l = edges_[e].bounds.chord, s = edges_[e].bounds.sagitta;
     const double ax = (2 * a.k * (p.x - a.cx) + a.a) * a.iw, ay = (2 * a.k * (p.y - a.cy) + a.b) * a.iw;
-    const double slope = std::abs(v.slope_x - ax) + std::abs(v.slope_y - ay) +
-                         1e-12 * (std::abs(v.slope_x) + std::abs(ax) + std::abs(v.slope_y) + std::abs(ay) +
+    double bx = v.slope_x, by = v.slope_y;
+    if (merging_) {  // they may be another challenger's
+        bx = (2 * b.k * (p.x - b.cx) + b.a) * b.iw;
+        by = (2 * b.k * (p.y - b.cy) + b.b) * b.iw;
+    }
+    const double slope = std::abs(bx - ax) + std::abs(by - ay) +
+                         1e-12 * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
                                   (b.K * (std::abs(p.x) + std::abs(p.y)) + a.K * (std::abs(p.x) + std::abs(p.y))));
     const double K = std::abs(b.K - a.K) + 1e-12 * (std::abs(b.K) + std::abs(a.K));
     return std::min(v.margin, w.margin) > (K * (0.25 * l * l + 2 * l * s + s * s) + slope * s) * (1 + 1e-9);
@@ -449,10 +476,10 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
     return false;
 }
 
-// Splits e at the cuts, in order along its curve. Parts that the challenger takes over are as good as gone. The sign before the first is given; it changes at
-// every cut that is no touching.
+// Splits e at the cuts, in order along its curve. Parts that a single challenger takes over are as good as
+// gone. The sign before the first is given; it changes at every cut that is no touching.
 bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
-    const auto stays = [&](Index part) { return edges_[part].rim || edges_[part].sign != Sign::Negative; };
+    const auto stays = [&](Index part) { return merging_ || edges_[part].rim || edges_[part].sign != Sign::Negative; };
     Sign sign = before;
     const bool closed = half_edges_[2 * e].origin == none;
     for (std::size_t i = 0; i < cuts.size(); ++i) {
@@ -482,7 +509,7 @@ bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, S
 // --- Arcs inside a face -------------------------------------------------------------------------------
 
 void WorkDiagram::divide_face(Duel& d) {
-    if (!d.met) {
+    if (!d.met && !merging_) {
         insert_island(d, Sign::Positive);
         return;
     }
@@ -507,6 +534,7 @@ void WorkDiagram::divide_face(Duel& d) {
     d.changed = negative || !branches_.empty();
     if (!positive && !negative)  // bounded by the trisector alone
         d.changed = winner(f.outer, d) == d.challenger;
+    d.changed = d.changed || merging_;
     if (!d.changed) {
         touched_.resize(first_touched);
         return;
@@ -633,7 +661,7 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     half_edges_[2 * e].label = rival.f;
     half_edges_[2 * e + 1].label = rival.g;
     set_bounds(e);
-    if (!d.met && f.inner.empty() && f.isolated.empty()) {
+    if (!d.met && !merging_ && f.inner.empty() && f.isolated.empty()) {
         // The common case at once: a new face in a hole of the old one.
         live_cycles_ += 2;
         const Index inside = add_face(d.challenger);
@@ -645,7 +673,7 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
         faces_[d.face].inner.push_back(2 * e + 1);
         return;
     }
-    if (!d.met) {
+    if (!d.changed) {
         d.changed = true;
         for_boundary(f, [&](Index h) { touched_.push_back(h); });
     }
@@ -657,6 +685,10 @@ void WorkDiagram::remove_inner_edges() {
     for (const Index h : touched_) {
         const Index e = h >> 1;
         if (edges_[e].alive && half_edges_[2 * e].label == half_edges_[2 * e + 1].label) kill_edge(e);
+    }
+    if (merging_) {
+        for (Index v = 0; v < vertices_.size(); ++v) smooth(v);
+        return;
     }
     // On the rim, where no edge goes, vertices between equal labels do.
     for (const Index h : touched_) {
@@ -700,7 +732,7 @@ void WorkDiagram::rebuild_faces() {
         half_edges_[h].face = none;
         Edge& edge = edges_[h >> 1];
         // The edge may separate others than before, tied all along it.
-        if (!edge.rim && edge.ties != none)
+        if (!edge.rim)
             edge.curve = {half_edges_[h & ~1u].label, half_edges_[h | 1u].label};
     }
     for (const Index h : touched_) {
@@ -715,7 +747,7 @@ void WorkDiagram::rebuild_faces() {
 
 // Finds which of the new components bound faces from outside, and in which face each of the others, and
 // each isolated vertex, lies.
-void WorkDiagram::nest_cycles(std::span<const Index> isolated) {
+void WorkDiagram::nest_cycles() {
     std::vector<Index> outer, inner;
     for (const Index c : cycles_) (is_outer_cycle(c) ? outer : inner).push_back(c);
     for (const Index c : outer) {
@@ -748,14 +780,8 @@ void WorkDiagram::nest_cycles(std::span<const Index> isolated) {
         faces_[f].inner.push_back(c);
         for_cycle(c, [&](Index h) { half_edges_[h].face = f; });
     }
-    for (const Index v : isolated) {
+    for (const Index v : isolated_) {
         Vertex& vertex = vertices_[v];
-        const Sign s = vertex.stamp == stamp_ ? vertex.sign : Sign::Positive;
-        if (s == Sign::Negative) {
-            vertex.alive = false;
-            free_vertices_.push_back(v);
-            continue;
-        }
         const Index f = face_around(vertex.point, {});
         vertex.isolated_in = f;
         faces_[f].isolated.push_back(v);

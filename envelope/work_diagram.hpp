@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "../arrangement/circle_arcs.hpp"
 #include "../arrangement/circle_kernel.hpp"
 #include "minimization_diagram.hpp"
 
@@ -27,6 +28,7 @@ public:
         Index out = none;          ///< some half-edge that leaves it; none: isolated
         Index isolated_in = none;  ///< the face of an isolated vertex
         Index ties = none;         ///< index into ties_: all forms that attain the minimum, if not just the faces'
+        Index challenger_ties = none;  ///< the same in the challenging diagram, while two are merged
         Index stamp = 0;
         Sign sign = Sign::Zero;    ///< of challenger - defender, while stamp is current
         bool alive = true;
@@ -42,7 +44,7 @@ public:
     struct Edge {
         FormPair curve;
         CircleKernel::ArcBounds bounds;
-        Index ties = none;
+        Index ties = none, challenger_ties = none;
         Index stamp = 0;
         Sign sign = Sign::Zero;
         bool rim = false;
@@ -68,8 +70,9 @@ public:
     /// Merges in one more form.
     void insert(FormId challenger);
 
-    /// Merges another diagram over the same polygon, by overlay.
-    void merge(const WorkDiagram& other);
+    /// Becomes the diagram of the forms of both, by overlay. Pre: neither is this one; both have this
+    /// one's kernel, the same polygon, and no form in common.
+    void merge(const WorkDiagram& defender, const WorkDiagram& challenger);
 
     CircleKernel& kernel() const { return kernel_; }
     const std::vector<Vertex>& vertices() const { return vertices_; }
@@ -123,6 +126,9 @@ private:
         for (const Index h : f.inner) for_cycle(h, visit);
     }
 
+    struct Layer;  // a diagram as an input of overlay()
+
+    void clear();
     Index add_vertex(PointId p, FormId lowest);
     void set_height(Vertex& v, FormId lowest) const;
     Index add_edge(FormPair curve, Index from, Index to, bool rim);
@@ -135,6 +141,9 @@ private:
     Index copy_ties(Index list);
 
     void resolve();
+    Layer make_layer(CircleArcs& geometry) const;
+    void unite_ties();
+    void smooth(Index v);
     void decide_boundary(Duel& d);
     void set_center(Face& f) const;
     bool keeps_sign(Index e, FormPair rival) const;
@@ -149,7 +158,7 @@ private:
     void remove_inner_edges();
     void join_rim_edges(Index h);
     void rebuild_faces();
-    void nest_cycles(std::span<const Index> isolated);
+    void nest_cycles();
 
     bool cycle_contains(Index cycle, PointId p);
     bool face_contains(const Face& f, PointId p);
@@ -166,6 +175,7 @@ private:
     std::vector<std::vector<FormId>> ties_;
     std::vector<Index> free_vertices_, free_edges_, free_faces_;
     Index stamp_ = 0;
+    bool merging_ = false;  // resolve() compares two diagrams: every face has a challenger, and all are made anew
     // A closed edge without vertices counts as one vertex and one edge; isolated vertices do not count.
     long live_vertices_ = 0, live_edges_ = 0, live_cycles_ = 0;
 
@@ -174,6 +184,7 @@ private:
     std::vector<Branch> branches_;
     std::vector<Index> touched_;  // half-edges of changed faces
     std::vector<Index> cycles_;   // a half-edge of each new boundary component
+    std::vector<Index> isolated_; // isolated vertices that need a face
 };
 
 }  // namespace vcell

@@ -1,0 +1,136 @@
+/// The merge by overlay against the merge of one form at a time.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <numeric>
+
+#include "../test_support.hpp"
+#include "form_scenes.hpp"
+#include "oracle.hpp"
+
+namespace vcell {
+namespace {
+
+oracle::Renaming unchanged(const FormScene& s) {
+    oracle::Renaming r;
+    r.form.resize(s.numbers.size());
+    std::iota(r.form.begin(), r.form.end(), 0u);
+    r.side.resize(s.region().sides.size());
+    std::iota(r.side.begin(), r.side.end(), 0u);
+    return r;
+}
+
+void same_by_overlay(const FormScene& s) {
+    CAPTURE(s.name);
+    const FormFamily family = s.family();
+    const oracle::Renaming r = unchanged(s);
+    const std::vector<std::string> expected = oracle::canonical(lower_envelope(family, s.region()), r);
+    for (const std::size_t largest_piece : {1, 4}) {
+        CAPTURE(largest_piece);
+        EnvelopeOptions options;
+        options.largest_piece = largest_piece;
+        std::vector<std::string> found;
+        CHECK_NOTHROW(found = oracle::canonical(lower_envelope(family, s.region(), options), r));
+        CHECK(found == expected);
+    }
+}
+
+/// n forms that are all equal above the origin, each lowest in a sector there.
+FormScene hub(int n, bool equal) {
+    FormScene s{.name = "hub, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
+    for (int i = 0; i < n; ++i) {
+        const double angle = 2 * std::numbers::pi * i / n;
+        const double x = dyadic(std::cos(angle)), y = dyadic(std::sin(angle)), w = equal ? 2 : 2 + i % 3 * 0x1p-16;
+        s.paraboloid(x, y, 2 * w - (x * x + y * y), w);
+    }
+    return s;
+}
+
+/// Forms with few different numbers: many coincidences of every kind.
+FormScene coarse(std::mt19937_64& rng, int n) {
+    FormScene s{.name = "coarse numbers, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
+    const auto pick = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(rng) / 2.0; };
+    while (static_cast<int>(s.numbers.size()) < n) {
+        FormScene one = s;
+        one.numbers.clear();
+        if (pick(0, 4) == 0) {
+            one.plane(pick(-2, 2), pick(-2, 2), pick(2, 6), pick(2, 4));
+        } else {
+            const double w = pick(1, 4), r = pick(0, 4);
+            one.paraboloid(pick(-4, 4), pick(-4, 4), w - r * r, w);
+        }
+        // No function twice: a plane's numbers may be multiples of another's.
+        const auto& m = one.numbers.front();
+        const bool known = std::ranges::any_of(s.numbers, [&](const FormScene::Numbers& k) {
+            return k.k * m.w == m.k * k.w && k.cx == m.cx && k.cy == m.cy && k.a * m.w == m.a * k.w &&
+                   k.b * m.w == m.b * k.w && k.e * m.w == m.e * k.w;
+        });
+        if (!known) s.numbers.push_back(m);
+    }
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("lower_envelope: merging by overlay gives the diagram of merging one by one, coarse numbers") {
+    std::mt19937_64 rng(test_seed());
+    for (int i = 0; i < 300; ++i) same_by_overlay(coarse(rng, 3 + i % 20));
+}
+
+TEST_CASE("lower_envelope: merging by overlay gives the diagram of merging one by one, divided regions") {
+    std::mt19937_64 rng(test_seed());
+    same_by_overlay(random_spheres(rng, 400, 20));
+    same_by_overlay(heavy_tailed(rng, 400));
+    same_by_overlay(in_polygon(mixed(rng, 300, 20)));
+    FormScene square = lattice("square lattice, divided", 16, 1, 0, 1, -8, -8);
+    square.rectangle = {-8, -8, 7, 7};
+    same_by_overlay(square);
+}
+
+TEST_CASE("lower_envelope: merging by overlay gives the diagram of merging one by one, degenerate families") {
+    for (const FormScene& s : degenerate_scenes()) same_by_overlay(s);
+}
+
+TEST_CASE("lower_envelope: merging by overlay gives the diagram of merging one by one, random scenes") {
+    std::mt19937_64 rng(test_seed());
+    for (int i = 0; i < 40; ++i) {
+        same_by_overlay(random_spheres(rng, 2 + i, std::sqrt(2.0 + i)));
+        same_by_overlay(random_spheres(rng, 2 + i, 1));
+        same_by_overlay(heavy_tailed(rng, 2 + i));
+        same_by_overlay(mixed(rng, 1 + i, 1 + i % 4));
+        same_by_overlay(in_polygon(mixed(rng, 1 + i, 1 + i % 4)));
+    }
+}
+
+TEST_CASE("lower_envelope: a hole that the challenger covers, and its surroundings within a larger face") {
+    FormScene s{.name = "a shallow disk under a deep one", .numbers = {}, .polygon = {}};
+    s.plane(0, 0, 1);
+    s.paraboloid(1, 0, 128 - 0.0625, 128);  // the disk of radius 1/4, in the plane's face
+    s.paraboloid(1, 0, 1 - 0.25, 1);        // of radius 1/2, lower all over the first
+    const FormFamily family = s.family();
+    for (const std::size_t largest_piece : {1, 256}) {
+        EnvelopeOptions options;
+        options.largest_piece = largest_piece;
+        std::mt19937_64 rng(test_seed());
+        const auto complaints = oracle::check_diagram(lower_envelope(family, s.region(), options), family, rng);
+        CHECK(complaints.empty());
+    }
+}
+
+TEST_CASE("lower_envelope: four hundred forms that meet in one vertex") {
+    for (const bool equal : {true, false}) {
+        const FormScene s = hub(400, equal);
+        const FormFamily family = s.family();
+        const MinimizationDiagram d = lower_envelope(family, s.region());
+        EnvelopeOptions one_by_one;
+        one_by_one.largest_piece = s.numbers.size();
+        CHECK(oracle::canonical(d, unchanged(s)) == oracle::canonical(lower_envelope(family, s.region(), one_by_one), unchanged(s)));
+        std::size_t largest = 0;
+        for (const VertexId v : d.vertices.ids()) largest = std::max(largest, d.label(v).size());
+        CHECK(largest == 400);
+        CHECK((!equal || d.dcel.face_count() == 401));
+    }
+}
+
+}  // namespace vcell
