@@ -541,10 +541,12 @@ void WorkDiagram::divide_face(Duel& d) {
     }
     for (std::size_t i = first_touched; i < boundary_end; ++i)
         half_edges_[touched_[i]].label = winner(touched_[i], d);
-    if (root)
+    if (root) {
         insert_arcs(rival);
-    else
+        thread_isolated(d.face, boundary_end);
+    } else {
         insert_island(d, edges_[f.outer >> 1].sign);
+    }
 }
 
 // Who wins beside half-edge h of the face, on its left.
@@ -677,8 +679,36 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
         d.changed = true;
         for_boundary(f, [&](Index h) { touched_.push_back(h); });
     }
+    const std::size_t first_new = touched_.size();
     touched_.push_back(2 * e);
     touched_.push_back(2 * e + 1);
+    thread_isolated(d.face, first_new);
+}
+
+// Isolated vertices of the face through which the trisector runs become vertices of its new edges, those of
+// touched_ from first_new on.
+void WorkDiagram::thread_isolated(Index face, std::size_t first_new) {
+    std::erase_if(faces_[face].isolated, [&](Index v) {
+        if (vertices_[v].stamp != stamp_ || vertices_[v].sign != Sign::Zero) return false;
+        const PointId p = vertices_[v].point;
+        for (std::size_t i = first_new; i < touched_.size(); i += 2) {
+            const Index e = touched_[i] >> 1, from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+            if (from != none && !kernel_.strictly_between(edges_[e].curve, vertices_[from].point, vertices_[to].point, p)) continue;
+            const Index w = split_edge(e, p, half_edges_[2 * e].label), n = vertices_[w].out >> 1;
+            vertices_[w].ties = vertices_[v].ties;
+            vertices_[w].stamp = stamp_;
+            set_bounds(e);
+            if (n != e) {
+                set_bounds(n);
+                touched_.push_back(2 * n);
+                touched_.push_back(2 * n + 1);
+            }
+            vertices_[v].alive = false;
+            free_vertices_.push_back(v);
+            return true;
+        }
+        return false;
+    });
 }
 
 void WorkDiagram::remove_inner_edges() {

@@ -154,6 +154,7 @@ private:
     void find_branches(Index cycle, FormPair rival);
     void insert_arcs(FormPair rival);
     void insert_island(Duel& d, Sign boundary);
+    void thread_isolated(Index face, std::size_t first_new);
     FormId winner(Index h, const Duel& d);
     void remove_inner_edges();
     void join_rim_edges(Index h);

@@ -118,6 +118,21 @@ TEST_CASE("lower_envelope: a hole that the challenger covers, and its surroundin
     }
 }
 
+TEST_CASE("lower_envelope: a circle runs through a point where another form touches the same face") {
+    FormScene s{.name = "touching point on a later circle", .numbers = {}, .polygon = {}};
+    s.plane(0, 0, 1);
+    s.paraboloid(1.5, 1, 1.5, 1.5);   // touches the plane at (1.5, 1)
+    s.paraboloid(2, 1, 0.25, 0.5);    // meets it in the circle of radius 1/2, leftmost there
+    s.rectangle = {-2, -2, 3, 3};
+    const FormFamily family = s.family();
+    for (const std::size_t largest_piece : {1, 256}) {
+        EnvelopeOptions options;
+        options.largest_piece = largest_piece;
+        std::mt19937_64 rng(test_seed());
+        CHECK(oracle::check_diagram(lower_envelope(family, s.region(), options), family, rng).empty());
+    }
+}
+
 TEST_CASE("lower_envelope: four hundred forms that meet in one vertex") {
     for (const bool equal : {true, false}) {
         const FormScene s = hub(400, equal);
