@@ -23,6 +23,13 @@ namespace {
 
 using namespace kernel_bounds;
 
+// Boxes may be generous. Where the gradient keeps six digits and the ends are eight digits closer known than
+// they are apart, angles are good to angle_margin (radians) and lengths to length_margin (relative).
+constexpr double angle_margin = 1e-7, length_margin = 1e-6;
+// Where K keeps five digits, a centre is good to this fraction of the terms it is computed from.
+constexpr double least_K = 1e-5, center_margin = 1e-9;
+static_assert(center_margin * least_K >= 32 * u);
+
 double cross(double ax, double ay, double bx, double by) { return ax * by - ay * bx; }
 
 }  // namespace
@@ -370,10 +377,10 @@ CircleKernel::ArcBounds CircleKernel::arc_bounds(FormPair c, PointId p, PointId 
     const double cosine = (gx * by - gy * bx) / (g * l);
     if (cosine > 0.1 && 1e8 * error < l && 1e-6 * terms < g) {
         const double sine = std::abs(gx * bx + gy * by) / (g * l);
-        const double margin = 0.5 * l * ((sine + 1e-7) / (1 + cosine) + 1e-7) * (1 + 1e-6);
+        const double margin = 0.5 * l * ((sine + angle_margin) / (1 + cosine) + angle_margin) * (1 + length_margin);
         return {{std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
                  std::max(P.y, Q.y) + margin},
-                l * (1 + 1e-6),
+                l * (1 + length_margin),
                 margin};
     }
     constexpr double inf = std::numeric_limits<double>::infinity();
@@ -405,7 +412,7 @@ std::array<double, 4> CircleKernel::circle_box(FormPair c) const {
 bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& box) const {
     const Form &f = forms_[c.f], &g = forms_[c.g];
     const double K = f.K - g.K;
-    if (!(std::abs(K) > 1e-5 * (std::abs(f.K) + std::abs(g.K)))) return false;
+    if (!(std::abs(K) > least_K * (std::abs(f.K) + std::abs(g.K)))) return false;
     const Form &o = f.K != 0 ? f : g, &p = f.K != 0 ? g : f;
     const double sign = f.K != 0 ? 1 : -1;
     // At o's centre only the other form has a quadratic part and slope, but for linear terms.
@@ -413,7 +420,7 @@ bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& bo
     const double ox = o.a * o.iw, oy = o.b * o.iw, px = (2 * p.k * dx + p.a) * p.iw, py = (2 * p.k * dy + p.b) * p.iw;
     const double half = 0.5 / K;
     const double x = o.cx - sign * (ox - px) * half, y = o.cy - sign * (oy - py) * half;
-    const double margin = 1e-9 * (std::abs(o.cx) + std::abs(o.cy) + std::abs(p.cx) + std::abs(p.cy) +
+    const double margin = center_margin * (std::abs(o.cx) + std::abs(o.cy) + std::abs(p.cx) + std::abs(p.cy) +
                                   (std::abs(ox) + std::abs(oy) + std::abs(px) + std::abs(py)) * std::abs(half));
     return x + margin < box[0] || x - margin > box[1] || y + margin < box[2] || y - margin > box[3];
 }
