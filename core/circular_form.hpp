@@ -13,6 +13,7 @@
 #include <functional>
 #include <vector>
 
+#include "cylinder_form.hpp"
 #include "exact.hpp"
 #include "ids.hpp"
 
@@ -42,10 +43,17 @@ struct ExactForm {
     Exact K, A, B, C, W;
 };
 
-/// A set of forms to compare, with the exact coefficients behind them (computed when asked for).
+/// A set of heights to compare: circular forms, with the exact coefficients behind them (computed when asked
+/// for), and after them, in the same numbering, the heights of cylinders.
 struct FormFamily {
     IdVector<FormId, CircularForm> forms;
     std::function<ExactForm(FormId)> exact;
+    std::vector<CylinderForm> cylinders;
+
+    std::size_t size() const { return forms.size() + cylinders.size(); }
+    bool is_circular(FormId f) const { return f.value < forms.size(); }
+    /// Pre: !is_circular(f).
+    const CylinderForm& cylinder(FormId f) const { return cylinders[f.value - forms.size()]; }
 };
 
 }  // namespace vcell

@@ -47,9 +47,21 @@ struct MinimizationDiagram {
         bool on_rim() const { return side != UINT32_MAX; }
     };
 
+    /// A piece of an arc whose forms are not both circular. It ends at `end` (the last piece of an edge at the
+    /// edge's target, of a closed edge where the first piece starts), and lies in a convex cell around it all
+    /// over which the derivative of left - right in `direction` (a unit vector) is positive: each line in
+    /// that direction meets the edge's curve at most once within the cell.
+    struct ArcPiece {
+        Eigen::Vector2d end;
+        double error;               ///< bound on the distance of `end` from the curve
+        Eigen::Vector2d direction;
+        std::array<double, 4> box;  ///< {x0, x1, y0, y1} contains the cell
+    };
+
     Dcel dcel;
     ConvexRegion region;
     IdVector<FormId, CircularForm> forms;
+    std::vector<CylinderForm> cylinders;  ///< the forms after those, as in FormFamily
     IdVector<VertexId, Vertex> vertices;
     IdVector<EdgeId, Edge> edges;
     IdVector<FaceId, FormId> face_forms;
@@ -62,6 +74,12 @@ struct MinimizationDiagram {
     std::span<const FormId> label(FaceId f) const {
         return face_forms[f].valid() ? std::span(&face_forms[f], 1) : std::span<const FormId>();
     }
+    /// The pieces of an edge in the direction of half-edge 2e; none where both forms are circular, and on the rim.
+    std::span<const ArcPiece> pieces(EdgeId e) const {
+        if (piece_offsets_.empty()) return {};
+        return {pieces_.data() + piece_offsets_[e.value], pieces_.data() + piece_offsets_[e.value + 1]};
+    }
+    bool is_circular(FormId f) const { return f.value < forms.size(); }
     /// The sides of the region on which vertex v lies (none, one, or two at a corner).
     std::span<const std::uint32_t> sides(VertexId v) const {
         return {vertex_sides_.data() + side_offsets_[v.value], vertex_sides_.data() + side_offsets_[v.value + 1]};
@@ -70,6 +88,7 @@ struct MinimizationDiagram {
     /// Forgets all forms; the subdivision stays.
     void clear_labels() {
         forms.clear();
+        cylinders.clear();
         for (Edge& e : edges) e.left = e.right = {};
         for (FormId& f : face_forms) f = {};
         vertex_labels_.clear();
@@ -79,6 +98,8 @@ struct MinimizationDiagram {
     }
 
     std::vector<FormId> vertex_labels_, edge_labels_;
+    std::vector<ArcPiece> pieces_;
+    std::vector<std::uint32_t> piece_offsets_;  // empty: no edge has pieces
     std::vector<std::uint32_t> vertex_offsets_, edge_offsets_, vertex_sides_, side_offsets_;
 
 private:

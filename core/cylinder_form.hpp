@@ -1,0 +1,51 @@
+/// The height of a cylinder's bisector over a plane base.
+///
+/// Base z = 0, cell on z > 0. The point (x, y, r) is as far from the base as from the cylinder of radius
+/// rho about the line p + s a when, with m = (x, y, 0) - p,
+///
+///     C - 2 beta r - A r^2 = 0,   C    = |a|^2 (|m|^2 - rho^2) - (m . a)^2,
+///                                 beta = |a|^2 (rho + p_z) + (m . a) a_z,
+///                                 A    = a_z^2
+///
+/// ([HE, Table 1, plane-cylinder] for an axis of any length: everything stays polynomial in the input).
+/// C > 0 outside the cylinder's trace on the base, and there the height is the one positive root
+///
+///     r = C / (beta + sqrt(beta^2 + A C)).
+///
+/// The bisector is an elliptic cone; a parabolic cylinder when the axis is parallel to the base (A = 0).
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace vcell {
+
+/// The cylinder in canonical coordinates. The doubles are the exact definition; the axis need not be unit.
+struct CylinderForm {
+    double px = 0, py = 0, pz = 0;  ///< a point of the axis
+    double ax = 0, ay = 0, az = 0;  ///< its direction
+    double rho = 0;
+};
+
+/// C and beta at (x, y), in any number type that doubles convert to. A is az * az.
+template <class T>
+std::array<T, 2> cylinder_terms(const CylinderForm& f, const T& x, const T& y) {
+    const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho);
+    const T mx = x - T(f.px), my = y - T(f.py);
+    const T norm = ax * ax + ay * ay + az * az;
+    const T along = mx * ax + my * ay - pz * az;
+    return {norm * (mx * mx + my * my + pz * pz - rho * rho) - along * along, norm * (rho + pz) + along * az};
+}
+
+/// The height at (x, y). Pre: C > 0 there.
+/// Both forms of the root are written without cancellation.
+template <class T>
+T cylinder_height(const CylinderForm& f, const T& x, const T& y) {
+    using std::sqrt;
+    const auto [C, beta] = cylinder_terms(f, x, y);
+    const T A = T(f.az) * T(f.az);
+    const T root = sqrt(beta * beta + A * C);
+    return beta < T(0) ? (root - beta) / A : C / (root + beta);
+}
+
+}  // namespace vcell
