@@ -15,6 +15,7 @@
 #include "../core/errors.hpp"
 #include "../core/exact.hpp"
 #include "message.hpp"
+#include "solids.hpp"
 
 namespace vcell {
 
@@ -24,6 +25,9 @@ using Kind = InputError::Kind;
 
 // A double's relative error bound only holds above the subnormals; forms stay well clear of them.
 constexpr double smallest_coefficient = 1e-250;
+
+// The square of an axis' slope against the base is a coefficient of the height.
+constexpr double smallest_slope = 1e-125;
 
 double nearest(const Exact& value) { return value.enclosure().mid(); }
 
@@ -234,6 +238,47 @@ public:
         return inside ? r2.sign() : *best;
     }
 
+    // Sign of the smallest value of trace - level over the closed region. The trace is convex: the minimum is
+    // at the bottom of the paraboloid when that lies inside, else on a side.
+    Sign lowest(CylinderTrace trace, const Exact& level) const {
+        trace.c -= level;
+        Sign best = Sign::Positive;
+        const auto consider = [&](const Exact& value) { best = std::min(best, value.sign()); };
+        if (const auto bottom = bottom_inside(trace)) consider(polar(trace, *bottom, *bottom));
+        for (std::size_t i = 0; i < corners_.size(); ++i) {
+            // From corner p to corner q with s, t >= 0: the value at (s p + t q) times a positive factor
+            // is pp s^2 + 2 pq s t + qq t^2, below the corners' values only where pq < 0.
+            const ExactPoint &p = corners_[i], &q = corners_[(i + 1) % corners_.size()];
+            const Exact pp = polar(trace, p, p), pq = polar(trace, p, q);
+            consider(pp);
+            if (pq.sign() == Sign::Negative) consider(pp * polar(trace, q, q) - pq * pq);
+        }
+        return best;
+    }
+
+    // Where a cylinder's trace is lowest over the region, rounded: for messages.
+    Eigen::Vector2d lowest_point(const CylinderTrace& trace) const {
+        if (const auto bottom = bottom_inside(trace)) return bottom->rounded();
+        std::optional<Eigen::Vector2d> best;
+        double least = 0;
+        for (std::size_t i = 0; i < corners_.size(); ++i) {
+            const Eigen::Vector2d from = corners_[i].rounded();
+            const Eigen::Vector2d along = corners_[(i + 1) % corners_.size()].rounded() - from;
+            const Eigen::Matrix2d m{{nearest(trace.xx), nearest(trace.xy)},
+                                    {nearest(trace.xy), nearest(trace.yy)}};
+            const Eigen::Vector2d b(nearest(trace.x1), nearest(trace.y1));
+            const double curvature = along.dot(m * along), slope = along.dot(m * from + b);
+            const double t = slope >= 0 ? 0 : -slope >= curvature ? 1 : -slope / curvature;
+            const Eigen::Vector2d q = from + t * along;
+            const double value = q.dot(m * q + 2 * b);
+            if (!best || value < least) {
+                best = q;
+                least = value;
+            }
+        }
+        return *best;
+    }
+
     // The point of the region nearest to p, rounded: for messages.
     Eigen::Vector2d nearest_point(const Eigen::Vector2d& p) const {
         std::optional<Eigen::Vector2d> best;
@@ -250,6 +295,22 @@ public:
     }
 
 private:
+    // The symmetric bilinear form of a trace, on homogeneous points.
+    static Exact polar(const CylinderTrace& f, const ExactPoint& p, const ExactPoint& q) {
+        return f.xx * p.x * q.x + f.xy * (p.x * q.y + p.y * q.x) + f.yy * p.y * q.y +
+               f.x1 * (p.x * q.d + p.d * q.x) + f.y1 * (p.y * q.d + p.d * q.y) + f.c * p.d * q.d;
+    }
+
+    // Where the axis meets the base, if that is in the region. Of an axis parallel to the base the trace is
+    // lowest along a line, which reaches the region's sides if it meets the region: none.
+    std::optional<ExactPoint> bottom_inside(const CylinderTrace& f) const {
+        const ExactPoint p{f.xy * f.y1 - f.yy * f.x1, f.xy * f.x1 - f.xx * f.y1, f.xx * f.yy - f.xy * f.xy};
+        if (p.d.sign() == Sign::Zero) return std::nullopt;
+        for (const RegionSide& side : sides_)
+            if (value_at(side, p).sign() == Sign::Negative) return std::nullopt;
+        return p;
+    }
+
     const std::vector<RegionSide>& sides_;
     std::vector<ExactPoint> corners_;
 };
@@ -373,14 +434,17 @@ public:
             else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i]))
                 add(i, *plane);
             else
-                fail(Kind::Unsupported, i, "cylinders over a plane base are not computed by this version");
+                add(i, std::get<Cylinder>(scene_.objects[i]));
         }
+        drop_hidden();
         make_forms();
+        add_cylinders();
         PlaneBaseProblem problem;
         problem.frame = frame_;
         problem.region = sides_;
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
         problem.family.forms = std::move(forms_);
+        problem.family.cylinders = std::move(cylinders_);
         problem.family.exact = [sources = sources_](FormId f) -> ExactForm {
             const FormSource& source = (*sources)[f];
             if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(*ball);
@@ -446,6 +510,103 @@ private:
         planes_.push_back({s * n.x(), s * n.y(), s * n.z(), s * d});
         plane_objects_.push_back(i);
         plane_normals_.push_back(s * n);
+    }
+
+    void add(std::uint32_t i, const Cylinder& cylinder) {
+        const Vec3 p = frame_.to_canonical(cylinder.point);
+        // A power of two brings the axis to [1/2, 1): its length drops out of the height, and products of
+        // four lengths and four axis components stay in range.
+        int exponent = 0;
+        std::frexp(cylinder.axis.cwiseAbs().maxCoeff(), &exponent);
+        Vec3 a = frame_.rotation *
+                 Vec3(cylinder.axis.unaryExpr([&](double x) { return std::ldexp(x, -exponent); }));
+        if (!frame_.is_axis_parallel())
+            for (double& component : a)
+                if (std::abs(component) < frame_rounding) component = 0;
+        const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
+
+        const CylinderTrace trace = trace_on_base(form);
+        const Sign clear = region_.lowest(trace, Exact());
+        if (clear != Sign::Positive) fail_touching(i, -clear, region_.lowest_point(trace));
+        if (form.az == 0 && !(form.pz > -form.rho)) {
+            behind_.push_back(i);
+            return;
+        }
+        if (region_.lowest(trace, smallest_coefficient) == Sign::Negative)
+            fail(Kind::OutOfRange, i, "is so close to the base that its height leaves the range of doubles");
+        if (form.az != 0 && std::abs(form.az) < smallest_slope)
+            fail(Kind::OutOfRange, i,
+                 "is so nearly parallel to the base that its height leaves the range of doubles");
+        cylinders_.push_back(form);
+        cylinder_objects_.push_back(i);
+    }
+
+    // Leaves out what lies in a cylinder, and cylinders beyond a plane or a side of the box. Of equal
+    // cylinders the first one stays and stands for all.
+    void drop_hidden() {
+        if (cylinders_.empty()) return;
+        std::vector<std::pair<std::uint32_t, std::string>> hidden;  // object, where it hides
+        const auto hide = [&](std::uint32_t object, const char* how, const std::string& where) {
+            hidden.emplace_back(object, object_title(scene_, object) + how + where);
+        };
+        const auto keep = [](auto& items, std::vector<std::uint32_t>& objects, const auto& is_hidden) {
+            std::size_t kept = 0;
+            for (std::size_t i = 0; i < items.size(); ++i) {
+                if (is_hidden(i)) continue;
+                items[kept] = items[i];
+                objects[kept++] = objects[i];
+            }
+            items.resize(kept);
+            objects.resize(kept);
+        };
+
+        // A side of the box m.p <= k is where the base and its mirror image across that side, a plane,
+        // are equally far.
+        std::vector<std::pair<LinearForm, std::string>> walls;
+        for (std::size_t k = 0; k < planes_.size(); ++k)
+            walls.emplace_back(planes_[k], object_title(scene_, plane_objects_[k]));
+        for (const BoxSide& side : box_) {
+            if (!(side.m.z() > 0)) continue;
+            const Exact x(side.m.x()), y(side.m.y()), z(side.m.z());
+            walls.push_back({{-2.0 * z * x, -2.0 * z * y, x * x + y * y - z * z, 2.0 * z * side.k},
+                             "side " + to_string(Site::box_side(side.index))});
+        }
+        const std::vector<CylinderForm> all = cylinders_;
+        const std::vector<std::uint32_t> objects = cylinder_objects_;
+        keep(cylinders_, cylinder_objects_, [&](std::size_t i) {
+            for (const auto& [plane, title] : walls) {
+                if (!is_beyond(plane, all[i])) continue;
+                hide(objects[i], " beyond ", title);
+                return true;
+            }
+            std::size_t first_equal = i;
+            for (std::size_t k = 0; k < all.size(); ++k) {
+                if (k == i || !contains(all[k], all[i])) continue;
+                if (!contains(all[i], all[k])) {
+                    hide(objects[i], " in ", object_title(scene_, objects[k]));
+                    return true;
+                }
+                first_equal = std::min(first_equal, k);
+            }
+            if (first_equal < i) equal_.emplace_back(objects[first_equal], objects[i]);
+            return first_equal < i;
+        });
+        const std::vector<Ball> balls = balls_;
+        const std::vector<std::uint32_t> ball_objects = ball_objects_;
+        keep(balls_, ball_objects_, [&](std::size_t i) {
+            const Ball& ball = balls[i];
+            for (std::size_t k = 0; k < cylinders_.size(); ++k) {
+                if (!contains(cylinders_[k], ball.cx, ball.cy, ball.cz, ball.rho)) continue;
+                hide(ball_objects[i], " in ", object_title(scene_, cylinder_objects_[k]));
+                return true;
+            }
+            return false;
+        });
+        std::ranges::sort(hidden);
+        std::vector<std::string> texts;
+        for (auto& [object, text] : hidden) texts.push_back(std::move(text));
+        if (!texts.empty())
+            warnings_.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
     }
 
     CircularForm rounded(const LinearForm& exact, Site site) const {
@@ -529,16 +690,32 @@ private:
         while (ball < balls_.size()) add_ball(ball++);
     }
 
+    // Cylinders come after the circular forms, in the order of their objects.
+    void add_cylinders() {
+        for (const std::uint32_t object : cylinder_objects_) {
+            std::vector<Site> sites{Site::object(object)};
+            for (const auto& [first, twin] : equal_)
+                if (first == object) sites.push_back(Site::object(twin));
+            sites_.push_back(sites);
+        }
+    }
+
+    // A base plane in the middle of a packing leaves half of it behind: name a few, count the rest.
+    static std::string listed(const std::vector<std::string>& items) {
+        constexpr std::size_t named = 8;
+        std::string text;
+        for (std::size_t i = 0; i < std::min(named, items.size()); ++i)
+            text += (i > 0 ? ", " : "") + items[i];
+        if (items.size() > named) text += " and " + std::to_string(items.size() - named) + " more";
+        return text;
+    }
+
     void warn() {
         if (!behind_.empty()) {
             std::sort(behind_.begin(), behind_.end());
-            // A base plane in the middle of a packing leaves half of it behind: name a few, count the rest.
-            constexpr std::size_t named = 8;
-            std::string text;
-            for (std::size_t i = 0; i < std::min(named, behind_.size()); ++i)
-                text += (i > 0 ? ", " : "") + object_title(scene_, behind_[i]);
-            if (behind_.size() > named) text += " and " + std::to_string(behind_.size() - named) + " more";
-            warnings_.push_back(text + ": behind the base, never nearest to any point of its cell");
+            std::vector<std::string> titles;
+            for (const std::uint32_t i : behind_) titles.push_back(object_title(scene_, i));
+            warnings_.push_back(listed(titles) + ": behind the base, never nearest to any point of its cell");
         }
         for (const std::vector<Site>& sites : sites_) {
             if (sites.size() < 2) continue;
@@ -563,6 +740,10 @@ private:
     std::vector<LinearForm> plane_forms_;
     std::vector<std::uint32_t> plane_objects_;
     std::vector<std::uint32_t> behind_;
+    std::vector<CylinderForm> cylinders_;
+    std::vector<std::uint32_t> cylinder_objects_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>>
+        equal_;  // a cylinder's object and a later one like it
 
     IdVector<FormId, CircularForm> forms_;
     IdVector<FormId, std::vector<Site>> sites_;

@@ -7,7 +7,8 @@
 ///     plane n.p + D, side s    C = s (nx x + ny y + D),                  beta = (|n| - s nz) / 2
 ///     box side m.p <= k        C = k - m.(x, y, 0),                      beta = mz / 2
 ///
-/// with beta <= 0: never met. All are CircularForms with w = 2 beta. |n| is rounded once, correctly; where
+/// with beta <= 0: never met. Cylinders are CylinderForms (core/cylinder_form.hpp), never met where the axis is parallel to
+/// the base and the cylinder nowhere above it. All others are CircularForms with w = 2 beta. |n| is rounded once, correctly; where
 /// the difference |n| - s nz would cancel, C and 2 beta are both multiplied by |n| + s nz, which leaves
 /// w = nx^2 + ny^2 and the height a relative error of one rounding.
 #pragma once
@@ -24,12 +25,13 @@ namespace vcell {
 /// A rigid motion between world and canonical coordinates: canonical = R (world - origin).
 /// For axis-parallel normals R is a signed permutation, the origin is the base's point on that axis, and
 /// the motion is exact up to that one subtraction. In general the origin is the foot of the box's centre
-/// on the base and the input is rounded once here (components of the unit normal below 2^-51 to zero). All later statements are exact about the rounded,
-/// canonical doubles.
+/// on the base and the input is rounded once here (components of the unit normal, and of a cylinder's axis scaled to
+/// about 1, below 2^-51 to zero). All later statements are exact about the rounded, canonical doubles.
 struct BaseFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 origin = Vec3::Zero();
 
+    bool is_axis_parallel() const { return (rotation.row(2).array() == 0).count() == 2; }
     Vec3 to_canonical(const Vec3& world) const { return rotation * (world - origin); }
     Vec3 to_world(const Vec3& canonical) const { return rotation.transpose() * canonical + origin; }
 };
@@ -47,16 +49,17 @@ struct PlaneBaseProblem {
     std::vector<Eigen::Vector2d> corners;  ///< corner i: start of side i, rounded
     FormFamily family;
     /// The sites of each form, ascending: several when objects coincide as seen from the base
-    /// (duplicates, a plane whose bisector is the box side).
+    /// (duplicates, a plane whose bisector is the box side). Objects hidden in cylinders, and cylinders hidden
+    /// beyond planes or sides of the box, have none: at best they tie with what hides them.
     IdVector<FormId, std::vector<Site>> sites;
-    std::vector<std::string> warnings;     ///< merged duplicates, objects that can never be nearest
+    std::vector<std::string> warnings;     ///< merged duplicates; objects behind the base, or hidden
 };
 
-/// Throws InputError: Unsupported for cylinders and for bases that are no planes, EmptyBox when no region
+/// Throws InputError: Unsupported for bases that are no planes, EmptyBox when no region
 /// of positive area lies both on the base and in the box (or the cell's side of it has no room),
 /// TouchesBase (with object and place) for an object that cuts or touches the closed base region,
 /// OutOfRange where a height's coefficients leave the double range. All of it by exact signs.
-/// A sphere or plane that meets the base outside the region only is legal.
+/// An object that meets the base outside the region only is legal.
 /// Pre: validate(scene) has passed.
 PlaneBaseProblem plane_base_problem(const Scene& scene);
 

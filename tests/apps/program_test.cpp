@@ -186,8 +186,8 @@ TEST_CASE("program: bad scenes are status 2, named, and leave nothing") {
     bad["objects"][0]["sphere"]["centre"] = 1;
     CHECK(complaint(bad) == "vcell: objects[0].sphere.centre: unknown key, known are center, radius\n");
     bad = scene;
-    bad["objects"][0] = {{"cylinder", {{"point", {0, 0, 1}}, {"axis", {1, 0, 0}}, {"radius", 0.1}}}};
-    CHECK(complaint(bad).find("vcell: objects[0].cylinder: cylinders") == 0);
+    bad["objects"][0] = {{"cylinder", {{"point", {0, 0, 0}}, {"axis", {1, 0, 0}}, {"radius", 0.1}}}};
+    CHECK(complaint(bad).find("vcell: objects[0].cylinder: cuts the base region at (") == 0);
     bad = scene;
     bad["objects"][1]["sphere"]["center"][2] = 0;
     CHECK(complaint(bad).find("vcell: objects[1].sphere: cuts the base region at (") == 0);
