@@ -1,4 +1,4 @@
-/// The two ways a call can fail: bad input (the user's) and a broken invariant (ours).
+/// The ways a call can fail: bad input (the user's), an undecided question, and a broken invariant (ours).
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,11 @@ struct InputError : std::invalid_argument {
     Kind kind;
     std::uint32_t object;
     std::string path;
+};
+
+/// A question about legal input that the digits at hand cannot decide; the message names the place.
+struct UndecidedError : std::runtime_error {
+    using std::runtime_error::runtime_error;
 };
 
 /// A broken invariant: a bug in vcell, never the user's fault. Names the element.

@@ -6,13 +6,19 @@
 // form is a single face, so its overlay with the rest is the rest itself, and no crossing of unrelated
 // trisectors is ever computed. A piece whose forms cannot be culled (many meeting at one vertex, say) is
 // halved and merged by overlay, which keeps the worst case at O(n log n) overlays of what is there.
+//
+// Where a cylinder competes the pieces are split until they are plain (mixed_piece.hpp); the labels along their
+// sides are found once, when the side is made, so that the pieces beside a seam cannot disagree. Pieces
+// without a competing cylinder are left to exact merging.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "../core/errors.hpp"
 #include "minimization_diagram.hpp"
+#include "mixed_piece.hpp"
 #include "patchwork.hpp"
 #include "work_diagram.hpp"
 
@@ -29,6 +35,8 @@ constexpr std::size_t piece_candidates = 64;
 constexpr std::size_t quartering_candidates = 16;
 // Splitting on although the candidates hardly get fewer: this often in a row, then the piece is taken as it is.
 constexpr int most_stalled_splits = 8;
+// Pieces with more competitors than this are not plain: looking closer is a waste.
+constexpr std::size_t most_competitors = 6;
 // Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
 constexpr double split_ratio = 0.48643;
 
@@ -39,15 +47,16 @@ struct Rect {
 // A convex piece of the region and the rectangle around it.
 struct Piece {
     std::vector<PieceSide> sides;
-    std::vector<std::array<Interval, 2>> corners;  // corner i: start of side i
+    std::vector<IntervalPoint> corners;  // corner i: start of side i
     Rect rect;
 };
 
-std::array<Interval, 2> corner_of(const PieceSide& s, const PieceSide& t) {
-    const Interval det = Interval(s.a) * Interval(t.b) - Interval(s.b) * Interval(t.a);
-    return {(Interval(s.b) * Interval(t.c) - Interval(t.b) * Interval(s.c)) / det,
-            (Interval(s.c) * Interval(t.a) - Interval(t.c) * Interval(s.a)) / det};
-}
+// A piece in which cylinders compete: what is lowest along its sides is known.
+struct LabelledPiece {
+    Piece piece;
+    std::vector<SideLabels> labels;
+    std::vector<std::vector<FormId>> corner_ties;
+};
 
 Piece make_piece(std::vector<PieceSide> sides) {
     Piece p;
@@ -68,24 +77,35 @@ Piece make_piece(std::vector<PieceSide> sides) {
 class EnvelopeBuilder {
 public:
     EnvelopeBuilder(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options)
-        : family_(family), region_(region), options_(options), patchwork_(family, region), work_(kernel_) {
+        : family_(family), region_(region), options_(options), patchwork_(family, region), work_(kernel_),
+          root_(make_piece(sides_of(region))), analysis_(family, extent(root_.rect)) {
         forms_.reserve(family.forms.size());
         for (const CircularForm& f : family.forms) forms_.push_back(CircleKernel::make_form(f));
     }
 
     MinimizationDiagram build() {
-        std::vector<PieceSide> sides;
-        for (std::uint32_t i = 0; i < region_.sides.size(); ++i)
-            sides.push_back({region_.sides[i].a, region_.sides[i].b, region_.sides[i].c, i});
-        std::vector<FormId> all(forms_.size());
+        std::vector<FormId> all(family_.size());
         for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = FormId{i};
-        solve(make_piece(std::move(sides)), all, 1.0, 0);
+        if (family_.cylinders.empty())
+            solve(root_, all, 1.0, 0);
+        else
+            solve_labelled(label(root_, all), all, 1.0);
         MinimizationDiagram result = patchwork_.finish();
         result.decisions = kernel_.decisions();
+        result.decisions += analysis_.decisions();
+        result.assumptions = std::move(analysis_.assumptions());
         return result;
     }
 
 private:
+    static std::vector<PieceSide> sides_of(const ConvexRegion& region) {
+        std::vector<PieceSide> sides;
+        for (std::uint32_t i = 0; i < region.sides.size(); ++i)
+            sides.push_back({region.sides[i].a, region.sides[i].b, region.sides[i].c, i});
+        return sides;
+    }
+    static double extent(const Rect& r) { return std::max(r.x1 - r.x0, r.y1 - r.y0); }
+
     // Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above a
     // rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
     template <class Keep>
@@ -134,35 +154,167 @@ private:
         std::uint32_t seam;
     };
 
-    // Cuts across the longer side. The seam must avoid the corners, certainly: a few places are tried.
-    std::optional<Halves> split(const Piece& piece) {
+    // A line across a piece: x = at (upright) or y = at. `beyond` tells on which side each corner lies.
+    struct Cut {
+        bool upright;
+        double at;
+        std::vector<bool> beyond;
+
+        PieceSide side() const { return {upright ? 1.0 : 0.0, upright ? 0.0 : 1.0, -at, UINT32_MAX}; }
+        PieceSide opposite() const { return {upright ? -1.0 : -0.0, upright ? -0.0 : -1.0, at, UINT32_MAX}; }
+    };
+
+    // Across the longer side, certainly clear of all corners.
+    static std::optional<Cut> cut_at(const Piece& piece, double shift) {
         const Rect& r = piece.rect;
-        const bool upright = r.x1 - r.x0 >= r.y1 - r.y0;
-        const double lo = upright ? r.x0 : r.y0, hi = upright ? r.x1 : r.y1;
+        Cut cut;
+        cut.upright = r.x1 - r.x0 >= r.y1 - r.y0;
+        const double lo = cut.upright ? r.x0 : r.y0, hi = cut.upright ? r.x1 : r.y1;
+        cut.at = lo + (split_ratio + shift) * (hi - lo);
+        bool clear = cut.at > lo && cut.at < hi;
+        for (const IntervalPoint& corner : piece.corners) {
+            const Interval& c = corner[cut.upright ? 0 : 1];
+            clear = clear && !c.contains(cut.at);
+            cut.beyond.push_back(c.lower() > cut.at);
+        }
+        return clear ? std::optional(std::move(cut)) : std::nullopt;
+    }
+
+    std::optional<Halves> split(const Piece& piece) {
         const std::size_t n = piece.sides.size();
         for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07}) {
-            const double at = lo + (split_ratio + shift) * (hi - lo);
-            std::vector<bool> beyond(n);
-            bool clear = at > lo && at < hi;
-            for (std::size_t i = 0; i < n && clear; ++i) {
-                const Interval& c = piece.corners[i][upright ? 0 : 1];
-                clear = !c.contains(at);
-                beyond[i] = c.lower() > at;
-            }
-            if (!clear) continue;
-            const double a = upright ? 1 : 0, b = upright ? 0 : 1;
-            const std::uint32_t seam = patchwork_.new_seam(a, b, -at);
+            const auto cut = cut_at(piece, shift);
+            if (!cut) continue;
+            PieceSide side = cut->side(), opposite = cut->opposite();
+            side.id = opposite.id = patchwork_.new_seam(side.a, side.b, side.c);
             std::vector<PieceSide> first, second;
             for (std::size_t i = 0; i < n; ++i) {
-                const bool from = beyond[i], to = beyond[(i + 1) % n];
+                const bool from = cut->beyond[i], to = cut->beyond[(i + 1) % n];
                 if (!from || !to) first.push_back(piece.sides[i]);
                 if (from || to) second.push_back(piece.sides[i]);
-                if (!from && to) first.push_back({-a, -b, at, seam});
-                if (from && !to) second.push_back({a, b, -at, seam});
+                if (!from && to) first.push_back(opposite);
+                if (from && !to) second.push_back(side);
             }
-            Halves halves{make_piece(std::move(first)), make_piece(std::move(second)), seam};
+            Halves halves{make_piece(std::move(first)), make_piece(std::move(second)), side.id};
             // The first piece is to lie left of the upright seam; a level one is turned by a right angle.
-            if (!upright) std::swap(halves.first, halves.second);
+            if (!cut->upright) std::swap(halves.first, halves.second);
+            return halves;
+        }
+        return std::nullopt;
+    }
+
+    // --- Pieces in which cylinders compete. ---------------------------------------------------------------
+
+    LabelledPiece label(const Piece& piece, std::vector<FormId> candidates) {
+        analysis_.cull({piece.rect.x0, piece.rect.x1, piece.rect.y0, piece.rect.y1}, candidates);
+        const std::size_t n = piece.sides.size();
+        LabelledPiece out{piece, {}, {}};
+        std::vector<FormId> first(n), last(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::size_t before = (i + n - 1) % n;
+            std::vector<FormId> ties = analysis_.lowest_at(piece.sides[before], piece.sides[i], candidates);
+            first[i] = last[before] = ties.front();
+            if (ties.size() == 1) {
+                ties.clear();
+            } else {
+                first[i] = analysis_.label_beside(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], ties);
+                last[before] = analysis_.label_beside(piece.sides[before], piece.corners[i], piece.corners[before], ties);
+            }
+            out.corner_ties.push_back(std::move(ties));
+        }
+        for (std::size_t i = 0; i < n; ++i) {
+            auto labels = analysis_.label_side(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], first[i], last[i],
+                                               candidates, false);
+            if (!labels) throw UndecidedError("forms tie along side " + std::to_string(i) + " of the base region");
+            out.labels.push_back(*std::move(labels));
+        }
+        return out;
+    }
+
+    Patchwork::Index solve_labelled(const LabelledPiece& part, std::span<const FormId> inherited, double share) {
+        const Rect& r = part.piece.rect;
+        std::vector<FormId> candidates(inherited.begin(), inherited.end());
+        analysis_.cull({r.x0, r.x1, r.y0, r.y1}, candidates);
+        if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
+            return solve(part.piece, candidates, share, 0);
+        const bool at_floor = extent(r) <= MixedAnalysis::floor_width * extent(root_.rect);
+        if (candidates.size() <= most_competitors || at_floor) {
+            if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties}, candidates)) {
+                done_ += share;
+                if (options_.progress) options_.progress(done_);
+                return patchwork_.add(*resolved, analysis_.heights());
+            }
+        }
+        if (at_floor) throw undecided(r);
+        const auto halves = split_labelled(part, candidates);
+        if (!halves) throw undecided(r);
+        const Patchwork::Index a = solve_labelled(halves->first, candidates, 0.5 * share);
+        const Patchwork::Index b = solve_labelled(halves->second, candidates, 0.5 * share);
+        return patchwork_.glue(a, b, halves->seam);
+    }
+
+    static UndecidedError undecided(const Rect& r) {
+        return UndecidedError("the diagram near (" + std::to_string(r.x0) + ", " + std::to_string(r.y0) + ") within " +
+                              std::to_string(extent(r)));
+    }
+
+    struct LabelledHalves {
+        LabelledPiece first, second;
+        std::uint32_t seam;
+    };
+
+    std::optional<LabelledHalves> split_labelled(const LabelledPiece& part, const std::vector<FormId>& candidates) {
+        const Piece& piece = part.piece;
+        const std::size_t n = piece.sides.size();
+        for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07, 0.11, -0.11, 0.17, -0.17}) {
+            const auto cut = cut_at(piece, shift);
+            if (!cut) continue;
+            LabelledHalves halves;
+            const auto push = [](LabelledPiece& to, const PieceSide& side, SideLabels labels, std::vector<FormId> ties) {
+                to.piece.sides.push_back(side);
+                to.labels.push_back(std::move(labels));
+                to.corner_ties.push_back(std::move(ties));
+            };
+            // Where the seam leaves the first half's sides and where it returns to them.
+            std::optional<std::size_t> leaving, returning;
+            FormId at_leaving, at_returning;
+            std::size_t seam_in_first = 0, seam_in_second = 0;
+            bool clear = true;
+            for (std::size_t i = 0; i < n && clear; ++i) {
+                const bool from = cut->beyond[i], to = cut->beyond[(i + 1) % n];
+                const SideLabels& labels = part.labels[i];
+                if (from == to) {
+                    push(from ? halves.second : halves.first, piece.sides[i], labels, part.corner_ties[i]);
+                    continue;
+                }
+                SideLabels before{labels.first, {}}, after;
+                for (const RimTransition& t : labels.transitions) {
+                    const double s = t.point[cut->upright ? 0 : 1];
+                    clear = clear && std::abs(s - cut->at) > t.error;
+                    ((s > cut->at) == from ? before : after).transitions.push_back(t);
+                }
+                after.first = before.last();
+                LabelledPiece &start = from ? halves.second : halves.first, &end = from ? halves.first : halves.second;
+                push(start, piece.sides[i], before, part.corner_ties[i]);
+                (from ? seam_in_second : seam_in_first) = start.labels.size();
+                (from ? at_returning : at_leaving) = before.last();
+                push(start, from ? cut->side() : cut->opposite(), {}, {});
+                push(end, piece.sides[i], after, {});
+            }
+            if (!clear) continue;
+            halves.seam = patchwork_.new_seam(cut->side().a, cut->side().b, cut->side().c);
+            halves.first.piece.sides[seam_in_first].id = halves.second.piece.sides[seam_in_second].id = halves.seam;
+            halves.first.piece = make_piece(std::move(halves.first.piece.sides));
+            halves.second.piece = make_piece(std::move(halves.second.piece.sides));
+            const Piece& first = halves.first.piece;
+            auto labels = analysis_.label_side(first.sides[seam_in_first], first.corners[seam_in_first],
+                                               first.corners[(seam_in_first + 1) % first.corners.size()], at_leaving,
+                                               at_returning, candidates, true);
+            if (!labels) continue;
+            halves.second.labels[seam_in_second] = labels->reversed();
+            halves.first.labels[seam_in_first] = *std::move(labels);
+            // As in split().
+            if (!cut->upright) std::swap(halves.first, halves.second);
             return halves;
         }
         return std::nullopt;
@@ -221,6 +373,8 @@ private:
     CircleKernel kernel_;
     Patchwork patchwork_;
     WorkDiagram work_;
+    const Piece root_;
+    MixedAnalysis analysis_;
     double done_ = 0;
     // Working space.
     std::vector<CircleKernel::Place> places_;
@@ -232,7 +386,7 @@ private:
 }  // namespace
 
 MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options) {
-    if (family.forms.empty()) {
+    if (family.size() == 0) {
         // Any one form makes the region's face; then its label is taken away.
         FormFamily constant;
         constant.forms.push_back({});
@@ -245,24 +399,11 @@ MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion&
 }
 
 FormId lowest_form(const FormFamily& family, double x, double y) {
-    // Evaluate in double with bounds; compare what overlaps exactly.
+    const Heights heights(family);
+    Decisions decisions;
     FormId best;
-    Jet best_jet{};
-    for (const FormId f : family.forms.ids()) {
-        const Jet j = CircleKernel::jet(CircleKernel::make_form(family.forms[f]), x, y);
-        if (best.valid() && j.v - j.ev > best_jet.v + best_jet.ev) continue;
-        bool lower = !best.valid() || j.v + j.ev < best_jet.v - best_jet.ev;
-        if (!lower) {
-            const ExactForm p = family.exact(f), q = family.exact(best);
-            const Exact ex(x), ey(y), s = ex * ex + ey * ey;
-            const Exact fp = p.K * s + p.A * ex + p.B * ey + p.C, fq = q.K * s + q.A * ex + q.B * ey + q.C;
-            lower = (fp * q.W - fq * p.W).sign() == Sign::Negative;
-        }
-        if (lower) {
-            best = f;
-            best_jet = j;
-        }
-    }
+    for (std::uint32_t i = 0; i < family.size(); ++i)
+        if (!best.valid() || heights.compare(FormId{i}, best, x, y, decisions) == Sign::Negative) best = FormId{i};
     return best;
 }
 

@@ -26,6 +26,13 @@ struct ConvexRegion {
     }
 };
 
+/// Forms that were taken to be equal in one point because no digits at hand told them apart.
+struct Assumption {
+    Eigen::Vector2d place;      ///< chart coordinates
+    double width;               ///< what was not resolved is no wider than this
+    std::vector<FormId> forms;  ///< those that may meet there
+};
+
 /// Every vertex, edge and face carries as label all functions that attain the minimum there.
 ///
 /// The unbounded face (Dcel::unbounded_face()) lies outside the region and has no label. Edges are
@@ -66,6 +73,7 @@ struct MinimizationDiagram {
     IdVector<EdgeId, Edge> edges;
     IdVector<FaceId, FormId> face_forms;
     Decisions decisions;
+    std::vector<Assumption> assumptions;
 
     /// The functions that attain the minimum at v (on e), ascending.
     std::span<const FormId> label(VertexId v) const { return slice(vertex_labels_, vertex_offsets_, v.value); }

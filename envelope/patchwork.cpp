@@ -1,6 +1,8 @@
 #include "patchwork.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -106,6 +108,86 @@ Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceS
         }
     }
     return handle;
+}
+
+// Around a vertex, counter-clockwise, its outgoing half-edges follow each other as the piece lists them; each
+// one's twin turns into the one before.
+Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights) {
+    const auto first_vertex = static_cast<Index>(vertices_.size());
+    const auto first_edge = static_cast<Index>(edges_.size());
+    const auto rim = static_cast<Index>(piece.rim.size());
+    for (const MixedPiece::Vertex& from : piece.vertices) {
+        Vertex& to = vertices_.emplace_back();
+        to.x = from.point.x();
+        to.y = from.point.y();
+        to.error = from.error;
+        to.orientation = Sign::Zero;
+        if (!from.ties.empty()) {
+            std::vector<FormId> forms = from.ties;
+            sort_unique(forms);
+            to.ties = static_cast<Index>(ties_.size());
+            ties_.push_back(std::move(forms));
+        }
+        const Interval height =
+            heights.jet(from.lowest, Interval::ball(to.x, to.error), Interval::ball(to.y, to.error)).v;
+        to.height = height.mid();
+        to.height_error = height.radius();
+    }
+    std::vector<std::vector<Index>> around(piece.vertices.size());
+    for (Index i = 0; i < rim; ++i) {
+        Edge& e = edges_.emplace_back();
+        e.left = piece.rim[i].label;
+        e.side = piece.rim[i].side;
+        const Index next = (i + 1) % rim;
+        half_edges_.push_back({none, none, first_vertex + i, none});
+        half_edges_.push_back({none, none, first_vertex + next, none});
+        around[i].push_back(2 * (first_edge + i));
+    }
+    for (const MixedPiece::Arc& a : piece.arcs) {
+        const auto id = static_cast<Index>(edges_.size());
+        Edge& e = edges_.emplace_back();
+        e.left = a.left;
+        e.right = a.right;
+        if (!family_.is_circular(a.left) || !family_.is_circular(a.right)) {
+            const MixedPiece::Vertex &p = piece.vertices[a.from], &q = piece.vertices[a.to];
+            e.links = static_cast<Index>(links_.size());
+            links_.push_back({{p.point, q.point, p.error, q.error, a.direction, piece.box}});
+        }
+        half_edges_.push_back({none, none, first_vertex + a.from, none});
+        half_edges_.push_back({none, none, first_vertex + a.to, none});
+        around[a.from].push_back(2 * id);
+        around[a.to].push_back(2 * id + 1);
+    }
+    for (Index i = 0; i < rim; ++i) around[i].push_back(2 * (first_edge + (i + rim - 1) % rim) + 1);
+    for (Index v = 0; v < around.size(); ++v) {
+        const std::vector<Index>& out = around[v];
+        vertices_[first_vertex + v].out = out.front();
+        for (std::size_t k = 0; k < out.size(); ++k) link(twin(out[k]), out[(k + out.size() - 1) % out.size()]);
+    }
+    for (Index h = 2 * first_edge; h < half_edges_.size(); ++h) {
+        const bool outside = h < 2 * (first_edge + rim) && (h & 1u);
+        if (outside || half_edges_[h].face != none) continue;
+        const auto f = static_cast<Index>(faces_.size());
+        faces_.push_back({left_of(h), f});
+        for (Index g = h; half_edges_[g].face == none; g = half_edges_[g].next) {
+            if (left_of(g) != faces_[f].site) throw InternalError("labels differ around a face of a piece");
+            half_edges_[g].face = f;
+        }
+    }
+    return 2 * first_edge + 1;
+}
+
+// The links of `edge` become those of both edges, `other` before or after it.
+void Patchwork::join_links(Index edge, Index other, bool other_first, bool reverse_other) {
+    if (edges_[edge].links == none) return;
+    std::vector<Link>&mine = links_[edges_[edge].links], &theirs = links_[edges_[other].links];
+    if (reverse_other) {
+        std::ranges::reverse(theirs);
+        for (Link& l : theirs) l = l.reversed();
+    }
+    if (other_first) mine.swap(theirs);
+    mine.insert(mine.end(), theirs.begin(), theirs.end());
+    theirs = {};
 }
 
 Patchwork::Index Patchwork::find(Index f) {
@@ -251,6 +333,8 @@ void Patchwork::smooth(Index v) {
         return;
     }
     const Index start = target(g);
+    // The joined edge runs along h from `start`: half-edge 2e is h, or h's twin.
+    join_links(e, f, (h & 1u) == 0, (h & 1u) == (g & 1u));
     half_edges_[h].origin = start;
     link(half_edges_[twin(g)].prev, h);
     link(twin(h), half_edges_[g].next);
@@ -318,10 +402,129 @@ std::size_t Patchwork::leftmost(std::span<const Index> components) const {
     return best;
 }
 
+// Of a face's boundary components, its outer one.
+std::size_t Patchwork::outermost(std::span<const Index> components) const {
+    if (family_.cylinders.empty()) return leftmost(components);
+    const Heights heights(family_);
+    for (int halvings = 0; halvings <= 20; halvings += 2) {
+        std::vector<std::array<double, 2>> ends;
+        for (const Index c : components) ends.push_back(left_end(c, heights, halvings));
+        const std::size_t best = std::ranges::min_element(ends, {}, [](const auto& e) { return e[1]; }) - ends.begin();
+        bool certain = true;
+        for (std::size_t i = 0; i < ends.size(); ++i) certain = certain && (i == best || ends[i][0] > ends[best][1]);
+        if (certain) return best;
+    }
+    throw UndecidedError("which of a face's boundaries is the outer one");
+}
+
+// Encloses the x of the component's leftmost point.
+std::array<double, 2> Patchwork::left_end(Index component, const Heights& heights, int halvings) const {
+    std::array<double, 2> end{HUGE_VAL, HUGE_VAL};
+    const auto consider = [&](double lower, double upper) {
+        end = {std::min(end[0], lower), std::min(end[1], upper)};
+    };
+    Index h = component;
+    do {
+        if (const Index v = half_edges_[h].origin; v != none)
+            consider(Interval::down(vertices_[v].x - vertices_[v].error), Interval::up(vertices_[v].x + vertices_[v].error));
+        const Edge& e = edges_[h >> 1];
+        if (e.links != none) {
+            for (const Link& l : links_[e.links])
+                consider(left_bound(l, e.left, e.right, heights, halvings), Interval::up(l.to.x() + l.to_error));
+        } else if (e.right.valid()) {
+            const Interval left = left_end_of_circle(h);
+            consider(left.lower(), half_edges_[h].origin == none ? left.upper() : HUGE_VAL);
+        }
+        h = half_edges_[h].next;
+    } while (h != component);
+    return end;
+}
+
+// A lower bound for x on the link. Along u across `direction` the arc's offset w in that direction changes by
+// at most sigma |du|: between two of its points at distance U it keeps within sigma U / 2 of their rectangle.
+double Patchwork::left_bound(const Link& link, FormId left, FormId right, const Heights& heights, int halvings) {
+    const Eigen::Vector2d d = link.direction, across(-d.y(), d.x());
+    const double lower = std::min(link.from.x() - link.from_error, link.to.x() - link.to_error);
+    const Interval U = Interval(std::abs((link.to - link.from).dot(across))) * Interval(1 + 1e-15) +
+                       Interval(link.from_error) + Interval(link.to_error);
+    const std::array<double, 4> box = {
+        std::max(link.box[0], lower - U.upper() - (link.to - link.from).norm()), link.box[1], link.box[2], link.box[3]};
+    const Interval X(box[0], box[1]), Y(box[2], box[3]);
+    const HeightJet<Interval> a = heights.jet(left, X, Y), b = heights.jet(right, X, Y);
+    const Interval gx = a.gx - b.gx, gy = a.gy - b.gy;
+    const Interval along = Interval(d.x()) * gx + Interval(d.y()) * gy,
+                   beside = Interval(across.x()) * gx + Interval(across.y()) * gy;
+    if (!(along.lower() > 0)) return link.box[0];
+    const double bound = Interval::down(lower - ((Interval(beside.magnitude()) / Interval(along.lower())) * U).upper());
+    if (halvings == 0) return std::max(bound, link.box[0]);
+    // Half-way across, the arc's point by the false position that certainly brackets it.
+    const Eigen::Vector2d middle = 0.5 * (link.from + link.to);
+    double w = 0, step = HUGE_VAL;
+    const auto difference = [&](double offset) {
+        const Eigen::Vector2d p = middle + offset * d;
+        const HeightJet<Interval> f = heights.jet(left, Interval(p.x()), Interval(p.y())),
+                                  g = heights.jet(right, Interval(p.x()), Interval(p.y()));
+        return std::pair(f.v - g.v, Interval(d.x()) * (f.gx - g.gx) + Interval(d.y()) * (f.gy - g.gy));
+    };
+    for (int i = 0; i < 20; ++i) {
+        const auto [v, slope] = difference(w);
+        const double move = v.mid() / slope.mid();
+        if (!(std::abs(move) < 0.5 * step)) break;
+        w -= move;
+        step = std::abs(move);
+    }
+    const double error = (Interval(difference(w).first.magnitude()) / Interval(along.lower())).upper() +
+                         4 * std::numeric_limits<double>::epsilon() * middle.norm();
+    const Eigen::Vector2d p = middle + w * d;
+    const Link first{link.from, p, link.from_error, error, d, link.box}, second{p, link.to, error, link.to_error, d, link.box};
+    return std::max(bound, std::min(left_bound(first, left, right, heights, halvings - 1),
+                                    left_bound(second, left, right, heights, halvings - 1)));
+}
+
+// Encloses the least x along an edge between two circular forms, its ends excepted.
+Interval Patchwork::left_end_of_circle(Index h) const {
+    const auto ball = [](double v) { return Interval::ball(v, 2 * std::numeric_limits<double>::epsilon() * std::abs(v)); };
+    const CircularForm &f = family_.forms[left_of(h)], &g = family_.forms[left_of(twin(h))];
+    const Interval wf = ball(f.w), wg = ball(g.w);
+    // f - g = K |p|^2 - 2 (K c) p + ...
+    const Interval K = Interval(f.k) / wf - Interval(g.k) / wg;
+    const auto center = [&](double cf, double af, double cg, double ag) {
+        const Interval gradient = (Interval(2.0) * Interval(f.k) * Interval(cf) - ball(af)) / wf -
+                                  (Interval(2.0) * Interval(g.k) * Interval(cg) - ball(ag)) / wg;
+        return gradient / (Interval(2.0) * K);
+    };
+    const Index from = half_edges_[h].origin, to = target(h);
+    if (!K.sign() || *K.sign() == Sign::Zero) {  // nearly straight: far less than its chord away from it
+        const Vertex &p = vertices_[from], &q = vertices_[to];
+        const double chord = std::hypot(p.x - q.x, p.y - q.y) + p.error + q.error;
+        return {std::min(p.x - p.error, q.x - q.error) - chord, std::min(p.x + p.error, q.x + q.error)};
+    }
+    const Interval cx = center(f.cx, f.a, g.cx, g.a), cy = center(f.cy, f.b, g.cy, g.b);
+    if (from == none) {  // r^2 = c^2 - C / K
+        const auto constant = [&](const CircularForm& form, Interval w) {
+            return (Interval(form.k) * (square(Interval(form.cx)) + square(Interval(form.cy))) + ball(form.e)) / w;
+        };
+        const Interval r2 = square(cx) + square(cy) - (constant(f, wf) - constant(g, wg)) / K;
+        return cx - sqrt(Interval(std::max(0.0, r2.lower()), std::max(0.0, r2.upper())));
+    }
+    // Counter-clockwise the arc passes the leftmost point when it comes from the upper half and ends in the lower
+    // one, or returns to the half it started from. Where doubles cannot tell, it may.
+    const Vertex &p = vertices_[*K.sign() == Sign::Positive ? from : to], &q = vertices_[*K.sign() == Sign::Positive ? to : from];
+    const Interval px = Interval::ball(p.x, p.error), py = Interval::ball(p.y, p.error), qx = Interval::ball(q.x, q.error),
+                   qy = Interval::ball(q.y, q.error);
+    const auto sp = (py - cy).sign(), sq = (qy - cy).sign(), dx = (qx - px).sign();
+    const bool passes_by = sp && sq && dx &&
+                           ((*sp == Sign::Negative && *sq == Sign::Positive) || (*sp == *sq && *dx == -*sp));
+    const Interval ends(std::min(px.lower(), qx.lower()), std::min(px.upper(), qx.upper()));
+    if (passes_by) return ends;
+    return {(cx - sqrt(square(px - cx) + square(py - cy))).lower(), ends.upper()};
+}
+
 MinimizationDiagram Patchwork::finish() {
     MinimizationDiagram out;
     out.region = region_;
     out.forms = family_.forms;
+    out.cylinders = family_.cylinders;
 
     std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none), face_map(faces_.size(), none);
     const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges_, &Edge::alive));
@@ -342,7 +545,12 @@ MinimizationDiagram Patchwork::finish() {
         edge_map[e] = out.dcel.add_edge(from == none ? VertexId{} : VertexId{vertex_map[from]},
                                         to == none ? VertexId{} : VertexId{vertex_map[to]}).value;
         out.edges.push_back({edges_[e].left, edges_[e].right, edges_[e].side});
+        if (family_.cylinders.empty()) continue;
+        out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
+        if (edges_[e].links == none) continue;
+        for (const Link& l : links_[edges_[e].links]) out.pieces_.push_back({l.to, l.to_error, l.direction, l.box});
     }
+    if (!family_.cylinders.empty()) out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
     const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
     for (Index h = 0; h < half_edges_.size(); ++h)
         if (edges_[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
@@ -373,7 +581,7 @@ MinimizationDiagram Patchwork::finish() {
         const FaceId id = out.dcel.add_face();
         face_map[f] = id.value;
         out.face_forms.push_back(faces_[f].site);
-        const std::size_t outer = starts.size() == 1 ? 0 : leftmost(starts);
+        const std::size_t outer = starts.size() == 1 ? 0 : outermost(starts);
         out.dcel.add_outer_ccb(id, half_edge(starts[outer]));
         for (std::size_t j = 0; j < starts.size(); ++j)
             if (j != outer) out.dcel.add_inner_ccb(id, half_edge(starts[j]));

@@ -12,15 +12,10 @@
 #include <vector>
 
 #include "minimization_diagram.hpp"
+#include "mixed_piece.hpp"
 #include "work_diagram.hpp"
 
 namespace vcell {
-
-/// A side of a piece: one of the region's sides, or a seam.
-struct PieceSide {
-    double a, b, c;    ///< a x + b y + c >= 0 inside
-    std::uint32_t id;  ///< index of the region's side, or a seam's id
-};
 
 class Patchwork {
 public:
@@ -38,6 +33,9 @@ public:
     /// Takes over a finished piece. `line_sides[i]` is the side that the kernel's form 1 + i stands for.
     /// Returns a half-edge on its outer side, the piece's handle.
     Index add(const WorkDiagram& piece, std::span<const PieceSide> line_sides);
+
+    /// Takes over a piece that was decided by enclosures.
+    Index add(const MixedPiece& piece, const Heights& heights);
 
     /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
     Index glue(Index piece, Index other, std::uint32_t seam);
@@ -65,10 +63,20 @@ private:
     struct HalfEdge {
         Index next, prev, origin, face;
     };
+    // A piece of an arc with a cylinder (MinimizationDiagram::ArcPiece) that knows both its ends.
+    struct Link {
+        Eigen::Vector2d from, to;
+        double from_error, to_error;
+        Eigen::Vector2d direction;
+        std::array<double, 4> box;
+
+        Link reversed() const { return {to, from, to_error, from_error, -direction, box}; }
+    };
     struct Edge {
         FormId left, right;  // of half-edge 2e; rim: left only
         std::uint32_t side = UINT32_MAX;
         Index ties = none;
+        Index links = none;  // index into links_, in the direction of half-edge 2e
         bool alive = true;
     };
     struct Face {
@@ -89,7 +97,12 @@ private:
     std::vector<Index> side_chain(Index outer, std::uint32_t seam) const;
     void unite_vertices(Index kept, Index other, Index outgoing, Index face);
     void smooth(Index v);
+    void join_links(Index edge, Index other, bool other_first, bool reverse_other);
+    std::size_t outermost(std::span<const Index> components) const;
     std::size_t leftmost(std::span<const Index> components) const;
+    std::array<double, 2> left_end(Index component, const Heights& heights, int halvings) const;
+    Interval left_end_of_circle(Index half_edge) const;
+    static double left_bound(const Link& link, FormId left, FormId right, const Heights& heights, int halvings);
 
     const FormFamily& family_;
     const ConvexRegion& region_;
@@ -98,6 +111,7 @@ private:
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
     std::vector<std::vector<FormId>> ties_;
+    std::vector<std::vector<Link>> links_;
     std::vector<Index> isolated_;
     std::vector<Index> face_map_, vertex_map_, edge_map_;  // working space of add()
     std::vector<ConvexRegion::Side> seams_;

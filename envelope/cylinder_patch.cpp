@@ -1,0 +1,94 @@
+#include "cylinder_patch.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace vcell {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+CylinderHeight::CylinderHeight(const CylinderForm& form, const Vector2d& near)
+    : c_(form.px, form.py, form.pz), d_(form.ax, form.ay, form.az), rho_(form.rho) {
+    d_ = d_.stableNormalized();
+    if (d_.z() < 0) d_ = -d_;
+    c_ += (Vector3d(near.x(), near.y(), 0) - c_).dot(d_) * d_;
+}
+
+// With m = (p, 0) - c and the derivative of C - 2 beta f - d_z^2 f^2 = 0:
+//     (grad C - 2 f grad beta) / 2 = s grad f,   grad C / 2 = m - (m.d) d,   grad beta = d_z d,
+// which needs no division by d_z.
+CylinderHeight::Jet CylinderHeight::operator()(const Vector2d& p) const {
+    const Vector2d d = d_.head<2>(), m = p - c_.head<2>();
+    const double dz = d_.z(), k = rho_ + c_.z(), along = m.dot(d) - c_.z() * dz;
+    const Vector2d v = dz * m + k * d;
+    const double s = v.norm(), beta = k + along * dz;
+    const double C = m.squaredNorm() - along * along + (c_.z() - rho_) * k;
+    const double f = beta < 0 ? (s - beta) / (dz * dz) : C / (s + beta);
+    return {f, (m - (along + dz * f) * d) / s, v, s};
+}
+
+double CylinderHeight::curvature_bound(double s, double radius) const {
+    const double smallest = s - d_.z() * radius;  // |grad s| = d_z
+    return smallest > 0 ? 1 / smallest : std::numeric_limits<double>::infinity();
+}
+
+// V / s - d has a length of at most 1 + |d|.
+double CylinderHeight::slope_bound(const Jet& at, double radius) const {
+    const double anywhere = (1 + d_.head<2>().norm()) / d_.z();
+    return std::min(anywhere, at.gradient.norm() + radius * curvature_bound(at.s, radius));
+}
+
+CylinderFrame::CylinderFrame(const CylinderForm& form, const Vector2d& p0) : height_(form, p0), origin_(p0) {
+    const CylinderHeight::Jet jet = height_(p0);
+    e_ = jet.v / jet.s;
+    eps_ = height_.axis().z() / jet.s;
+    f0_ = jet.value;
+    z1_ = turned(jet.gradient).y();
+    z2_ = (1 + height_.axis().head<2>().dot(e_)) / (4 * jet.s);
+}
+
+Vector2d CylinderFrame::parameters(const Vector2d& p) const {
+    return parameters(p, Vector2d::Zero(), Vector2d::Zero())[0];
+}
+
+// With q = (1 + eps x, eps y) for p - p0 = (x, y) in the frame, and r = |q|:
+//     mu = (r + q_x) / 2,   u = x + eps y^2 / (4 mu),   v = y / mu;
+//     u' = ((q.p') / r + x') / 2,   u'' = ((q.p'') / r + eps (q x p')^2 / r^3 + x'') / 2.
+std::array<Vector2d, 3> CylinderFrame::parameters(const Vector2d& p, const Vector2d& p1,
+                                                  const Vector2d& p2) const {
+    const Vector2d a = turned(p - origin_), a1 = turned(p1), a2 = turned(p2);
+    const Vector2d q(1 + eps_ * a.x(), eps_ * a.y());
+    const double r = q.norm(), turn = q.x() * a1.y() - q.y() * a1.x();
+    const double mu = 0.5 * (r + q.x());
+    const double u = a.x() + eps_ * a.y() * a.y() / (4 * mu);
+    const double u1 = 0.5 * (q.dot(a1) / r + a1.x());
+    const double u2 = 0.5 * (q.dot(a2) / r + eps_ * turn * turn / (r * r * r) + a2.x());
+    const double v = a.y() / mu;
+    const double v1 = (a1.y() - v * eps_ * u1) / mu;
+    const double v2 = (a2.y() - 2 * v1 * eps_ * u1 - v * eps_ * u2) / mu;
+    return {Vector2d(u, v), Vector2d(u1, v1), Vector2d(u2, v2)};
+}
+
+// Blossoms: v^2 -> v v', v -> (v + v') / 2.
+RationalPatch CylinderFrame::patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
+                                   const BaseFrame& frame) const {
+    RationalPatch surface;
+    surface.degree_u = 1;
+    surface.degree_v = 2;
+    surface.domain_u = u;
+    surface.domain_v = v;
+    for (int i = 0; i <= 1; ++i) {
+        for (int j = 0; j <= 2; ++j) {
+            const double m = mu(u[i]), mean = 0.5 * (v[j > 0] + v[j > 1]), square = v[j > 0] * v[j > 1];
+            const Vector2d p = origin_ + turned_back({u[i] - m * eps_ * square / 4, m * mean});
+            const double z =
+                f0_ + eps_ * u[i] * (f0_ + height_.rho()) + m * (z1_ * mean + z2_ * square);
+            const Vec3 world = frame.to_world({p.x(), p.y(), z});
+            surface.points.push_back({world.x(), world.y(), world.z(), 1});
+        }
+    }
+    return surface;
+}
+
+}  // namespace vcell

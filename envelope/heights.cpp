@@ -1,0 +1,116 @@
+#include "heights.hpp"
+
+#include <cfloat>
+
+namespace vcell {
+
+namespace {
+
+// The monomial coefficients are exact numbers; at most as wide as their 53 leading bits ask for, they are
+// peeled off in doubles.
+Wide to_wide(Exact v) {
+    Wide sum(0.0);
+    for (int i = 0; i < 8 && v.sign() != Sign::Zero; ++i) {
+        const double head = v.enclosure().lower();
+        sum += Wide(head);
+        v -= Exact(head);
+    }
+    return sum + Wide(v.enclosure());
+}
+
+// C = |m x a|^2 - N rho^2: with the cross product instead of N |m|^2 - (m . a)^2 nothing cancels far out along
+// the axis.
+template <class T>
+HeightJet<T> cylinder_jet(const CylinderForm& f, const T& norm, const T& A, const T& x, const T& y) {
+    const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho);
+    const T mx = x - T(f.px), my = y - T(f.py);
+    const T cx = my * az + pz * ay, cy = -(mx * az) - pz * ax, cz = mx * ay - my * ax;
+    const T C = square(cx) + square(cy) + square(cz) - norm * square(rho);
+    const T beta = norm * (rho + pz) + (mx * ax + my * ay - pz * az) * az;
+    const T D = square(beta) + A * C;
+    if (D.sign() != Sign::Positive || C.sign() != Sign::Positive) return {T::whole(), T::whole(), T::whole()};
+    const T root = sqrt(D);
+    HeightJet<T> j;
+    j.v = beta.sign() == Sign::Negative && f.az != 0 ? (root - beta) / A : C / (root + beta);
+    // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
+    const T two(2.0), scale = two * root;
+    j.gx = (two * (cz * ay - cy * az) - two * az * ax * j.v) / scale;
+    j.gy = (two * (cx * az - cz * ax) - two * az * ay * j.v) / scale;
+    return j;
+}
+
+}  // namespace
+
+Heights::Heights(const FormFamily& family) : family_(family) {
+    prepared_.reserve(family.size());
+    const auto ball = [](double v) { return Interval::ball(v, 2 * DBL_EPSILON * std::abs(v)); };  // 4 u
+    for (const CircularForm& f : family.forms) {
+        Prepared p;
+        p.a = ball(f.a);
+        p.b = ball(f.b);
+        p.e = ball(f.e);
+        p.inverse_w = Interval(1.0) / ball(f.w);
+        prepared_.push_back(p);
+    }
+    for (const CylinderForm& f : family.cylinders) {
+        Prepared p;
+        p.norm = square(Interval(f.ax)) + square(Interval(f.ay)) + square(Interval(f.az));
+        p.A = square(Interval(f.az));
+        prepared_.push_back(p);
+    }
+}
+
+HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
+    const Prepared& p = prepared_[f.value];
+    if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p.norm, p.A, x, y);
+    const CircularForm& form = family_.forms[f];
+    const Interval k(form.k), dx = x - Interval(form.cx), dy = y - Interval(form.cy), two_k(2 * form.k);
+    return {(k * (square(dx) + square(dy)) + p.a * x + p.b * y + p.e) * p.inverse_w, (two_k * dx + p.a) * p.inverse_w,
+            (two_k * dy + p.b) * p.inverse_w};
+}
+
+HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
+    if (!family_.is_circular(f)) {
+        const CylinderForm& c = family_.cylinder(f);
+        const Wide norm = square(Wide(c.ax)) + square(Wide(c.ay)) + square(Wide(c.az));
+        return cylinder_jet(c, norm, square(Wide(c.az)), x, y);
+    }
+    const ExactForm e = family_.exact(f);
+    const Wide K = to_wide(e.K), A = to_wide(e.A), B = to_wide(e.B), W = to_wide(e.W), two(2.0);
+    return {(K * (square(x) + square(y)) + A * x + B * y + to_wide(e.C)) / W, (two * K * x + A) / W, (two * K * y + B) / W};
+}
+
+namespace {
+
+// A height as (a + b sqrt(c)) / den, den > 0.
+struct ExactHeight {
+    OneRoot value;
+    Exact den;
+};
+
+ExactHeight exact_height(const FormFamily& family, FormId f, double x, double y) {
+    const Exact ex(x), ey(y), zero;
+    if (family.is_circular(f)) {
+        const ExactForm p = family.exact(f);
+        return {{p.K * (ex * ex + ey * ey) + p.A * ex + p.B * ey + p.C, zero, zero}, p.W};
+    }
+    const CylinderForm& form = family.cylinder(f);
+    const auto [C, beta] = cylinder_terms(form, ex, ey);
+    const Exact A = Exact(form.az) * Exact(form.az);
+    if (form.az == 0) return {{C, zero, zero}, beta + beta};
+    return {{-beta, Exact(1.0), beta * beta + A * C}, A};
+}
+
+}  // namespace
+
+Sign Heights::compare(FormId f, FormId g, double x, double y, Decisions& decisions) const {
+    if (const auto s = (jet(f, Interval(x), Interval(y)).v - jet(g, Interval(x), Interval(y)).v).sign()) {
+        ++decisions.by_interval;
+        return *s;
+    }
+    ++decisions.by_exact;
+    const ExactHeight p = exact_height(family_, f, x, y), q = exact_height(family_, g, x, y);
+    return vcell::compare(p.value, p.den, q.value, q.den);
+}
+
+}  // namespace vcell

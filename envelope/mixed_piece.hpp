@@ -1,0 +1,142 @@
+/// Small convex pieces of the region whose minimization diagram is decided by enclosures alone, for forms that
+/// are not all circular.
+///
+/// Let a form compete in a convex piece if no other one is certainly lower all over it. The piece is plain when
+///
+///   * for every two competitors the derivative of their difference in some direction keeps its sign: their
+///     trisector has no closed component here and crosses every line of that direction at most once;
+///   * for every three the Jacobian of their two differences is regular all over: by the mean value theorem
+///     on a convex set, they are equal in one point at most.
+///
+/// Then the labels along the piece's boundary determine the diagram inside. With two changes of label they
+/// are joined; with three, between three competitors, their arcs meet in one vertex; no other arc has
+/// room. Other pieces are split. Along a side everything is one-dimensional: the same argument with slopes.
+///
+/// What stays undecided in a piece narrower than `floor_width` of the region is taken for one point, counted
+/// in Decisions::assumed, and listed. (Its arcs end there; their direction is that across their chord.)
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "heights.hpp"
+#include "minimization_diagram.hpp"
+
+namespace vcell {
+
+/// A line a x + b y + c = 0 of a piece's boundary, positive inside: one of the region's sides, or a seam.
+struct PieceSide {
+    double a, b, c;
+    std::uint32_t id;  ///< index of the region's side, or a seam's id
+};
+
+using IntervalPoint = std::array<Interval, 2>;
+
+/// Where two sides meet.
+IntervalPoint corner_of(const PieceSide& s, const PieceSide& t);
+
+/// A change of label along a side, in the direction in which it is run; or a point where further forms tie.
+struct RimTransition {
+    FormId before, after;
+    Eigen::Vector2d point;
+    double error;
+    std::vector<FormId> ties;  ///< all forms taken to meet here; empty: `before` and `after` only
+};
+
+/// The lowest forms along a side, counter-clockwise around the piece.
+struct SideLabels {
+    FormId first;
+    std::vector<RimTransition> transitions;
+
+    FormId last() const { return transitions.empty() ? first : transitions.back().after; }
+    SideLabels reversed() const;
+};
+
+/// The labels around a piece: side i starts at corner i.
+struct PieceBoundary {
+    std::vector<PieceSide> sides;
+    std::vector<IntervalPoint> corners;
+    std::vector<SideLabels> labels;
+    /// Forms that tie at corner i; empty where one form is lowest.
+    std::vector<std::vector<FormId>> corner_ties;
+};
+
+/// The diagram of a plain piece. Vertices 0 .. rim - 1 lie on the boundary, counter-clockwise.
+struct MixedPiece {
+    struct Vertex {
+        Eigen::Vector2d point;
+        double error;
+        FormId lowest;
+        std::vector<FormId> ties;  ///< of the forms that are not seen from the faces around it
+    };
+    struct RimEdge {  // from rim vertex i to the next
+        std::uint32_t side;
+        FormId label;
+    };
+    struct Arc {
+        std::uint32_t from, to;
+        FormId left, right;
+        Eigen::Vector2d direction;
+    };
+    std::vector<Vertex> vertices;
+    std::vector<RimEdge> rim;
+    std::vector<Arc> arcs;  ///< those at an inner vertex in counter-clockwise order
+    std::array<double, 4> box;
+};
+
+class MixedAnalysis {
+public:
+    /// Narrower than this part of the region's extent a piece that is not plain counts as a point. Heights of
+    /// competitors in it differ by about its square, beyond the digits of a double.
+    static constexpr double floor_width = 0x1p-34;
+    /// The same along a side, where no more than one direction has to be told apart.
+    static constexpr double side_floor_width = 0x1p-44;
+
+    MixedAnalysis(const FormFamily& family, double extent) : heights_(family), extent_(extent) {}
+
+    const Heights& heights() const { return heights_; }
+    Decisions& decisions() { return decisions_; }
+    std::vector<Assumption>& assumptions() { return assumptions_; }
+
+    /// The candidates that may be lowest somewhere in the rectangle.
+    void cull(const std::array<double, 4>& box, std::vector<FormId>& candidates);
+
+    /// All forms that attain the minimum of the candidates where s and t meet.
+    std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
+
+    /// The labels along a side between two corners, from `first` to `last`. Seams must be crossed cleanly: none
+    /// if forms tie on one otherwise than by crossing at a slope.
+    std::optional<SideLabels> label_side(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
+                                         FormId first, FormId last, std::vector<FormId> candidates, bool is_seam);
+    /// The label right after the corner `from`, where several forms tie.
+    FormId label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
+                        std::span<const FormId> candidates);
+
+    /// The diagram of the candidates over the piece if it is plain.
+    std::optional<MixedPiece> resolve(const PieceBoundary& boundary, std::vector<FormId> candidates);
+
+private:
+    struct Spread {  // value at the middle of a box, gradient all over it
+        FormId form;
+        Interval v, gx, gy;
+    };
+    struct Line;
+
+    void spreads(const std::array<double, 4>& box, std::span<const FormId> candidates, std::vector<Spread>& out) const;
+    bool descend(const Line& line, double s0, FormId l0, double s1, FormId l1, std::span<const FormId> candidates,
+                 bool is_seam, std::vector<RimTransition>& out);
+    std::vector<FormId> lowest_at(const Line& line, double s, std::span<const FormId> candidates);
+    RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after);
+    std::optional<MixedPiece::Vertex> locate(const std::array<double, 4>& box, std::array<FormId, 3> forms);
+    void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
+
+    Heights heights_;
+    double extent_;
+    Decisions decisions_;
+    std::vector<Assumption> assumptions_;
+};
+
+}  // namespace vcell
