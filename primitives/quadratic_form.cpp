@@ -1,0 +1,252 @@
+#include "quadratic_form.hpp"
+
+#include <array>
+#include <cassert>
+#include <optional>
+
+namespace vcell {
+
+namespace {
+
+// ---- Polynomials in one variable: coefficients by ascending power, no leading zeros ----------------------
+
+using Polynomial = std::vector<Exact>;
+
+bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
+
+void trim(Polynomial& p) {
+    while (!p.empty() && is_zero(p.back())) p.pop_back();
+}
+
+Polynomial sum(const Polynomial& p, const Polynomial& q, const Exact& factor) {
+    Polynomial r(std::max(p.size(), q.size()));
+    for (std::size_t i = 0; i < p.size(); ++i) r[i] += p[i];
+    for (std::size_t i = 0; i < q.size(); ++i) r[i] += factor * q[i];
+    trim(r);
+    return r;
+}
+
+Polynomial product(const Polynomial& p, const Polynomial& q) {
+    if (p.empty() || q.empty()) return {};
+    Polynomial r(p.size() + q.size() - 1);
+    for (std::size_t i = 0; i < p.size(); ++i)
+        for (std::size_t j = 0; j < q.size(); ++j) r[i + j] += p[i] * q[j];
+    return r;
+}
+
+// Quotient and remainder of a multiple of p. Pre: d is not zero.
+std::pair<Polynomial, Polynomial> divided(Polynomial p, const Polynomial& d) {
+    Polynomial quotient;
+    while (p.size() >= d.size()) {
+        const std::size_t shift = p.size() - d.size();
+        const Exact leading = p.back();
+        for (Exact& c : quotient) c *= d.back();
+        quotient.resize(std::max(quotient.size(), shift + 1));
+        quotient[shift] += leading;
+        for (Exact& c : p) c *= d.back();
+        for (std::size_t i = 0; i < d.size(); ++i) p[shift + i] -= leading * d[i];
+        trim(p);
+    }
+    return {quotient, p};
+}
+
+Polynomial common_divisor(Polynomial p, Polynomial q) {
+    while (!q.empty()) {
+        Polynomial rest = divided(p, q).second;
+        p = std::move(q);
+        q = std::move(rest);
+    }
+    return p;
+}
+
+// The square root of a dyadic number, if that is one.
+std::optional<Exact> exact_sqrt(const Exact& v) {
+    if (v.sign() == Sign::Negative) return std::nullopt;
+    const auto [lower, upper] = v.sqrt_bounds(0);
+    if (!is_zero(lower - upper)) return std::nullopt;
+    return lower;
+}
+
+// The rational roots of p of degree at most two as (numerator, denominator).
+std::vector<std::pair<Exact, Exact>> small_rational_roots(const Polynomial& p) {
+    if (p.size() == 2) return {{-p[0], p[1]}};
+    if (p.size() != 3) return {};
+    const auto root = exact_sqrt(p[1] * p[1] - 4.0 * p[0] * p[2]);
+    if (!root) return {};
+    return {{*root - p[1], 2.0 * p[2]}, {-*root - p[1], 2.0 * p[2]}};
+}
+
+std::vector<std::pair<Exact, Exact>> rational_roots(Polynomial p) {
+    Polynomial derivative;
+    for (std::size_t i = 1; i < p.size(); ++i) derivative.push_back(Exact(static_cast<double>(i)) * p[i]);
+    const Polynomial repeated = common_divisor(p, derivative);
+    if (repeated.size() > 1) p = divided(p, repeated).first;
+    // The parameter of p - q is tried on its own.
+    const Polynomial minus_one{1.0, 1.0};
+    if (p.size() == 4) {
+        auto [quotient, rest] = divided(p, minus_one);
+        if (rest.empty()) p = std::move(quotient);
+    }
+    return small_rational_roots(p);
+}
+
+// The divisor of all 3 x 3 minors of P + t Q.
+Polynomial minors_divisor(const QuadraticForm& p, const QuadraticForm& q) {
+    const std::size_t n = p.size();
+    const auto entry = [&](std::size_t i, std::size_t j) {
+        Polynomial e{p(i, j), q(i, j)};
+        trim(e);
+        return e;
+    };
+    using Triple = std::array<std::size_t, 3>;
+    std::vector<Triple> triples;
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j)
+            for (std::size_t k = j + 1; k < n; ++k) triples.push_back({i, j, k});
+    const auto minor = [&](const Triple& row, const Triple& column) {
+        Polynomial sum_of_products;
+        for (int k = 0; k < 3; ++k) {
+            const std::size_t a = column[k], b = column[(k + 1) % 3], c = column[(k + 2) % 3];
+            const Polynomial two = sum(product(entry(row[1], b), entry(row[2], c)),
+                                       product(entry(row[1], c), entry(row[2], b)), -1.0);
+            sum_of_products = sum(sum_of_products, product(entry(row[0], a), two), 1.0);
+        }
+        return sum_of_products;
+    };
+    Polynomial divisor;
+    for (std::size_t i = 0; i < triples.size(); ++i)
+        for (std::size_t j = i; j < triples.size(); ++j) {
+            divisor = common_divisor(std::move(divisor), minor(triples[i], triples[j]));
+            if (divisor.size() == 1) return divisor;
+        }
+    return divisor;
+}
+
+// Enough for a plane's coefficients to round to doubles once and for signs to be read off.
+constexpr int root_bits = 200;
+
+LinearFunction combination(const Exact& a, const LinearFunction& f, const Exact& b, const LinearFunction& g) {
+    LinearFunction h(f.size());
+    for (std::size_t i = 0; i < f.size(); ++i) h[i] = a * f[i] + b * g[i];
+    return h;
+}
+
+}  // namespace
+
+void QuadraticForm::add_twice_product(const Exact& c, const LinearFunction& f, const LinearFunction& g) {
+    for (std::size_t i = 0; i < size_; ++i)
+        for (std::size_t j = 0; j < size_; ++j) entries_[i * size_ + j] += c * (f[i] * g[j] + f[j] * g[i]);
+}
+
+Exact QuadraticForm::polar(const LinearFunction& x, const LinearFunction& y) const {
+    Exact value;
+    for (std::size_t i = 0; i < size_; ++i) {
+        if (vcell::is_zero(x[i])) continue;
+        for (std::size_t j = 0; j < size_; ++j) value += x[i] * (*this)(i, j) * y[j];
+    }
+    return value;
+}
+
+bool QuadraticForm::is_zero() const {
+    for (const Exact& e : entries_)
+        if (!vcell::is_zero(e)) return false;
+    return true;
+}
+
+QuadraticForm operator+(const QuadraticForm& p, const QuadraticForm& q) {
+    QuadraticForm r = p;
+    for (std::size_t i = 0; i < r.entries_.size(); ++i) r.entries_[i] += q.entries_[i];
+    return r;
+}
+
+QuadraticForm operator*(const Exact& c, const QuadraticForm& q) {
+    QuadraticForm r = q;
+    for (Exact& e : r.entries_) e *= c;
+    return r;
+}
+
+QuadraticForm QuadraticForm::restricted(const std::vector<LinearFunction>& basis) const {
+    QuadraticForm r(basis.size());
+    for (std::size_t i = 0; i < basis.size(); ++i)
+        for (std::size_t j = i; j < basis.size(); ++j)
+            r.entries_[i * r.size_ + j] = r.entries_[j * r.size_ + i] = polar(basis[i], basis[j]);
+    return r;
+}
+
+std::vector<LinearFunction> kernel(const LinearFunction& f) {
+    std::size_t pivot = 0;
+    while (is_zero(f[pivot])) ++pivot;
+    std::vector<LinearFunction> basis;
+    for (std::size_t j = 0; j < f.size(); ++j) {
+        if (j == pivot) continue;
+        LinearFunction v(f.size());
+        v[j] = is_zero(f[j]) ? Exact(1.0) : f[pivot];
+        v[pivot] = -f[j];
+        basis.push_back(v);
+    }
+    return basis;
+}
+
+Factors factors(const QuadraticForm& m) {
+    using Kind = Factors::Kind;
+    const std::size_t n = m.size();
+    const auto row = [&](std::size_t i) {
+        LinearFunction f(n);
+        for (std::size_t k = 0; k < n; ++k) f[k] = m(i, k);
+        return f;
+    };
+    std::size_t i = 0;
+    while (i < n && is_zero(m(i, i))) ++i;
+    if (i == n) {
+        // Without squares: M_ij M = f g^T + g f^T with the rows f, g of i and j, if the rank is two.
+        for (i = 0; i < n; ++i)
+            for (std::size_t j = i + 1; j < n; ++j) {
+                if (is_zero(m(i, j))) continue;
+                const LinearFunction f = row(i), g = row(j);
+                for (std::size_t k = 0; k < n; ++k)
+                    for (std::size_t l = k; l < n; ++l)
+                        if (!is_zero(m(i, j) * m(k, l) - f[k] * g[l] - f[l] * g[k])) return {};
+                return {Kind::Rational, {f, g}};
+            }
+        return {Kind::Rational, {}};
+    }
+    // M_ii M = f f^T - N with row f of i; the rank is two if N's is one: N_jj N = g g^T with row g of j.
+    const LinearFunction f = row(i);
+    QuadraticForm rest(n);
+    rest.add_twice_product(0.5, f, f);
+    rest = rest + (-m(i, i)) * m;
+    if (rest.is_zero()) return {Kind::Rational, {f}};
+    std::size_t j = 0;
+    while (j < n && is_zero(rest(j, j))) ++j;
+    if (j == n) return {};
+    LinearFunction g(n);
+    for (std::size_t k = 0; k < n; ++k) g[k] = rest(j, k);
+    for (std::size_t k = 0; k < n; ++k)
+        for (std::size_t l = k; l < n; ++l)
+            if (!is_zero(rest(j, j) * rest(k, l) - g[k] * g[l])) return {};
+    // M_ii N_jj M = N_jj f f^T - g g^T.
+    if (rest(j, j).sign() == Sign::Negative) return {Kind::Complex, {f, g}};
+    const auto root = exact_sqrt(rest(j, j));
+    const Exact t = root ? *root : rest(j, j).sqrt_bounds(root_bits).first;
+    return {root ? Kind::Rational : Kind::Irrational,
+            {combination(t, f, 1.0, g), combination(t, f, -1.0, g)}};
+}
+
+PencilSplit split_pencil(const QuadraticForm& p, const QuadraticForm& q) {
+    using Kind = Factors::Kind;
+    PencilSplit best;
+    const auto rank = [](Kind k) {
+        return k == Kind::Rational ? 3 : k == Kind::Complex ? 2 : k == Kind::Irrational;
+    };
+    const auto found_with = [&](const QuadraticForm& member, bool is_first) {
+        PencilSplit split{factors(member), is_first};
+        if (rank(split.factors.kind) > rank(best.factors.kind)) best = std::move(split);
+        return best.factors.kind == Kind::Rational;
+    };
+    if (found_with(p + Exact(-1.0) * q, false) || found_with(p, true) || found_with(q, false)) return best;
+    for (const auto& [numerator, denominator] : rational_roots(minors_divisor(p, q)))
+        if (found_with(denominator * p + numerator * q, false)) break;
+    return best;
+}
+
+}  // namespace vcell
