@@ -62,7 +62,7 @@ bool is_subset(const std::array<T, N>& inner, const std::array<T, N>& outer) {
     return true;
 }
 template <std::size_t N>
-bool contains(const IntervalBox<N>& box, const std::array<double, N>& p) {
+bool contains(const std::array<Interval, N>& box, const std::array<double, N>& p) {
     for (std::size_t i = 0; i < N; ++i)
         if (!box[i].contains(p[i])) return false;
     return true;
@@ -90,7 +90,7 @@ std::array<double, N> mid(const std::array<Interval, N>& box) {
     return m;
 }
 
-/// The same box or point in another number type.
+/// The same box or point in another number type; outward where it is a narrower one.
 template <class T, class S, std::size_t N>
 std::array<T, N> converted(const std::array<S, N>& box) {
     std::array<T, N> result;
