@@ -14,6 +14,7 @@
 
 #include "../core/errors.hpp"
 #include "../core/exact.hpp"
+#include "exact_space.hpp"
 #include "message.hpp"
 #include "solids.hpp"
 
@@ -344,14 +345,6 @@ ExactForm exact_ball_form(const Ball& s) {
 
 // (A x + B y + C) / W, of a plane or a box side.
 using LinearForm = std::array<Exact, 4>;
-
-// The double nearest to sqrt(value), for value > 0.
-double rounded_sqrt(const Exact& value) {
-    const Interval root = value.sqrt_bounds(128).first.enclosure();
-    // The root lies beyond the midpoint exactly when its square does.
-    const Exact sum = Exact(root.lower()) + root.upper();
-    return sum * sum < value * 4.0 ? root.upper() : root.lower();
-}
 
 // Height of the plane n.p + d = 0 seen from its positive side: C = nx x + ny y + d, 2 beta = |n| - nz,
 // both multiplied by |n| + nz where the difference would cancel.

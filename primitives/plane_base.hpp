@@ -7,10 +7,10 @@
 ///     plane n.p + D, side s    C = s (nx x + ny y + D),                  beta = (|n| - s nz) / 2
 ///     box side m.p <= k        C = k - m.(x, y, 0),                      beta = mz / 2
 ///
-/// with beta <= 0: never met. Cylinders are CylinderForms (core/cylinder_form.hpp), never met where the axis is parallel to
-/// the base and the cylinder nowhere above it. All others are CircularForms with w = 2 beta. |n| is rounded once, correctly; where
-/// the difference |n| - s nz would cancel, C and 2 beta are both multiplied by |n| + s nz, which leaves
-/// w = nx^2 + ny^2 and the height a relative error of one rounding.
+/// with beta <= 0: never met. Cylinders are CylinderForms (core/cylinder_form.hpp), never met where the axis
+/// is parallel to the base and the cylinder nowhere above it. All others are CircularForms with w = 2 beta.
+/// |n| is rounded once, correctly; where the difference |n| - s nz would cancel, C and 2 beta are both
+/// multiplied by |n| + s nz, which leaves w = nx^2 + ny^2 and the height a relative error of one rounding.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,8 +25,9 @@ namespace vcell {
 /// A rigid motion between world and canonical coordinates: canonical = R (world - origin).
 /// For axis-parallel normals R is a signed permutation, the origin is the base's point on that axis, and
 /// the motion is exact up to that one subtraction. In general the origin is the foot of the box's centre
-/// on the base and the input is rounded once here (components of the unit normal, and of a cylinder's axis scaled to
-/// about 1, below 2^-51 to zero). All later statements are exact about the rounded, canonical doubles.
+/// on the base and the input is rounded once here (components of the unit normal, and of a cylinder's axis
+/// scaled to about 1, below 2^-51 to zero). All later statements are exact about the rounded, canonical
+/// doubles.
 struct BaseFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 origin = Vec3::Zero();
@@ -49,10 +50,10 @@ struct PlaneBaseProblem {
     std::vector<Eigen::Vector2d> corners;  ///< corner i: start of side i, rounded
     FormFamily family;
     /// The sites of each form, ascending: several when objects coincide as seen from the base
-    /// (duplicates, a plane whose bisector is the box side). Objects hidden in cylinders, and cylinders hidden
-    /// beyond planes or sides of the box, have none: at best they tie with what hides them.
+    /// (duplicates, a plane whose bisector is the box side). Objects hidden in cylinders, and cylinders
+    /// hidden beyond planes or sides of the box, have none: at best they tie with what hides them.
     IdVector<FormId, std::vector<Site>> sites;
-    std::vector<std::string> warnings;     ///< merged duplicates; objects behind the base, or hidden
+    std::vector<std::string> warnings;  ///< merged duplicates; objects behind the base, or hidden
 };
 
 /// Throws InputError: Unsupported for bases that are no planes, EmptyBox when no region
