@@ -5,8 +5,8 @@
 #include <map>
 #include <optional>
 
-#include "../errors.hpp"
 #include "curve_newton.hpp"
+#include "solver.hpp"
 
 namespace vcell {
 
@@ -18,7 +18,7 @@ using namespace curve;
 constexpr double cut = 0.47;
 // The neighbourhood of a part reaches beyond it by this fraction of its widest side. It decides how far
 // neighbours overlap, that is, how fine the slices near a part's sides become, and nothing else.
-constexpr double margin = 0.125;
+constexpr double margin = 0.0625;
 
 double length(const Interval& i) { return i.upper() - i.lower(); }
 
@@ -33,6 +33,7 @@ class Solver {
         Box neighbourhood;  // f is injective in it for every value of the axis
         int axis;
         int direction;  // of the axis along the orientation of the curve: 1 or -1
+        Preconditioned<N, Interval> system;  // over the neighbourhood
         std::size_t first_run = 0, last_run = 0;
     };
     struct Part {
@@ -140,7 +141,7 @@ private:
             if (N > 1 && !contract(part, c, p.apply(value), p)) return;
             if (p.regular(unit_)) {
                 parts_[index].leaf = leaves_.size();
-                leaves_.push_back({part, u, axis, t[axis] > 0 ? 1 : -1});
+                leaves_.push_back({part, u, axis, t[axis] > 0 ? 1 : -1, p});
                 return;
             }
         }
@@ -211,8 +212,7 @@ private:
         Box y = leaf.neighbourhood;
         y[k] = t;
         const Point<D> start = mid(leaf.part);
-        prove(leaf, y, Preconditioned<N, Interval>(f_.differentiate(y), k), approximate(leaf, start, t.lower()),
-              approximate(leaf, start, t.upper()));
+        prove(leaf, y, leaf.system, approximate(leaf, start, t.lower()), approximate(leaf, start, t.upper()));
         clip(leaf, first);
         leaf.first_run = runs_.size();
         for (std::size_t s = first; s < slices_.size(); ++s) append(index, s);
@@ -228,17 +228,36 @@ private:
     Trial approximate(const Leaf& leaf, const Point<D>& start, double t) const {
         Trial trial{start, false};
         trial.x[leaf.axis] = t;
-        double tolerance = 0;
-        for (int i = 0; i < D; ++i) tolerance = std::max(tolerance, length(leaf.neighbourhood[i]));
-        if (!settle<N>(f_, trial.x, leaf.axis, 1e-3 * tolerance, 6)) return trial;
-        trial.near = true;
+        trial.near = settle<N>(f_, trial.x, leaf.axis, tolerance(leaf), 6);
         for (int i = 0; i < D; ++i)
             if (i != leaf.axis) {
-                const Interval &part = leaf.part[i], &u = leaf.neighbourhood[i];
-                trial.near = trial.near && trial.x[i] > 0.5 * (part.lower() + u.lower()) &&
-                             trial.x[i] < 0.5 * (part.upper() + u.upper());
+                const Interval near = halfway(leaf, i);
+                trial.near = trial.near && trial.x[i] > near.lower() && trial.x[i] < near.upper();
             }
         return trial;
+    }
+    static Interval halfway(const Leaf& leaf, int i) {
+        const Interval &part = leaf.part[i], &u = leaf.neighbourhood[i];
+        return {0.5 * (part.lower() + u.lower()), 0.5 * (part.upper() + u.upper())};
+    }
+    static double tolerance(const Leaf& leaf) { return 1e-2 * margin * width(leaf.neighbourhood); }
+
+    // A point between the two where the curve is still near and soon no more.
+    Trial last_near(const Leaf& leaf, Trial in, Trial out) const {
+        for (int i = 0; i < D; ++i) {
+            const Interval near = halfway(leaf, i);
+            if (i == leaf.axis || near.contains(out.x[i])) continue;
+            Trial exit = in;
+            exit.x[i] = out.x[i] < near.lower() ? near.lower() : near.upper();
+            const auto [lo, hi] = std::minmax(in.x[leaf.axis], out.x[leaf.axis]);
+            if (settle<N>(f_, exit.x, i, tolerance(leaf), 5) && lo < exit.x[leaf.axis] && exit.x[leaf.axis] < hi)
+                return exit;
+        }
+        for (int step = 0; step < 5; ++step) {
+            const Trial middle = approximate(leaf, in.x, std::midpoint(in.x[leaf.axis], out.x[leaf.axis]));
+            (middle.near ? in : out) = middle;
+        }
+        return in;
     }
 
     // Finds the slices of the leaf's curve within y, whose side along the axis is the range of the parameter, from
@@ -250,40 +269,38 @@ private:
         if (low.near != high.near && length(y[k]) > options_.min_width * unit_[k]) {
             // The curve comes or goes through a side: cut there, so that one part is provable as a whole and the
             // other is as a whole away from the leaf's part.
-            Trial in = low.near ? low : high, out = low.near ? high : low;
-            for (int step = 0; step < 5; ++step) {
-                const Trial middle = approximate(leaf, in.x, std::midpoint(in.x[k], out.x[k]));
-                (middle.near ? in : out) = middle;
-            }
+            const Trial in = low.near ? last_near(leaf, low, high) : last_near(leaf, high, low);
             if (in.x[k] > y[k].lower() && in.x[k] < y[k].upper()) {
                 Box lower = y, upper = y;
                 lower[k] = Interval(y[k].lower(), in.x[k]);
                 upper[k] = Interval(in.x[k], y[k].upper());
-                Trial edge = in;
+                const Trial gone{in.x, false};
                 if (low.near) {
-                    prove_piece(leaf, lower, p, low, in, std::midpoint(low.x[k], in.x[k]));
-                    edge.near = false;
-                    prove_piece(leaf, upper, p, edge, high, in.x[k]);
+                    prove_about(leaf, between(leaf, low, in), lower, p, low, in);
+                    prove_about(leaf, in.x, upper, p, gone, high);
                 } else {
-                    edge.near = false;
-                    prove_piece(leaf, lower, p, low, edge, in.x[k]);
-                    prove_piece(leaf, upper, p, in, high, std::midpoint(in.x[k], high.x[k]));
+                    prove_about(leaf, in.x, lower, p, low, gone);
+                    prove_about(leaf, between(leaf, in, high), upper, p, in, high);
                 }
                 return;
             }
         }
-        prove_piece(leaf, y, p, low, high, y[k].mid());
+        prove_about(leaf, between(leaf, low, high), y, p, low, high);
+    }
+    Point<D> between(const Leaf& leaf, const Trial& a, const Trial& b) const {
+        Point<D> start;
+        for (int i = 0; i < D; ++i) start[i] = std::midpoint(a.x[i], b.x[i]);
+        return approximate(leaf, start, start[leaf.axis]).x;
     }
 
-    // prove() by Newton about the curve's point at the parameter `at`.
-    void prove_piece(const Leaf& leaf, const Box& y, const Preconditioned<N, Interval>& p, const Trial& low,
-                     const Trial& high, double at) {
+    // prove() by Newton about the point m, near the curve.
+    void prove_about(const Leaf& leaf, Point<D> m, const Box& y, const Preconditioned<N, Interval>& p,
+                     const Trial& low, const Trial& high) {
         const int k = leaf.axis;
-        const Trial trial = approximate(leaf, middle_at(y, k, at), at);
-        Point<D> m = trial.x;
         clamp_into(m, y);
         Box c = converted<Interval>(m);
-        Box image = p.newton(y, c, p.apply(f_(c)));
+        auto value = f_(c);
+        Box image = p.newton(y, c, p.apply(value));
         if (strictly_inside(image, y, k)) return keep(leaf, image);
         auto inner = intersection(image, y);
         if (!inner || !overlap(*inner, leaf.part)) return;
@@ -295,10 +312,13 @@ private:
                 const double r = room * length((*inner)[i]);
                 (*inner)[i] = *intersection(Interval((*inner)[i].lower() - r, (*inner)[i].upper() + r), y[i]);
             }
-        clamp_into(m, *inner);
-        c = converted<Interval>(m);
+        if (!contains(*inner, m)) {
+            clamp_into(m, *inner);
+            c = converted<Interval>(m);
+            value = f_(c);
+        }
         const Preconditioned<N, Interval> q(f_.differentiate(*inner), k);
-        image = q.newton(*inner, c, q.apply(f_(c)));
+        image = q.newton(*inner, c, q.apply(value));
         if (strictly_inside(image, *inner, k)) return keep(leaf, image);
         const auto left = intersection(image, *inner);
         if (!left || !overlap(*left, leaf.part)) return;
@@ -308,7 +328,7 @@ private:
             return;
         }
         const double split = y[k].lower() + cut * length(y[k]);
-        const Trial middle = approximate(leaf, trial.x, split);
+        const Trial middle = approximate(leaf, m, split);
         Box lower = *inner, upper = *inner;
         lower[k] = Interval(y[k].lower(), split);
         upper[k] = Interval(split, y[k].upper());
@@ -646,43 +666,24 @@ private:
 
     // ---- Clusters
 
-    // Unites undecided boxes that touch.
     void gather_clusters() {
-        std::vector<std::size_t> order(undecided_.size()), parent(undecided_.size());
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        parent = order;
-        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return undecided_[a][0].lower() < undecided_[b][0].lower();
-        });
-        const auto root = [&](std::size_t i) {
-            while (parent[i] != i) i = parent[i] = parent[parent[i]];
-            return i;
-        };
-        std::vector<std::size_t> active;
-        for (const std::size_t i : order) {
-            std::erase_if(active, [&](std::size_t a) {
-                return undecided_[a][0].upper() < undecided_[i][0].lower();
-            });
-            for (const std::size_t a : active)
-                if (overlap(undecided_[a], undecided_[i])) parent[root(a)] = root(i);
-            active.push_back(i);
-        }
-        std::vector<std::size_t> cluster(undecided_.size(), none);
-        for (std::size_t i = 0; i < undecided_.size(); ++i) {
-            std::size_t& c = cluster[root(i)];
-            if (c == none) {
-                c = result_.undecided.size();
-                result_.undecided.push_back({undecided_[i], {}, {}});
+        if (undecided_.empty()) return;
+        std::vector<std::size_t> cluster_of(undecided_.size());
+        for (const std::vector<std::size_t>& group : detail::clusters<D>(undecided_)) {
+            CurveCluster<D> cluster{undecided_[group.front()], {}, {}};
+            for (const std::size_t i : group) {
+                cluster_of[i] = result_.undecided.size();
+                cluster.box = hull(cluster.box, undecided_[i]);
+                cluster.parts.push_back(undecided_[i]);
             }
-            result_.undecided[c].box = hull(result_.undecided[c].box, undecided_[i]);
-            result_.undecided[c].parts.push_back(undecided_[i]);
+            result_.undecided.push_back(std::move(cluster));
         }
         for (std::size_t id = 0; id < result_.components.size(); ++id) {
             CurveComponent<D>& component = result_.components[id];
             if (component.closed) continue;
             for (const std::size_t end : {0, 1}) {
                 if (component.ends[end].kind != CurveEnd::Kind::Cluster) continue;
-                component.ends[end].index = cluster[root(component.ends[end].index)];
+                component.ends[end].index = cluster_of[component.ends[end].index];
                 result_.undecided[component.ends[end].index].branches.push_back({id, end});
             }
         }

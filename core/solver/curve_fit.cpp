@@ -15,20 +15,21 @@ using namespace curve;
 double up_sum(double a, double b) { return Interval::up(a + b); }
 double up_product(double a, double b) { return Interval::up(a * b); }
 
-template <int N, int M>
+// K maps: the N equations, and the M coordinates of the image unless these are the first unknowns (K = N).
+template <int N, int M, int K>
 class Fitter {
     static constexpr int D = N + 1;
+    static constexpr bool mapped = K > N;
     using Vector = Eigen::Matrix<double, D, 1>;
     using Image = Eigen::Matrix<double, M, 1>;
-    using Lift = SmoothMap<D, M>;
+    using Gradients = std::array<Jet<Interval, D>, K>;
 
-    // A point of the spline in the chart, next to the curve, with all that its two spans ask of it.
+    // A point of the spline next to the curve, with all that its two spans ask of it.
     struct Knot {
         Point<D> x;
-        Vector tangent;  // unit, in the direction of travel
-        double offset = 0;  // of the point from the certified one it stands for
-        Jets<Interval, N> f;
-        std::array<Jet<Interval, D>, M> lift;
+        Vector tangent;     // unit, in the direction of travel
+        double offset = 0;  // of the image from that of the certified point it stands for
+        Gradients maps;
         Image image;
         Image image_tangent;
     };
@@ -38,50 +39,60 @@ class Fitter {
         double length;
         double error;
     };
-    // The curve within one tube.
-    struct Neighbourhood {
-        IntervalBox<D> box;  // encloses the arc; the span's control points must lie in it
-        Preconditioned<N, Interval> system;
-        std::array<double, D> unit;
-        std::array<Jet<Interval, D>, M> lift;
+    // Tubes in a row that share axis and neighbourhood.
+    struct Stretch {
+        int axis;
+        bool upwards;
+        const IntervalBox<D>& neighbourhood;
     };
 
 public:
-    Fitter(const CurveSystem<N>& f, const Lift* lift, const CurveComponent<D>& component, double tolerance)
-        : f_(f), lift_(lift), component_(component), tolerance_(tolerance) {}
+    Fitter(const SmoothMap<D, K>& maps, const CurveComponent<D>& component, double tolerance)
+        : maps_(maps), component_(component), tolerance_(tolerance) {}
 
     FittedCurve<M> fit() {
-        double step = 0;
-        for (const Tube<D>& tube : component_.tubes) step = std::max(step, std::abs(tube.end - tube.begin));
+        const auto& tubes = component_.tubes;
         Knot from = knot_at_joint(0);
         const Knot first = from;
-        for (std::size_t i = 0; i < component_.tubes.size(); ++i) {
-            const bool last = i + 1 == component_.tubes.size();
-            const Knot to = last && component_.closed ? first : knot_at_joint(i + 1);
-            cover(i, from, to, step);
+        for (std::size_t i = 0, end; i < tubes.size(); i = end) {
+            const Stretch stretch{tubes[i].axis, tubes[i].begin < tubes[i].end, tubes[i].neighbourhood};
+            for (end = i + 1; end < tubes.size() && continues(tubes[end - 1], tubes[end]); ++end) continue;
+            const Knot to = end == tubes.size() && component_.closed ? first : knot_at_joint(end);
+            cover(stretch, from, to);
             from = to;
         }
         return assemble();
     }
 
 private:
+    static bool continues(const Tube<D>& a, const Tube<D>& b) {
+        return a.axis == b.axis && a.end == b.begin && is_subset(a.neighbourhood, b.neighbourhood) &&
+               is_subset(b.neighbourhood, a.neighbourhood);
+    }
+
+    static Jets<Interval, N> equations(const Gradients& g) {
+        Jets<Interval, N> f;
+        std::copy_n(g.begin(), N, f.begin());
+        return f;
+    }
+
     Knot knot(const Point<D>& x, double offset) const {
         Knot k;
         k.x = x;
         k.offset = offset;
-        k.f = f_.differentiate(converted<Interval>(x));
-        const auto t = tangent<N>(k.f);
+        k.maps = maps_.differentiate(converted<Interval>(x));
+        const auto t = tangent<N>(equations(k.maps));
         for (int i = 0; i < D; ++i) k.tangent(i) = t[i];
         k.tangent.normalize();
-        if (lift_) {
-            k.lift = lift_->differentiate(converted<Interval>(x));
-            k.image_tangent.setZero();
-            for (int m = 0; m < M; ++m) {
-                k.image(m) = k.lift[m].value.mid();
-                for (int i = 0; i < D; ++i) k.image_tangent(m) += k.lift[m].gradient[i].mid() * k.tangent(i);
+        for (int m = 0; m < M; ++m) {
+            if constexpr (mapped) {
+                k.image(m) = k.maps[N + m].value.mid();
+                k.image_tangent(m) = 0;
+                for (int i = 0; i < D; ++i) k.image_tangent(m) += k.maps[N + m].gradient[i].mid() * k.tangent(i);
+            } else {
+                k.image(m) = x[m];
+                k.image_tangent(m) = k.tangent(m);
             }
-        } else {
-            for (int m = 0; m < M; ++m) k.image(m) = x[m], k.image_tangent(m) = k.tangent(m);
         }
         return k;
     }
@@ -89,78 +100,60 @@ private:
     Knot knot_at_joint(std::size_t i) const {
         const IntervalBox<D>& joint = component_.joints[i];
         double offset = 0;
-        const auto add = [&](const Interval& side) { offset = up_sum(offset, 2 * side.radius()); };
-        if (lift_)
-            for (const Interval& side : (*lift_)(joint)) add(side);
-        else
-            for (int m = 0; m < M; ++m) add(joint[m]);
+        if constexpr (mapped) {
+            const auto image = maps_(joint);
+            for (int m = 0; m < M; ++m) offset = up_sum(offset, 2 * image[N + m].radius());
+        } else {
+            for (int m = 0; m < M; ++m) offset = up_sum(offset, 2 * joint[m].radius());
+        }
         return knot(mid(joint), offset);
     }
 
-    // Spans from a to b, the ends of the tube. step: the length of spans that suits the tolerance.
-    void cover(std::size_t index, const Knot& a, const Knot& b, double& step) {
-        const Tube<D>& tube = component_.tubes[index];
-        const Neighbourhood near = neighbourhood(tube);
-        // A span this short has met rounding errors.
-        const double shortest = 0x1p-16 * std::abs(tube.end - tube.begin);
+    // Appends spans from a to b, the ends of the stretch, equal in length as far as one can tell.
+    void cover(const Stretch& stretch, const Knot& a, const Knot& b) {
+        const int k = stretch.axis;
+        // A span this short has met rounding errors: smaller ones would not be better.
+        const double shortest = 0x1p-20 * std::abs(b.x[k] - a.x[k]);
         Knot from = a;
         for (;;) {
-            const double rest = std::abs(b.x[tube.axis] - from.x[tube.axis]);
-            const double speed = std::max(std::abs(from.tangent(tube.axis)), 0.25);
-            const double spans = std::ceil(rest / (step * speed) - 1e-3);
-            const bool final = spans <= 1;
-            const Knot to = final ? b : advance(tube, from, b.x[tube.axis], rest / spans, near);
-            const Span span = hermite(from, to, tube, near);
-            const double ratio = std::pow(tolerance_ / std::max(span.error, 1e-300), 0.25);
-            const bool hopeless = rest / std::max(spans, 1.0) <= shortest;
-            if (span.error <= tolerance_ || hopeless) {
+            const double rest = std::abs(b.x[k] - from.x[k]);
+            const double speed = std::max(std::abs(from.tangent(k)), 0.25);
+            constexpr double almost = 1.05;  // so much longer a last span may become
+            const double spans = step_ == 0 ? 1.0 : std::ceil(rest / (almost * step_ * speed));
+            const bool last = spans <= 1;
+            const double advance = last ? rest : rest / spans;
+            const Knot to = last ? b : knot_at(stretch, from, b.x[k], advance);
+            const Span span = hermite(from, to, stretch);
+            // The error grows with the fourth power of the length.
+            constexpr double caution = 0.9;
+            const double ratio = caution * std::pow(tolerance_ / std::max(span.error, 1e-300), 0.25);
+            if (span.error <= tolerance_ || advance <= shortest) {
                 spans_.push_back(span);
                 error_ = std::max(error_, span.error);
-                if (!final || ratio < 1) step = (final ? std::min(step, span.length) : span.length) * std::clamp(0.9 * ratio, 0.3, 2.0);
-                else step = std::max(step, span.length * std::clamp(0.9 * ratio, 0.3, 2.0));
-                if (final) return;
+                const double suggested = span.length * std::clamp(ratio, 0.5, 2.0);
+                step_ = last ? std::max(step_, suggested) : suggested;
+                if (last) return;
                 from = to;
             } else {
-                step = std::min(step, rest / std::max(spans, 1.0) / speed) * (std::isfinite(ratio) ? std::clamp(0.9 * ratio, 0.1, 0.7) : 0.5);
+                step_ = advance / speed * std::clamp(ratio, 0.1, 0.7);
             }
         }
     }
 
-    Neighbourhood neighbourhood(const Tube<D>& tube) const {
-        std::array<double, D> unit;
-        for (int i = 0; i < D; ++i) unit[i] = tube.neighbourhood[i].upper() - tube.neighbourhood[i].lower();
-        // Newton once more: enclosures of proofs are wide.
-        IntervalBox<D> box = tube.enclosure;
-        Point<D> m = middle_at(box, tube.axis, box[tube.axis].mid());
-        settle<N>(f_, m, tube.axis, 0.0, 2);
-        clamp_into(m, box);
-        const IntervalBox<D> c = converted<Interval>(m);
-        const Preconditioned<N, Interval> wide(f_.differentiate(box), tube.axis);
-        box = intersection(wide.newton(box, c, wide.apply(f_(c))), box).value_or(box);
-        // Control points lie beside the curve's hull.
-        for (int i = 0; i < D; ++i) {
-            constexpr double room = 0.25;
-            const double r = room * (i == tube.axis ? 0.0 : box[i].upper() - box[i].lower());
-            box[i] = *intersection(Interval(box[i].lower() - r, box[i].upper() + r), tube.neighbourhood[i]);
-        }
-        Neighbourhood result{box, Preconditioned<N, Interval>(f_.differentiate(box), tube.axis), unit, {}};
-        if (lift_) result.lift = lift_->differentiate(box);
-        return result;
-    }
-
-    // The knot whose axis coordinate is `distance` nearer to `end`.
-    Knot advance(const Tube<D>& tube, const Knot& from, double end, double distance, const Neighbourhood& near) const {
-        const double along = std::copysign(distance, end - from.x[tube.axis]);
+    // The knot whose coordinate along the axis is nearer to `end` by `distance`.
+    Knot knot_at(const Stretch& stretch, const Knot& from, double end, double distance) const {
+        const int k = stretch.axis;
+        const double along = std::copysign(distance, end - from.x[k]);
         Point<D> x;
-        for (int i = 0; i < D; ++i) x[i] = from.x[i] + from.tangent(i) / from.tangent(tube.axis) * along;
-        x[tube.axis] = from.x[tube.axis] + along;
-        clamp_into(x, near.box);
-        settle<N>(f_, x, tube.axis, 1e-12 * distance, 6);
-        clamp_into(x, near.box);
+        for (int i = 0; i < D; ++i) x[i] = from.x[i] + from.tangent(i) / from.tangent(k) * along;
+        x[k] = from.x[k] + along;
+        clamp_into(x, stretch.neighbourhood);
+        settle<N>(maps_, x, k, 1e-9 * distance, 8);
+        clamp_into(x, stretch.neighbourhood);
         return knot(x, 0);
     }
 
-    Span hermite(const Knot& a, const Knot& b, const Tube<D>& tube, const Neighbourhood& near) const {
+    Span hermite(const Knot& a, const Knot& b, const Stretch& stretch) const {
         Span span;
         double chord = 0;
         for (int i = 0; i < D; ++i) chord = std::hypot(chord, b.x[i] - a.x[i]);
@@ -175,10 +168,10 @@ private:
             span.chart[2][i] = b.x[i] - third * b.tangent(i);
         }
         span.image = {a.image, a.image + third * a.image_tangent, b.image - third * b.image_tangent, b.image};
-        if (!lift_)  // the same doubles, so that the image is the chart's curve itself
+        if constexpr (!mapped)  // the same doubles: the image is the chart's cubic itself
             for (int p = 1; p < 3; ++p)
                 for (int m = 0; m < M; ++m) span.image[p](m) = span.chart[p][m];
-        span.error = bound(span, a, b, tube, near);
+        span.error = bound(span, a, b, stretch);
         return span;
     }
 
@@ -213,74 +206,84 @@ private:
         return Interval(3.0) * sum;
     }
 
-    double bound(const Span& span, const Knot& a, const Knot& b, const Tube<D>& tube,
-                 const Neighbourhood& near) const {
+    double bound(const Span& span, const Knot& a, const Knot& b, const Stretch& stretch) const {
         constexpr double unproved = std::numeric_limits<double>::infinity();
         const auto& c = span.chart;
-        for (int p = 0; p < 3; ++p) {
-            const double along = c[p + 1][tube.axis] - c[p][tube.axis];
-            if (!((tube.end > tube.begin ? along : -along) > 0)) return unproved;
-        }
+        for (int p = 0; p < 3; ++p)
+            if (!(c[p] [stretch.axis] != c[p + 1][stretch.axis] &&
+                  (c[p][stretch.axis] < c[p + 1][stretch.axis]) == stretch.upwards))
+                return unproved;
         std::array<Series, D> chart;
-        for (int i = 0; i < D; ++i) {
-            chart[i] = cubic({c[0][i], c[1][i], c[2][i], c[3][i]});
-            if (!is_subset(chart[i][0], near.box[i])) return unproved;
-        }
-        if (!near.system.regular(near.unit)) return unproved;
+        for (int i = 0; i < D; ++i) chart[i] = cubic({c[0][i], c[1][i], c[2][i], c[3][i]});
 
-        // The distance in the chart, coordinate by coordinate, at equal coordinates along the axis.
+        // The Jacobian over a box around the span. When the box has room for the distance that follows, Newton
+        // about c(s) proves that the curve's point lies within that distance.
+        const double room = std::min(4 * tolerance_, 0.125 * span.length);
+        IntervalBox<D> around;
+        for (int i = 0; i < D; ++i) {
+            const Interval& hull = chart[i][0];
+            if (!is_subset(hull, stretch.neighbourhood[i])) return unproved;
+            around[i] = i == stretch.axis ? hull
+                                          : *intersection(Interval(hull.lower() - room, hull.upper() + room),
+                                                          stretch.neighbourhood[i]);
+        }
+        const Gradients maps = maps_.differentiate(around);
+        const Preconditioned<N, Interval> system(equations(maps), stretch.axis);
+        std::array<double, D> unit;
+        unit.fill(1.0);
+        if (!system.regular(unit)) return unproved;
+
+        // The distance from the curve, coordinate by coordinate.
+        const std::array<Series, K> along = maps_.along(chart);
         std::array<Interval, N> f0, f1, d0, d1, fourth;
-        const auto along = f_.along(chart);
         for (int e = 0; e < N; ++e) {
-            f0[e] = a.f[e].value;
-            f1[e] = b.f[e].value;
-            d0[e] = derivative(a.f[e].gradient, c[0], c[1]);
-            d1[e] = derivative(b.f[e].gradient, c[2], c[3]);
+            f0[e] = a.maps[e].value;
+            f1[e] = b.maps[e].value;
+            d0[e] = derivative(a.maps[e].gradient, c[0], c[1]);
+            d1[e] = derivative(b.maps[e].gradient, c[2], c[3]);
             fourth[e] = along[e][4];
         }
-        f0 = near.system.apply(f0), f1 = near.system.apply(f1);
-        d0 = near.system.apply(d0), d1 = near.system.apply(d1);
-        fourth = near.system.apply(fourth);
+        f0 = system.apply(f0), f1 = system.apply(f1);
+        d0 = system.apply(d0), d1 = system.apply(d1);
+        fourth = system.apply(fourth);
         std::array<double, N> residual;
-        double scale = 0;
+        double largest = 0;
         for (int i = 0; i < N; ++i) {
             residual[i] = hermite_bound(f0[i], f1[i], d0[i], d1[i], fourth[i]);
-            scale = std::max(scale, Interval::up(residual[i] / near.system.dominance(i, near.unit)));
+            largest = std::max(largest, Interval::up(residual[i] / system.dominance(i, unit)));
         }
         std::array<double, D> distance{};
         for (int i = 0; i < N; ++i) {
+            const int column = system.column(i);
             double sum = residual[i];
             for (int l = 0; l < N; ++l)
-                if (l != i) {
-                    const int column = near.system.column(l);
-                    sum = up_sum(sum, up_product(near.system.row(i)[column].magnitude(),
-                                                 up_product(scale, near.unit[column])));
-                }
-            const int column = near.system.column(i);
-            distance[column] = Interval::up(sum / mignitude(near.system.row(i)[column]));
+                if (l != i)
+                    sum = up_sum(sum, up_product(system.row(i)[system.column(l)].magnitude(), largest));
+            distance[column] = Interval::up(sum / mignitude(system.row(i)[column]));
+            const Interval& hull = chart[column][0];
+            if (!(Interval::down(hull.lower() - largest) >= around[column].lower() &&
+                  Interval::up(hull.upper() + largest) <= around[column].upper()))
+                return unproved;
         }
 
         double squares = 0;
-        const auto image = lift_ ? lift_->along(chart) : std::array<Series, M>{};
         for (int m = 0; m < M; ++m) {
             double component = 0;
-            if (lift_) {
-                const auto data = [&](const Knot& k) { return k.lift[m].value - Interval(k.image(m)); };
+            if constexpr (mapped) {
+                const auto value = [&](const Knot& k) { return k.maps[N + m].value - Interval(k.image(m)); };
                 const auto slope = [&](const Knot& k, int p) {
-                    return derivative(k.lift[m].gradient, c[p], c[p + 1]) -
+                    return derivative(k.maps[N + m].gradient, c[p], c[p + 1]) -
                            Interval(3.0) * (Interval(span.image[p + 1](m)) - Interval(span.image[p](m)));
                 };
-                component = hermite_bound(data(a), data(b), slope(a, 0), slope(b, 2), image[m][4]);
+                component = hermite_bound(value(a), value(b), slope(a, 0), slope(b, 2), along[N + m][4]);
                 for (int i = 0; i < D; ++i)
-                    if (i != tube.axis)
-                        component = up_sum(component, up_product(near.lift[m].gradient[i].magnitude(), distance[i]));
+                    component = up_sum(component, up_product(maps[N + m].gradient[i].magnitude(), distance[i]));
             } else {
                 component = distance[m];
             }
             squares = up_sum(squares, up_product(component, component));
         }
-        const double joints = std::max(a.offset, b.offset);
-        const double error = up_sum(Interval::up(std::sqrt(squares)), joints);
+        const double error = up_sum(Interval::up(std::sqrt(squares)), std::max(a.offset, b.offset));
         return error == error ? error : unproved;
     }
 
@@ -306,10 +309,10 @@ private:
         return result;
     }
 
-    const CurveSystem<N>& f_;
-    const Lift* lift_;
+    const SmoothMap<D, K>& maps_;
     const CurveComponent<D>& component_;
     const double tolerance_;
+    double step_ = 0;  // the length of spans that suits the tolerance; 0: not known yet
     std::vector<Span> spans_;
     double error_ = 0;
 };
@@ -317,27 +320,20 @@ private:
 }  // namespace
 
 template <int N, int M>
-FittedCurve<M> fit_curve(const CurveSystem<N>& f, const CurveComponent<N + 1>& component,
-                         const SmoothMap<N + 1, M>& lift, double tolerance) {
-    return Fitter<N, M>(f, &lift, component, tolerance).fit();
+FittedCurve<M> fit_curve(const SmoothMap<N + 1, N + M>& f_and_image, const CurveComponent<N + 1>& component,
+                         double tolerance) {
+    return Fitter<N, M, N + M>(f_and_image, component, tolerance).fit();
 }
 
 template <int N, int M>
 FittedCurve<M> fit_curve(const CurveSystem<N>& f, const CurveComponent<N + 1>& component, double tolerance) {
     static_assert(M <= N + 1);
-    return Fitter<N, M>(f, nullptr, component, tolerance).fit();
+    return Fitter<N, M, N>(f, component, tolerance).fit();
 }
 
-#define VCELL_FIT_LIFTED(N, M)                                                                               \
-    template FittedCurve<M> fit_curve<N, M>(const CurveSystem<N>&, const CurveComponent<N + 1>&,              \
-                                            const SmoothMap<N + 1, M>&, double);
-#define VCELL_FIT(N, M) \
-    template FittedCurve<M> fit_curve<N, M>(const CurveSystem<N>&, const CurveComponent<N + 1>&, double);
-VCELL_FIT(1, 2)
-VCELL_FIT(2, 3)
-VCELL_FIT(3, 3)
-VCELL_FIT_LIFTED(1, 3)
-#undef VCELL_FIT
-#undef VCELL_FIT_LIFTED
+template FittedCurve<2> fit_curve<1, 2>(const CurveSystem<1>&, const CurveComponent<2>&, double);
+template FittedCurve<3> fit_curve<2, 3>(const CurveSystem<2>&, const CurveComponent<3>&, double);
+template FittedCurve<3> fit_curve<3, 3>(const CurveSystem<3>&, const CurveComponent<4>&, double);
+template FittedCurve<3> fit_curve<1, 3>(const SmoothMap<2, 4>&, const CurveComponent<2>&, double);
 
 }  // namespace vcell

@@ -139,13 +139,13 @@ private:
     const T& entry(int i, int l) const { return jacobian_[i][column(l)]; }
 
     int axis_;
-    Eigen::Matrix<double, N, N> inverse_;
+    Eigen::Matrix<double, N, N> inverse_ = Eigen::Matrix<double, N, N>::Identity();
     std::array<std::array<T, D>, N> jacobian_;
 };
 
-/// Newton in double towards the curve with x[axis] fixed; false when it does not settle.
-template <int N>
-bool settle(const CurveSystem<N>& f, Point<N + 1>& x, int axis, double tolerance, int steps) {
+/// Newton in double towards the curve f_0 = ... = f_{N-1} = 0 with x[axis] fixed; false when it does not settle.
+template <int N, int M>
+bool settle(const SmoothMap<N + 1, M>& f, Point<N + 1>& x, int axis, double tolerance, int steps) {
     for (int step = 0; step < steps; ++step) {
         const auto j = f.differentiate(x);
         double largest = 0;
