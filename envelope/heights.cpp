@@ -43,6 +43,7 @@ HeightJet<T> cylinder_jet(const CylinderForm& f, const T& norm, const T& A, cons
 
 Heights::Heights(const FormFamily& family) : family_(family) {
     prepared_.reserve(family.size());
+    wide_.resize(family.size());
     const auto ball = [](double v) { return Interval::ball(v, 2 * DBL_EPSILON * std::abs(v)); };  // 4 u
     for (const CircularForm& f : family.forms) {
         Prepared p;
@@ -69,15 +70,49 @@ HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
             (two_k * dy + p.b) * p.inverse_w};
 }
 
-HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
-    if (!family_.is_circular(f)) {
+const Heights::WidePrepared& Heights::wide(FormId f) const {
+    std::unique_ptr<WidePrepared>& p = wide_[f.value];
+    if (p) return *p;
+    p = std::make_unique<WidePrepared>();
+    if (family_.is_circular(f)) {
+        const ExactForm e = family_.exact(f);
+        const Wide W = to_wide(e.W);
+        *p = {to_wide(e.K) / W, to_wide(e.A) / W, to_wide(e.B) / W, to_wide(e.C) / W};
+    } else {
         const CylinderForm& c = family_.cylinder(f);
-        const Wide norm = square(Wide(c.ax)) + square(Wide(c.ay)) + square(Wide(c.az));
-        return cylinder_jet(c, norm, square(Wide(c.az)), x, y);
+        *p = {square(Wide(c.ax)) + square(Wide(c.ay)) + square(Wide(c.az)), square(Wide(c.az))};
     }
-    const ExactForm e = family_.exact(f);
-    const Wide K = to_wide(e.K), A = to_wide(e.A), B = to_wide(e.B), W = to_wide(e.W), two(2.0);
-    return {(K * (square(x) + square(y)) + A * x + B * y + to_wide(e.C)) / W, (two * K * x + A) / W, (two * K * y + B) / W};
+    return *p;
+}
+
+HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
+    const WidePrepared& p = wide(f);
+    if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p[0], p[1], x, y);
+    const auto& [K, A, B, C] = p;
+    const Wide two_K = Wide(2.0) * K;
+    return {K * (square(x) + square(y)) + A * x + B * y + C, two_K * x + A, two_K * y + B};
+}
+
+// Differentiating F = 0 once more: 2 root r_xy = C_xy - 2 beta_x r_y - 2 beta_y r_x - 2 A r_x r_y.
+HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) const {
+    const Prepared& p = prepared_[f.value];
+    const Interval two(2.0);
+    if (family_.is_circular(f)) {
+        const Interval k = two * Interval(family_.forms[f].k) * p.inverse_w;
+        return {k, 0.0, k};
+    }
+    const CylinderForm& c = family_.cylinder(f);
+    const HeightJet<Interval> j = jet(f, x, y);
+    const Interval ax(c.ax), ay(c.ay), az(c.az), bx = az * ax, by = az * ay;
+    const Interval beta = p.norm * (Interval(c.rho) + Interval(c.pz)) +
+                          ((x - Interval(c.px)) * ax + (y - Interval(c.py)) * ay - Interval(c.pz) * az) * az;
+    const Interval root = beta + p.A * j.v;
+    if (root.sign() != Sign::Positive) return {Interval::whole(), Interval::whole(), Interval::whole()};
+    const auto second = [&](Interval C, Interval bu, Interval bv, Interval ru, Interval rv) {
+        return (C - two * (bu * rv + bv * ru) - two * p.A * ru * rv) / (two * root);
+    };
+    return {second(two * (square(ay) + square(az)), bx, bx, j.gx, j.gx), second(-two * ax * ay, bx, by, j.gx, j.gy),
+            second(two * (square(ax) + square(az)), by, by, j.gy, j.gy)};
 }
 
 namespace {

@@ -2,8 +2,8 @@
 /// evaluates where forms are no circular forms, and comparisons at points by the whole ladder.
 #pragma once
 
-#include <optional>
-#include <span>
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "../core/circular_form.hpp"
@@ -19,6 +19,12 @@ struct HeightJet {
     T v, gx, gy;
 };
 
+/// A height's second derivatives.
+template <class T>
+struct HeightCurvature {
+    T xx, xy, yy;
+};
+
 class Heights {
 public:
     /// The family must outlive this object.
@@ -32,6 +38,9 @@ public:
     /// The same with more digits, for boxes so small that doubles cannot tell.
     HeightJet<Wide> jet(FormId f, const Wide& x, const Wide& y) const;
 
+    /// Encloses the second derivatives of f over the box, likewise.
+    HeightCurvature<Interval> curvature(FormId f, Interval x, Interval y) const;
+
     /// Sign of f - g at a point in doubles, exact: heights of cylinders are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder.
     Sign compare(FormId f, FormId g, double x, double y, Decisions& decisions) const;
@@ -43,8 +52,13 @@ private:
         Interval norm, A;
     };
 
+    // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders.
+    using WidePrepared = std::array<Wide, 4>;
+    const WidePrepared& wide(FormId f) const;
+
     const FormFamily& family_;
     std::vector<Prepared> prepared_;
+    mutable std::vector<std::unique_ptr<WidePrepared>> wide_;  // made when asked for
 };
 
 }  // namespace vcell

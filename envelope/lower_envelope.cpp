@@ -12,6 +12,7 @@
 // without a competing cylinder are left to exact merging.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -37,6 +38,10 @@ constexpr std::size_t quartering_candidates = 16;
 constexpr int most_stalled_splits = 8;
 // Pieces with more competitors than this are not plain: looking closer is a waste.
 constexpr std::size_t most_competitors = 6;
+// A vertex needs some hundred pieces below this part of the region at worst. Many more of them follow a curve along
+// which forms tie without crossing: no number of pieces decides that.
+constexpr double small_part = 0x1p-16;
+constexpr std::size_t most_small_pieces = 5000;
 // Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
 constexpr double split_ratio = 0.48643;
 
@@ -72,6 +77,12 @@ Piece make_piece(std::vector<PieceSide> sides) {
     }
     p.sides = std::move(sides);
     return p;
+}
+
+std::string to_text(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
 }
 
 class EnvelopeBuilder {
@@ -245,7 +256,7 @@ private:
                 return patchwork_.add(*resolved, analysis_.heights());
             }
         }
-        if (at_floor) throw undecided(r);
+        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > most_small_pieces)) throw undecided(r);
         const auto halves = split_labelled(part, candidates);
         if (!halves) throw undecided(r);
         const Patchwork::Index a = solve_labelled(halves->first, candidates, 0.5 * share);
@@ -254,8 +265,9 @@ private:
     }
 
     static UndecidedError undecided(const Rect& r) {
-        return UndecidedError("the diagram near (" + std::to_string(r.x0) + ", " + std::to_string(r.y0) + ") within " +
-                              std::to_string(extent(r)));
+        return UndecidedError("which objects are nearest around (" + to_text(0.5 * r.x0 + 0.5 * r.x1) + ", " +
+                              to_text(0.5 * r.y0 + 0.5 * r.y1) + ") of the base could not be decided (within " +
+                              to_text(extent(r)) + "): they seem to tie along a curve");
     }
 
     struct LabelledHalves {
@@ -375,6 +387,7 @@ private:
     WorkDiagram work_;
     const Piece root_;
     MixedAnalysis analysis_;
+    std::size_t small_pieces_ = 0;
     double done_ = 0;
     // Working space.
     std::vector<CircleKernel::Place> places_;

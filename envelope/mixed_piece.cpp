@@ -1,5 +1,6 @@
 #include "mixed_piece.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -82,10 +83,24 @@ struct MixedAnalysis::Line {
         const Interval other = is_point(slope) && slope.lower() == 0 ? offset : slope * s + offset;
         return by_x ? IntervalPoint{s, other} : IntervalPoint{other, s};
     }
-    std::array<Wide, 2> wide_at(double s) const {
+    std::array<Wide, 2> wide_at(const Wide& s) const {
         const double p = by_x ? side.a : side.b, q = by_x ? side.b : side.a;
-        const Wide other = -(Wide(p) * Wide(s) + Wide(side.c)) / Wide(q);
-        return by_x ? std::array{Wide(s), other} : std::array{other, Wide(s)};
+        const Wide other = -(Wide(p) * s + Wide(side.c)) / Wide(q);
+        return by_x ? std::array{s, other} : std::array{other, s};
+    }
+    // Encloses the difference of two heights at m, and its derivative between lo and hi.
+    std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+        const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
+        return {heights.jet(f, p[0], p[1]).v - heights.jet(g, p[0], p[1]).v,
+                along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]))};
+    }
+    // The same where doubles cancel too much.
+    std::array<Interval, 2> sharp_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+        const auto p = wide_at(Wide(m)), range = wide_at(Wide(lo, hi));
+        const HeightJet<Wide> a = heights.jet(f, range[0], range[1]), b = heights.jet(g, range[0], range[1]);
+        const Interval gx = (a.gx - b.gx).enclosure(), gy = (a.gy - b.gy).enclosure();
+        return {(heights.jet(f, p[0], p[1]).v - heights.jet(g, p[0], p[1]).v).enclosure(),
+                by_x ? gx + slope * gy : gy + slope * gx};
     }
     // The derivative of a height along the side with respect to s.
     Interval along(const HeightJet<Interval>& j) const { return by_x ? j.gx + slope * j.gy : j.gy + slope * j.gx; }
@@ -210,30 +225,42 @@ std::vector<FormId> MixedAnalysis::lowest_at(const Line& line, double s, std::sp
     ++decisions_.by_interval;
     if (lowest.size() == 1) return lowest;
     if (is_point(p[0]) && is_point(p[1])) return exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_);
-    return lowest_in_many_digits(heights_, line.wide_at(s), lowest, decisions_);
+    return lowest_in_many_digits(heights_, line.wide_at(Wide(s)), lowest, decisions_);
 }
 
-// The one root of the two forms' difference between s0 and s1, where its slope keeps its sign: interval Newton.
+// A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
+constexpr double root_width = 0x1p-12;
+
+// The one root of the two forms' difference between s0 and s1, where its slope keeps its sign: interval Newton
+// and bisection.
 RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after) {
     double lo = s0, hi = s1;
-    for (int i = 0; i < 60; ++i) {
+    bool sharp = false;
+    for (;;) {
         const double m = Interval(lo, hi).mid();
-        const IntervalPoint p = line.at(Interval(m)), range = line.at(Interval(lo, hi));
-        const Interval value = heights_.jet(before, p[0], p[1]).v - heights_.jet(after, p[0], p[1]).v;
-        const Interval slope =
-            line.along(heights_.jet(before, range[0], range[1])) - line.along(heights_.jet(after, range[0], range[1]));
+        const auto [value, slope] = sharp ? line.sharp_difference(heights_, before, after, m, lo, hi)
+                                          : line.difference(heights_, before, after, m, lo, hi);
         const Interval next = Interval(m) - value / slope;
-        const double l = std::max(lo, next.lower()), h = std::min(hi, next.upper());
+        double l = std::max(lo, next.lower()), h = std::min(hi, next.upper());
+        // `before` is the lower one on the left: the middle's sign halves the range where the slope varies much.
+        if (value.sign() == Sign::Negative) l = std::max(l, m);
+        if (value.sign() == Sign::Positive) h = std::min(h, m);
         if (!(l <= h)) throw InternalError("no root of a sign change along a side");
-        const bool stalled = h - l > 0.5 * (hi - lo);
+        const bool stalled = h - l > 0.6 * (hi - lo);
         lo = l;
         hi = h;
-        if (stalled) break;
+        if (!stalled) continue;
+        if (sharp || hi - lo <= root_width * (s1 - s0)) break;
+        sharp = true;
     }
-    ++decisions_.by_interval;
+    ++(sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     const IntervalPoint p = line.at(Interval(lo, hi));
     return {before, after, {p[0].mid(), p[1].mid()}, Interval::up(std::hypot(p[0].radius(), p[1].radius())), {}};
 }
+
+// Stretches shorter than this part of the region are worth more digits: differences that vanish to second order
+// drown in a double's rounding there.
+constexpr double sharp_width = 0x1p-19;
 
 // From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
 bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
@@ -251,8 +278,19 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         return (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
     });
     decisions_.by_interval += candidates.size() - items.size();
+    bool monotone = items.size() == 2 && (items[0].slope - items[1].slope).sign();
+    if (items.size() > 1 && !monotone && s1 - s0 < sharp_width * extent_) {
+        const std::size_t before = items.size();
+        drop_dominated(items, [&](const Item& a, const Item& b) {
+            const auto [v, slope] = line.sharp_difference(heights_, a.form, b.form, m, s0, s1);
+            return (v - Interval(slope.magnitude()) * Interval(r)).lower() > 0;
+        });
+        decisions_.by_multiprecision += before - items.size();
+        monotone = items.size() == 2 &&
+                   line.sharp_difference(heights_, items[0].form, items[1].form, m, s0, s1)[1].sign().has_value();
+    }
     if (items.size() == 1) return true;
-    if (items.size() == 2 && (items[0].slope - items[1].slope).sign()) {
+    if (monotone) {
         ++decisions_.by_interval;
         if (l0 != l1) out.push_back(locate(line, s0, s1, l0, l1));
         return true;
@@ -311,56 +349,151 @@ FormId MixedAnalysis::label_beside(const PieceSide& side, const IntervalPoint& f
                          std::to_string(from[1].mid()) + ") on");
 }
 
-// --- Inside a piece ----------------------------------------------------------------------------------------
+// --- Roots of two equations ----------------------------------------------------------------------------------
 
-// Newton's method in doubles, then Krawczyk's test around what it found.
-std::optional<MixedPiece::Vertex> MixedAnalysis::locate(const std::array<double, 4>& box, std::array<FormId, 3> forms) {
-    struct System {
-        std::array<Interval, 2> value;
-        std::array<std::array<Interval, 2>, 2> jacobian;
-    };
-    const auto evaluate = [&](Interval x, Interval y) {
-        const HeightJet<Interval> a = heights_.jet(forms[0], x, y), b = heights_.jet(forms[1], x, y),
-                                  c = heights_.jet(forms[2], x, y);
-        return System{{a.v - b.v, a.v - c.v}, {{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}}};
-    };
-    Vector2d p(Interval(box[0], box[1]).mid(), Interval(box[2], box[3]).mid());
-    Eigen::Matrix2d inverse;
+namespace {
+
+struct System {
+    std::array<Interval, 2> value;
+    std::array<std::array<Interval, 2>, 2> jacobian;
+};
+
+Eigen::Matrix2d middle(const System& s) {
+    Eigen::Matrix2d m;
+    for (int r = 0; r < 2; ++r)
+        for (int c = 0; c < 2; ++c) m(r, c) = s.jacobian[r][c].mid();
+    return m;
+}
+
+// Krawczyk's operator about p over the box p + d, less p: all roots of the box lie in it, and if it lies inside the
+// box there is exactly one [Krawczyk69].
+std::array<Interval, 2> krawczyk(const System& at_point, const System& over_box, const Eigen::Matrix2d& inverse,
+                                 const std::array<Interval, 2>& d) {
+    const Interval y00(inverse(0, 0)), y01(inverse(0, 1)), y10(inverse(1, 0)), y11(inverse(1, 1)), one(1.0);
+    const auto& J = over_box.jacobian;
+    const auto& v = at_point.value;
+    return {-(y00 * v[0] + y01 * v[1]) + (one - (y00 * J[0][0] + y01 * J[1][0])) * d[0] - (y00 * J[0][1] + y01 * J[1][1]) * d[1],
+            -(y10 * v[0] + y11 * v[1]) - (y10 * J[0][0] + y11 * J[1][0]) * d[0] + (one - (y10 * J[0][1] + y11 * J[1][1])) * d[1]};
+}
+
+struct Root {
+    Vector2d point;
+    double error;
+};
+
+// Newton's method from a start, then a proof around what it found.
+template <class Evaluate>
+std::optional<Root> root_near(Evaluate&& evaluate, Vector2d p) {
     double step = infinity;
     for (int i = 0; i < 20; ++i) {
-        const System s = evaluate(p.x(), p.y());
-        Eigen::Matrix2d jacobian;
-        for (int r = 0; r < 2; ++r)
-            for (int c = 0; c < 2; ++c) jacobian(r, c) = s.jacobian[r][c].mid();
-        inverse = jacobian.inverse();
-        const Vector2d move = inverse * Vector2d(s.value[0].mid(), s.value[1].mid());
+        const System s = evaluate(Interval(p.x()), Interval(p.y()));
+        const Vector2d move = middle(s).inverse() * Vector2d(s.value[0].mid(), s.value[1].mid());
         if (!move.allFinite()) return std::nullopt;
         if (!(move.norm() < 0.5 * step)) break;
         p -= move;
         step = move.norm();
     }
-    const System at_point = evaluate(p.x(), p.y());
-    const Interval y00(inverse(0, 0)), y01(inverse(0, 1)), y10(inverse(1, 0)), y11(inverse(1, 1)), one(1.0);
-    const Interval mx = y00 * at_point.value[0] + y01 * at_point.value[1],
-                   my = y10 * at_point.value[0] + y11 * at_point.value[1];
-    double radius = 2 * std::max(mx.magnitude(), my.magnitude()) + 4 * std::numeric_limits<double>::epsilon() * p.norm();
-    for (int i = 0; i < 8; ++i, radius *= 4) {
-        const Interval dx(-radius, radius), X = Interval(p.x()) + dx, Y = Interval(p.y()) + dx;
-        const auto J = evaluate(X, Y).jacobian;
-        const Interval kx = -mx + (one - (y00 * J[0][0] + y01 * J[1][0])) * dx - (y00 * J[0][1] + y01 * J[1][1]) * dx;
-        const Interval ky = -my + (one - (y10 * J[0][1] + y11 * J[1][1])) * dx - (y10 * J[0][0] + y11 * J[1][0]) * dx;
-        if (kx.magnitude() >= radius || ky.magnitude() >= radius) continue;
-        const bool inside = p.x() + kx.upper() >= box[0] && p.x() + kx.lower() <= box[1] && p.y() + ky.upper() >= box[2] &&
-                            p.y() + ky.lower() <= box[3];
-        if (!inside) return std::nullopt;
-        ++decisions_.by_interval;
-        return MixedPiece::Vertex{p, Interval::up(std::hypot(kx.magnitude(), ky.magnitude())), forms[0], {}};
+    const System at_point = evaluate(Interval(p.x()), Interval(p.y()));
+    const Eigen::Matrix2d inverse = middle(at_point).inverse();
+    double radius = 2 * step + 4 * std::numeric_limits<double>::epsilon() * p.norm() + std::numeric_limits<double>::min();
+    for (int i = 0; i < 12; ++i, radius *= 4) {
+        const Interval d(-radius, radius);
+        const auto k = krawczyk(at_point, evaluate(Interval(p.x()) + d, Interval(p.y()) + d), inverse, {d, d});
+        if (k[0].magnitude() < radius && k[1].magnitude() < radius)
+            return Root{p, Interval::up(std::hypot(k[0].magnitude(), k[1].magnitude()))};
     }
     return std::nullopt;
 }
 
-std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, std::vector<FormId> candidates) {
+// a = b = c.
+System equal_heights(const Heights& heights, const std::array<FormId, 3>& forms, Interval x, Interval y) {
+    const HeightJet<Interval> a = heights.jet(forms[0], x, y), b = heights.jet(forms[1], x, y), c = heights.jet(forms[2], x, y);
+    return {{a.v - b.v, a.v - c.v}, {{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}}};
+}
+
+// grad f = grad g.
+System equal_gradients(const Heights& heights, FormId f, FormId g, Interval x, Interval y) {
+    const HeightJet<Interval> a = heights.jet(f, x, y), b = heights.jet(g, x, y);
+    const HeightCurvature<Interval> p = heights.curvature(f, x, y), q = heights.curvature(g, x, y);
+    return {{a.gx - b.gx, a.gy - b.gy}, {{{p.xx - q.xx, p.xy - q.xy}, {p.xy - q.xy, p.yy - q.yy}}}};
+}
+
+}  // namespace
+
+// --- Inside a piece ----------------------------------------------------------------------------------------
+
+// A change of label, where a trisector leaves the rim: inward `before` lies on its left.
+struct MixedAnalysis::Change {
+    std::uint32_t vertex;
+    FormId before, after;
+};
+
+struct MixedAnalysis::Work {
+    const PieceBoundary& boundary;
     MixedPiece piece;
+    std::vector<Spread> rivals;
+    std::vector<Change> changes;
+    std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
+    std::optional<std::size_t> knot;  // the change at a vertex of the rim in which more than two forms meet
+    double width = 0;
+
+    Vector2d middle() const {
+        return {Interval(piece.box[0], piece.box[1]).mid(), Interval(piece.box[2], piece.box[3]).mid()};
+    }
+    std::vector<FormId> forms() const {
+        std::vector<FormId> all;
+        for (const Spread& s : rivals) all.push_back(s.form);
+        return all;
+    }
+    const Spread* find(FormId f) const {
+        const auto it = std::ranges::find(rivals, f, &Spread::form);
+        return it == rivals.end() ? nullptr : &*it;
+    }
+    // A unit vector in which a - b certainly grows all over the piece.
+    static std::optional<Vector2d> direction(const Spread& a, const Spread& b) {
+        const Interval gx = a.gx - b.gx, gy = a.gy - b.gy;
+        const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
+        if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0)) return std::nullopt;
+        return d;
+    }
+    // The turn from grad a over grad b to grad c.
+    static std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) {
+        return ((b.gx - a.gx) * (c.gy - a.gy) - (b.gy - a.gy) * (c.gx - a.gx)).sign();
+    }
+    bool matched_pair() const {
+        return changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
+    }
+    // Returns the arc's half-edge at its start; its twin's number is one more.
+    std::uint32_t add_arc(std::uint32_t from, std::uint32_t to, FormId left, FormId right) {
+        const Vector2d chord = piece.vertices[to].point - piece.vertices[from].point;
+        Vector2d across = Vector2d(chord.y(), -chord.x()).normalized();  // left - right grows to the right
+        const Spread *a = find(left), *b = find(right);
+        if (a && b)
+            if (const auto d = direction(*a, *b)) across = *d;
+        piece.arcs.push_back({from, to, left, right, across});
+        return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
+    }
+    // Between two places on the rim.
+    void join(const Change& from, const Change& to) {
+        const std::uint32_t h = add_arc(from.vertex, to.vertex, from.before, from.after);
+        piece.leaving[from.vertex].push_back(h);
+        piece.leaving[to.vertex].push_back(h + 1);
+    }
+    // From every change to one inner vertex.
+    void join_all_to(const MixedPiece::Vertex& center) {
+        const auto v = static_cast<std::uint32_t>(piece.vertices.size());
+        piece.vertices.push_back(center);
+        piece.leaving.emplace_back();
+        for (const Change& c : changes) {
+            const std::uint32_t h = add_arc(c.vertex, v, c.before, c.after);
+            piece.leaving[c.vertex].push_back(h);
+            piece.leaving[v].push_back(h + 1);
+        }
+    }
+};
+
+std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, std::vector<FormId> candidates) {
+    Work work{boundary, {}, {}, {}, {}, {}, 0};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -368,52 +501,30 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
         y0 = std::min(y0, c[1].lower());
         y1 = std::max(y1, c[1].upper());
     }
-    piece.box = {x0, x1, y0, y1};
-    const bool at_floor = std::max(x1 - x0, y1 - y0) <= floor_width * extent_;
+    work.piece.box = {x0, x1, y0, y1};
+    work.width = std::max(x1 - x0, y1 - y0);
 
-    std::vector<Spread> rivals;
-    spreads(piece.box, candidates, rivals);
-    const double mx = Interval(x0, x1).mid(), my = Interval(y0, y1).mid();
-    const double rx = Interval::up(std::max(x1 - mx, mx - x0)), ry = Interval::up(std::max(y1 - my, my - y0));
-    drop_dominated(rivals, [&](const Spread& a, const Spread& b) {
+    spreads(work.piece.box, candidates, work.rivals);
+    const Vector2d m = work.middle();
+    const double rx = Interval::up(std::max(x1 - m.x(), m.x() - x0)), ry = Interval::up(std::max(y1 - m.y(), m.y() - y0));
+    drop_dominated(work.rivals, [&](const Spread& a, const Spread& b) {
         return (a.v - b.v - Interval((a.gx - b.gx).magnitude()) * Interval(rx) -
                 Interval((a.gy - b.gy).magnitude()) * Interval(ry)).lower() > 0;
     });
-    decisions_.by_interval += candidates.size() - rivals.size();
-
-    // Is the piece plain?
-    const auto direction = [&](const Spread& a, const Spread& b) -> std::optional<Vector2d> {
-        const Interval gx = a.gx - b.gx, gy = a.gy - b.gy;
-        const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
-        if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0)) return std::nullopt;
-        return d;
-    };
-    const std::size_t n = rivals.size();
-    bool plain = n <= 3;
-    for (std::size_t i = 0; i < n && plain; ++i)
-        for (std::size_t j = i + 1; j < n && plain; ++j) plain = direction(rivals[i], rivals[j]).has_value();
-    if (n == 3 && plain) {
-        const Spread &a = rivals[0], &b = rivals[1], &c = rivals[2];
-        plain = ((a.gx - b.gx) * (a.gy - c.gy) - (a.gy - b.gy) * (a.gx - c.gx)).sign().has_value();
-    }
-    if (!plain && !at_floor) return std::nullopt;
+    decisions_.by_interval += candidates.size() - work.rivals.size();
+    const bool at_floor = work.width <= floor_width * extent_, plain = is_plain(work);
+    const bool near_node = !plain && work.rivals.size() == 2 && work.width <= node_width * extent_;
+    if (!plain && !near_node && !at_floor) return std::nullopt;
     ++decisions_.by_interval;
 
-    // The rim, and the changes of label along it.
-    struct Change {
-        std::uint32_t vertex;
-        FormId before, after;
-    };
-    std::vector<Change> changes;
-    std::optional<std::uint32_t> knot;  // a vertex of the rim in which more than two forms meet
+    MixedPiece& piece = work.piece;
     const std::size_t sides = boundary.sides.size();
     const auto add_rim = [&](const Vector2d& p, double error, FormId before, FormId after, std::span<const FormId> ties) {
         const auto v = static_cast<std::uint32_t>(piece.vertices.size());
         piece.vertices.push_back({p, error, after, {ties.begin(), ties.end()}});
-        if (before != after) {
-            changes.push_back({v, before, after});
-            if (ties.size() > 2) knot = static_cast<std::uint32_t>(changes.size() - 1);
-        }
+        if (before == after) return;
+        if (ties.size() > 2) work.knot = work.changes.size();
+        work.changes.push_back({v, before, after});
     };
     for (std::size_t i = 0; i < sides; ++i) {
         const SideLabels& labels = boundary.labels[i];
@@ -429,54 +540,356 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
             piece.rim.push_back({boundary.sides[i].id, t.after});
         }
     }
+    piece.leaving.resize(piece.vertices.size());
 
-    const auto find = [&](FormId f) -> const Spread* {
-        const auto it = std::ranges::find(rivals, f, &Spread::form);
-        return it == rivals.end() ? nullptr : &*it;
-    };
-    const auto add_arc = [&](std::uint32_t from, std::uint32_t to, FormId left, FormId right) {
-        const Vector2d chord = piece.vertices[to].point - piece.vertices[from].point;
-        Vector2d across = Vector2d(chord.y(), -chord.x()).normalized();  // left - right grows to the right
-        const Spread *a = find(left), *b = find(right);
-        if (a && b)
-            if (const auto d = direction(*a, *b)) across = *d;
-        piece.arcs.push_back({from, to, left, right, across});
-    };
-    if (changes.empty()) {
-        if (!plain) assume({mx, my}, std::max(x1 - x0, y1 - y0), candidates);
-        return piece;
+    const bool joined = (plain && join_changes(work)) || (near_node && join_at_node(work));
+    if (!joined) {
+        if (!at_floor) return std::nullopt;
+        join_at_center(work);
     }
-    if (knot && plain) {
-        const std::uint32_t center = changes[*knot].vertex;
-        for (std::size_t k = 1; k < changes.size(); ++k) {
-            const Change& c = changes[(*knot + k) % changes.size()];
-            add_arc(c.vertex, center, c.before, c.after);
+    return std::move(work.piece);
+}
+
+bool MixedAnalysis::is_plain(const Work& work) const {
+    const std::vector<Spread>& r = work.rivals;
+    const std::size_t n = r.size();
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) {
+            if (!Work::direction(r[i], r[j])) return false;
+            for (std::size_t k = j + 1; k < n; ++k)
+                if (!Work::turn(r[i], r[j], r[k])) return false;
         }
-        return piece;
+    return true;
+}
+
+// Arcs of a plain piece. Without a change, two or three competitors leave no room for any: an arc's ends lie on
+// the rim or in the one point where all three are equal, and that one needs three ends on the rim.
+bool MixedAnalysis::join_changes(Work& work) {
+    const std::vector<Change>& changes = work.changes;
+    const std::size_t n = work.rivals.size();
+    if (work.knot) {  // all others end there
+        const Change& center = changes[*work.knot];
+        for (std::size_t k = 1; k < changes.size(); ++k) work.join(changes[(*work.knot + k) % changes.size()], center);
+        return true;
     }
-    const bool matched = changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
-    if (matched && (plain || n == 2)) {
-        if (!plain) assume(piece.vertices[changes[0].vertex].point, std::max(x1 - x0, y1 - y0), candidates);
-        add_arc(changes[0].vertex, changes[1].vertex, changes[0].before, changes[0].after);
-        return piece;
+    if (n <= 3) {
+        if (changes.empty()) return true;
+        if (work.matched_pair()) {
+            work.join(changes[0], changes[1]);
+            return true;
+        }
+        if (n == 3 && changes.size() == 3) {
+            const std::array forms{changes[0].before, changes[1].before, changes[2].before};
+            const auto root = root_near([&](Interval x, Interval y) { return equal_heights(heights_, forms, x, y); }, work.middle());
+            const auto& box = work.piece.box;
+            if (root && root->point.x() + root->error >= box[0] && root->point.x() - root->error <= box[1] &&
+                root->point.y() + root->error >= box[2] && root->point.y() - root->error <= box[3]) {
+                ++decisions_.by_interval;
+                work.join_all_to({root->point, root->error, forms[0], {}});
+                return true;
+            }
+            return false;
+        }
     }
-    std::optional<MixedPiece::Vertex> center;
-    if (plain) {
-        if (changes.size() != 3) return std::nullopt;
-        center = locate(piece.box, {changes[0].before, changes[1].before, changes[2].before});
-        if (!center && !at_floor) return std::nullopt;
-    }
-    if (!center) {
+    return join_all(work);
+}
+
+// Every trisector is a graph over the line across its direction, and its visible stretches begin and end, in turn,
+// at the rim's changes and at the vertices. Around a vertex the forms follow each other counter-clockwise as
+// their gradients do on their convex hull, since the lowest one in a direction has the gradient farthest
+// against it.
+bool MixedAnalysis::join_all(Work& work) {
+    const std::vector<Spread>& r = work.rivals;
+    const std::size_t n = r.size(), rim = work.piece.vertices.size();
+    struct Inner {
+        MixedPiece::Vertex vertex;
+        std::vector<std::size_t> hull;  // rivals, counter-clockwise
         std::vector<FormId> forms;
-        for (const Spread& s : rivals) forms.push_back(s.form);
-        center = MixedPiece::Vertex{{mx, my},
-                                    Interval::up(std::hypot(x1 - x0, y1 - y0)), changes[0].before, forms};
-        assume(center->point, std::max(x1 - x0, y1 - y0), forms);
+    };
+    std::vector<Inner> inner;
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j)
+            for (std::size_t k = j + 1; k < n; ++k) {
+                const std::array forms{r[i].form, r[j].form, r[k].form};
+                const auto known = [&](const Inner& v) {
+                    return std::ranges::all_of(forms, [&](FormId f) { return std::ranges::find(v.forms, f) != v.forms.end(); });
+                };
+                if (std::ranges::any_of(inner, known)) continue;
+                Inner v;
+                const Inside inside = find_vertex(work, forms, v.vertex);
+                if (inside == Inside::Unknown) return false;
+                if (inside == Inside::No) continue;
+                v.forms.assign(forms.begin(), forms.end());
+                std::vector<std::size_t> present{i, j, k};
+                bool visible = true;
+                for (std::size_t l = 0; l < n && visible; ++l) {
+                    if (l == i || l == j || l == k) continue;
+                    const auto s = sign_at_vertex(v.vertex, forms, r[l].form);
+                    if (!s) return false;
+                    visible = *s != Sign::Negative;
+                    if (*s != Sign::Zero) continue;
+                    v.forms.push_back(r[l].form);
+                    present.push_back(l);
+                }
+                if (!visible) continue;
+                if (v.forms.size() > 3) {
+                    v.vertex.ties = v.forms;
+                    assume(v.vertex.point, std::ldexp(extent_, assumed_exponent), v.forms);
+                }
+                std::size_t a = present[0];
+                const auto is_hull_edge = [&](std::size_t p, std::size_t q) {
+                    return p != q && std::ranges::all_of(present, [&](std::size_t o) {
+                        return o == p || o == q || Work::turn(r[p], r[q], r[o]) == Sign::Positive;
+                    });
+                };
+                a = *std::ranges::find_if(present, [&](std::size_t p) {
+                    return std::ranges::any_of(present, [&](std::size_t q) { return is_hull_edge(p, q); });
+                });
+                do {
+                    v.hull.push_back(a);
+                    a = *std::ranges::find_if(present, [&](std::size_t q) { return is_hull_edge(a, q); });
+                } while (a != v.hull.front());
+                inner.push_back(std::move(v));
+            }
+    for (const Inner& v : inner) {
+        work.piece.vertices.push_back(v.vertex);
+        work.piece.leaving.emplace_back();
+        work.triples.push_back({v.forms[0], v.forms[1], v.forms[2]});
     }
-    piece.vertices.push_back(*center);
-    const auto v = static_cast<std::uint32_t>(piece.vertices.size() - 1);
-    for (const Change& c : changes) add_arc(c.vertex, v, c.before, c.after);
-    return piece;
+
+    std::vector<Change> ends;
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) {
+            ends.clear();
+            for (const Change& c : work.changes)
+                if ((c.before == r[i].form && c.after == r[j].form) || (c.before == r[j].form && c.after == r[i].form))
+                    ends.push_back(c);
+            for (std::size_t v = 0; v < inner.size(); ++v) {
+                const std::vector<std::size_t>& hull = inner[v].hull;
+                for (std::size_t k = 0; k < hull.size(); ++k) {
+                    const std::size_t p = hull[k], q = hull[(k + 1) % hull.size()];
+                    if (std::min(p, q) == i && std::max(p, q) == j)
+                        ends.push_back({static_cast<std::uint32_t>(rim + v), r[q].form, r[p].form});
+                }
+            }
+            if (!ends.empty() && !join_pair(work, *Work::direction(r[i], r[j]), r[i].form, r[j].form, ends)) return false;
+        }
+    // Around inner vertices: by hull order.
+    for (std::size_t v = 0; v < inner.size(); ++v) {
+        std::vector<std::uint32_t>& leaving = work.piece.leaving[rim + v];
+        std::vector<std::uint32_t> sorted;
+        for (std::size_t k = 0; k < inner[v].hull.size(); ++k) {
+            const FormId right = r[inner[v].hull[k]].form;
+            for (const std::uint32_t h : leaving) {
+                const MixedPiece::Arc& a = work.piece.arcs[h >> 1];
+                if ((h & 1u ? a.left : a.right) == right) sorted.push_back(h);
+            }
+        }
+        leaving = std::move(sorted);
+    }
+    return true;
+}
+
+// Along e the direction in which f - g grows points to the left: there g is lower. Vertices that doubles do not
+// separate are compared with many digits.
+bool MixedAnalysis::join_pair(Work& work, const Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends) {
+    if (ends.size() % 2 != 0) return false;
+    const Vector2d e(direction.y(), -direction.x());
+    const std::size_t rim = work.piece.rim.size();
+    bool separated = true;
+    const auto precedes = [&](const Change& a, const Change& b) {
+        if (a.vertex == b.vertex) return false;
+        const MixedPiece::Vertex &v = work.piece.vertices[a.vertex], &w = work.piece.vertices[b.vertex];
+        const double gap = e.dot(w.point - v.point);
+        if (std::abs(gap) > 2 * (v.error + w.error) + 8 * std::numeric_limits<double>::epsilon() * v.point.norm()) return gap > 0;
+        if (a.vertex >= rim && b.vertex >= rim) {
+            const auto p = sharp_vertex(v, work.triples[a.vertex - rim]), q = sharp_vertex(w, work.triples[b.vertex - rim]);
+            if (p && q) {
+                const auto s = (Wide(e.x()) * ((*q)[0] - (*p)[0]) + Wide(e.y()) * ((*q)[1] - (*p)[1])).sign();
+                ++decisions_.by_multiprecision;
+                if (s) return *s == Sign::Positive;
+            }
+        }
+        separated = false;
+        return gap > 0;
+    };
+    // Few, and the order may turn out undecided: sorted by hand.
+    for (std::size_t i = 1; i < ends.size(); ++i)
+        for (std::size_t k = i; k > 0 && precedes(ends[k], ends[k - 1]); --k) std::swap(ends[k], ends[k - 1]);
+    if (!separated) return false;
+    for (std::size_t k = 0; k < ends.size(); ++k)
+        if (ends[k].before != (k % 2 == 0 ? g : f)) return false;
+    for (std::size_t k = 0; k < ends.size(); k += 2) work.join(ends[k], ends[k + 1]);
+    return true;
+}
+
+// Contracts a box a little larger than the piece to the root, if there is one.
+MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out) {
+    const auto& box = work.piece.box;
+    const double dx = 0.25 * (box[1] - box[0]), dy = 0.25 * (box[3] - box[2]);
+    Interval X(box[0] - dx, box[1] + dx), Y(box[2] - dy, box[3] + dy);
+    bool exists = false;
+    for (int i = 0; i < 20; ++i) {
+        const Interval mx(X.mid()), my(Y.mid());
+        const System over_box = equal_heights(heights_, forms, X, Y);
+        const Eigen::Matrix2d inverse = vcell::middle(over_box).inverse();
+        if (!inverse.allFinite()) return Inside::Unknown;
+        const auto k = krawczyk(equal_heights(heights_, forms, mx, my), over_box, inverse, {X - mx, Y - my});
+        const Interval kx = mx + k[0], ky = my + k[1];
+        const double xl = std::max(X.lower(), kx.lower()), xh = std::min(X.upper(), kx.upper());
+        const double yl = std::max(Y.lower(), ky.lower()), yh = std::min(Y.upper(), ky.upper());
+        if (!(xl <= xh) || !(yl <= yh)) return Inside::No;
+        exists = exists || (kx.lower() > X.lower() && kx.upper() < X.upper() && ky.lower() > Y.lower() && ky.upper() < Y.upper());
+        const bool stalled = std::max(xh - xl, yh - yl) > 0.6 * std::max(X.upper() - X.lower(), Y.upper() - Y.lower());
+        X = Interval(xl, xh);
+        Y = Interval(yl, yh);
+        if (stalled) break;
+    }
+    bool inside = true;
+    for (const PieceSide& s : work.boundary.sides) {
+        const auto sign = (Interval(s.a) * X + Interval(s.b) * Y + Interval(s.c)).sign();
+        if (sign == Sign::Negative) return Inside::No;
+        inside = inside && sign == Sign::Positive;
+    }
+    if (!inside || !exists) return Inside::Unknown;
+    ++decisions_.by_interval;
+    out = {{X.mid(), Y.mid()}, Interval::up(std::hypot(X.radius(), Y.radius())), forms[0], {}};
+    return Inside::Yes;
+}
+
+// The point where three forms are equal, with many digits: Newton's method with the double Jacobian, whose steps gain
+// some 40 bits each, and Krawczyk's proof.
+std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
+    const Eigen::Matrix2d inverse =
+        vcell::middle(equal_heights(heights_, forms, Interval(v.point.x()), Interval(v.point.y()))).inverse();
+    if (!inverse.allFinite()) return std::nullopt;
+    const auto jets = [&](const std::array<Wide, 2>& p) {
+        return std::array{heights_.jet(forms[0], p[0], p[1]), heights_.jet(forms[1], p[0], p[1]), heights_.jet(forms[2], p[0], p[1])};
+    };
+    const auto newton_step = [&](const std::array<Wide, 2>& p) {
+        const auto [a, b, c] = jets(p);
+        const Wide f = a.v - b.v, g = a.v - c.v;
+        return std::array{Wide(inverse(0, 0)) * f + Wide(inverse(0, 1)) * g, Wide(inverse(1, 0)) * f + Wide(inverse(1, 1)) * g};
+    };
+    std::array<Wide, 2> p{Wide(v.point.x()), Wide(v.point.y())}, step = newton_step(p);
+    const double radius = std::ldexp(extent_, -240);
+    const auto small = [&](const Wide& w) { return w.enclosure().magnitude() < 0.25 * radius; };
+    for (int i = 0; i < 20 && !(small(step[0]) && small(step[1])); ++i) {
+        p = {(p[0] - step[0]).mid(), (p[1] - step[1]).mid()};
+        step = newton_step(p);
+    }
+    const Wide d(-radius, radius);
+    const std::array box{p[0] + d, p[1] + d};
+    const auto [a, b, c] = jets(box);
+    const std::array<std::array<Wide, 2>, 2> J{{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}};
+    for (int row = 0; row < 2; ++row) {
+        const Wide y0(inverse(row, 0)), y1(inverse(row, 1));
+        const Wide to_x = Wide(row == 0 ? 1.0 : 0.0) - (y0 * J[0][0] + y1 * J[1][0]),
+                   to_y = Wide(row == 1 ? 1.0 : 0.0) - (y0 * J[0][1] + y1 * J[1][1]);
+        if (!d.contains(to_x * d + to_y * d - step[row])) return std::nullopt;
+    }
+    return box;
+}
+
+// other - forms at their common point; Zero where 200 bits do not tell them apart.
+std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other) {
+    const Interval X = Interval::ball(v.point.x(), v.error), Y = Interval::ball(v.point.y(), v.error);
+    if (const auto s = (heights_.jet(other, X, Y).v - heights_.jet(forms[0], X, Y).v).sign()) {
+        ++decisions_.by_interval;
+        return s;
+    }
+    const auto box = sharp_vertex(v, forms);
+    if (!box) return std::nullopt;
+    const Wide height = heights_.jet(forms[0], (*box)[0], (*box)[1]).v;
+    const Wide difference = heights_.jet(other, (*box)[0], (*box)[1]).v - height;
+    ++decisions_.by_multiprecision;
+    if (const auto s = difference.sign()) return s;
+    if (difference.magnitude_exponent() < height.magnitude_exponent() + assumed_exponent) return Sign::Zero;
+    return std::nullopt;
+}
+
+// Two forms whose difference has a saddle's curvature all over the piece: its level set has no closed component, so
+// without a change there is no arc and two changes are the ends of one. With four, let c be the saddle. If
+// the difference is not zero there, its sign persists along the line through c in which it curves away from
+// zero; that line joins two stretches of the rim and cuts the other two off.
+bool MixedAnalysis::join_at_node(Work& work) {
+    const FormId f = work.rivals[0].form, g = work.rivals[1].form;
+    const Interval X(work.piece.box[0], work.piece.box[1]), Y(work.piece.box[2], work.piece.box[3]);
+    const HeightCurvature<Interval> p = heights_.curvature(f, X, Y), q = heights_.curvature(g, X, Y);
+    const Interval xx = p.xx - q.xx, xy = p.xy - q.xy, yy = p.yy - q.yy;
+    if ((xx * yy - square(xy)).sign() != Sign::Negative || work.knot) return false;
+    const std::vector<Change>& changes = work.changes;
+    if (changes.empty()) return true;
+    if (work.matched_pair()) {
+        work.join(changes[0], changes[1]);
+        return true;
+    }
+    if (changes.size() != 4) return false;
+    const auto saddle = root_near([&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); }, work.middle());
+    if (!saddle) return false;
+    for (const PieceSide& s : work.boundary.sides) {
+        const Interval x = Interval::ball(saddle->point.x(), saddle->error), y = Interval::ball(saddle->point.y(), saddle->error);
+        if ((Interval(s.a) * x + Interval(s.b) * y + Interval(s.c)).sign() != Sign::Positive) return false;
+    }
+
+    // The saddle's value with many digits.
+    Eigen::Matrix2d curvature;
+    curvature << xx.mid(), xy.mid(), xy.mid(), yy.mid();
+    const Eigen::Matrix2d inverse = curvature.inverse();
+    std::array<Wide, 2> c{Wide(saddle->point.x()), Wide(saddle->point.y())};
+    Wide value;
+    double slope = 0;
+    for (int i = 0; i < 40; ++i) {
+        const HeightJet<Wide> a = heights_.jet(f, c[0], c[1]), b = heights_.jet(g, c[0], c[1]);
+        const Wide gx = a.gx - b.gx, gy = a.gy - b.gy;
+        value = a.v - b.v;
+        slope = gx.enclosure().magnitude() + gy.enclosure().magnitude();
+        if (value.sign() && value.enclosure().magnitude() > 4 * slope * work.width) break;
+        if (value.magnitude_exponent() < a.v.magnitude_exponent() + assumed_exponent) {
+            ++decisions_.by_multiprecision;
+            work.join_all_to({saddle->point, saddle->error, f, {f, g}});
+            assume(saddle->point, std::ldexp(extent_, assumed_exponent / 2), {f, g});
+            return true;
+        }
+        c = {(c[0] - Wide(inverse(0, 0)) * gx - Wide(inverse(0, 1)) * gy).mid(),
+             (c[1] - Wide(inverse(1, 0)) * gx - Wide(inverse(1, 1)) * gy).mid()};
+    }
+    if (!value.sign() || !(value.enclosure().magnitude() > 4 * slope * work.width)) return false;
+    ++decisions_.by_multiprecision;
+    const bool f_above = *value.sign() == Sign::Positive;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(curvature);  // values ascend
+    const Vector2d u = eigen.eigenvectors().col(f_above ? 1 : 0);
+    const Interval ux(u.x()), uy(u.y());
+    const auto bend = (square(ux) * xx + Interval(2.0) * ux * uy * xy + square(uy) * yy).sign();
+    if (bend != (f_above ? Sign::Positive : Sign::Negative)) return false;
+    // The higher form's stretches are cut off, one on each side of the line.
+    const FormId higher = f_above ? f : g;
+    const std::size_t start = changes[0].after == higher ? 0 : 1;
+    std::array<int, 4> beside{};
+    for (std::size_t k = 0; k < 4; ++k) {
+        const MixedPiece::Vertex& v = work.piece.vertices[changes[(start + k) % 4].vertex];
+        const Vector2d d = v.point - saddle->point;
+        const double turn = u.x() * d.y() - u.y() * d.x();
+        if (!(std::abs(turn) > 2 * (v.error + saddle->error))) return false;
+        beside[k] = turn > 0 ? 1 : -1;
+    }
+    if (beside[0] != beside[1] || beside[2] != beside[3] || beside[0] == beside[2]) return false;
+    work.join(changes[start], changes[start + 1]);
+    work.join(changes[(start + 2) % 4], changes[(start + 3) % 4]);
+    return true;
+}
+
+void MixedAnalysis::join_at_center(Work& work) {
+    work.piece.arcs.clear();
+    const std::size_t rim = work.piece.rim.size();
+    work.piece.vertices.resize(rim);
+    work.piece.leaving.assign(rim, {});
+    assume(work.middle(), work.width, work.forms());
+    if (work.changes.empty()) return;
+    if (work.matched_pair() && work.rivals.size() == 2)
+        work.join(work.changes[0], work.changes[1]);
+    else
+        work.join_all_to({work.middle(), Interval::up(std::hypot(work.width, work.width)), work.changes[0].before, work.forms()});
 }
 
 }  // namespace vcell

@@ -8,12 +8,17 @@
 ///   * for every three the Jacobian of their two differences is regular all over: by the mean value theorem
 ///     on a convex set, they are equal in one point at most.
 ///
-/// Then the labels along the piece's boundary determine the diagram inside. With two changes of label they
-/// are joined; with three, between three competitors, their arcs meet in one vertex; no other arc has
-/// room. Other pieces are split. Along a side everything is one-dimensional: the same argument with slopes.
+/// Then the labels along the piece's boundary and the points in which three competitors are lowest determine the
+/// diagram inside: on each trisector's graph the ends of its visible stretches alternate. In the common cases
+/// (two changes of label, or three between three competitors) no point needs to be located to know it. Other
+/// pieces are split. Along a side everything is one-dimensional: the same argument with slopes.
 ///
-/// What stays undecided in a piece narrower than `floor_width` of the region is taken for one point, counted
-/// in Decisions::assumed, and listed. (Its arcs end there; their direction is that across their chord.)
+/// Two heights have equal gradients where the objects touch from inside (equal cylinders with crossing axes): the
+/// trisector has a node there and no piece around it is plain. When the piece is small and the difference has a
+/// saddle all over it, the curves cross if the saddle's value is zero, and otherwise avoid each other.
+///
+/// Coincidences below 2^-200, and what is left of pieces narrower than `floor_width` of the region, are taken for
+/// points, counted in Decisions::assumed, and listed.
 #pragma once
 
 #include <Eigen/Core>
@@ -70,7 +75,7 @@ struct MixedPiece {
         Eigen::Vector2d point;
         double error;
         FormId lowest;
-        std::vector<FormId> ties;  ///< of the forms that are not seen from the faces around it
+        std::vector<FormId> ties;  ///< all that attain the minimum, if the faces around it do not tell
     };
     struct RimEdge {  // from rim vertex i to the next
         std::uint32_t side;
@@ -83,7 +88,10 @@ struct MixedPiece {
     };
     std::vector<Vertex> vertices;
     std::vector<RimEdge> rim;
-    std::vector<Arc> arcs;  ///< those at an inner vertex in counter-clockwise order
+    std::vector<Arc> arcs;
+    /// The arcs' half-edges that leave each vertex (2k: arc k from its start, 2k + 1: from its end),
+    /// counter-clockwise; on the rim from its edge to the next vertex on.
+    std::vector<std::vector<std::uint32_t>> leaving;
     std::array<double, 4> box;
 };
 
@@ -92,7 +100,9 @@ public:
     /// Narrower than this part of the region's extent a piece that is not plain counts as a point. Heights of
     /// competitors in it differ by about its square, beyond the digits of a double.
     static constexpr double floor_width = 0x1p-34;
-    /// The same along a side, where no more than one direction has to be told apart.
+    /// Pieces around a node are not split further than this: there an arc's direction is only that across its chord.
+    static constexpr double node_width = 0x1p-22;
+    /// As floor_width, along a side, where no more than one direction has to be told apart.
     static constexpr double side_floor_width = 0x1p-44;
 
     MixedAnalysis(const FormFamily& family, double extent) : heights_(family), extent_(extent) {}
@@ -130,7 +140,18 @@ private:
                  bool is_seam, std::vector<RimTransition>& out);
     std::vector<FormId> lowest_at(const Line& line, double s, std::span<const FormId> candidates);
     RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after);
-    std::optional<MixedPiece::Vertex> locate(const std::array<double, 4>& box, std::array<FormId, 3> forms);
+    struct Change;
+    struct Work;
+    bool is_plain(const Work& work) const;
+    bool join_changes(Work& work);
+    bool join_at_node(Work& work);
+    bool join_all(Work& work);
+    bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);
+    void join_at_center(Work& work);
+    enum class Inside { No, Yes, Unknown };
+    Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);
+    std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other);
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
 
     Heights heights_;

@@ -144,7 +144,6 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
         around[i].push_back(2 * (first_edge + i));
     }
     for (const MixedPiece::Arc& a : piece.arcs) {
-        const auto id = static_cast<Index>(edges_.size());
         Edge& e = edges_.emplace_back();
         e.left = a.left;
         e.right = a.right;
@@ -155,9 +154,9 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
         }
         half_edges_.push_back({none, none, first_vertex + a.from, none});
         half_edges_.push_back({none, none, first_vertex + a.to, none});
-        around[a.from].push_back(2 * id);
-        around[a.to].push_back(2 * id + 1);
     }
+    for (Index v = 0; v < around.size(); ++v)
+        for (const std::uint32_t h : piece.leaving[v]) around[v].push_back(2 * (first_edge + rim) + h);
     for (Index i = 0; i < rim; ++i) around[i].push_back(2 * (first_edge + (i + rim - 1) % rim) + 1);
     for (Index v = 0; v < around.size(); ++v) {
         const std::vector<Index>& out = around[v];
