@@ -123,6 +123,17 @@ PointId CircleArcs::representative(PointId p) {
     return p;
 }
 
+// Near each other, by the same forms and with the same turn: one point under two names.
+bool CircleArcs::known_equal(PointId p, PointId q) const {
+    const KernelPoint &a = kernel_.point(p), &b = kernel_.point(q);
+    if (std::abs(a.x - b.x) > 2 * (a.error + b.error) || same_forms(a.first, a.second) ||
+        same_forms(b.first, b.second)) {
+        return false;
+    }
+    const auto first = canonical(a.first, a.second), second = canonical(b.first, b.second);
+    return first.key == second.key && a.orientation * first.sign == b.orientation * second.sign;
+}
+
 // A point of the curves `first` and `second` lies on the third curve of their triple as well.
 bool CircleArcs::known_on(PointId p, FormPair c) const {
     const KernelPoint& k = kernel_.point(p);
@@ -209,7 +220,7 @@ Sign CircleArcs::compare_xy(PointId p, PointId q) {
     p = representative(p);
     q = representative(q);
     if (p == q) return Sign::Zero;
-    const Sign s = kernel_.compare_xy(p, q);
+    const Sign s = known_equal(p, q) ? Sign::Zero : kernel_.compare_xy(p, q);
     if (s == Sign::Zero) equal_to_[std::max(p, q)] = std::min(p, q);
     return s;
 }

@@ -90,6 +90,7 @@ private:
     Arc make_arc(FormPair rightward, PointId left, PointId right, Arc::Shape shape) const;
     bool lies_on(const Arc& a, PointId p);
     void intersect_same_curve(const Arc& a, const Arc& b, ArcIntersections<PointId, Arc>& out);
+    bool known_equal(PointId p, PointId q) const;
     bool known_on(PointId p, FormPair c) const;
     Sign sign_at(PointId p, FormPair c);
     Sign turn_at(PointId p, FormPair c, FormPair d);

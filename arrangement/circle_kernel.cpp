@@ -29,8 +29,43 @@ constexpr double angle_margin = 1e-7, length_margin = 1e-6;
 // Where K keeps five digits, a centre is good to this fraction of the terms it is computed from.
 constexpr double least_K = 1e-5, center_margin = 1e-9;
 static_assert(center_margin * least_K >= 32 * u);
+// Gradients at a smaller angle (radians), one shorter than on its curve counting less, are as good as parallel.
+constexpr double singular_angle = 1e-6;
 
 double cross(double ax, double ay, double bx, double by) { return ax * by - ay * bx; }
+
+// A function K |p|^2 + ... about a place, without bounds.
+struct Plain {
+    double v, gx, gy, K;
+
+    double square() const { return gx * gx + gy * gy; }
+    // Upper bound of the gradient's square on the curve, which is |grad|^2 - 4 K F.
+    double square_on_curve() const { return square() + 4 * std::abs(K * v); }
+};
+
+// J is singular in the centre of a circle, where the middle between the ends of a half circle happens to be, and
+// wherever the gradients are parallel. From there one gets away along the level line of one function, as far as
+// the curve of the other may be: K t^2 + |grad| t = |F|.
+Eigen::Vector2d step_from_singular(const Plain& f, const Plain& g) {
+    const bool f_fades = f.square() * g.square_on_curve() <= g.square() * f.square_on_curve();
+    const Plain &fading = f_fades ? f : g, &steep = f_fades ? g : f;
+    if (steep.square() == 0) return {0, 0};  // concentric circles
+    const double t = 2 * std::abs(fading.v) / (std::sqrt(fading.square()) + std::sqrt(fading.square_on_curve()));
+    return t / std::sqrt(steep.square()) * Eigen::Vector2d(-steep.gy, steep.gx);
+}
+
+// Bound on the error of a gradient's component, taken at a place that is `error` away from the true point.
+double gradient_error(const CircleKernel::Jet& j, double error) {
+    return (j.eg + 2 * (std::abs(j.K) + j.eK) * error) * slop;
+}
+
+// Bound on the error of the cross or dot product of two such gradients: of either one's components, and two
+// products and a sum.
+double gradient_product_error(const CircleKernel::Jet& a, const CircleKernel::Jet& b, double error) {
+    const double ea = gradient_error(a, error), eb = gradient_error(b, error);
+    const double a1 = std::abs(a.gx) + std::abs(a.gy), b1 = std::abs(b.gx) + std::abs(b.gy);
+    return (ea * b1 + eb * a1 + 2 * ea * eb + 4 * u * a1 * b1) * slop + tiny;
+}
 
 }  // namespace
 
@@ -95,10 +130,7 @@ bool CircleKernel::certify(KernelPoint& p) const {
 // X has the orientation of J itself, the larger one the opposite. Nothing here needs a bound: certify()
 // proves the outcome.
 std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, FormPair d, Sign orientation,
-                                                                const Eigen::Vector2d& near) const {
-    struct Plain {
-        double v, gx, gy, K;
-    };
+                                                                const Eigen::Vector2d& near, bool moved) const {
     const auto plain = [&](FormId id) {
         const Form& f = forms_[id];
         const double dx = near.x() - f.cx, dy = near.y() - f.cy;
@@ -118,12 +150,16 @@ std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, Form
     const double h = 1 - 2 * (ax * bx + ay * by);
     const double aa = ax * ax + ay * ay, bb = bx * bx + by * by;
     const double discriminant = h * h - 4 * aa * bb;
-    if (!(discriminant > 0)) return std::nullopt;
+    const auto elsewhere = [&]() -> std::optional<KernelPoint> {
+        const double parallel = singular_angle * singular_angle * (f.square_on_curve() * g.square_on_curve());
+        if (moved || det * det > parallel) return std::nullopt;
+        return certified_intersection(c, d, orientation, near + step_from_singular(f, g), true);
+    };
+    if (!(discriminant > 0)) return elsewhere();
     const double root = h + std::sqrt(discriminant);
     const double X = (det > 0) == (orientation == Sign::Positive) ? 2 * aa / root : root / (2 * bb);
     KernelPoint p{near.x() + (ax + bx * X), near.y() + (ay + by * X), 0, c, d, orientation};
-    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return std::nullopt;
-    if (!certify(p)) return std::nullopt;
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !certify(p)) return elsewhere();
     if (p.error > 1e3 * DBL_EPSILON * (std::abs(p.x) + std::abs(p.y) + std::sqrt(aa))) {
         // The far root loses digits in a + b X; one Newton step gets them back, if they are to be had.
         const Jet f1 = difference(c, p.x, p.y), g1 = difference(d, p.x, p.y);
@@ -140,6 +176,7 @@ std::optional<PointId> CircleKernel::intersection(FormPair c, FormPair d, Sign o
                                                   const Eigen::Vector2d& near) {
     assert(orientation != Sign::Zero);
     if (const auto p = certified_intersection(c, d, orientation, near)) return points_.push_back(*p);
+    ++decisions_.by_exact;
     auto exact = exact_intersection(exact_curve(c), exact_curve(d), orientation);
     if (!exact) return std::nullopt;
     return add_exact_point(c, d, orientation, std::move(*exact));
@@ -196,12 +233,8 @@ Sign CircleKernel::turn_at(PointId p, FormPair c, FormPair d) {
     const KernelPoint& q = points_[p];
     if (q.first == c && q.second == d && !(c == d)) return q.orientation;
     const Jet a = difference(c, q.x, q.y), b = difference(d, q.x, q.y);
-    const double ea = (a.eg + 2 * (std::abs(a.K) + a.eK) * q.error) * slop;
-    const double eb = (b.eg + 2 * (std::abs(b.K) + b.eK) * q.error) * slop;
     const double det = cross(a.gx, a.gy, b.gx, b.gy);
-    const double a1 = std::abs(a.gx) + std::abs(a.gy), b1 = std::abs(b.gx) + std::abs(b.gy);
-    const double bound = (ea * b1 + eb * a1 + 2 * ea * eb + 4 * u * a1 * b1) * slop + tiny;
-    if (std::abs(det) > bound) {
+    if (std::abs(det) > gradient_product_error(a, b, q.error)) {
         ++decisions_.by_double;
         return sign_of(det);
     }
@@ -211,10 +244,32 @@ Sign CircleKernel::turn_at(PointId p, FormPair c, FormPair d) {
     return sign(g[0] * h[1] - g[1] * h[0]);
 }
 
+// Asked of parallel gradients: then doubles tell unless one of them all but vanishes.
 Sign CircleKernel::along_sign(PointId p, FormPair c, FormPair d) {
+    const KernelPoint& q = points_[p];
+    const Jet a = difference(c, q.x, q.y), b = difference(d, q.x, q.y);
+    const double dot = a.gx * b.gx + a.gy * b.gy;
+    if (std::abs(dot) > gradient_product_error(a, b, q.error)) {
+        ++decisions_.by_double;
+        return sign_of(dot);
+    }
+    ++decisions_.by_exact;
     const auto g = exact_gradient(exact_curve(c), exact_point(p));
     const auto h = exact_gradient(exact_curve(d), exact_point(p));
     return sign(g[0] * h[0] + g[1] * h[1]);
+}
+
+// Does some line through both points have no slope in that variable, so that they share the other coordinate?
+// The coefficients of lines are exact, and so is this answer. Piece and region sides along an axis carry many points.
+bool CircleKernel::share_line(PointId p, PointId q, double Form::*slope) const {
+    const KernelPoint &a = points_[p], &b = points_[q];
+    const auto is_on = [&](const KernelPoint& point, FormPair c) {
+        return point.first == c || point.second == c || point.first == c.reversed() || point.second == c.reversed();
+    };
+    return std::ranges::any_of(std::array{a.first, a.second}, [&](FormPair c) {
+        return !sources_[c.f].in_family.valid() && !sources_[c.g].in_family.valid() &&
+               forms_[c.f].*slope == forms_[c.g].*slope && is_on(b, c);
+    });
 }
 
 Sign CircleKernel::compare_x(PointId p, PointId q) {
@@ -224,6 +279,10 @@ Sign CircleKernel::compare_x(PointId p, PointId q) {
     if (std::abs(d) > (a.error + b.error + u * std::abs(d)) * slop) {
         ++decisions_.by_double;
         return sign_of(d);
+    }
+    if (share_line(p, q, &Form::b)) {
+        ++decisions_.by_double;
+        return Sign::Zero;
     }
     ++decisions_.by_exact;
     const ExactPoint &e = exact_point(p), &f = exact_point(q);
@@ -237,6 +296,10 @@ Sign CircleKernel::compare_y(PointId p, PointId q) {
     if (std::abs(d) > (a.error + b.error + u * std::abs(d)) * slop) {
         ++decisions_.by_double;
         return sign_of(d);
+    }
+    if (share_line(p, q, &Form::a)) {
+        ++decisions_.by_double;
+        return Sign::Zero;
     }
     ++decisions_.by_exact;
     const ExactPoint &e = exact_point(p), &f = exact_point(q);
@@ -259,7 +322,7 @@ bool CircleKernel::strictly_between(FormPair c, PointId p, PointId q, PointId r)
     if (p == q) return compare_xy(p, r) != Sign::Zero;
     const KernelPoint &P = points_[p], &Q = points_[q], &R = points_[r];
     const Jet j = difference(c, P.x, P.y);
-    const double eg = (j.eg + 2 * (std::abs(j.K) + j.eK) * P.error) * slop;
+    const double eg = gradient_error(j, P.error);
     const double g = std::hypot(j.gx, j.gy);
     const double tx = -j.gy, ty = j.gx;
     const double ax = R.x - P.x, ay = R.y - P.y, bx = Q.x - P.x, by = Q.y - P.y;
@@ -350,8 +413,7 @@ bool CircleKernel::exact_strictly_between(FormPair c, PointId p, PointId q, Poin
 Sign CircleKernel::side_of_center(PointId p, FormPair c) {
     const KernelPoint& q = points_[p];
     const Jet j = difference(c, q.x, q.y);
-    const double bound = (j.eg + 2 * (std::abs(j.K) + j.eK) * q.error) * slop + tiny;
-    if (std::abs(j.gy) > bound && std::abs(j.K) > j.eK) {
+    if (std::abs(j.gy) > gradient_error(j, q.error) + tiny && std::abs(j.K) > j.eK) {
         ++decisions_.by_double;
         return sign_of(j.gy) * sign_of(j.K);
     }
@@ -431,6 +493,22 @@ bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& bo
 // curvature is 2 K / |grad|; with grad(c) = l grad(d), l = grad(c).grad(d) / |grad(d)|^2 > 0, compare
 // K_c |grad d|^2 with K_d grad(c).grad(d).
 Sign CircleKernel::curvature_order(PointId p, FormPair c, FormPair d) {
+    struct Bend {
+        Interval K, gx, gy;
+    };
+    const KernelPoint& q = points_[p];
+    const auto bend = [&](FormPair pair) {
+        const Jet j = difference(pair, q.x, q.y);
+        const double error = gradient_error(j, q.error);
+        return Bend{Interval::ball(j.K, j.eK), Interval::ball(j.gx, error), Interval::ball(j.gy, error)};
+    };
+    const Bend bc = bend(c), bd = bend(d);
+    const Interval order = bc.K * (square(bd.gx) + square(bd.gy)) - bd.K * (bc.gx * bd.gx + bc.gy * bd.gy);
+    if (const auto s = order.sign()) {
+        ++decisions_.by_interval;
+        return *s;
+    }
+    ++decisions_.by_exact;
     const ExactCurve ec = exact_curve(c), ed = exact_curve(d);
     const auto g = exact_gradient(ec, exact_point(p)), h = exact_gradient(ed, exact_point(p));
     return sign(ec.K * (h[0] * h[0] + h[1] * h[1]) - ed.K * (g[0] * h[0] + g[1] * h[1]));
@@ -468,6 +546,13 @@ bool CircleKernel::sector_contains_left(PointId p, FormPair from, FormPair to) {
     if (turn != Sign::Zero) return turn == Sign::Negative;
     if (along_sign(p, from, to) == Sign::Positive) return curvature_order(p, to, from) != Sign::Positive;
     // One goes straight up, the other straight down: the tangent (-B, A) of `from` decides.
+    const KernelPoint& q = points_[p];
+    const Jet j = difference(from, q.x, q.y);
+    if (std::abs(j.gx) > gradient_error(j, q.error)) {
+        ++decisions_.by_double;
+        return j.gx > 0;
+    }
+    ++decisions_.by_exact;
     return sign(exact_gradient(exact_curve(from), exact_point(p))[0]) == Sign::Positive;
 }
 
@@ -547,9 +632,24 @@ Sign CircleKernel::intersection_sign(FormPair c, FormPair d, const Eigen::Vector
     return exact_discriminant(ec, ed).sign();
 }
 
+// Two curves are the same if (K, A, B, C) of one is a multiple of the other's, about any place: if no minor of the
+// two rows is other than zero. The place is one about which a form of c has small coefficients.
 bool CircleKernel::same_curve(FormPair c, FormPair d) {
-    const ExactCurve e = exact_curve(c), f = exact_curve(d);
+    const Form& place = forms_[c.f].k != 0 ? forms_[c.f] : forms_[c.g];
+    const auto row = [&](FormPair pair) {
+        const Jet j = difference(pair, place.cx, place.cy);
+        return std::array{Interval::ball(j.K, j.eK), Interval::ball(j.gx, j.eg), Interval::ball(j.gy, j.eg),
+                          Interval::ball(j.v, j.ev)};
+    };
+    const auto r = row(c), s = row(d);
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (!(r[i] * s[j] - r[j] * s[i]).contains(0)) {
+                ++decisions_.by_interval;
+                return false;
+            }
     ++decisions_.by_exact;
+    const ExactCurve e = exact_curve(c), f = exact_curve(d);
     const auto zero = [](const Exact& a, const Exact& b, const Exact& p, const Exact& q) {
         return (a * q - b * p).sign() == Sign::Zero;
     };

@@ -224,8 +224,9 @@ private:
     Jet difference(FormPair c, double x, double y) const {
         return difference(jet(forms_[c.f], x, y), jet(forms_[c.g], x, y));
     }
+    /// `moved`: away from a place where the closed form is singular.
     std::optional<KernelPoint> certified_intersection(FormPair c, FormPair d, Sign orientation,
-                                                      const Eigen::Vector2d& near) const;
+                                                      const Eigen::Vector2d& near, bool moved = false) const;
     bool certify(KernelPoint& p) const;
     PointId add_exact_point(FormPair c, FormPair d, Sign orientation, ExactPoint exact);
     PointId circle_point(FormPair c, Sign which);
@@ -245,6 +246,7 @@ private:
     int sector_of(PointId p, FormPair from, FormPair x);
     Sign along_sign(PointId p, FormPair c, FormPair d);
     Sign curvature_order(PointId p, FormPair c, FormPair d);
+    bool share_line(PointId p, PointId q, double Form::*slope) const;
     Sign exact_line_order(const ExactCurve& line, PointId p, PointId q);
     bool exact_strictly_between(FormPair c, PointId p, PointId q, PointId r);
 

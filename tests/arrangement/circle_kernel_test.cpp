@@ -145,7 +145,8 @@ TEST_CASE("circle_kernel: signs, turns and orders agree with 200 digits one ulp 
             const std::size_t a = triples[i][0], b = triples[i][1];
             for (std::size_t k = 0; k < 9; ++k) {
                 if (k == a) continue;
-                const Sign want = sign_of_real(c.forms.value(k, x, y) - c.forms.value(a, x, y));
+                const Real size = 1 + x * x + y * y;  // of the terms: nearly straight curves may meet far away
+                const Sign want = sign_of_real((c.forms.value(k, x, y) - c.forms.value(a, x, y)) / size);
                 CHECK(c.kernel.sign_at(p, c.ids[k], c.ids[a]) == want);
                 zeros += want == Sign::Zero;
                 if (want != Sign::Zero || k == b) continue;
@@ -225,4 +226,114 @@ TEST_CASE("circle_kernel: bounds over rectangles and arcs hold at sampled points
             if (above) CHECK(d > 0);
         }
     }
+}
+
+TEST_CASE("circle_kernel: points of one upright or level line share a coordinate, without exact numbers") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(0, 1);
+    int shared = 0, apart = 0;
+    for (int round = 0; round < 300; ++round) {
+        Case c(lattice(rng));
+        const bool upright = rng() % 2;
+        const double at = 0.5 + 3 * unit(rng);
+        const auto line = [&](double place) {
+            const FormId f = upright ? c.kernel.add_line(1, 0, -place) : c.kernel.add_line(0, 1, -place);
+            return FormPair{CircleKernel::zero_form(), f};
+        };
+        const FormPair one = line(at), other = line(std::nextafter(at, 9));
+        std::vector<PointId> on_one, on_other;
+        for (int k = 0; k < 6; ++k) {
+            const std::size_t a = rng() % 9, b = rng() % 9;
+            if (a == b) continue;
+            const FormPair curve{c.ids[a], c.ids[b]};
+            for (const Sign s : {Sign::Positive, Sign::Negative}) {
+                if (const auto p = c.kernel.intersection(one, curve, s, {2, 2})) on_one.push_back(*p);
+                if (const auto p = c.kernel.intersection(curve, one.reversed(), s, {2, 2})) on_one.push_back(*p);
+                if (const auto p = c.kernel.intersection(other, curve, s, {2, 2})) on_other.push_back(*p);
+            }
+        }
+        const auto compare = [&](PointId p, PointId q) {
+            return upright ? c.kernel.compare_x(p, q) : c.kernel.compare_y(p, q);
+        };
+        const auto exact_before = c.kernel.decisions().by_exact;
+        for (const PointId p : on_one)
+            for (const PointId q : on_one) {
+                CHECK(compare(p, q) == Sign::Zero);
+                shared += p != q;
+            }
+        CHECK(c.kernel.decisions().by_exact == exact_before);
+        for (const PointId p : on_one)
+            for (const PointId q : on_other) {
+                CHECK(compare(p, q) == Sign::Negative);
+                ++apart;
+            }
+    }
+    CHECK(shared > 1000);
+    CHECK(apart > 1000);
+}
+
+// Forms |p|^2 / w + 2 m t.p: all vanish at the origin, where the curves of any two have gradients along t. The
+// curves {0 = 1} and {0 = 2} are one where (1 / w - 1 / w_0) / (m - m_0) is the same for both.
+TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp from being the same") {
+    std::mt19937_64 rng(test_seed());
+    Decisions total;
+    int same = 0, nearly = 0;
+    for (int round = 0; round < 2000; ++round) {
+        const double directions[][2] = {{1, 0}, {-1, 0}, {0, 1}, {1, 1}, {1, -2}};
+        const double multiples[] = {-4, -2, -1, 0, 1, 2, 4};
+        const auto& t = directions[rng() % 5];
+        std::array<double, 4> m{}, w{};
+        for (double& v : m) v = multiples[rng() % 7];
+        for (double& v : w) v = static_cast<double>(1 + rng() % 8);
+        if (m[0] == m[1] || m[0] == m[2] || m[3] == 0) continue;
+        const double degenerate = 1 / w[0] + (m[2] - m[0]) / (m[1] - m[0]) * (1 / w[1] - 1 / w[0]);
+        if (degenerate > 0.01) w[2] = nudge(rng, 1 / degenerate);
+        // The last form's gradient is across t, so that its curve names the origin.
+        std::array<Eigen::Vector2d, 4> slope;
+        for (int i = 0; i < 3; ++i) slope[i] = m[i] * Eigen::Vector2d(t[0], t[1]);
+        slope[3] = slope[0] + m[3] * Eigen::Vector2d(-t[1], t[0]);
+
+        FormFamily family;
+        for (int i = 0; i < 4; ++i) {
+            const Eigen::Vector2d center = -w[i] * slope[i];
+            family.forms.push_back({1, center.x(), center.y(), 0, 0, -center.squaredNorm(), w[i]});
+        }
+        family.exact = [&](FormId f) {
+            const Eigen::Vector2d s = slope[f.value];
+            const Exact two_w = Exact(2.0) * Exact(w[f.value]);
+            return ExactForm{Exact(1.0), two_w * Exact(s.x()), two_w * Exact(s.y()), Exact(), Exact(w[f.value])};
+        };
+        CircleKernel kernel;
+        kernel.reset(&family);
+        std::array<FormId, 4> id;
+        for (std::uint32_t i = 0; i < 4; ++i) id[i] = kernel.add_form({i});
+
+        const FormPair c{id[0], id[1]}, d{id[0], id[2]}, across{id[0], id[3]};
+        const Eigen::Vector2d g = slope[0] - slope[1], h = slope[0] - slope[2], n = slope[0] - slope[3];
+        const Sign turn = sign_of(g.x() * n.y() - g.y() * n.x());
+        const PointId origin = *kernel.intersection(c, across, turn, {0.37, -0.21});
+        const auto curvature = [&](int i) { return 1 / Real(w[0]) - 1 / Real(w[i]); };
+        const Real bend = curvature(2) * g.squaredNorm() - curvature(1) * g.dot(h);  // of d more than of c
+
+        kernel.decisions() = {};
+        CHECK(kernel.turn_at(origin, c, d) == Sign::Zero);
+        CHECK(kernel.same_direction(origin, c, d) == (g.dot(h) > 0));
+        CHECK(kernel.sign_beside_touching(origin, c, d) == sign_of_real(bend));
+        CHECK(kernel.same_curve(c, d) == (sign_of_real(bend) == Sign::Zero));
+        same += sign_of_real(bend) == Sign::Zero;
+        nearly += sign_of_real(bend) != Sign::Zero && abs(bend) < Real("1e-14");
+        if (t[1] == 0) {
+            // Both run straight up or down. The same way, the sector is nearly a whole turn unless d bends left
+            // of c; opposite ways, it turns left from a curve that runs up, where its gradient points right.
+            const bool left = g.dot(h) > 0 ? sign_of_real(bend) != Sign::Positive : g.x() > 0;
+            CHECK(kernel.sector_contains_left(origin, c, d) == left);
+        }
+        total += kernel.decisions();
+    }
+    CHECK(same > 100);
+    CHECK(nearly > 100);
+    // Each rung has had its say.
+    CHECK(total.by_double > 0);
+    CHECK(total.by_interval > 0);
+    CHECK(total.by_exact > 0);
 }

@@ -128,6 +128,48 @@ TEST_CASE("lower_envelope: permutation, translation, scaling and mirror keep the
     }
 }
 
+TEST_CASE("lower_envelope: doubles and intervals decide random scenes") {
+    std::mt19937_64 rng(test_seed());
+    Decisions total;
+    int with_exact_signs = 0, scenes = 0;
+    for (int round = 0; round < 50; ++round)
+        for (const int n : {4, 8, 16, 24, 100}) {
+            const FormScene s = random_spheres(rng, n, std::sqrt(n));
+            const Decisions d = lower_envelope(s.family(), s.region()).decisions;
+            CHECK(d.assumed == 0);
+            with_exact_signs += d.by_exact > 0;
+            ++scenes;
+            total += d;
+        }
+    CHECK(1000 * total.by_exact <= total.total());
+    // Only a coincidence, such as two equal curvatures among these rounded numbers, takes an exact sign.
+    CHECK(100 * with_exact_signs <= scenes);
+    CHECK(total.by_interval > 0);
+}
+
+TEST_CASE("lower_envelope: doubles and intervals decide overlays of random scenes") {
+    std::mt19937_64 rng(test_seed());
+    EnvelopeOptions by_overlay;
+    by_overlay.largest_piece = 1;
+    Decisions total;
+    for (int round = 0; round < 50; ++round)
+        for (const int n : {8, 24}) {
+            const FormScene s = random_spheres(rng, n, std::sqrt(n));
+            total += lower_envelope(s.family(), s.region(), by_overlay).decisions;
+        }
+    CHECK(1000 * total.by_exact <= total.total());
+}
+
+TEST_CASE("oracle: sees a tie where all terms of the forms vanish") {
+    // The vertex at the origin, refined, is off by as much as the forms' terms are there.
+    FormScene s{.name = "three paraboloids through the origin", .numbers = {}, .polygon = {}};
+    s.paraboloid(0.5, 1, -1.25, 1);
+    s.paraboloid(0, 0.5, -0.25, 2);
+    s.paraboloid(1, -0.5, -1.25, 1);
+    std::mt19937_64 rng(test_seed());
+    judge(s, rng);
+}
+
 TEST_CASE("oracle: accepts a diagram built by hand") {
     // Two equal spheres meet over x = 0; a third, lower and narrower, is an island on the right.
     FormScene scene{.name = "by hand", .numbers = {}, .polygon = {}};
