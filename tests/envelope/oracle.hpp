@@ -222,8 +222,10 @@ private:
             const Form<Fast>& f = fast_forms_[i];
             const Fast size = std::abs(f.n.K) * (q.x * q.x + q.y * q.y) + std::abs(f.n.A * q.x) +
                               std::abs(f.n.B * q.y) + std::abs(f.n.C);
-            const Fast error = 16 * std::numeric_limits<Fast>::epsilon() * size / f.W;
             const Fast value = f(q);
+            Fast error = 16 * std::numeric_limits<Fast>::epsilon() * size / f.W;
+            // Next to the origin all terms of a form may be as small as the error of a refined p.
+            if constexpr (std::is_same_v<T, Real>) error += kTie.template convert_to<Fast>() * (1 + std::abs(value));
             low[i] = value - error;
             lowest_upper = std::min(lowest_upper, value + error);
         }
