@@ -7,3 +7,4 @@
 #include "plane_base.hpp"
 #include "scene.hpp"
 #include "site.hpp"
+#include "trisector.hpp"
