@@ -18,25 +18,40 @@ Wide to_wide(Exact v) {
     return sum + Wide(v.enclosure());
 }
 
-// C = |m x a|^2 - N rho^2: with the cross product instead of N |m|^2 - (m . a)^2 nothing cancels far out along
-// the axis.
+// A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead of
+// N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
+template <class T>
+struct CylinderHeight {
+    T cx, cy, cz;  // m x a
+    T root, v;
+    bool outside = true;  // certainly outside the trace on the base
+
+    CylinderHeight(const CylinderForm& f, const T& norm, const T& A, const T& x, const T& y) {
+        const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho);
+        const T mx = x - T(f.px), my = y - T(f.py);
+        cx = my * az + pz * ay;
+        cy = -(mx * az) - pz * ax;
+        cz = mx * ay - my * ax;
+        const T C = square(cx) + square(cy) + square(cz) - norm * square(rho);
+        const T beta = norm * (rho + pz) + (mx * ax + my * ay - pz * az) * az;
+        const T D = square(beta) + A * C;
+        outside = D.sign() == Sign::Positive && C.sign() == Sign::Positive;
+        if (!outside) {
+            root = v = T::whole();
+            return;
+        }
+        root = sqrt(D);
+        v = f.az == 0 || beta.sign() == Sign::Positive ? C / (root + beta) : (root - beta) / A;
+    }
+};
+
 template <class T>
 HeightJet<T> cylinder_jet(const CylinderForm& f, const T& norm, const T& A, const T& x, const T& y) {
-    const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho);
-    const T mx = x - T(f.px), my = y - T(f.py);
-    const T cx = my * az + pz * ay, cy = -(mx * az) - pz * ax, cz = mx * ay - my * ax;
-    const T C = square(cx) + square(cy) + square(cz) - norm * square(rho);
-    const T beta = norm * (rho + pz) + (mx * ax + my * ay - pz * az) * az;
-    const T D = square(beta) + A * C;
-    if (D.sign() != Sign::Positive || C.sign() != Sign::Positive) return {T::whole(), T::whole(), T::whole()};
-    const T root = sqrt(D);
-    HeightJet<T> j;
-    j.v = beta.sign() == Sign::Negative && f.az != 0 ? (root - beta) / A : C / (root + beta);
+    const CylinderHeight<T> h(f, norm, A, x, y);
+    if (!h.outside) return {T::whole(), T::whole(), T::whole()};
+    const T ax(f.ax), ay(f.ay), az(f.az);
     // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
-    const T two(2.0), scale = two * root;
-    j.gx = (two * (cz * ay - cy * az) - two * az * ax * j.v) / scale;
-    j.gy = (two * (cx * az - cz * ax) - two * az * ay * j.v) / scale;
-    return j;
+    return {h.v, (h.cz * ay - h.cy * az - az * ax * h.v) / h.root, (h.cx * az - h.cz * ax - az * ay * h.v) / h.root};
 }
 
 }  // namespace
@@ -91,6 +106,12 @@ HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
     const auto& [K, A, B, C] = p;
     const Wide two_K = Wide(2.0) * K;
     return {K * (square(x) + square(y)) + A * x + B * y + C, two_K * x + A, two_K * y + B};
+}
+
+Wide Heights::value(FormId f, const Wide& x, const Wide& y) const {
+    const WidePrepared& p = wide(f);
+    if (!family_.is_circular(f)) return CylinderHeight<Wide>(family_.cylinder(f), p[0], p[1], x, y).v;
+    return p[0] * (square(x) + square(y)) + p[1] * x + p[2] * y + p[3];
 }
 
 // Differentiating F = 0 once more: 2 root r_xy = C_xy - 2 beta_x r_y - 2 beta_y r_x - 2 A r_x r_y.

@@ -37,6 +37,7 @@ public:
     HeightJet<Interval> jet(FormId f, Interval x, Interval y) const;
     /// The same with more digits, for boxes so small that doubles cannot tell.
     HeightJet<Wide> jet(FormId f, const Wide& x, const Wide& y) const;
+    Wide value(FormId f, const Wide& x, const Wide& y) const;
 
     /// Encloses the second derivatives of f over the box, likewise.
     HeightCurvature<Interval> curvature(FormId f, Interval x, Interval y) const;

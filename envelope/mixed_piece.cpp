@@ -94,13 +94,14 @@ struct MixedAnalysis::Line {
         return {heights.jet(f, p[0], p[1]).v - heights.jet(g, p[0], p[1]).v,
                 along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]))};
     }
-    // The same where doubles cancel too much.
+    // The same with a difference that doubles would cancel.
     std::array<Interval, 2> sharp_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
-        const auto p = wide_at(Wide(m)), range = wide_at(Wide(lo, hi));
-        const HeightJet<Wide> a = heights.jet(f, range[0], range[1]), b = heights.jet(g, range[0], range[1]);
-        const Interval gx = (a.gx - b.gx).enclosure(), gy = (a.gy - b.gy).enclosure();
-        return {(heights.jet(f, p[0], p[1]).v - heights.jet(g, p[0], p[1]).v).enclosure(),
-                by_x ? gx + slope * gy : gy + slope * gx};
+        return {(sharp_height(heights, f, m) - sharp_height(heights, g, m)).enclosure(),
+                difference(heights, f, g, m, lo, hi)[1]};
+    }
+    Wide sharp_height(const Heights& heights, FormId f, double m) const {
+        const auto p = wide_at(Wide(m));
+        return heights.value(f, p[0], p[1]);
     }
     // The derivative of a height along the side with respect to s.
     Interval along(const HeightJet<Interval>& j) const { return by_x ? j.gx + slope * j.gy : j.gy + slope * j.gx; }
@@ -187,7 +188,7 @@ std::vector<FormId> lowest_in_many_digits(const Heights& heights, const std::arr
     std::vector<FormId> lowest;
     std::vector<Wide> values;
     for (const FormId f : candidates) {
-        const Wide v = heights.jet(f, p[0], p[1]).v;
+        const Wide v = heights.value(f, p[0], p[1]);
         Sign s = Sign::Negative;
         if (!lowest.empty()) {
             s = (v - values.front()).sign().value_or(Sign::Zero);
@@ -270,24 +271,23 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     struct Item {
         FormId form;
         Interval v, slope;
+        Wide sharp;
     };
     std::vector<Item> items;
     for (const FormId f : candidates)
-        items.push_back({f, heights_.jet(f, middle[0], middle[1]).v, line.along(heights_.jet(f, range[0], range[1]))});
+        items.push_back({f, heights_.jet(f, middle[0], middle[1]).v, line.along(heights_.jet(f, range[0], range[1])), {}});
     drop_dominated(items, [&](const Item& a, const Item& b) {
         return (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
     });
     decisions_.by_interval += candidates.size() - items.size();
-    bool monotone = items.size() == 2 && (items[0].slope - items[1].slope).sign();
+    const bool monotone = items.size() == 2 && (items[0].slope - items[1].slope).sign();
     if (items.size() > 1 && !monotone && s1 - s0 < sharp_width * extent_) {
         const std::size_t before = items.size();
+        for (Item& i : items) i.sharp = line.sharp_height(heights_, i.form, m);
         drop_dominated(items, [&](const Item& a, const Item& b) {
-            const auto [v, slope] = line.sharp_difference(heights_, a.form, b.form, m, s0, s1);
-            return (v - Interval(slope.magnitude()) * Interval(r)).lower() > 0;
+            return ((a.sharp - b.sharp).enclosure() - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
         });
         decisions_.by_multiprecision += before - items.size();
-        monotone = items.size() == 2 &&
-                   line.sharp_difference(heights_, items[0].form, items[1].form, m, s0, s1)[1].sign().has_value();
     }
     if (items.size() == 1) return true;
     if (monotone) {
