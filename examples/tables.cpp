@@ -1,0 +1,173 @@
+// Prints docs/tables.md: which surfaces and curves separate planes, spheres and cylinders, by asking
+// bisector() and trisector() about one example of every row.
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <vcell/primitives/primitives.hpp>
+
+namespace {
+
+using vcell::Cylinder;
+using vcell::Object;
+using vcell::Plane;
+using vcell::Sphere;
+
+const Plane ground{{0, 0, 0}, {0, 0, 1}};
+const Plane roof{{0, 0, 5}, {0, 0, 1}};
+const Plane gable{{0, 0, 8}, {0, 3, 4}};
+const Sphere ball{{0.25, 0.5, 3}, 1};
+const Sphere marble{{-1, 1, 2}, 0.25};
+const Cylinder pipe{{0, 0, 3}, {2, 2, 1}, 0.5};
+const Cylinder level{{0, 0, 3}, {3, 4, 0}, 0.5};
+const Cylinder upright{{7, 2, 0}, {0, 0, 1}, 0.5};
+const Cylinder x_rod{{0, 0, 0}, {1, 0, 0}, 0.5};
+const Cylinder y_rod{{0, 0, 0}, {0, 1, 0}, 0.5};
+const Cylinder z_rod{{0, 0, 0}, {0, 0, 1}, 0.5};
+
+const char* name(const Object& o) {
+    static constexpr const char* names[] = {"plane", "sphere", "cylinder"};
+    return names[o.index()];
+}
+
+struct Pair {
+    const char* position;
+    Object base, a;
+    const char* paper;
+};
+
+struct Triple {
+    const char* position;
+    Object base, a, b;
+    const char* paper;
+};
+
+constexpr const char* unknown = "not stated here";
+constexpr const char* quartic = "degree 4";
+constexpr const char* conic = "conic (Lemmas 1–4)";
+constexpr const char* no_conic = "no conic: approximated";
+
+std::vector<Pair> pairs() {
+    return {
+        {"general", ground, gable, unknown},
+        {"parallel", ground, roof, unknown},
+        {"general", ground, ball, unknown},
+        {"general", ground, pipe, "elliptic cone"},
+        {"axis along the plane", ground, level, unknown},
+        {"axis across the plane", ground, upright, unknown},
+        {"line in the plane", ground, Cylinder{{1, 2, 0}, {1, 1, 0}, 0}, unknown},
+        {"general", ball, marble, unknown},
+        {"equal radii", Sphere{{0, 0, 0}, 1}, Sphere{{1, 2, 3}, 1}, unknown},
+        {"one inside the other", Sphere{{0, 0, 0}, 3}, Sphere{{1, 0, 1}, 0.5}, unknown},
+        {"concentric", Sphere{{0, 0, 0}, 3}, Sphere{{0, 0, 0}, 0.5}, unknown},
+        {"general", marble, Cylinder{{0, 0, 5}, {1, 2, 1}, 0.5}, quartic},
+        {"equal radii", Sphere{{-1, 1, 2}, 0.5}, Cylinder{{0, 0, 5}, {1, 2, 1}, 0.5}, unknown},
+        {"point on a line", Sphere{{0, 0, 5}, 0}, Cylinder{{0, 0, 5}, {1, 2, 1}, 0}, unknown},
+        {"general", pipe, Cylinder{{0, 0, 6}, {1, 2, 1}, 1}, quartic},
+        {"equal radii", pipe, Cylinder{{0, 0, 6}, {1, 2, 1}, 0.5}, unknown},
+        {"equal radii, crossing axes", pipe, Cylinder{{0, 0, 3}, {1, 2, 1}, 0.5}, unknown},
+        {"parallel axes", pipe, Cylinder{{0, 0, 6}, {-2, -2, -1}, 1}, unknown},
+        {"parallel axes, equal radii", pipe, Cylinder{{0, 0, 6}, {2, 2, 1}, 0.5}, unknown},
+        {"one inside the other", pipe, Cylinder{{0, 0.5, 3}, {2, 2, 1}, 2}, unknown},
+        {"coaxial", pipe, Cylinder{{0, 0, 3}, {2, 2, 1}, 2}, unknown},
+    };
+}
+
+std::vector<Triple> triples() {
+    const Cylinder crossing{{0, 0, 3}, {6, 3, -2}, 0.5}, skew{{0, 1, 5}, {1, 2, 1}, 0.25};
+    return {
+        {"general", ground, gable, Plane{{0, 0, 9}, {1, 2, 2}}, conic},
+        {"general", ground, gable, ball, conic},
+        {"parallel planes", ground, roof, ball, conic},
+        {"general", ground, gable, pipe, conic},
+        {"axis along the planes", ground, roof, level, conic},
+        {"axis across the planes", ground, roof, upright, conic},
+        {"general", ground, ball, marble, conic},
+        {"equal radii, equal heights", ground, Sphere{{-1, 0, 2}, 0.5}, Sphere{{1, 0, 2}, 0.5}, conic},
+        {"general", ground, marble, pipe, no_conic},
+        {"upright cylinder, centre on its axis", ground, Sphere{{7, 2, 3}, 1}, upright, unknown},
+        {"general", ground, pipe, skew, no_conic},
+        {"parallel axes", ground, pipe, Cylinder{{0, 3, 6}, {4, 4, 2}, 1}, unknown},
+        {"parallel axes along the plane", ground, level, Cylinder{{2, 0, 3}, {-6, -8, 0}, 0.25}, unknown},
+        {"equal radii, crossing axes", ground, pipe, crossing, unknown},
+        {"equal radii, crossing axes along the plane", ground, level, Cylinder{{0, 0, 3}, {0, 1, 0}, 0.5},
+         unknown},
+        {"equal radii, crossing axes, irrational planes", ground, level, Cylinder{{0, 0, 3}, {1, 1, 0}, 0.5},
+         unknown},
+        {"general", marble, ball, Sphere{{3, 0, 0}, 0.5}, conic},
+        {"equal radii", Sphere{{-1, 0, 2}, 0.5}, Sphere{{1, 0, 2}, 0.5}, Sphere{{0, 3, 2}, 0.5}, conic},
+        {"general", marble, ball, Cylinder{{0, 0, 6}, {1, 2, 1}, 0.5}, no_conic},
+        {"points and a line", Sphere{{-1, 1, 2}, 0}, Sphere{{1, 0, 3}, 0}, Cylinder{{0, 0, 6}, {1, 2, 1}, 0},
+         unknown},
+        {"general", marble, pipe, skew, no_conic},
+        {"parallel axes", marble, pipe, Cylinder{{0, 3, 6}, {4, 4, 2}, 1}, unknown},
+        {"equal radii, crossing axes", Sphere{{1, 2, 3}, 0.5}, x_rod, y_rod, unknown},
+        {"general", Cylinder{{0, 5, 0}, {1, 0, 3}, 0.75}, pipe, skew, no_conic},
+        {"parallel axes", x_rod, Cylinder{{0, 3, 0}, {2, 0, 0}, 1}, Cylinder{{0, 0, 4}, {-1, 0, 0}, 0.25},
+         unknown},
+        {"equal radii, crossing axes", x_rod, y_rod, z_rod, unknown},
+    };
+}
+
+// "parabola × 2", "ellipse and hyperbola"; "none".
+std::string listed(const vcell::Trisector& curve) {
+    std::map<std::string, int> counts;
+    for (const auto& c : curve.components)
+        ++counts[c.kind == vcell::TrisectorKind::Spline ? "curve of degree " + std::to_string(c.degree)
+                                                        : std::string(to_string(c.kind))];
+    std::string text;
+    for (const auto& [kind, count] : counts) {
+        if (!text.empty()) text += " and ";
+        text += kind;
+        if (count > 1) text += " × " + std::to_string(count);
+    }
+    return text.empty() ? "none" : text;
+}
+
+std::string written(const vcell::Trisector& curve) {
+    const bool exact = std::ranges::none_of(
+        curve.components, [](const auto& c) { return c.kind == vcell::TrisectorKind::Spline; });
+    if (exact) return "exact";
+    return curve.splits_irrationally ? "spline; splits, but not over the rationals" : "spline";
+}
+
+}  // namespace
+
+int main() {
+    std::puts(
+        "# Bisectors and trisectors\n\n"
+        "Made by a program from what `bisector()` and `trisector()` answer; do not edit, run\n"
+        "`build/release/examples/tables > docs/tables.md`. A test compares the two.\n\n"
+        "[HE] is the paper of [references.md](references.md); its column says what is known here of its "
+        "tables.\n\n"
+        "## Bisectors [HE, Table 1]\n\n"
+        "Degree: of the implicit polynomial. Patch: degrees of the rational patch in its two parameters.\n\n"
+        "| objects | position | surface | degree | patch | [HE] |\n"
+        "|---|---|---|--:|--:|---|");
+    for (const Pair& row : pairs()) {
+        const vcell::Bisector b = vcell::bisector(row.base, row.a);
+        std::printf("| %s – %s | %s | %s | %d | %d × %d | %s |\n", name(row.base), name(row.a), row.position,
+                    std::string(to_string(b.kind)).c_str(), b.degree(), b.patch_degree[0], b.patch_degree[1],
+                    row.paper);
+    }
+    std::puts(
+        "\nA quartic over two cylinders with skew or crossing axes is parametrised by both half angles, one "
+        "of a\n"
+        "sphere and a cylinder by the half angle and the length along the axis.\n\n"
+        "## Trisectors [HE, Table 2]\n\n"
+        "The first object is the base; a base plane has its cell on one side, an object plane has two sides "
+        "over it, and\n"
+        "both count. Degree: the sum over all components, virtual branches included. Lines and conics are "
+        "written\n"
+        "exactly, as rational curves of degree 1 and 2; splines are fitted with a certified bound.\n\n"
+        "| objects | position | curve | degree | written | [HE] |\n"
+        "|---|---|---|--:|---|---|");
+    for (const Triple& row : triples()) {
+        const vcell::Trisector curve = vcell::trisector(row.base, row.a, row.b);
+        std::printf("| %s – %s – %s | %s | %s | %d | %s | %s |\n", name(row.base), name(row.a), name(row.b),
+                    row.position, listed(curve).c_str(), curve.degree(), written(curve).c_str(), row.paper);
+    }
+}
