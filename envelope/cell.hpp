@@ -33,7 +33,9 @@ struct CellEdge {
     std::vector<Site> extra_sites;        ///< further sites that attain the minimum all along it
     std::vector<std::uint32_t> vertices;  ///< {start, end}, or empty for a closed edge without vertex
     CurveKind kind = CurveKind::Line;
-    double error = 0;  ///< bound on the distance from the true arc; 0: exact up to rounding
+    /// Bound on the distance from the true arc; 0: exact up to rounding. It bounds |S(c(t)) - C(t)| too, for the
+    /// trimming curves c of this edge, the surfaces S they lie on and this space curve C.
+    double error = 0;
     double length = 0;
     RationalCurve3 curve;
 };

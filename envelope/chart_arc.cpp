@@ -58,6 +58,7 @@ ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagra
 
 void ChartArcs::add_edge(EdgeId e) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    if (!diagram_.is_circular(edge.left) || (!edge.on_rim() && !diagram_.is_circular(edge.right))) return;
     if (edge.on_rim()) return add_line(e);
     const Sign sign = curvature_sign(edge.left, edge.right);
     if (sign == Sign::Zero) return add_line(e);

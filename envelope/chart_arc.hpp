@@ -57,8 +57,9 @@ private:
     }
 };
 
-/// Every edge of a diagram as a chain of spans, in the direction of half-edge 2e. A full circle is four
-/// spans; an arc of more than 1.6 rad has several.
+/// Every edge of a diagram between circular forms as a chain of spans, in the direction of half-edge 2e. A full
+/// circle is four spans; an arc of more than 1.6 rad has several. Edges with a cylinder on a side have none here
+/// (mixed_arc.hpp).
 class ChartArcs {
 public:
     ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram);

@@ -75,6 +75,7 @@ public:
 
     const CylinderHeight& height() const { return height_; }
     const Eigen::Vector2d& origin() const { return origin_; }
+    const Eigen::Vector2d& direction() const { return e_; }  ///< e
     double eps() const { return eps_; }
     double f0() const { return f0_; }
     double z1() const { return z1_; }

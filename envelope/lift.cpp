@@ -7,6 +7,7 @@
 
 #include "chart_arc.hpp"
 #include "measures.hpp"
+#include "mixed_arc.hpp"
 
 namespace vcell {
 
@@ -42,16 +43,38 @@ void extend(Range& range, double a, double b, double c, double w) {
     range[1] = std::max(range[1], value);
 }
 
+// Extends a range by a polynomial with the given Bezier coefficients, to rounding: halves where the coefficients
+// reach beyond what its ends have reached.
+void extend_by_polynomial(Range& range, std::span<const double> coefficients, int halvings = 52) {
+    range[0] = std::min({range[0], coefficients.front(), coefficients.back()});
+    range[1] = std::max({range[1], coefficients.front(), coefficients.back()});
+    const auto [low, high] = std::ranges::minmax(coefficients);
+    const double slack = 4 * u * std::max(std::abs(low), std::abs(high));
+    if ((low >= range[0] - slack && high <= range[1] + slack) || halvings == 0) return;
+    std::array<double, MixedSpan::largest_degree + 1> left, right;
+    std::ranges::copy(coefficients, right.begin());
+    const std::size_t n = coefficients.size() - 1;
+    for (std::size_t level = 0; level <= n; ++level) {
+        left[level] = right[0];
+        for (std::size_t i = 0; i < n - level; ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
+    }
+    extend_by_polynomial(range, {left.data(), n + 1}, halvings - 1);
+    extend_by_polynomial(range, {right.data(), n + 1}, halvings - 1);
+}
+
 class Lifter {
 public:
-    Lifter(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram)
-        : problem_(problem), diagram_(diagram), arcs_(problem.family, diagram) {}
+    Lifter(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
+        : problem_(problem),
+          diagram_(diagram),
+          arcs_(problem.family, diagram),
+          mixed_(problem, diagram, tolerance) {}
 
     Cell lift() {
         add_vertices();
         add_edges();
         add_faces();
-        measure(problem_, diagram_, arcs_, cell_);
+        measure(problem_, diagram_, arcs_, mixed_, cell_);
         cell_.measures.max_clearance = max_height_;
         cell_.report.decisions = diagram_.decisions;
         cell_.report.decisions += arcs_.decisions();
@@ -90,6 +113,7 @@ private:
     // lifted to a linear height it lies in that plane, lifted to two paraboloids in the plane that a
     // linear combination of the two leaves.
     CurveKind kind(EdgeId e) const {
+        if (mixed_.contains(e)) return mixed_.kind(e);
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const CircularForm& f = diagram_.forms[edge.left];
         if (edge.on_rim()) return f.k == 0 ? CurveKind::Line : CurveKind::Parabola;
@@ -121,6 +145,49 @@ private:
         // Knots are uniform and weights symmetric within each span: only the order changes.
         if (reversed) std::reverse(curve.points.begin(), curve.points.end());
         return curve;
+    }
+
+    // The joined Bezier pieces of one degree: control(span, k) gives the k-th point of a piece.
+    template <class Curve, class Control>
+    static Curve joined(std::span<const MixedSpan> spans, int degree, Control control) {
+        Curve curve;
+        curve.degree = degree;
+        curve.knots = joined_knots(degree, spans.size());
+        curve.points.reserve(degree * spans.size() + 1);
+        curve.points.push_back(control(spans.front(), 0));
+        for (const MixedSpan& span : spans)
+            for (int k = 1; k <= degree; ++k) curve.points.push_back(control(span, k));
+        return curve;
+    }
+
+    // The trim of an edge beside a cylinder, on its left (side 0) or right, in the direction of the loop.
+    static RationalCurve2 mixed_trim(std::span<const MixedSpan> spans, int side) {
+        const int degree = spans.front().trims[side].degree;
+        RationalCurve2 curve =
+            degree > 0 ? joined<RationalCurve2>(
+                             spans, degree, [&](const MixedSpan& s, int k) { return s.trims[side].points[k]; })
+                       : joined<RationalCurve2>(spans, spans.front().degree, [](const MixedSpan& s, int k) {
+                             const Eigen::Vector4d& p = s.points[k];
+                             return Eigen::Vector3d(p.x(), p.y(), p.w());
+                         });
+        if (side == 1) std::reverse(curve.points.begin(), curve.points.end());
+        return curve;
+    }
+
+    RationalCurve3 mixed_space_curve(std::span<const MixedSpan> spans, Range& heights) const {
+        for (const MixedSpan& s : spans) {
+            std::array<double, MixedSpan::largest_degree + 1> z;
+            for (int k = 0; k <= s.degree; ++k) z[k] = s.points[k].z();
+            if (s.degree == 2)
+                extend(heights, z[0], z[1], z[2], s.points[1].w() / std::sqrt(s.points[0].w() * s.points[2].w()));
+            else
+                extend_by_polynomial(heights, {z.data(), static_cast<std::size_t>(s.degree) + 1});
+        }
+        return joined<RationalCurve3>(spans, spans.front().degree, [&](const MixedSpan& s, int k) {
+            const Eigen::Vector4d& p = s.points[k];
+            const Vec3 world = problem_.frame.to_world(p.head<3>());
+            return Eigen::Vector4d(world.x(), world.y(), world.z(), p.w());
+        });
     }
 
     int degree(EdgeId e) const {
@@ -185,7 +252,16 @@ private:
             const VertexId start = diagram_.dcel.origin(Dcel::half_edge(e));
             if (start.valid()) edge.vertices = {start.value, diagram_.dcel.target(Dcel::half_edge(e)).value};
             edge.kind = kind(e);
-            edge.curve = space_curve(e, arcs_.spans(e), degree(e), heights);
+            if (mixed_.contains(e)) {
+                edge.curve = mixed_space_curve(mixed_.spans(e), heights);
+                edge.error = mixed_.error(e).space;
+                // The motion back, as for vertices.
+                if (edge.error > 0)
+                    for (const Eigen::Vector4d& p : {edge.curve.points.front(), edge.curve.points.back()})
+                        edge.error += 8 * u * (p.head<3>().norm() + problem_.frame.origin.norm());
+            } else {
+                edge.curve = space_curve(e, arcs_.spans(e), degree(e), heights);
+            }
             cell_.edges.push_back(std::move(edge));
         }
         // Every height is convex: over a face it is largest on the face's boundary.
@@ -203,7 +279,8 @@ private:
             const EdgeId e = Dcel::edge(h);
             curve.edge = e.value;
             curve.reversed = h != Dcel::half_edge(e);
-            curve.curve = trim_curve(arcs_.spans(e), degree(e), curve.reversed);
+            curve.curve = mixed_.contains(e) ? mixed_trim(mixed_.spans(e), curve.reversed)
+                                             : trim_curve(arcs_.spans(e), degree(e), curve.reversed);
             curves.push_back(std::move(curve));
             h = diagram_.dcel.next(h);
         } while (h != start);
@@ -217,16 +294,34 @@ private:
         const HalfEdgeId start = diagram_.dcel.start(ccb);
         HalfEdgeId h = start;
         do {
-            for (const ArcSpan& span : arcs_.spans(Dcel::edge(h))) {
+            const EdgeId e = Dcel::edge(h);
+            for (const ArcSpan& span : arcs_.spans(e)) {
                 const Vector2d m = span.middle();
                 for (int i = 0; i < 2; ++i) extend(box[i], span.from[i], m[i], span.to[i], span.weight());
             }
+            if (mixed_.contains(e)) extend_by_trim(box, mixed_trim(mixed_.spans(e), h != Dcel::half_edge(e)));
             h = diagram_.dcel.next(h);
         } while (h != start);
         // A face thinner than the spacing of doubles still needs a domain that has two ends.
         for (Range& range : box)
             if (range[0] == range[1]) range[1] = std::nextafter(range[1], infinity);
         return box;
+    }
+
+    // Conics by their extremes, all others by their control points.
+    static void extend_by_trim(std::array<Range, 2>& box, const RationalCurve2& curve) {
+        const auto& p = curve.points;
+        if (curve.degree == 2) {
+            for (std::size_t k = 0; k + 2 < p.size(); k += 2)
+                for (int i = 0; i < 2; ++i)
+                    extend(box[i], p[k][i], p[k + 1][i], p[k + 2][i], p[k + 1][2] / std::sqrt(p[k][2] * p[k + 2][2]));
+            return;
+        }
+        for (const Eigen::Vector3d& point : p)
+            for (int i = 0; i < 2; ++i) {
+                box[i][0] = std::min(box[i][0], point[i]);
+                box[i][1] = std::max(box[i][1], point[i]);
+            }
     }
 
     // The height as a Bezier patch on [u0,u1] x [v0,v1]: blossoms. In one variable (u - c)^2 has the
@@ -256,20 +351,31 @@ private:
         return surface;
     }
 
+    // The cone over a cylinder is circular when its axis is: a quadric x^2 + y^2 = (d.X)^2 has the
+    // eigenvalues 1 and +-d_z.
+    std::string bisector_name(FormId form) const {
+        if (!main_site(form).is_object()) return "box";
+        if (diagram_.is_circular(form)) return diagram_.forms[form].k != 0 ? "paraboloid" : "plane";
+        const CylinderForm& f = problem_.family.cylinder(form);
+        return f.az == 0 ? "parabolic cylinder" : f.ax == 0 && f.ay == 0 ? "circular cone" : "elliptic cone";
+    }
+
     void add_faces() {
         const std::size_t count = diagram_.dcel.face_count();
         cell_.faces.reserve(count - 1);
         for (std::uint32_t i = 1; i < count; ++i) {
             const FaceId id{i};
             const FormId form = diagram_.face_forms[id];
-            const CircularForm& f = diagram_.forms[form];
             CellFace face;
             face.site = main_site(form);
             face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
-            face.bisector = !face.site.is_object() ? "box" : f.k != 0 ? "paraboloid" : "plane";
+            face.bisector = bisector_name(form);
             TrimmedPatch trimmed;
             const CcbId outer = diagram_.dcel.outer_ccb(id);
-            trimmed.surface = patch(f, bounds(outer));
+            const std::array<Range, 2> box = bounds(outer);
+            trimmed.surface = diagram_.is_circular(form)
+                                  ? patch(diagram_.forms[form], box)
+                                  : mixed_.frame(id).patch(box[0], box[1], problem_.frame);
             trimmed.loops.push_back(loop(outer));
             for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) trimmed.loops.push_back(loop(inner));
             face.patches.push_back(std::move(trimmed));
@@ -280,14 +386,15 @@ private:
     const PlaneBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const ChartArcs arcs_;
+    const MixedArcs mixed_;
     Cell cell_;
     double max_height_ = 0;
 };
 
 }  // namespace
 
-Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram) {
-    return Lifter(problem, diagram).lift();
+Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance) {
+    return Lifter(problem, diagram, tolerance).lift();
 }
 
 }  // namespace vcell

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "cylinder_patch.hpp"
+#include "mixed_integrals.hpp"
 #include "quadrature.hpp"
 
 namespace vcell {
@@ -186,13 +188,32 @@ double region_minimum(const CircularForm& f, const PlaneBaseProblem& problem) {
     return inside ? f.e / f.w : best;
 }
 
+// The same for a cylinder. Its height grows along the rays from A (cylinder_patch.hpp), or is constant along the axis: it
+// is smallest on the region's rim. It is convex: on a side, smallest where its slope changes sign.
+double region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem) {
+    const auto& corners = problem.corners;
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vector2d p = corners[i], along = corners[(i + 1) % corners.size()] - p;
+        double low = 0, high = 1;
+        // A quarter of the digits each time would be enough for Newton's method; the flat bottom needs half of them.
+        constexpr int halvings = 30;
+        for (int k = 0; k < halvings; ++k) {
+            const double t = 0.5 * (low + high);
+            (f(p + t * along).gradient.dot(along) > 0 ? high : low) = t;
+        }
+        best = std::min({best, f(p + low * along).value, f(p + high * along).value});
+    }
+    return best;
+}
+
 // ---- All of them ------------------------------------------------------------------------------------
 
 class Measurer {
 public:
     Measurer(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
-             Cell& cell)
-        : problem_(problem), diagram_(diagram), arcs_(arcs), cell_(cell) {}
+             const MixedArcs& mixed, Cell& cell)
+        : problem_(problem), diagram_(diagram), arcs_(arcs), mixed_(mixed), cell_(cell) {}
 
     void run() {
         for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
@@ -217,7 +238,42 @@ private:
             {gradient(f, span.from).norm(), gradient(f, span.middle()).norm(), gradient(f, span.to).norm()});
     }
 
+    // An upper bound of the slope of the height on one side of a span with a cylinder on a side.
+    double slope_bound(EdgeId e, unsigned side, const MixedSpan& span) const {
+        const FormId form = side == 0 ? diagram_.edges[e].left : diagram_.edges[e].right;
+        double slope = 0;
+        if (diagram_.is_circular(form)) {
+            for (int k = 0; k <= span.degree; ++k)
+                slope = std::max(slope, gradient(diagram_.forms[form], span.points[k].head<2>()).norm());
+            return slope;
+        }
+        const CylinderHeight& f = mixed_.frame(diagram_.dcel.face(Dcel::half_edge(e, side))).height();
+        for (int k = 0; k < span.degree; ++k) {
+            const Vector2d p = span.points[k].head<2>(), q = span.points[k + 1].head<2>();
+            slope = std::max(slope, f.slope_bound(f(0.5 * (p + q)), 0.5 * (q - p).norm()));
+        }
+        return slope;
+    }
+
+    void measure_mixed_edge(EdgeId e) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        double length = 0;
+        for (const MixedSpan& span : mixed_.spans(e)) {
+            length += space_length(span);
+            if (edge.on_rim()) box_area_.add(wall_area(span));
+            double polygon = 0, height = 0;
+            for (int k = 0; k <= span.degree; ++k) {
+                if (k > 0) polygon += (span.points[k] - span.points[k - 1]).head<2>().norm();
+                height = std::max(height, std::abs(span.points[k].z()));
+            }
+            const auto slope = [&](unsigned side) { return slope_bound(e, side, span); };
+            add_position_error(edge, polygon, mixed_.error(e).chart, height, slope);
+        }
+        cell_.edges[e.value].length = length;
+    }
+
     void measure_edge(EdgeId e) {
+        if (mixed_.contains(e)) return measure_mixed_edge(e);
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const bool right_linear = !edge.on_rim() && diagram_.forms[edge.right].k == 0;
         const CircularForm& f = diagram_.forms[right_linear ? edge.right : edge.left];
@@ -230,58 +286,113 @@ private:
         cell_.edges[e.value].length = length;
     }
 
+    void add_position_error(const MinimizationDiagram::Edge& edge, const ArcSpan& span, double error) {
+        const CircularForm& f = diagram_.forms[edge.left];
+        const double height = std::max(f(span.from.x(), span.from.y()), f(span.to.x(), span.to.y()));
+        const auto slope = [&](unsigned side) {
+            return slope_bound(diagram_.forms[side == 0 ? edge.left : edge.right], span);
+        };
+        add_position_error(edge, span.length(), error, height, slope);
+    }
+
     // What a boundary that is off by `error` changes: a strip of twice the span's length times the error.
     // Between two faces the heights agree on the true edge, so the volume in the strip is of second order.
-    void add_position_error(const MinimizationDiagram::Edge& edge, const ArcSpan& span, double error) {
-        const double strip = 2 * span.length() * error;
-        const auto add_area_error = [&](FormId form, double slope) {
-            if (problem_.sites[form].front().is_object()) area_.add(0, strip * std::hypot(1, slope));
+    // slope(side) bounds the slope of the height on the left (0) or right.
+    template <class Slope>
+    void add_position_error(const MinimizationDiagram::Edge& edge, double length, double error, double height,
+                            const Slope& slope) {
+        const double strip = 2 * length * error;
+        const auto add_area_error = [&](FormId form, double steepness) {
+            if (problem_.sites[form].front().is_object()) area_.add(0, strip * std::hypot(1, steepness));
         };
-        const CircularForm& f = diagram_.forms[edge.left];
-        const double slope_f = slope_bound(f, span);
-        add_area_error(edge.left, slope_f);
+        const double left = slope(0);
+        add_area_error(edge.left, left);
         if (edge.on_rim()) {
-            volume_.add(0, strip * std::max(f(span.from.x(), span.from.y()), f(span.to.x(), span.to.y())));
+            volume_.add(0, strip * height);
             return;
         }
-        const double slope_g = slope_bound(diagram_.forms[edge.right], span);
-        add_area_error(edge.right, slope_g);
-        volume_.add(0, strip * error * (slope_f + slope_g));
+        const double right = slope(1);
+        add_area_error(edge.right, right);
+        volume_.add(0, strip * error * (left + right));
     }
 
     void measure_face(FaceId id, CellFace& face) {
-        const CircularForm& f = diagram_.forms[diagram_.face_forms[id]];
+        const FormId form = diagram_.face_forms[id];
+        if (diagram_.is_circular(form))
+            measure_circular_face(id, diagram_.forms[form], face);
+        else
+            measure_cylinder_face(id, face);
+    }
+
+    template <class Visit>
+    void for_each_half_edge(FaceId id, Visit&& visit) const {
+        const auto visit_loop = [&](CcbId ccb) {
+            const HalfEdgeId start = diagram_.dcel.start(ccb);
+            HalfEdgeId h = start;
+            do {
+                visit(h);
+                h = diagram_.dcel.next(h);
+            } while (h != start);
+        };
+        visit_loop(diagram_.dcel.outer_ccb(id));
+        for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) visit_loop(inner);
+    }
+
+    static bool is_forward(HalfEdgeId h) { return h == Dcel::half_edge(Dcel::edge(h)); }
+
+    void measure_circular_face(FaceId id, const CircularForm& f, CellFace& face) {
         const RationalPatch& surface = face.patches.front().surface;
         const Vector2d origin(0.5 * surface.domain_u[0] + 0.5 * surface.domain_u[1],
                               0.5 * surface.domain_v[0] + 0.5 * surface.domain_v[1]);
         const LocalHeight height(f, origin);
         BoundedSum volume, chart_area, curved_area;
-        const auto add_loop = [&](CcbId ccb) {
-            const HalfEdgeId start = diagram_.dcel.start(ccb);
-            HalfEdgeId h = start;
-            do {
-                const bool forward = h == Dcel::half_edge(Dcel::edge(h));
-                for (const ArcSpan& s : arcs_.spans(Dcel::edge(h))) {
-                    const ArcSpan span = forward ? s : s.reversed();
-                    add_span(height, span, volume, chart_area);
-                    if (f.k != 0) add_paraboloid_span({f.cx, f.cy}, f.w, span, curved_area);
-                }
-                h = diagram_.dcel.next(h);
-            } while (h != start);
-        };
-        add_loop(diagram_.dcel.outer_ccb(id));
-        for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) add_loop(inner);
-
+        for_each_half_edge(id, [&](HalfEdgeId h) {
+            const EdgeId e = Dcel::edge(h);
+            for (const ArcSpan& s : arcs_.spans(e)) {
+                const ArcSpan span = is_forward(h) ? s : s.reversed();
+                add_span(height, span, volume, chart_area);
+                if (f.k != 0) add_paraboloid_span({f.cx, f.cy}, f.w, span, curved_area);
+            }
+            if (!mixed_.contains(e)) return;
+            const double sign = is_forward(h) ? 1 : -1;
+            for (const MixedSpan& span : mixed_.spans(e)) {
+                const FaceIntegrals part = face_integrals(f, origin, span);
+                volume.add(sign * part.volume.value, part.volume.error);
+                chart_area.add(sign * part.chart_area.value, part.chart_area.error);
+                if (f.k != 0) curved_area.add(sign * part.area.value, part.area.error);
+            }
+        });
         const double stretch = std::hypot(1, f.a / f.w, f.b / f.w);
+        if (f.k != 0)
+            add_face(face, volume, curved_area.value(), curved_area.bound());
+        else
+            add_face(face, volume, stretch * chart_area.value(), stretch * chart_area.bound());
+        min_clearance_ = std::min(min_clearance_, region_minimum(f, problem_));
+    }
+
+    void measure_cylinder_face(FaceId id, CellFace& face) {
+        const CylinderFrame& frame = mixed_.frame(id);
+        BoundedSum volume, area;
+        for_each_half_edge(id, [&](HalfEdgeId h) {
+            const double sign = is_forward(h) ? 1 : -1;
+            for (const MixedSpan& span : mixed_.spans(Dcel::edge(h))) {
+                const FaceIntegrals part = face_integrals(frame, span);
+                volume.add(sign * part.volume.value, part.volume.error);
+                area.add(sign * part.area.value, part.area.error);
+            }
+        });
+        add_face(face, volume, area.value(), area.bound());
+        min_clearance_ = std::min(min_clearance_, region_minimum(frame.height(), problem_));
+    }
+
+    void add_face(CellFace& face, const BoundedSum& volume, double area, double area_bound) {
         // A face thinner than the spacing of doubles may come out below zero by its rounding.
-        face.area = std::max(0.0, f.k != 0 ? curved_area.value() : stretch * chart_area.value());
-        const double error = f.k != 0 ? curved_area.bound() : stretch * chart_area.bound();
+        face.area = std::max(0.0, area);
         volume_.add(volume.value(), volume.bound());
         if (face.site.is_object())
-            area_.add(face.area, error);
+            area_.add(face.area, area_bound);
         else
             box_area_.add(face.area);
-        min_clearance_ = std::min(min_clearance_, region_minimum(f, problem_));
     }
 
     void rank_neighbors() {
@@ -310,6 +421,7 @@ private:
     const PlaneBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const ChartArcs& arcs_;
+    const MixedArcs& mixed_;
     Cell& cell_;
     BoundedSum volume_, area_, box_area_;
     // min over the region of min_i f_i = min_i of the minimum of f_i over the region, and the minimum belongs
@@ -320,8 +432,8 @@ private:
 }  // namespace
 
 void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
-             Cell& cell) {
-    Measurer(problem, diagram, arcs, cell).run();
+             const MixedArcs& mixed, Cell& cell) {
+    Measurer(problem, diagram, arcs, mixed, cell).run();
 }
 
 }  // namespace vcell

@@ -5,6 +5,7 @@
 #include "cell.hpp"
 #include "chart_arc.hpp"
 #include "minimization_diagram.hpp"
+#include "mixed_arc.hpp"
 
 namespace vcell {
 
@@ -15,6 +16,6 @@ namespace vcell {
 /// the effect of the vertices' and arcs' own position errors. base_area has a relative error of 2^-49;
 /// box_area and lengths are at rounding level.
 void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
-             Cell& cell);
+             const MixedArcs& mixed, Cell& cell);
 
 }  // namespace vcell

@@ -44,7 +44,7 @@ Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    Cell cell = lift(problem, diagram);
+    Cell cell = lift(problem, diagram, scene.tolerance.value_or(1e-7 * scene.box.diagonal()));
     report("patches", 1);
     cell.scene = scene;
     cell.report.seconds_bisectors = seconds_bisectors;

@@ -1,0 +1,284 @@
+#include "mixed_arc.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../core/exact.hpp"
+#include "../primitives/height_conics.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+// W z = A x + B y + C.
+SectionPlane graph(const ExactForm& f) { return {-f.A, -f.B, f.W, f.C}; }
+SectionPlane wall(const RegionSide& side) { return {side.a, side.b, 0.0, -side.c}; }
+
+// a_z (the plane's k + nz rho - n.(p, 0)) + (rho + p_z) n.a: kappa but for a positive factor and the sign of a_z.
+Exact apex_offset(const CylinderForm& f, const SectionPlane& s) {
+    return f.az * (s.k + s.nz * f.rho - s.nx * f.px - s.ny * f.py) +
+           (Exact(f.rho) + f.pz) * (s.nx * f.ax + s.ny * f.ay);
+}
+
+// A section that does not pass through the apex.
+CurveKind section_kind(const CylinderForm& f, const SectionPlane& s) {
+    const Exact norm = Exact(f.ax) * f.ax + Exact(f.ay) * f.ay + Exact(f.az) * f.az;
+    const Exact ex = s.nz * f.ax - s.nx * f.az, ey = s.nz * f.ay - s.ny * f.az;
+    switch ((ex * ex + ey * ey - s.nz * s.nz * norm).sign()) {
+        case Sign::Positive: return CurveKind::Hyperbola;
+        case Sign::Zero: return CurveKind::Parabola;
+        case Sign::Negative: break;
+    }
+    // About the apex the cone is x^2 + y^2 = (d.X)^2: a circle where that form is a multiple of the metric on the
+    // plane's directions (nz, 0, -nx) and (0, nz, -ny).
+    const Exact zz = s.nz * s.nz;
+    const Exact m11 = norm * zz - ex * ex, m12 = -(ex * ey), m22 = norm * zz - ey * ey;
+    const Exact g11 = zz + s.nx * s.nx, g12 = s.nx * s.ny, g22 = zz + s.ny * s.ny;
+    return m11 * g22 == m22 * g11 && m11 * g12 == m12 * g11 ? CurveKind::Circle : CurveKind::Ellipse;
+}
+
+// The conic in which a plane cuts a cylinder's bisector, in the coordinates of one face's patch.
+class Section {
+public:
+    Section(const CylinderForm& form, const CylinderFrame& frame, const SectionPlane& plane) : frame_(&frame) {
+        const Exact offset = apex_offset(form, plane);
+        through_apex_ = offset.sign() == Sign::Zero;
+        const Vector2d n = frame.turned({plane.nx.enclosure().mid(), plane.ny.enclosure().mid()});
+        const double axis = Vector3d(form.ax, form.ay, form.az).stableNorm();
+        const double s0 = frame.height()(frame.origin()).s;
+        const double kappa = (form.az < 0 ? -1 : 1) * offset.enclosure().mid() / (axis * s0);
+        const double B = plane.nz.enclosure().mid() * frame.z2() - n.x() * frame.eps() / 4;
+        bend_ = 0.5 * B / kappa;
+    }
+
+    const CylinderFrame& frame() const { return *frame_; }
+    bool through_apex() const { return through_apex_; }
+
+    // A span between two points given by their (u, v): M / kappa has the Bezier coefficients m[0 .. 2], and -N / kappa =
+    // u M / kappa has n[0 .. 2]; at the ends M / kappa is 1 / mu.
+    struct Quadratics {
+        std::array<double, 3> m, n;
+        Vector2d from, to;
+    };
+    Quadratics between(const Vector2d& from, const Vector2d& to) const {
+        const double m0 = 1 / frame_->mu(from.x()), m1 = 1 / frame_->mu(to.x());
+        const double n0 = from.x() * m0, n1 = to.x() * m1, dv = to.y() - from.y(), bend = bend_ * dv * dv;
+        return {{m0, 0.5 * (m0 + m1) - frame_->eps() * bend, m1}, {n0, 0.5 * (n0 + n1) + bend, n1}, from, to};
+    }
+
+    // Its trim, in a parameter in which weights are multiplied by growth^k: of degree 2 where mu = 1, else 3.
+    MixedSpan::Trim trim(const Quadratics& q, double growth) const {
+        const auto& [m, n, from, to] = q;
+        const double v0 = from.y(), v1 = to.y();
+        MixedSpan::Trim trim;
+        if (frame_->eps() == 0) {
+            trim.degree = 2;
+            trim.points[1] = {n[1], 0.5 * (v0 + v1), growth};
+        } else {
+            trim.degree = 3;
+            const double w1 = (m[0] + 2 * m[1]) / 3, w2 = (2 * m[1] + m[2]) / 3;
+            trim.points[1] = {(n[0] + 2 * n[1]) / 3 / w1, (v1 * m[0] + 2 * v0 * m[1]) / 3 / w1, w1 * growth};
+            trim.points[2] = {(2 * n[1] + n[2]) / 3 / w2, (2 * v1 * m[1] + v0 * m[2]) / 3 / w2,
+                              w2 * growth * growth};
+        }
+        trim.points[0] = {from.x(), v0, m[0]};
+        trim.points[trim.degree] = {to.x(), v1, m[2] * std::pow(growth, trim.degree)};
+        return trim;
+    }
+
+    // Chart point and height where (u, v) is given times M / kappa: the polynomials of cylinder_patch.hpp over mu, with
+    // v^2 as its blossom.
+    Vector3d point(double m, double n, double v, double vv) const {
+        const CylinderFrame& f = *frame_;
+        const Vector2d p = f.origin() + f.turned_back({n - f.eps() * vv / 4, v}) / m;
+        return {p.x(), p.y(), (f.f0() + f.height().rho() * f.eps() * n + f.z1() * v + f.z2() * vv) / m};
+    }
+
+private:
+    const CylinderFrame* frame_;
+    double bend_;  // of a span with v1 - v0 = 1
+    bool through_apex_;
+};
+
+// The spans of an arc on a section. Where cylinders lie on both sides the conic is parametrised by the first one's v;
+// the other one's is a projective function of it, which scales weights.
+class SectionSpans {
+public:
+    SectionSpans(const std::array<std::optional<Section>, 2>& sections, std::vector<MixedSpan>& out)
+        : sections_(sections), first_(sections[0] ? 0 : 1), out_(out) {}
+
+    void add(const Vector3d& a, const Vector3d& b, int halvings = 10) {
+        // Of the middle weight over the outer ones' mean: below it the parameter runs too unevenly.
+        constexpr double smallest_shoulder = 0.5;
+        const Section& section = *sections_[first_];
+        if (section.through_apex()) return add_line(a, b);
+        const Section::Quadratics q = between(section, a, b);
+        const double v = 0.5 * (q.from.y() + q.to.y()), vv = q.from.y() * q.to.y();
+        if (q.m[1] < smallest_shoulder * std::sqrt(q.m[0] * q.m[2]) && halvings > 0) {
+            const Vector3d middle = section.point(0.25 * (q.m[0] + 2 * q.m[1] + q.m[2]),
+                                                  0.25 * (q.n[0] + 2 * q.n[1] + q.n[2]), v, v * v);
+            add(a, middle, halvings - 1);
+            add(middle, b, halvings - 1);
+            return;
+        }
+        MixedSpan span;
+        span.degree = 2;
+        span.points[0] << a, q.m[0];
+        span.points[1] << section.point(q.m[1], q.n[1], v, vv), q.m[1];
+        span.points[2] << b, q.m[2];
+        span.trims[first_] = section.trim(q, 1);
+        if (first_ == 0 && sections_[1]) {
+            const Section::Quadratics r = between(*sections_[1], a, b);
+            span.trims[1] = sections_[1]->trim(r, std::sqrt(q.m[2] * r.m[0] / (q.m[0] * r.m[2])));
+        }
+        out_.push_back(span);
+    }
+
+private:
+    static Section::Quadratics between(const Section& s, const Vector3d& a, const Vector3d& b) {
+        return s.between(s.frame().parameters(a.head<2>()), s.frame().parameters(b.head<2>()));
+    }
+
+    // A ruling of the cone, and of the other one too.
+    void add_line(const Vector3d& a, const Vector3d& b) {
+        MixedSpan span;
+        span.degree = 1;
+        span.points[0] << a, 1;
+        span.points[1] << b, 1;
+        for (int side = 0; side < 2; ++side) {
+            if (!sections_[side]) continue;
+            const Section::Quadratics q = between(*sections_[side], a, b);
+            span.trims[side].degree = 1;
+            span.trims[side].points[0] << q.from, 1;
+            span.trims[side].points[1] << q.to, 1;
+        }
+        out_.push_back(span);
+    }
+
+    const std::array<std::optional<Section>, 2>& sections_;
+    const int first_;
+    std::vector<MixedSpan>& out_;
+};
+
+}  // namespace
+
+MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
+    : diagram_(diagram) {
+    if (diagram.cylinders.empty()) return;
+    add_frames(problem);
+    arcs_.resize(diagram.edges.size());
+    offsets_.reserve(diagram.edges.size() + 1);
+    offsets_.push_back(0);
+    for (const EdgeId e : diagram.edges.ids()) {
+        add_edge(problem, e, tolerance);
+        offsets_.push_back(static_cast<std::uint32_t>(spans_.size()));
+    }
+}
+
+// About the mean of points around each face, which lies in the region with them.
+void MixedArcs::add_frames(const PlaneBaseProblem& problem) {
+    const Dcel& dcel = diagram_.dcel;
+    frames_.resize(dcel.face_count());
+    for (std::uint32_t i = 1; i < dcel.face_count(); ++i) {
+        const FormId form = diagram_.face_forms[FaceId{i}];
+        if (diagram_.is_circular(form)) continue;
+        Vector2d sum = Vector2d::Zero();
+        double count = 0;
+        const auto add = [&](const Vector2d& p) {
+            sum += p;
+            ++count;
+        };
+        const HalfEdgeId start = dcel.start(dcel.outer_ccb(FaceId{i}));
+        HalfEdgeId h = start;
+        do {
+            if (const VertexId v = dcel.origin(h); v.valid()) add(diagram_.vertices[v].point);
+            for (const auto& piece : diagram_.pieces(Dcel::edge(h))) add(piece.end);
+            h = dcel.next(h);
+        } while (h != start);
+        frames_[FaceId{i}] = CylinderFrame(problem.family.cylinder(form), sum / count);
+    }
+}
+
+void MixedArcs::add_edge(const PlaneBaseProblem& problem, EdgeId e, double tolerance) {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    if (diagram_.is_circular(edge.left) && (edge.on_rim() || diagram_.is_circular(edge.right))) return;
+    if (!add_section(problem, e)) add_spline(e, tolerance);
+}
+
+// The plane that the arc of an edge lies in, if there is one with rational coefficients.
+//
+// Where height_planes() finds two, f = g is contained in their union. The gradient of f - g does not vanish along an edge,
+// so the edge is an analytic curve and lies in one of them: not in that in which one of its points certainly is not.
+std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem, EdgeId e) const {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    if (edge.on_rim()) return wall(problem.region[edge.side]);
+    for (const FormId f : {edge.left, edge.right})
+        if (diagram_.is_circular(f) && diagram_.forms[f].k == 0) return graph(problem.family.exact(f));
+    const auto planes = height_planes(problem.family, edge.left, edge.right);
+    if (planes.empty()) return std::nullopt;
+    const auto section = [&](std::size_t i) -> SectionPlane {
+        return {planes[i][0], planes[i][1], planes[i][2], -planes[i][3]};
+    };
+    if (planes.size() == 1) return section(0);
+    const unsigned side = diagram_.is_circular(edge.left) ? 1 : 0;
+    const CylinderHeight& height = frames_[diagram_.dcel.face(Dcel::half_edge(e, side))].height();
+    for (const MinimizationDiagram::ArcPiece& piece : diagram_.pieces(e)) {
+        const CylinderHeight::Jet jet = height(piece.end);
+        const double doubt = height.slope_bound(jet, piece.error) * piece.error +
+                             32 * u * ((piece.end - height.point().head<2>()).norm() + jet.value);
+        for (const std::size_t i : {0, 1}) {
+            const auto& [a, b, c, d] = planes[i];
+            const Interval residual = a.enclosure() * Interval::ball(piece.end.x(), piece.error) +
+                                      b.enclosure() * Interval::ball(piece.end.y(), piece.error) +
+                                      c.enclosure() * Interval::ball(jet.value, doubt) + d.enclosure();
+            if (!residual.contains(0)) return section(1 - i);
+        }
+    }
+    return std::nullopt;
+}
+
+bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
+    const std::optional<SectionPlane> plane = plane_of(problem, e);
+    const VertexId start = diagram_.dcel.origin(Dcel::half_edge(e));
+    if (!plane || !start.valid()) return false;
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    std::array<std::optional<Section>, 2> sections;
+    const CylinderForm* form = nullptr;
+    for (const int side : {1, 0}) {
+        const FormId f = side == 0 ? edge.left : edge.right;
+        if ((side == 1 && edge.on_rim()) || diagram_.is_circular(f)) continue;
+        form = &problem.family.cylinder(f);
+        const FaceId face = diagram_.dcel.face(Dcel::half_edge(e, static_cast<unsigned>(side)));
+        sections[side] = Section(*form, frames_[face], *plane);
+    }
+    const MinimizationDiagram::Vertex& from = diagram_.vertices[start];
+    const MinimizationDiagram::Vertex& to = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
+    Arc& arc = arcs_[e];
+    arc.kind = sections[sections[0] ? 0 : 1]->through_apex() ? CurveKind::Line : section_kind(*form, *plane);
+    arc.error.chart = 2 * (from.error + to.error) + 16 * u * (from.point.norm() + to.point.norm());
+    SectionSpans(sections, spans_)
+        .add({from.point.x(), from.point.y(), from.height}, {to.point.x(), to.point.y(), to.height});
+    return true;
+}
+
+void MixedArcs::add_spline(EdgeId e, double tolerance) {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    const auto side = [&](FormId f, unsigned direction) -> ArcSide {
+        if (diagram_.is_circular(f)) return {&diagram_.forms[f], nullptr};
+        return {nullptr, &frames_[diagram_.dcel.face(Dcel::half_edge(e, direction))]};
+    };
+    const auto end = [&](VertexId v) -> ArcEnd { return {diagram_.vertices[v].point, diagram_.vertices[v].height}; };
+    const VertexId from = diagram_.dcel.origin(Dcel::half_edge(e)), to = diagram_.dcel.target(Dcel::half_edge(e));
+    ArcEnd a, b;
+    if (from.valid()) a = end(from), b = end(to);
+    arcs_[e].error = fit_spline({side(edge.left, 0), side(edge.right, 1)}, from.valid() ? &a : nullptr,
+                                from.valid() ? &b : nullptr, diagram_.pieces(e), tolerance, spans_);
+}
+
+}  // namespace vcell

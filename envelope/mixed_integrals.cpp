@@ -1,0 +1,271 @@
+#include "mixed_integrals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "chart_arc.hpp"
+#include "complex_ball.hpp"
+#include "quadrature.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector4d;
+using std::sqrt;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+// Rounding of one value of an integrand, in units of u times what enters it: some sixty operations, doubled.
+constexpr double term_rounding = 128 * u;
+
+// Position and derivative on a span.
+template <class T>
+struct SpanPoint {
+    T x, y, z, x1, y1, z1;
+};
+
+// A span over [-1, 1] in powers of its parameter, homogeneous.
+class PowerSpan {
+public:
+    explicit PowerSpan(const MixedSpan& span) : degree_(span.degree) {
+        std::array<Vector4d, MixedSpan::largest_degree + 1> b;
+        for (int k = 0; k <= degree_; ++k) {
+            const Vector4d& p = span.points[k];
+            b[k] << p.w() * p.head<3>(), p.w();
+        }
+        // De Casteljau at the middle leaves the right half's points, whose k-th differences times a binomial are the
+        // coefficients.
+        for (int level = 1; level <= degree_; ++level)
+            for (int k = 0; k + level <= degree_; ++k) b[k] = 0.5 * (b[k] + b[k + 1]);
+        double binomial = 1;
+        for (int k = 0; k <= degree_; ++k) {
+            a_[k] = binomial * b[0];
+            for (int i = 0; i + k < degree_; ++i) b[i] = b[i + 1] - b[i];
+            binomial *= static_cast<double>(degree_ - k) / (k + 1);
+        }
+    }
+
+    // One half, over [-1, 1] again: t -> (t -+ 1) / 2.
+    PowerSpan half(int side) const {
+        PowerSpan result = *this;
+        const double shift = side == 0 ? -1 : 1;
+        for (int k = 0; k < degree_; ++k)  // Taylor shift by Horner's scheme
+            for (int i = degree_ - 1; i >= k; --i) result.a_[i] += 0.5 * shift * result.a_[i + 1];
+        double scale = 1;
+        for (int k = 0; k <= degree_; ++k, scale *= 0.5) result.a_[k] *= scale;
+        return result;
+    }
+
+    template <class T>
+    SpanPoint<T> at(const T& t) const {
+        std::array<T, 4> p, d;
+        for (int i = 0; i < 4; ++i) {
+            p[i] = T(a_[degree_][i]);
+            d[i] = T(0.0);
+            for (int k = degree_ - 1; k >= 0; --k) {
+                d[i] = d[i] * t + p[i];
+                p[i] = p[i] * t + T(a_[k][i]);
+            }
+        }
+        const T w = T(1.0) / p[3];
+        const T x = p[0] * w, y = p[1] * w, z = p[2] * w;
+        return {x, y, z, (d[0] - x * d[3]) * w, (d[1] - y * d[3]) * w, (d[2] - z * d[3]) * w};
+    }
+
+private:
+    int degree_;
+    std::array<Vector4d, MixedSpan::largest_degree + 1> a_;
+};
+
+// An integrand offers N values at a SpanPoint of any number type, and at one of doubles their sizes: the sums of the
+// absolute values of their terms.
+template <std::size_t N, class Integrand>
+void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum, int halvings = 40) {
+    // The bound may exceed the integrand's size by this factor: 4e-21 of it is next to nothing.
+    constexpr double largest_growth = 1e4, ellipse = 2.4;
+    const auto bounds = integrand(span.at(ComplexBall(0.0, ellipse)));
+    std::array<double, N> value{}, size{};
+    const quadrature::Rule& rule = quadrature::rule();
+    for (int i = 0; i < quadrature::points / 2; ++i) {
+        for (const double t : {-rule.x[i], rule.x[i]}) {
+            const SpanPoint<double> p = span.at(t);
+            const std::array<double, N> f = integrand(p), s = integrand.sizes(p);
+            for (std::size_t k = 0; k < N; ++k) {
+                value[k] += rule.weight[i] * f[k];
+                size[k] += rule.weight[i] * s[k];
+            }
+        }
+    }
+    bool good = true;
+    for (std::size_t k = 0; k < N; ++k)
+        good = good && bounds[k].magnitude() <= largest_growth * size[k] + std::numeric_limits<double>::min();
+    if (!good && halvings > 0) {
+        for (const int side : {0, 1}) integrate(span.half(side), integrand, sum, halvings - 1);
+        return;
+    }
+    for (std::size_t k = 0; k < N; ++k) {
+        // Where halving ended without a bound, the whole part.
+        const double truncation = good ? 2 * quadrature::truncation * bounds[k].magnitude() : 2 * size[k];
+        sum[k] += {value[k], truncation + term_rounding * size[k]};
+    }
+}
+
+// ---- Circular forms: the fields of measures.cpp -----------------------------------------------------
+
+struct CircularIntegrand {
+    Vector2d o;
+    double f0, c;
+    Vector2d g;
+    Vector2d center;
+    double k, w, stretch;
+
+    CircularIntegrand(const CircularForm& f, const Vector2d& origin)
+        : o(origin),
+          f0(f(o.x(), o.y())),
+          c(f.k / f.w),
+          g(gradient(f, o)),
+          center(f.cx, f.cy),
+          k(f.k),
+          w(f.w),
+          stretch(std::hypot(1, f.a / f.w, f.b / f.w)) {}
+
+    template <class T>
+    std::array<T, 3> operator()(const SpanPoint<T>& p) const {
+        const T x = p.x - T(o.x()), y = p.y - T(o.y());
+        const T turn = x * p.y1 - y * p.x1;
+        const T factor = T(c / 4) * (x * x + y * y) + T(g.x() / 3) * x + T(g.y() / 3) * y + T(0.5 * f0);
+        if (k == 0) return {factor * turn, T(0.5) * turn, T(0.5 * stretch) * turn};
+        const T dx = p.x - T(center.x()), dy = p.y - T(center.y());
+        const T s = T(4 / (w * w)) * (dx * dx + dy * dy), r = T(1.0) + s;
+        const T area = (s * s + T(3.0) * s + T(3.0)) / (T(3.0) * (r * sqrt(r) + T(1.0)));
+        return {factor * turn, T(0.5) * turn, area * (dx * p.y1 - dy * p.x1)};
+    }
+    std::array<double, 3> sizes(const SpanPoint<double>& p) const {
+        const Vector2d at(p.x, p.y), step(p.x1, p.y1);
+        const double q = (at - o).norm(), turn = (q + u * at.norm() / term_rounding) * step.norm();
+        // f0 itself carries the roundings of large terms that cancel.
+        const double height = std::abs(f0) + c * (o - center).squaredNorm() + g.norm() * o.norm();
+        const double factor = c / 4 * q * q + g.norm() * q / 3 + height / 2;
+        if (k == 0) return {factor * turn, 0.5 * turn, 0.5 * stretch * turn};
+        const double d = (at - center).norm();
+        return {factor * turn, 0.5 * turn, std::hypot(1, 2 * d / w) * d * step.norm()};
+    }
+};
+
+// ---- Cylinders --------------------------------------------------------------------------------------
+
+// With Z = f0 + rho + z1 v + z2 v^2 and J = 1 + eps^2 v^2 / 4 the antiderivatives in u are
+//     height:   integral of (mu Z - rho) mu J du
+//                 = J ((Z - rho)(u + eps u^2 + eps^2 u^3 / 3) + rho (eps u^2 / 2 + eps^2 u^3 / 3)),
+//     chart:    J (u + eps u^2 / 2),      surface: |D| (u + eps u^2 / 2)
+// where D is the cross product of the patch's derivatives P_u and P_v / mu:
+//     P_u = (1 - eps^2 v^2 / 4, eps v, eps Z),   P_v / mu = (-eps v / 2, 1, z1 + 2 z2 v).
+struct CylinderIntegrand {
+    Vector2d o, e;
+    double eps, f0, z1, z2, rho;
+
+    explicit CylinderIntegrand(const CylinderFrame& f)
+        : o(f.origin()),
+          e(f.direction()),
+          eps(f.eps()),
+          f0(f.f0()),
+          z1(f.z1()),
+          z2(f.z2()),
+          rho(f.height().rho()) {}
+
+    template <class T>
+    std::array<T, 3> in_parameters(const T& u, const T& v, const T& v1) const {
+        const T eu = T(eps) * u, ev = T(eps) * v;
+        const T Zr = T(f0) + (T(z1) + T(z2) * v) * v, Z = Zr + T(rho);
+        const T J = T(1.0) + T(0.25) * ev * ev, half = u * (T(1.0) + T(0.5) * eu);
+        const T cubic = T(1.0 / 3) * eu * eu;
+        const T volume = J * (Zr * u * (T(1.0) + eu + cubic) + T(rho) * u * (T(0.5) * eu + cubic));
+        const T ux = T(1.0) - T(0.25) * ev * ev, uy = ev, uz = T(eps) * Z;
+        const T vx = T(-0.5) * ev, vz = T(z1) + T(2 * z2) * v;
+        const T nx = uy * vz - uz, ny = uz * vx - ux * vz;
+        return {volume * v1, J * half * v1, sqrt(nx * nx + ny * ny + J * J) * half * v1};
+    }
+
+    template <class T>
+    std::array<T, 3> operator()(const SpanPoint<T>& p) const {
+        const T dx = p.x - T(o.x()), dy = p.y - T(o.y());
+        const T x = T(e.x()) * dx + T(e.y()) * dy, y = T(e.x()) * dy - T(e.y()) * dx;
+        const T x1 = T(e.x()) * p.x1 + T(e.y()) * p.y1, y1 = T(e.x()) * p.y1 - T(e.y()) * p.x1;
+        // cylinder_patch.cpp: CylinderFrame::parameters
+        const T qx = T(1.0) + T(eps) * x, qy = T(eps) * y;
+        const T r = sqrt(qx * qx + qy * qy), mu = T(0.5) * (r + qx);
+        const T u = x + T(0.25 * eps) * y * y / mu, u1 = T(0.5) * ((qx * x1 + qy * y1) / r + x1);
+        const T v = y / mu, v1 = (y1 - v * T(eps) * u1) / mu;
+        return in_parameters(u, v, v1);
+    }
+    std::array<double, 3> sizes(const SpanPoint<double>& p) const {
+        const Vector2d at(p.x, p.y), step(p.x1, p.y1), q = at - o;
+        const double x = e.dot(q), y = cross(e, q), qx = 1 + eps * x;
+        const double mu = 0.5 * (std::hypot(qx, eps * y) + qx);
+        // Also the rounding of p - o.
+        const double noise = u * at.norm() / term_rounding;
+        const double v = (std::abs(y) + noise) / mu, U = std::abs(x) + eps * v * v * mu / 4 + noise;
+        const double v1 = step.norm() * (1 + eps * v) / mu;
+        const double Zr = std::abs(f0) + (std::abs(z1) + z2 * v) * v, eu = eps * U, ev = eps * v;
+        const double J = 1 + ev * ev, half = U * (1 + eu);
+        const double slope = eps * (Zr + rho) + std::abs(z1) + 2 * z2 * v;
+        return {J * U * (Zr * (1 + eu + eu * eu) + rho * (eu + eu * eu)) * v1, J * half * v1,
+                J * (1 + slope) * half * v1};
+    }
+};
+
+template <class Integrand>
+FaceIntegrals integrals(const Integrand& integrand, const MixedSpan& span) {
+    std::array<Integral, 3> sum{};
+    integrate(PowerSpan(span), integrand, sum);
+    return {sum[0], sum[1], sum[2]};
+}
+
+struct LengthIntegrand {
+    template <class T>
+    std::array<T, 1> operator()(const SpanPoint<T>& p) const {
+        return {sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1)};
+    }
+    std::array<double, 1> sizes(const SpanPoint<double>& p) const { return (*this)(p); }
+};
+
+struct WallIntegrand {
+    Vector2d along;
+
+    template <class T>
+    std::array<T, 1> operator()(const SpanPoint<T>& p) const {
+        return {p.z * (T(along.x()) * p.x1 + T(along.y()) * p.y1)};
+    }
+    std::array<double, 1> sizes(const SpanPoint<double>& p) const {
+        return {std::abs(p.z) * Vector2d(p.x1, p.y1).norm()};
+    }
+};
+
+}  // namespace
+
+FaceIntegrals face_integrals(const CircularForm& f, const Vector2d& origin, const MixedSpan& span) {
+    return integrals(CircularIntegrand(f, origin), span);
+}
+
+FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span) {
+    return integrals(CylinderIntegrand(frame), span);
+}
+
+double space_length(const MixedSpan& span) {
+    std::array<Integral, 1> sum{};
+    integrate(PowerSpan(span), LengthIntegrand{}, sum);
+    return sum[0].value;
+}
+
+double wall_area(const MixedSpan& span) {
+    const Vector2d chord = (span.points[span.degree] - span.points[0]).head<2>();
+    std::array<Integral, 1> sum{};
+    integrate(PowerSpan(span), WallIntegrand{chord.normalized()}, sum);
+    return sum[0].value;
+}
+
+}  // namespace vcell

@@ -1,0 +1,43 @@
+/// Measures along the arcs beside cylinders: shares of a face's volume and areas, lengths, walls.
+///
+/// Over a face of a cylinder, in the coordinates (u, v) of its patch, area elements of the chart and of the
+/// surface and the height are polynomials in u, or polynomials times functions of v alone:
+///
+///     dx dy = mu (1 + eps^2 v^2 / 4) du dv,   f + rho = mu Z(v),   dA = mu |D(v)| du dv,   mu = 1 + eps u.
+///
+/// Their antiderivatives in u turn the integrals into boundary integrals dv (Green). Along the boundary they are
+/// integrated by Gauss-Legendre quadrature with the bound of quadrature.hpp, its M from the integrand's value on the disk
+/// |t| <= 2.4 around the span [-1, 1], which contains the ellipse. Spans whose bound is infinite or poor are halved.
+#pragma once
+
+#include "cylinder_patch.hpp"
+#include "spline_fit.hpp"
+
+namespace vcell {
+
+/// A value and a bound of its error: truncation and rounding.
+struct Integral {
+    double value = 0, error = 0;
+
+    Integral& operator+=(const Integral& o) {
+        value += o.value;
+        error += o.error;
+        return *this;
+    }
+};
+
+/// The share of a boundary span, in its own direction, with the face on its left.
+struct FaceIntegrals {
+    Integral volume, chart_area, area;
+};
+
+/// Over a circular form, about a point `origin` near the face; area of the surface.
+FaceIntegrals face_integrals(const CircularForm& f, const Eigen::Vector2d& origin, const MixedSpan& span);
+/// Over a cylinder.
+FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span);
+
+double space_length(const MixedSpan& span);
+/// The area between a span over a side of the region and its foot.
+double wall_area(const MixedSpan& span);
+
+}  // namespace vcell

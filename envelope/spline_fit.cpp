@@ -1,0 +1,375 @@
+#include "spline_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "bernstein.hpp"
+#include "chart_arc.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+// Rounding of a residual or gradient, in units of u times the magnitudes that enter it: some twenty operations,
+// and coefficients within 4u.
+constexpr double rounding = 32 * u;
+
+// A height with its derivatives; the Hessian is bend bend^T + round I.
+struct HeightJet2 {
+    double value;
+    Vector2d gradient, bend;
+    double round;
+    double gradient_error;  // rounding
+
+    double hessian(const Vector2d& a, const Vector2d& b) const { return bend.dot(a) * bend.dot(b) + round * a.dot(b); }
+};
+
+class Side {
+public:
+    explicit Side(const ArcSide& side) : side_(side) {}
+
+    const CylinderFrame* cylinder() const { return side_.cylinder; }
+
+    HeightJet2 operator()(const Vector2d& p) const {
+        if (side_.circular) {
+            const CircularForm& f = *side_.circular;
+            const Vector2d g = gradient(f, p);
+            const double size =
+                (2 * f.k * (p - Vector2d(f.cx, f.cy)).norm() + std::abs(f.a) + std::abs(f.b)) / f.w;
+            return {f(p.x(), p.y()), g, Vector2d::Zero(), 2 * f.k / f.w, rounding * size};
+        }
+        const CylinderHeight& f = side_.cylinder->height();
+        const CylinderHeight::Jet jet = f(p);
+        const Vector2d across(-jet.v.y(), jet.v.x());
+        const double size = (p - f.point().head<2>()).norm() + std::abs(f.point().z()) + jet.value;
+        return {jet.value, jet.gradient, across / (jet.s * std::sqrt(jet.s)), 0, rounding * size / jet.s};
+    }
+
+    // Of |Hess| within `radius` of a point with the given jet.
+    double curvature_bound(const HeightJet2& at, double radius) const {
+        if (side_.circular) return at.round;
+        return side_.cylinder->height().curvature_bound(1 / at.bend.squaredNorm(), radius);
+    }
+
+    // Step 1 of the certificate: |z - f(p)| along a span; infinite if it cannot tell.
+    double height_error(const Bernstein<5>& x, const Bernstein<5>& y, const Bernstein<5>& z) const {
+        if (side_.circular) {
+            const CircularForm& f = *side_.circular;
+            const Bernstein<5> linear = f.a * x + f.b * y + (-f.w) * z + f.e;
+            const double linear_size = std::abs(f.a) * x.largest() + std::abs(f.b) * y.largest() +
+                                       f.w * z.largest() + std::abs(f.e);
+            if (f.k == 0) return (linear.largest() + rounding * linear_size) / f.w;
+            const Bernstein<5> dx = x - f.cx, dy = y - f.cy;
+            const double size = f.k * (square(dx.largest()) + square(dy.largest())) + linear_size;
+            return ((f.k * (dx * dx + dy * dy) + raised<10>(linear)).largest() + rounding * size) / f.w;
+        }
+        // About the axis's point c, with t the axial coordinate and k = rho + c_z,
+        //     C - 2 beta z - d_z^2 z^2 = m_x^2 + m_y^2 - t^2 - k (2 z + rho - c_z),
+        // and (beta + d_z^2 z) = k + d_z t =: b is s on the bisector. The residual Q is
+        // (f - z)(s + b), and s^2 = b^2 + d_z^2 Q.
+        const CylinderHeight& f = side_.cylinder->height();
+        const Eigen::Vector3d &c = f.point(), &d = f.axis();
+        const double k = f.rho() + c.z();
+        const Bernstein<5> mx = x - c.x(), my = y - c.y(), mz = z - c.z();
+        const Bernstein<5> t = d.x() * mx + d.y() * my + d.z() * mz;
+        const Bernstein<5> linear = k * (2 * z + (f.rho() - c.z()));
+        const double size = square(mx.largest()) + square(my.largest()) + square(t.largest()) + linear.largest();
+        const double Q = (mx * mx + my * my - t * t - raised<10>(linear)).largest() + rounding * size;
+        const double b = (d.z() * t + k).smallest_coefficient();
+        const double below = b * b - d.z() * d.z() * Q;
+        return b > 0 && below > 0 ? Q / (b + std::sqrt(below)) : std::numeric_limits<double>::infinity();
+    }
+
+private:
+    static double square(double a) { return a * a; }
+
+    ArcSide side_;
+};
+
+class Fitter {
+public:
+    Fitter(const std::array<ArcSide, 2>& sides, double tolerance, std::vector<MixedSpan>& spans)
+        : sides_{Side(sides[0]), Side(sides[1])}, tolerance_(tolerance), spans_(spans) {}
+
+    FitError run(const ArcEnd* start, const ArcEnd* end,
+                 std::span<const MinimizationDiagram::ArcPiece> pieces) {
+        Node from = start ? node(start->point, start->height) : inner_node(pieces.back());
+        const Node first = from;
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            const bool last = i + 1 == pieces.size();
+            const Node to = !last ? inner_node(pieces[i]) : end ? node(end->point, end->height) : first;
+            fit(from, to, pieces[i], deepest);
+            from = to;
+        }
+        return error_;
+    }
+
+private:
+    using Piece = MinimizationDiagram::ArcPiece;
+    static constexpr int deepest = 24;  // halvings of one piece
+
+    // A point of the arc and what the fit needs of the heights there.
+    struct Node {
+        Vector2d p;
+        double z;
+        std::array<HeightJet2, 2> jets;
+
+        Vector2d slope() const { return jets[0].gradient - jets[1].gradient; }
+    };
+    Node node(const Vector2d& p, std::optional<double> z = std::nullopt) const {
+        Node n{p, 0, {sides_[0](p), sides_[1](p)}};
+        n.z = z.value_or(0.5 * (n.jets[0].value + n.jets[1].value));
+        return n;
+    }
+
+    double difference(const Node& n) const { return n.jets[0].value - n.jets[1].value; }
+
+    // Newton's method along a line.
+    std::optional<Node> find(Vector2d p, const Vector2d& direction) const {
+        constexpr int enough = 12;
+        double last = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < enough; ++i) {
+            const Node n = node(p);
+            const double step = difference(n) / direction.dot(n.slope());
+            // At the level of rounding steps no longer shrink.
+            if (!(std::abs(step) < 0.5 * last)) return i > 2 ? std::optional(n) : std::nullopt;
+            if (std::abs(step) <= 2 * u * p.norm()) return n;
+            last = std::abs(step);
+            p -= step * direction;
+        }
+        return std::nullopt;
+    }
+
+    Node inner_node(const Piece& piece) const {
+        const auto found = find(piece.end, piece.direction);
+        return found && (found->p - piece.end).norm() <= 2 * piece.error + 8 * u * piece.end.norm()
+                   ? *found
+                   : node(piece.end);
+    }
+
+    // Is the derivative of the difference along d positive all along a segment?
+    bool increases(const Vector2d& a, const Vector2d& b, const Vector2d& d, int halvings = 5) const {
+        const Vector2d middle = 0.5 * (a + b);
+        const double radius = 0.5 * (b - a).norm();
+        const Node n = node(middle);
+        if (d.dot(n.slope()) > variation(n, radius)) return true;
+        return halvings > 0 && increases(a, middle, d, halvings - 1) && increases(middle, b, d, halvings - 1);
+    }
+
+    // How far the gradient of the difference may be from its computed value at n, within a radius.
+    double variation(const Node& n, double radius) const {
+        double sum = 0;
+        for (int i = 0; i < 2; ++i)
+            sum += n.jets[i].gradient_error + radius * sides_[i].curvature_bound(n.jets[i], radius);
+        return sum;
+    }
+
+    // A fitted span with what the certificate finds; infinite errors where it fails.
+    struct Fit {
+        MixedSpan span;
+        FitError error;
+        Vector2d slope = Vector2d::Zero();  // in the middle
+    };
+
+    void fit(const Node& from, const Node& to, const Piece& piece, int halvings) {
+        const Fit smooth = hermite(from, to, piece);
+        if (accept(smooth)) return;
+        // Arc and chord lie in the piece's box: where that is small enough the chord will do.
+        const Fit chord = straight(from, to, piece);
+        if (accept(chord)) return;
+        if (halvings > 0) {
+            std::optional<Node> middle;
+            if (std::isfinite(smooth.error.chart)) {
+                const auto& p = smooth.span.points;  // B(1/2) = sum of binomials / 32
+                const Eigen::Vector4d at = (p[0] + 5 * p[1] + 10 * p[2] + 10 * p[3] + 5 * p[4] + p[5]) / 32;
+                middle = find(at.head<2>(), smooth.slope.normalized());
+            } else {
+                const Vector2d at = 0.5 * (from.p + to.p);
+                middle = find(at, piece.direction);
+                if (middle && !increases(at, middle->p, piece.direction)) middle.reset();
+            }
+            if (middle) {
+                fit(from, *middle, piece, halvings - 1);
+                fit(*middle, to, piece, halvings - 1);
+                return;
+            }
+        }
+        const Fit& better = smooth.error.space < chord.error.space ? smooth : chord;
+        append(better);
+    }
+
+    bool accept(const Fit& f) {
+        if (!(f.error.space <= tolerance_)) return false;
+        append(f);
+        return true;
+    }
+    void append(const Fit& f) {
+        error_.chart = std::max(error_.chart, f.error.chart);
+        error_.space = std::max(error_.space, f.error.space);
+        spans_.push_back(f.span);
+    }
+
+    // Position, first and second derivative in the span's parameter at an end, for all curves of the span.
+    struct EndJet {
+        std::array<Vector2d, 3> p;
+        std::array<double, 3> z;
+        std::array<std::array<Vector2d, 3>, 2> uv;
+    };
+
+    EndJet end_jet(const Node& n, const Vector2d& p1, const Vector2d& p2) const {
+        EndJet jet{{n.p, p1, p2}, {n.z, 0, 0}, {}};
+        for (int i = 0; i < 2; ++i) {
+            const HeightJet2& f = n.jets[i];
+            jet.z[1] += 0.5 * f.gradient.dot(p1);
+            jet.z[2] += 0.5 * (f.hessian(p1, p1) + f.gradient.dot(p2));
+            if (const CylinderFrame* frame = sides_[i].cylinder()) jet.uv[i] = frame->parameters(n.p, p1, p2);
+        }
+        return jet;
+    }
+
+    // Bezier points of the quintic with the given ends.
+    template <class T>
+    static std::array<T, 6> quintic(const std::array<T, 3>& a, const std::array<T, 3>& b) {
+        return {a[0], a[0] + a[1] / 5, a[0] + 2 * a[1] / 5 + a[2] / 20,
+                b[0] - 2 * b[1] / 5 + b[2] / 20, b[0] - b[1] / 5, b[0]};
+    }
+
+    MixedSpan span_between(const EndJet& a, const EndJet& b) const {
+        MixedSpan span;
+        span.degree = 5;
+        const auto p = quintic(a.p, b.p);
+        const auto z = quintic(a.z, b.z);
+        for (int k = 0; k <= 5; ++k) span.points[k] = {p[k].x(), p[k].y(), z[k], 1};
+        for (int i = 0; i < 2; ++i) {
+            if (!sides_[i].cylinder()) continue;
+            const auto uv = quintic(a.uv[i], b.uv[i]);
+            span.trims[i].degree = 5;
+            for (int k = 0; k <= 5; ++k) span.trims[i].points[k] = {uv[k].x(), uv[k].y(), 1};
+        }
+        return span;
+    }
+
+    // With h over the chord (e along it, m to its left) and D = f - g:
+    //     h' = -D_e / D_m,   h'' = -Hess D (e + h' m, e + h' m) / D_m.
+    Fit hermite(const Node& from, const Node& to, const Piece& piece) const {
+        constexpr double steepest = 2;
+        const double length = (to.p - from.p).norm();
+        const Vector2d e = (to.p - from.p) / length, m(-e.y(), e.x());
+        Fit fit;
+        fit.error.chart = fit.error.space = std::numeric_limits<double>::infinity();
+        std::array<EndJet, 2> ends;
+        for (int i = 0; i < 2; ++i) {
+            const Node& n = i == 0 ? from : to;
+            const Vector2d slope = n.slope();
+            const double across = slope.dot(m), h1 = -slope.dot(e) / across;
+            // left - right falls to the left of the edge.
+            if (!(across < 0 && std::abs(h1) <= steepest)) return fit;
+            const Vector2d tangent = e + h1 * m;
+            const double h2 = -(n.jets[0].hessian(tangent, tangent) - n.jets[1].hessian(tangent, tangent)) / across;
+            ends[i] = end_jet(n, length * tangent, length * length * h2 * m);
+        }
+        fit.span = span_between(ends[0], ends[1]);
+        certify(fit, piece);
+        return fit;
+    }
+
+    Fit straight(const Node& from, const Node& to, const Piece& piece) const {
+        std::array<EndJet, 2> ends{end_jet(from, Vector2d::Zero(), Vector2d::Zero()),
+                                   end_jet(to, Vector2d::Zero(), Vector2d::Zero())};
+        const auto join = [](auto& a, auto& b) { a[1] = b[1] = b[0] - a[0]; };
+        join(ends[0].p, ends[1].p);
+        join(ends[0].z, ends[1].z);
+        for (int i = 0; i < 2; ++i) join(ends[0].uv[i], ends[1].uv[i]);
+        Fit fit;
+        fit.span = span_between(ends[0], ends[1]);
+        const double diameter = std::hypot(piece.box[1] - piece.box[0], piece.box[3] - piece.box[2]);
+        fit.error.chart = diameter + piece.error;
+        const Node middle = node(0.5 * (from.p + to.p));
+        fit.error.space = space_error(fit.span, middle, fit.error.chart, fit.error.chart);
+        return fit;
+    }
+
+    // Steps 1 to 4.
+    void certify(Fit& fit, const Piece& piece) const {
+        const auto& p = fit.span.points;
+        Eigen::Array2d low = p[0].head<2>(), high = low;
+        for (int k = 1; k <= 5; ++k) {
+            low = low.min(p[k].head<2>().array());
+            high = high.max(p[k].head<2>().array());
+        }
+        const Node middle = node(0.5 * (low + high).matrix());
+        // Room for the arc beside the span: what it may at most be away.
+        const double half = 0.5 * (high - low).matrix().norm(), room = 0.25 * half + 8 * u * middle.p.norm();
+        const double change = variation(middle, half + room);
+        const Vector2d difference = middle.slope();
+        const double slope = difference.norm() - change;
+        if (!(slope > 0 && piece.direction.dot(difference) > change)) return;
+        const auto [x, y, z] = coordinates(fit.span);
+        const double distance = (sides_[0].height_error(x, y, z) + sides_[1].height_error(x, y, z)) / slope;
+        if (!(distance <= room)) return;
+        fit.slope = difference;
+        fit.error.chart = distance;
+        fit.error.space = space_error(fit.span, middle, distance, half + room);
+    }
+
+    static std::array<Bernstein<5>, 3> coordinates(const MixedSpan& span) {
+        std::array<Bernstein<5>, 3> result;
+        for (int i = 0; i < 3; ++i)
+            result[i] = Bernstein<5>::from([&](int k) { return span.points[k][i]; });
+        return result;
+    }
+
+    // From the distance in the chart to that in space, of the curve and of the lifted trims.
+    double space_error(const MixedSpan& span, const Node& middle, double distance, double radius) const {
+        const auto [x, y, z] = coordinates(span);
+        double worst = 0, arc_height = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < 2; ++i) {
+            const double error = sides_[i].height_error(x, y, z);
+            const double slope = middle.jets[i].gradient.norm() +
+                                 radius * sides_[i].curvature_bound(middle.jets[i], radius);
+            arc_height = std::min(arc_height, error + slope * distance);
+            const double trim = trim_deviation(i, span, x, y);
+            worst = std::max(worst, std::hypot(trim, error + slope * trim));
+        }
+        return std::max(worst, std::hypot(distance, arc_height));
+    }
+
+    // |chart point of the patch at (u, v)(t) - p(t)|, about the frame's origin.
+    double trim_deviation(int side, const MixedSpan& span, const Bernstein<5>& x, const Bernstein<5>& y) const {
+        const CylinderFrame* frame = sides_[side].cylinder();
+        if (!frame) return 0;
+        const auto& points = span.trims[side].points;
+        const auto U = Bernstein<5>::from([&](int k) { return points[k].x(); });
+        const auto V = Bernstein<5>::from([&](int k) { return points[k].y(); });
+        const double eps = frame->eps();
+        const Vector2d ex = frame->turned({1, 0}), ey = frame->turned({0, 1}),
+                       o = frame->turned(frame->origin());
+        const Bernstein<5> along = ex.x() * x + ey.x() * y - o.x(), across = ex.y() * x + ey.y() * y - o.y();
+        const Bernstein<10> turned = (eps * U + 1) * V;
+        const double size = U.largest() + turned.largest() * (1 + eps * V.largest()) + x.largest() + y.largest();
+        const double first = (raised<15>(U - along) - (0.25 * eps) * (turned * V)).largest();
+        const double second = (turned - raised<10>(across)).largest();
+        return std::hypot(first, second) + rounding * size;
+    }
+
+    const std::array<Side, 2> sides_;
+    const double tolerance_;
+    std::vector<MixedSpan>& spans_;
+    FitError error_;
+};
+
+}  // namespace
+
+FitError fit_spline(const std::array<ArcSide, 2>& sides, const ArcEnd* start, const ArcEnd* end,
+                    std::span<const MinimizationDiagram::ArcPiece> pieces, double tolerance,
+                    std::vector<MixedSpan>& spans) {
+    return Fitter(sides, tolerance, spans).run(start, end, pieces);
+}
+
+}  // namespace vcell
