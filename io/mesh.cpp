@@ -263,10 +263,12 @@ private:
         if (!base) throw InternalError("tessellate: walls and base of a base that is no plane");
         const Vec3 up = base->normal.stableNormalized();
         const std::vector<LoopPoint> rim = rim_polygon();
+        // Patches need not have the chart's coordinates for u and v: the floor has its own in the base.
+        const Vec3 x = up.unitOrthogonal(), y = up.cross(x);
         std::vector<LoopPoint> floor;
         for (const LoopPoint& p : rim) {
-            const Vec3 top = mesh_.points[p.point];
-            floor.push_back({add_point(top - up.dot(top - base->point) * up), p.uv, p.edge});
+            const Vec3 top = mesh_.points[p.point], from_base = top - base->point;
+            floor.push_back({add_point(top - up.dot(from_base) * up), {x.dot(from_base), y.dot(from_base)}, p.edge});
         }
 
         const std::size_t walls_begin = mesh_.triangles.size();

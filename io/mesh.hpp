@@ -37,7 +37,7 @@ struct CellMesh {
 /// Every edge of the cell is sampled once and both of its faces share these points, so the mesh has no
 /// cracks: each of its sides belongs to two triangles, or to one on the rim if it is not closed.
 /// Sampling is refined until no two sides of a face cross.
-/// Pre: a plane base; patches have u, v as the chart's x, y. Throws InternalError for a cell whose rim
+/// Pre: a plane base; patches are oriented like the chart. Throws InternalError for a cell whose rim
 /// does not close.
 CellMesh tessellate(const Cell& cell, const MeshOptions& options = {});
 

@@ -6,9 +6,13 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <ostream>
+#include <unordered_map>
+#include <variant>
 #include <vector>
 
+#include "../primitives/plane_base.hpp"
 #include "site_style.hpp"
 #include "text.hpp"
 
@@ -42,7 +46,9 @@ std::string xml_escaped(std::string_view text) {
 
 class Picture {
 public:
-    Picture(std::ostream& out, const Cell& cell) : out_(out), cell_(cell), colours_(object_colours(cell)) {}
+    Picture(std::ostream& out, const Cell& cell) : out_(out), cell_(cell), colours_(object_colours(cell)) {
+        project_cylinder_faces();
+    }
 
     void draw() {
         frame();
@@ -66,12 +72,47 @@ private:
         buffer_.clear();
     }
 
+    // Patches over cylinders have parameters of their own: in the chart their trims are the projections of the
+    // edges' space curves, of which rational curves have exact ones.
+    void project_cylinder_faces() {
+        const auto is_cylinder = [&](Site s) {
+            return s.is_object() && std::holds_alternative<Cylinder>(cell_.scene.objects[s.index]);
+        };
+        std::optional<BaseFrame> frame;
+        for (const CellFace& face : cell_.faces) {
+            if (!is_cylinder(face.site)) continue;
+            if (!frame) frame = plane_base_problem(cell_.scene).frame;
+            for (const TrimmedPatch& patch : face.patches)
+                for (const auto& loop : patch.loops)
+                    for (const TrimCurve& c : loop)
+                        if (c.edge) projected_[&c] = projection(c, cell_.edges[*c.edge].curve, *frame);
+        }
+    }
+
+    static TrimCurve projection(const TrimCurve& c, const RationalCurve3& space, const BaseFrame& frame) {
+        TrimCurve result{c.edge, c.seam, c.reversed, {space.degree, space.knots, {}}};
+        for (const Eigen::Vector4d& p : space.points) {
+            const Vec3 canonical = frame.to_canonical(p.head<3>());
+            result.curve.points.push_back({canonical.x(), canonical.y(), p.w()});
+        }
+        if (!c.reversed) return result;
+        std::reverse(result.curve.points.begin(), result.curve.points.end());
+        std::reverse(result.curve.knots.begin(), result.curve.knots.end());
+        for (double& k : result.curve.knots) k = space.domain_begin() + space.domain_end() - k;
+        return result;
+    }
+
+    const TrimCurve& in_chart(const TrimCurve& c) const {
+        const auto projected = projected_.find(&c);
+        return projected == projected_.end() ? c : projected->second;
+    }
+
     template <class F>
     void for_each_curve(F f) const {
         for (const CellFace& face : cell_.faces)
             for (const TrimmedPatch& patch : face.patches)
                 for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop) f(c);
+                    for (const TrimCurve& c : loop) f(in_chart(c));
     }
 
     // The picture's coordinates, header and style.
@@ -127,8 +168,8 @@ private:
         std::string path;
         for (const TrimmedPatch& patch : f.patches)
             for (const auto& loop : patch.loops) {
-                move_to(path, loop.front().curve);
-                for (const TrimCurve& c : loop) append(path, c.curve);
+                move_to(path, in_chart(loop.front()).curve);
+                for (const TrimCurve& c : loop) append(path, in_chart(c).curve);
                 path += 'Z';
             }
         std::string style = "box";
@@ -256,6 +297,7 @@ private:
     std::ostream& out_;
     const Cell& cell_;
     std::unordered_map<std::uint32_t, std::size_t> colours_;
+    std::unordered_map<const TrimCurve*, TrimCurve> projected_;  // of the faces of cylinders
     std::string buffer_;
     double size_ = 1;       // of the chart, its units
     double tolerance_ = 0;  // of fitted curves, the same
