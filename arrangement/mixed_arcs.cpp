@@ -187,6 +187,7 @@ MixedArcs::Arc MixedArcs::sub_arc(const Arc& a, Point p, Point q) {
 MixedArcs::Point MixedArcs::add_point(PointData data) {
     const Point p = points_.push_back(data);
     equal_to_.push_back(p);
+    equal_x_.push_back(p);
     for (const MixedBranchId b : data.on) points_on_[b].push_back(p);
     return p;
 }
@@ -206,7 +207,11 @@ MixedArcs::Point MixedArcs::add_exact_point(ExactPoint exact) {
 
 MixedArcs::Point MixedArcs::point(double x, double y) {
     const auto [found, is_new] = given_.try_emplace({x, y});
-    if (is_new) found->second = add_exact_point({{Exact(x), {}, {}}, {Exact(y), {}, {}}, Exact(1.0)});
+    if (is_new) {
+        found->second = add_exact_point({{Exact(x), {}, {}}, {Exact(y), {}, {}}, Exact(1.0)});
+        points_[found->second].x = x;
+        points_[found->second].y = y;
+    }
     return found->second;
 }
 
@@ -216,8 +221,8 @@ std::pair<Wide, Wide> MixedArcs::fine_box(Point p) {
     return *data.fine;
 }
 
-MixedArcs::Point MixedArcs::representative(Point p) const {
-    while (equal_to_[p] != p) p = equal_to_[p] = equal_to_[equal_to_[p]];
+MixedArcs::Point MixedArcs::representative(Classes& classes, Point p) {
+    while (classes[p] != p) p = classes[p] = classes[classes[p]];
     return p;
 }
 
@@ -228,6 +233,7 @@ void MixedArcs::unite(Point p, Point q) {
     // The exact one stands for both.
     if (!points_[p].exact && points_[q].exact) std::swap(p, q);
     equal_to_[q] = p;
+    equal_x_[representative(equal_x_, q)] = representative(equal_x_, p);
     for (const MixedBranchId b : std::vector(points_[q].on)) note_on(p, b);
 }
 
@@ -285,6 +291,12 @@ MixedArcs::Comparison MixedArcs::compare_coordinate(Point p, Point q, int axis) 
     q = representative(q);
     if (p == q) return {Sign::Zero};
     const PointData &a = points_[p], &b = points_[q];
+    const auto on_vertical_of_a = [&](MixedBranchId on) {
+        return !branches_[on].graph && std::find(a.on.begin(), a.on.end(), on) != a.on.end();
+    };
+    if (axis == 0 && (representative(equal_x_, p) == representative(equal_x_, q) ||
+                      std::any_of(b.on.begin(), b.on.end(), on_vertical_of_a)))
+        return {Sign::Zero};
     if (const auto s = axis == 0 ? compare_intervals(a.x, b.x) : compare_intervals(a.y, b.y)) {
         ++decisions_.by_interval;
         return {*s};
@@ -306,12 +318,15 @@ MixedArcs::Comparison MixedArcs::compare_coordinate(Point p, Point q, int axis) 
 Sign MixedArcs::compare_x(Point p, Point q) {
     const Comparison c = compare_coordinate(p, q, 0);
     if (c.assumed) assume(points_[p].x, points_[p].y);
+    if (c.sign == Sign::Zero) equal_x_[representative(equal_x_, p)] = representative(equal_x_, q);
     return c.sign;
 }
 
 Sign MixedArcs::compare_xy(Point p, Point q) {
+    if (representative(p) == representative(q)) return Sign::Zero;
     const Comparison by_x = compare_coordinate(p, q, 0);
     if (by_x.sign != Sign::Zero) return by_x.sign;
+    equal_x_[representative(equal_x_, p)] = representative(equal_x_, q);
     const Comparison by_y = compare_coordinate(p, q, 1);
     if (by_x.assumed || by_y.assumed) assume(points_[p].x, points_[p].y);
     if (by_y.sign == Sign::Zero) unite(p, q);
@@ -704,25 +719,37 @@ private:
     }
 
     /// A common point that is taken for granted somewhere in x: a tangency, or zeros too near to each other.
-    template <class T>
-    void add_assumed(const T& x) {
-        const Interval rough = in_doubles(x);
-        const T y = hull(f_->y(x), g_->y(x));
-        m_.assume(rough, in_doubles(y));
-        std::optional<Point> p = known_between(x);
-        if (!p) {
-            const std::pair<Wide, Wide> box{Wide(x), Wide(y)};
-            p = m_.add_point({rough, in_doubles(y), [box] { return box; }, nullptr, {a_, b_}, {}});
+    void add_assumed(Wide x) {
+        const bool goes_on = assumed_ && assumed_->upper() == x.lower();
+        if (goes_on) {
+            // Two neighbouring sections that are negligible hold one common point.
+            x = hull(*assumed_, x);
+            result_.signs.pop_back();
         }
-        m_.note_on(*p, a_);
-        m_.note_on(*p, b_);
-        result_.points.push_back(*p);
+        assumed_ = x;
+        const std::pair<Wide, Wide> box{x, hull(f_->y(x), g_->y(x))};
+        const Interval rough_x = x.enclosure(), rough_y = box.second.enclosure();
+        if (!goes_on) m_.assume(rough_x, rough_y);
+        if (const std::optional<Point> known = known_between(x)) {
+            if (goes_on) result_.points.pop_back();
+            m_.note_on(*known, a_);
+            m_.note_on(*known, b_);
+            result_.points.push_back(*known);
+            return;
+        }
+        const PointData data{rough_x, rough_y, [box] { return box; }, nullptr, {a_, b_}, {}};
+        if (goes_on) {
+            m_.points_[result_.points.back()] = data;
+        } else {
+            result_.points.push_back(m_.add_point(data));
+        }
     }
 
     MixedArcs& m_;
     MixedBranchId a_, b_;
     std::shared_ptr<const MonotoneGraph> f_, g_;
     Point first_, last_;
+    std::optional<Wide> assumed_;  // the section of the last common point, if that was assumed
     Meeting result_;
 };
 

@@ -143,13 +143,16 @@ private:
         std::vector<Sign> signs;
     };
 
+    using Classes = IdVector<MixedPointId, MixedPointId>;  // disjoint sets
+
     Point add_point(PointData data);
     Point add_exact_point(ExactPoint p);
     Point add_turn(const std::shared_ptr<const TracedTurn>& turn);
     Point add_point_of(MixedBranchId b, double x);
     MixedBranchId add_branch(MixedCurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
                              Point right);
-    Point representative(Point p) const;
+    static Point representative(Classes& classes, Point p);
+    Point representative(Point p) const { return representative(equal_to_, p); }
     void unite(Point p, Point q);
     void note_on(Point p, MixedBranchId b);
     void assume(const Interval& x, const Interval& y);
@@ -174,7 +177,7 @@ private:
     std::optional<Point> later_left(MixedBranchId a, MixedBranchId b);
     std::optional<Point> earlier_right(MixedBranchId a, MixedBranchId b);
 
-    mutable IdVector<MixedPointId, MixedPointId> equal_to_;  // disjoint sets of equal points
+    mutable Classes equal_to_, equal_x_;
     IdVector<MixedPointId, PointData> points_;
     IdVector<MixedCurveId, Curve> curves_;
     IdVector<MixedBranchId, Branch> branches_;

@@ -260,11 +260,13 @@ std::pair<T, T> TracedTurn::enclosure() const {
 template <class T>
 T TracedGraph::y_in(const Cell& cell, const T& x) const {
     T bracket(cell.y);
+    // The lower rung's answer is the start of the higher one's.
+    if constexpr (!std::is_same_v<T, Interval>) bracket = T(y_in(cell, x.enclosure()));
     std::optional<T> above_only, below_only;  // no sign is asked for beyond a turn
     if (cell.lower_end) above_only = cell.lower_end->enclosure<T>().second;
     if (cell.upper_end) below_only = cell.upper_end->enclosure<T>().second;
-    if (above_only) bracket = T(above_only->lower(), bracket.upper());
-    if (below_only) bracket = T(bracket.lower(), below_only->upper());
+    if (above_only) bracket = clamped(bracket, T(above_only->lower(), T(cell.y).upper()));
+    if (below_only) bracket = clamped(bracket, T(T(cell.y).lower(), below_only->upper()));
     const T strip = T(cell.y0) + T(cell.slope) * (x - T(cell.x0)) + T(-cell.band, cell.band);
     return enclose_zero(
         clamped(bracket, strip),
@@ -349,13 +351,20 @@ public:
             if (s.knots[i] < s.knots[i + 1]) add(pieces_, s.knots[i], s.knots[i + 1], 0);
         }
         closed_ = s.points.front().head<2>() == s.points.back().head<2>();
+        join_small_pieces();
         if (closed_) {
-            const auto flat =
-                std::find_if(pieces_.begin(), pieces_.end(), [](const auto& p) { return !p.steep; });
-            if (flat == pieces_.end()) fail();
-            std::rotate(pieces_.begin(), flat, pieces_.end());
+            // Start where nothing needs to be joined.
+            const auto advance = [&](const Piece& p) {
+                return p.steep ? 0 : std::abs(x_at(p.to) - x_at(p.from));
+            };
+            const auto start =
+                std::max_element(pieces_.begin(), pieces_.end(),
+                                 [&](const Piece& p, const Piece& q) { return advance(p) < advance(q); });
+            if (start->steep) fail();
+            std::rotate(pieces_.begin(), start, pieces_.end());
         }
         join_steep_pieces();
+        join_uncertain_pieces();
         place_junctions();
         return assemble();
     }
@@ -380,6 +389,11 @@ private:
         TracedGraph::Cell cell;
         bool rightward;
         std::shared_ptr<const TracedTurn> turn;
+    };
+
+    struct Line {
+        double x0, y0, slope;
+        Interval at(const Interval& x) const { return Interval(y0) + Interval(slope) * (x - Interval(x0)); }
     };
 
     [[noreturn]] static void fail() {
@@ -468,6 +482,100 @@ private:
             i = end;
         }
         pieces_ = std::move(joined);
+    }
+
+    /// Will the curve advance in x along a flat piece as the spline does, although it may be off by the band,
+    /// and stay within a box?
+    bool is_certain(const Piece& p) const {
+        return std::abs(x_at(p.to) - x_at(p.from)) > 2.5 * curve_.band && heights(p);
+    }
+    void erase(std::size_t i) { pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(i)); }
+
+    /// Flat pieces hardly longer than the band is wide tell nothing: joins them.
+    void join_small_pieces() {
+        const double size = 12 * curve_.band;
+        for (std::size_t i = 1; i < pieces_.size();) {
+            const Piece &p = pieces_[i - 1], &q = pieces_[i];
+            const Interval x = hull(p.x, q.x), y = hull(p.y, q.y);
+            const bool small = std::max(x.upper() - x.lower(), y.upper() - y.lower()) <= size;
+            if (small && !p.steep && !q.steep && join(pieces_[i - 1], pieces_[i], false)) {
+                erase(i);
+            } else {
+                ++i;
+            }
+        }
+    }
+    /// Joins uncertain flat pieces with steep neighbours first, and then with flat ones.
+    void join_uncertain_pieces() {
+        for (std::size_t i = 0; i < pieces_.size(); ++i) {
+            if (!pieces_[i].steep) continue;
+            while (i > 0 && !pieces_[i - 1].steep && !is_certain(pieces_[i - 1]) &&
+                   join(pieces_[i - 1], pieces_[i], true))
+                erase(i--);
+            while (i + 1 < pieces_.size() && !pieces_[i + 1].steep && !is_certain(pieces_[i + 1]) &&
+                   join(pieces_[i], pieces_[i + 1], true))
+                erase(i + 1);
+            if (i > 0 && pieces_[i - 1].steep) {
+                if (!join(pieces_[i - 1], pieces_[i], true)) fail();
+                erase(i--);
+            }
+        }
+        for (std::size_t i = 0; i < pieces_.size();) {
+            if (pieces_[i].steep || is_certain(pieces_[i])) {
+                ++i;
+            } else if (i > 0 && !pieces_[i - 1].steep && join(pieces_[i - 1], pieces_[i], false)) {
+                erase(i--);
+            } else if (i + 1 < pieces_.size() && !pieces_[i + 1].steep &&
+                       join(pieces_[i], pieces_[i + 1], false)) {
+                erase(i + 1);
+            } else {
+                fail();
+            }
+        }
+        for (Piece& p : pieces_) {
+            if (!p.steep) p.y = heights(p).value();
+        }
+    }
+    double x_at(double parameter) const { return curve_.spline.evaluate(parameter).x(); }
+    Interval x_range(const Piece& p) const {
+        const auto [lo, hi] = std::minmax({x_at(p.from), x_at(p.to)});
+        return {lo, hi};
+    }
+    /// An interval of y around a flat piece, without zeros of g_y, along whose ends g has opposite signs: so
+    /// the curve runs from one cut to the other between them, once. Where the curve is steep it gets to the
+    /// cuts further up or down than the spline.
+    std::optional<Interval> heights(const Piece& p) const {
+        const Interval x = x_range(p);
+        Interval y = p.y;
+        constexpr int max_steps = 12;
+        for (int step = 0; step < max_steps; ++step) {
+            const auto above = g_.jet(p.x, y).gradient[1].sign();
+            if (!above || *above == Sign::Zero) return std::nullopt;
+            const bool low = has_sign_along({x.lower(), y.lower(), 0}, x, -*above);
+            const bool high = has_sign_along({x.lower(), y.upper(), 0}, x, *above);
+            if (low && high) return y;
+            const double more = 2 * curve_.band;
+            y = Interval(low ? y.lower() : y.lower() - more, high ? y.upper() : y.upper() + more);
+        }
+        return std::nullopt;
+    }
+    /// Is g shown to have the sign all along the line over x? By its mean value form on up to 2^6 parts.
+    bool has_sign_along(const Line& line, const Interval& x, Sign sign, int depth = 6) const {
+        const Interval middle(x.mid());
+        const Interval at_middle = g_.value(middle, line.at(middle));
+        if (at_middle.sign() != sign) return false;
+        const auto gradient = g_.jet(x, line.at(x)).gradient;
+        const Interval along = gradient[0] + Interval(line.slope) * gradient[1];
+        if ((at_middle + along * (x - middle)).sign() == sign) return true;
+        return depth > 0 && has_sign_along(line, {x.lower(), x.mid()}, sign, depth - 1) &&
+               has_sign_along(line, {x.mid(), x.upper()}, sign, depth - 1);
+    }
+    /// Makes p reach to the end of q if that is one piece of the wanted kind.
+    bool join(Piece& p, const Piece& q, bool steep) const {
+        const Interval x = hull(p.x, q.x), y = hull(p.y, q.y);
+        if (steep ? !turns_at_most_once(x, y) : !has_sign(g_.jet(x, y).gradient[1])) return false;
+        p = {p.from, q.to, p.depth, x, y, steep};
+        return true;
     }
 
     // junctions_[i] is where piece i begins, the last one where the last piece ends.
@@ -560,6 +668,8 @@ private:
         };
         const Sign before = g_y(from), after = g_y(to);
         const Interval y = hull(from.y, to.y);
+        // The cuts may lie beyond the piece's own box.
+        if (!turns_at_most_once(piece.x, hull(y, piece.y))) fail();
         if (before == after) {
             steps.push_back(step(y, before, from, to));
             return;
@@ -591,28 +701,25 @@ private:
         return s;
     }
 
-    // A point of the curve is within `band` of a point (x', y') of the spline: |y - L(x)| <= |y' - L(x')| +
-    // band (1 + |slope|) for the line L through the piece's ends, and the spline lies in the hull of its
-    // control points.
+    // A band about the piece's chord, as the spline suggests, shown by the signs of g along its rims.
     void set_band(TracedGraph::Cell& cell, const Piece& piece) const {
-        const auto points = control_points(piece.from, piece.to);
-        const auto middle = [](const std::array<Interval, 2>& p) {
-            return Eigen::Vector2d(p[0].mid(), p[1].mid());
-        };
-        const Eigen::Vector2d a = middle(points.front()), b = middle(points.back());
+        const Eigen::Vector2d a = curve_.spline.evaluate(piece.from), b = curve_.spline.evaluate(piece.to);
+        const Eigen::Vector2d middle = curve_.spline.evaluate(std::midpoint(piece.from, piece.to));
         const double slope = (b.y() - a.y()) / (b.x() - a.x());
-        if (!std::isfinite(slope)) return;
         const double y0 = a.y() + slope * (cell.x0 - a.x());
-        const auto line = [&](const Interval& x) {
-            return Interval(y0) + Interval(slope) * (x - Interval(cell.x0));
-        };
-        Interval width = Interval(curve_.band) * (Interval(1.0) + Interval(std::abs(slope)));
-        double off = 0;
-        for (const auto& p : points) off = std::max(off, (p[1] - line(p[0])).magnitude());
-        width += Interval(off);
-        cell.y0 = y0;
-        cell.slope = slope;
-        cell.band = width.upper();
+        double band = 1.5 * std::abs(middle.y() - y0 - slope * (middle.x() - cell.x0)) +
+                      2 * curve_.band * (1 + std::abs(slope));
+        constexpr int max_doublings = 3;
+        for (int i = 0; i <= max_doublings; ++i, band *= 2) {
+            const Interval x(cell.x0, cell.x1);
+            if (!has_sign_along({cell.x0, y0 - band, slope}, x, -cell.above) ||
+                !has_sign_along({cell.x0, y0 + band, slope}, x, cell.above))
+                continue;
+            cell.y0 = y0;
+            cell.slope = slope;
+            cell.band = band * (1 + 0x1p-40);  // the rims' heights are rounded
+            return;
+        }
     }
 
     const TracedCurve& curve_;

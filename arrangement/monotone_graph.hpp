@@ -128,8 +128,7 @@ private:
 ///
 /// Of {g = 0} the band holds exactly one simple arc, which runs along the spline from end to end (a closed
 /// spline, whose ends are equal: one simple closed curve). g is smooth with non-zero gradient on it. The
-/// spline serves to find the curve and to answer quickly: nothing is concluded from it but that the curve
-/// lies in the band.
+/// spline says only where to look: every piece of the curve is proved anew from g.
 struct TracedCurve {
     RationalCurve2 spline;
     double band = 0;  ///< chart units
@@ -156,7 +155,7 @@ struct TracedGraph {
     T y(const T& x) const;
     template <class T>
     Direction<T> direction(const T& x) const;
-    /// By the bands alone.
+    /// By the bands alone, without g.
     Interval rough_y(const Interval& x) const;
     /// Is every point of {g = 0} in the box x * y sure to be one of the graph?
     bool holds_alone(const Interval& x, const Interval& y) const;
