@@ -130,17 +130,14 @@ private:
 
     double difference(const Node& n) const { return n.jets[0].value - n.jets[1].value; }
 
-    // Newton's method along a line.
+    // Newton's method along a line, to the level of rounding.
     std::optional<Node> find(Vector2d p, const Vector2d& direction) const {
         constexpr int enough = 12;
-        double last = std::numeric_limits<double>::infinity();
         for (int i = 0; i < enough; ++i) {
             const Node n = node(p);
-            const double step = difference(n) / direction.dot(n.slope());
-            // At the level of rounding steps no longer shrink.
-            if (!(std::abs(step) < 0.5 * last)) return i > 2 ? std::optional(n) : std::nullopt;
-            if (std::abs(step) <= 2 * u * p.norm()) return n;
-            last = std::abs(step);
+            const double slope = direction.dot(n.slope()), step = difference(n) / slope;
+            const double heights = std::abs(n.jets[0].value) + std::abs(n.jets[1].value);
+            if (std::abs(step) <= 16 * u * (p.norm() + heights / std::abs(slope))) return n;
             p -= step * direction;
         }
         return std::nullopt;

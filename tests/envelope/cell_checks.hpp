@@ -16,6 +16,10 @@ namespace vcell::testing {
 inline double distance_to(const Object& object, const Vec3& p) {
     if (const auto* sphere = std::get_if<Sphere>(&object))
         return (p - sphere->center).norm() - sphere->radius;
+    if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
+        const Vec3 axis = cylinder->axis.normalized(), m = p - cylinder->point;
+        return (m - m.dot(axis) * axis).norm() - cylinder->radius;
+    }
     const auto& plane = std::get<Plane>(object);
     return std::abs((p - plane.point).dot(plane.normal)) / plane.normal.norm();
 }
@@ -65,6 +69,8 @@ inline void check_geometry(const Cell& cell) {
         double slack = tolerance;
         for (const std::uint32_t v : edge.vertices)
             slack = std::max(slack, tolerance + 4 * cell.vertices[v].error);
+        slack += 2 * edge.error;  // a distance function and the base's have the slope 1
+        CHECK((edge.error > 0) == (edge.kind == CurveKind::Spline));
         double polyline = 0;
         Vec3 last = edge.curve.evaluate(0);
         for (int k = 0; k <= 512; ++k) {
@@ -114,9 +120,12 @@ inline void check_geometry(const Cell& cell) {
                 // A half-edge has its face on the left: the sites tell which one runs forward.
                 ++uses[*trim.edge][trim.reversed];
                 CHECK(edge.sites[trim.reversed] == face.site);
-                CHECK(trim.curve.knots == edge.curve.knots);
+                // Both in one parameter: spans begin and end together.
+                if (trim.curve.degree == edge.curve.degree) CHECK(trim.curve.knots == edge.curve.knots);
+                CHECK((trim.curve.points.size() - 1) / trim.curve.degree ==
+                      (edge.curve.points.size() - 1) / edge.curve.degree);
                 const RationalCurve2& next = loop[(k + 1) % loop.size()].curve;
-                const double gap = (trim.curve.points.back() - next.points.front()).norm();
+                const double gap = (trim.curve.points.back() - next.points.front()).head<2>().norm();
                 if (edge.vertices.empty())
                     CHECK(gap <= tolerance);
                 else
@@ -124,6 +133,7 @@ inline void check_geometry(const Cell& cell) {
                 double slack = tolerance + 1e-14 * extent;
                 for (const std::uint32_t v : edge.vertices)
                     slack = std::max(slack, tolerance + 4 * cell.vertices[v].error);
+                slack += edge.error;
                 Eigen::Vector2d last = trim.curve.evaluate(0);
                 for (int s = 0; s <= 64; ++s) {
                     const double t = s / 64.0;
@@ -151,6 +161,20 @@ inline void check_geometry(const Cell& cell) {
     }
 }
 
+/// How much larger a piece of the bisector at p is than its projection.
+inline double stretch(const FormFamily& family, FormId form, const Vec3& p) {
+    if (family.is_circular(form)) {
+        const CircularForm& f = family.forms[form];
+        const double gx = (2 * f.k * (p.x() - f.cx) + f.a) / f.w, gy = (2 * f.k * (p.y() - f.cy) + f.b) / f.w;
+        return std::sqrt(1 + gx * gx + gy * gy);
+    }
+    // Across the bisector runs the difference of the directions away from the cylinder's axis and from the base.
+    const CylinderForm& f = family.cylinder(form);
+    const Vec3 axis = Vec3(f.ax, f.ay, f.az).normalized(), m = p - Vec3(f.px, f.py, f.pz);
+    const Vec3 across = (m - m.dot(axis) * axis).normalized() - Vec3::UnitZ();
+    return across.norm() / std::abs(across.z());
+}
+
 /// Measures by the midpoint rule on an n x n grid over the region's bounding rectangle, heights and slopes by
 /// brute force over all forms.
 struct SampledMeasures {
@@ -175,16 +199,17 @@ inline SampledMeasures sample_measures(const PlaneBaseProblem& problem, int n) {
             if (!inside) continue;
             FormId best{0};
             double height = std::numeric_limits<double>::infinity();
-            for (const FormId f : problem.family.forms.ids()) {
-                const double h = problem.family.forms[f](x, y);
+            for (std::uint32_t k = 0; k < problem.family.size(); ++k) {
+                const FormId f{k};
+                const double h = problem.family.is_circular(f)
+                                     ? problem.family.forms[f](x, y)
+                                     : cylinder_height(problem.family.cylinder(f), x, y);
                 if (h < height) {
                     height = h;
                     best = f;
                 }
             }
-            const CircularForm& f = problem.family.forms[best];
-            const double gx = (2 * f.k * (x - f.cx) + f.a) / f.w, gy = (2 * f.k * (y - f.cy) + f.b) / f.w;
-            const double area = cell_area * std::sqrt(1 + gx * gx + gy * gy);
+            const double area = cell_area * stretch(problem.family, best, {x, y, height});
             m.volume += cell_area * height;
             (problem.sites[best].front().is_object() ? m.area : m.box_face_area) += area;
             m.min_clearance = std::min(m.min_clearance, height);

@@ -1,0 +1,199 @@
+// Cells with cylinders: lifted patches, conics by name, splines with their stated errors, measures.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "../../core/wide_interval.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "cell_checks.hpp"
+#include "test_support.hpp"
+
+using namespace vcell;
+using std::numbers::pi;
+
+namespace {
+
+Scene scene_of(std::vector<Object> objects, double height = 2) {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.objects = std::move(objects);
+    scene.box = {{-1, -1, 0}, {1, 1, height}};
+    return scene;
+}
+
+std::vector<const CellEdge*> edges_between(const Cell& cell, Site a, Site b) {
+    std::vector<const CellEdge*> found;
+    for (const CellEdge& e : cell.edges)
+        if ((e.sites[0] == a && e.sites[1] == b) || (e.sites[0] == b && e.sites[1] == a)) found.push_back(&e);
+    return found;
+}
+
+void check_edges(const Cell& cell, Site a, Site b, CurveKind kind) {
+    const auto edges = edges_between(cell, a, b);
+    CHECK_FALSE(edges.empty());
+    for (const CellEdge* e : edges) CHECK(to_string(e->kind) == to_string(kind));
+}
+
+const CellFace& face_of(const Cell& cell, Site site) {
+    for (const CellFace& f : cell.faces)
+        if (f.site == site) return f;
+    FAIL("no face");
+    return cell.faces.front();
+}
+
+// Against the midpoint rule, to its accuracy.
+void check_measures(const Cell& cell, double tolerance) {
+    const PlaneBaseProblem problem = plane_base_problem(cell.scene);
+    const testing::SampledMeasures sampled = testing::sample_measures(problem, 400);
+    const Measures& m = cell.measures;
+    CHECK(m.volume == doctest::Approx(sampled.volume).epsilon(1e-3));
+    CHECK(m.area == doctest::Approx(sampled.area).epsilon(3e-3));
+    CHECK(m.min_clearance <= sampled.min_clearance + 1e-12);
+    CHECK(m.min_clearance == doctest::Approx(sampled.min_clearance).epsilon(1e-2));
+    CHECK(m.max_clearance >= sampled.max_clearance - 1e-12);
+    CHECK(m.max_clearance == doctest::Approx(sampled.max_clearance).epsilon(3e-2));
+    CHECK(m.volume_error < 1e-11 + tolerance * m.volume);
+    CHECK(m.area_error < 1e-10 + 100 * tolerance * (1 + m.area));
+}
+
+// A height with digits to spare, from the forms alone.
+Wide height_of(const FormFamily& family, FormId form, const Eigen::Vector2d& p) {
+    const Wide x(p.x()), y(p.y());
+    if (!family.is_circular(form)) {
+        const CylinderForm& f = family.cylinder(form);
+        const auto [C, beta] = cylinder_terms(f, x, y);
+        return C / (beta + sqrt(square(beta) + Wide(f.az) * Wide(f.az) * C));
+    }
+    const ExactForm f = family.exact(form);
+    const auto wide = [](const Exact& a) { return Wide(a.enclosure()); };
+    return (wide(f.K) * (x * x + y * y) + wide(f.A) * x + wide(f.B) * y + wide(f.C)) / wide(f.W);
+}
+
+// The true arc crosses the normal of the chart curve, shown by opposite signs on both sides of it, within the stated error
+// of the spline's points.
+void check_splines(const Cell& cell) {
+    const PlaneBaseProblem problem = plane_base_problem(cell.scene);
+    const auto form_of = [&](Site site) {
+        for (std::uint32_t i = 0; i < problem.family.size(); ++i)
+            for (const Site s : problem.sites[FormId{i}])
+                if (s == site) return FormId{i};
+        return FormId{};
+    };
+    for (const CellEdge& e : cell.edges) {
+        if (e.kind != CurveKind::Spline) continue;
+        const FormId left = form_of(e.sites[0]), right = form_of(e.sites[1]);
+        const double begin = e.curve.domain_begin(), end = e.curve.domain_end();
+        for (int k = 0; k <= 200; ++k) {
+            const auto [world, world_tangent] = e.curve.evaluate_with_derivative(begin + (end - begin) * k / 200.0);
+            const Vec3 p = problem.frame.to_canonical(world), tangent = problem.frame.rotation * world_tangent;
+            const Eigen::Vector2d at = p.head<2>(), along = tangent.head<2>().normalized(), across(-along.y(), along.x());
+            const auto difference = [&](double offset) {
+                const Eigen::Vector2d q = at + offset * across;
+                return height_of(problem.family, left, q) - height_of(problem.family, right, q);
+            };
+            const double reach = e.error + 1e-14;
+            const auto before = difference(-reach).sign(), after = difference(reach).sign();
+            REQUIRE(before.has_value());
+            REQUIRE(after.has_value());
+            CHECK(*before * *after == Sign::Negative);
+            // Halve to the arc's point, and compare in space.
+            double low = -reach, high = reach;
+            for (int i = 0; i < 50 && high - low > 1e-17; ++i) {
+                const double middle = 0.5 * (low + high);
+                (difference(middle).sign() == before ? low : high) = middle;
+            }
+            const Eigen::Vector2d q = at + low * across;
+            const double z = height_of(problem.family, left, q).enclosure().mid();
+            CHECK((p - Vec3(q.x(), q.y(), z)).norm() <= e.error + 1e-14);
+        }
+    }
+}
+
+void check(const Cell& cell, double tolerance) {
+    testing::check_geometry(cell);
+    check_measures(cell, tolerance);
+    for (const CellEdge& e : cell.edges) CHECK(e.error <= 1.001 * tolerance);
+}
+
+}  // namespace
+
+TEST_CASE("mixed cell: a horizontal cylinder's bisector is a parabolic cylinder, to closed forms") {
+    // Axis along y at height 1, radius 1/2: height (x^2 + 3/4) / 3, meets the lid 0.4 at x^2 = 0.45.
+    const Scene scene = scene_of({Cylinder{{0, 0, 1}, {0, 1, 0}, 0.5}}, 0.4);
+    const Cell cell = voronoi_cell(scene);
+    check(cell, 1e-15);
+    const CellFace& face = face_of(cell, Site::object(0));
+    CHECK(face.bisector == "parabolic cylinder");
+    check_edges(cell, Site::object(0), Site::box_side(5), CurveKind::Line);
+    check_edges(cell, Site::object(0), Site::box_side(2), CurveKind::Parabola);
+    const double a = std::sqrt(0.45), slope = 2 * a / 3;
+    // y = x^2 / 3 has the arc length (w / 4)(s sqrt(1 + s^2) + asinh s) on [0, a], s = 2 a / w, w = 3.
+    const double arc = 0.75 * (slope * std::sqrt(1 + slope * slope) + std::asinh(slope));
+    CHECK(std::abs(cell.measures.area - 4 * arc) <= cell.measures.area_error);
+    CHECK(cell.measures.area_error < 1e-12);
+    const double volume = 2 * 2 * ((a * a * a / 3 + 0.75 * a) / 3 + (1 - a) * 0.4);
+    CHECK(std::abs(cell.measures.volume - volume) <= cell.measures.volume_error);
+    CHECK(cell.measures.volume_error < 1e-12);
+    CHECK(cell.measures.min_clearance == doctest::Approx(0.25).epsilon(1e-14));
+    CHECK(edges_between(cell, Site::object(0), Site::box_side(2))[0]->length ==
+          doctest::Approx(2 * arc).epsilon(1e-13));
+}
+
+TEST_CASE("mixed cell: an upright cylinder beside the region has a circular cone") {
+    // Height: distance from the axis (-2, 0) less the radius; the lid cuts it in a circle about the axis.
+    const Scene scene = scene_of({Cylinder{{-2, 0, 5}, {0, 0, -3}, 0.5}}, 1.2);
+    const Cell cell = voronoi_cell(scene);
+    check(cell, 1e-15);
+    CHECK(face_of(cell, Site::object(0)).bisector == "circular cone");
+    check_edges(cell, Site::object(0), Site::box_side(5), CurveKind::Circle);
+    check_edges(cell, Site::object(0), Site::box_side(0), CurveKind::Hyperbola);
+    for (const CellEdge* e : edges_between(cell, Site::object(0), Site::box_side(5)))
+        for (const double t : {0.0, 0.3, 0.9}) {
+            const Vec3 p = e->curve.evaluate(t);
+            CHECK(std::hypot(p.x() + 2, p.y()) == doctest::Approx(1.7).epsilon(1e-14));
+            CHECK(p.z() == doctest::Approx(1.2).epsilon(1e-14));
+        }
+}
+
+TEST_CASE("mixed cell: plane sections of an elliptic cone are named by exact signs") {
+    // Axis (3, 0, 4) / 5 through the apex's foot; a plane of slope g along x has the eccentricity |4 g + 3| / 5.
+    struct Case {
+        double slope;
+        CurveKind kind;
+    };
+    for (const auto& [slope, kind] : {Case{0.25, CurveKind::Ellipse}, Case{0.5, CurveKind::Parabola},
+                                      Case{0.5 + 0x1p-40, CurveKind::Hyperbola},
+                                      Case{0.5 - 0x1p-40, CurveKind::Ellipse}, Case{1, CurveKind::Hyperbola}}) {
+        CAPTURE(slope);
+        // A plane whose bisector with z = 0 has the slope `slope` along x: at twice its angle.
+        const double c = (1 - slope * slope), s = 2 * slope;
+        const Scene scene =
+            scene_of({Cylinder{{-3, 0, 0}, {3, 0, 4}, 0.25}, Plane{{-1.44 / slope, 0, 0}, {s, 0, -c}}}, 4);
+        const Cell cell = voronoi_cell(scene);
+        check(cell, 1e-15);
+        CHECK(face_of(cell, Site::object(0)).bisector == "elliptic cone");
+        check_edges(cell, Site::object(0), Site::object(1), kind);
+    }
+}
+
+TEST_CASE("mixed cell: conics and splines of all pairs stay within what they state") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
+        for (int round = 0; round < 4; ++round) {
+            Scene scene = scene_of({Sphere{{0.6 * unit(rng), 0.6 * unit(rng), 0.7}, 0.2},
+                                    Cylinder{{0, 0.5 * unit(rng), 0.9}, {1, 0.3 * unit(rng), 0.3 * unit(rng)}, 0.1},
+                                    Cylinder{{0.5 * unit(rng), 0, 0.8}, {0.3 * unit(rng), 1, 0.3 * unit(rng)}, 0.15},
+                                    Cylinder{{-2.5, 0.5 * unit(rng), 0}, {0.5, 0.2, 1}, 0.1},
+                                    Plane{{0, 0, 0.9}, {0.2 * unit(rng), 0.2 * unit(rng), -1}}},
+                                   1.5);
+            scene.tolerance = tolerance;
+            CAPTURE(round);
+            const Cell cell = voronoi_cell(scene);
+            check(cell, tolerance);
+            check_splines(cell);
+        }
+    }
+}
