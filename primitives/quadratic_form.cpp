@@ -122,6 +122,74 @@ Polynomial minors_divisor(const QuadraticForm& p, const QuadraticForm& q) {
     return divisor;
 }
 
+// ---- The first rung: intervals ---------------------------------------------------------------------------
+
+using Cubic = std::array<Interval, 4>;
+
+// Entries in doubles after a common scaling, which changes no question about ranks.
+std::vector<Interval> enclosures(const QuadraticForm& form) {
+    std::optional<long> largest;
+    for (std::size_t i = 0; i < form.size(); ++i)
+        for (std::size_t j = i; j < form.size(); ++j)
+            if (!is_zero(form(i, j)))
+                largest = std::max(largest.value_or(form(i, j).exponent()), form(i, j).exponent());
+    std::vector<Interval> result(form.size() * form.size());
+    for (std::size_t i = 0; i < form.size(); ++i)
+        for (std::size_t j = i; j < form.size(); ++j)
+            result[i * form.size() + j] = result[j * form.size() + i] =
+                form(i, j).scaled(-largest.value_or(0)).enclosure();
+    return result;
+}
+
+// det of the 3 x 3 block (rows, columns) of P + t Q: each column is taken from P or from Q.
+Cubic minor_cubic(const std::vector<Interval>& p, const std::vector<Interval>& q, std::size_t size,
+                  const std::array<std::size_t, 3>& rows, const std::array<std::size_t, 3>& columns) {
+    Cubic cubic{};
+    for (unsigned choice = 0; choice < 8; ++choice) {
+        std::array<std::array<Interval, 3>, 3> m;
+        int power = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const bool from_q = (choice >> j & 1u) != 0;
+            power += from_q;
+            for (std::size_t i = 0; i < 3; ++i) m[i][j] = (from_q ? q : p)[rows[i] * size + columns[j]];
+        }
+        cubic[power] += m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                        m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                        m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    }
+    return cubic;
+}
+
+// Bezout's determinant: not zero when f and g, as forms of degree three, have no common root, none at
+// infinity either.
+Interval resultant(const Cubic& f, const Cubic& g) {
+    const auto b = [&](int i, int j) { return f[i] * g[j] - f[j] * g[i]; };
+    const Interval b03 = b(0, 3), middle = b03 + b(1, 2), b02 = b(0, 2), b13 = b(1, 3);
+    return b(0, 1) * (middle * b(2, 3) - b13 * b13) - b02 * (b02 * b(2, 3) - b13 * b03) +
+           b03 * (b02 * b13 - middle * b03);
+}
+
+// Is it certain that no member of the pencil, p and q included, has rank two or less? A few minors tell for
+// forms in general position. They use the last coordinate, the constant terms: without it differences of
+// cylinders have rank two.
+bool surely_has_no_pair_of_planes(const QuadraticForm& p, const QuadraticForm& q) {
+    if (p.size() < 4) return false;
+    using Rows = std::array<std::size_t, 3>;
+    const std::size_t last = p.size() - 1;
+    const Rows xy{0, 1, last}, yz{1, 2, last}, xz{0, 2, last};
+    const std::vector<Interval> a = enclosures(p), b = enclosures(q);
+    std::vector<Cubic> minors;
+    for (const auto& [rows, columns] : {std::pair<Rows, Rows>{xy, xy}, {yz, yz}, {xz, xz}, {xy, xz}}) {
+        const Cubic minor = minor_cubic(a, b, p.size(), rows, columns);
+        for (const Cubic& other : minors) {
+            const std::optional<Sign> s = resultant(minor, other).sign();
+            if (s && *s != Sign::Zero) return true;
+        }
+        minors.push_back(minor);
+    }
+    return false;
+}
+
 // Enough for a plane's coefficients to round to doubles once and for signs to be read off.
 constexpr int root_bits = 200;
 
@@ -235,6 +303,7 @@ Factors factors(const QuadraticForm& m) {
 PencilSplit split_pencil(const QuadraticForm& p, const QuadraticForm& q) {
     using Kind = Factors::Kind;
     PencilSplit best;
+    if (surely_has_no_pair_of_planes(p, q)) return best;
     const auto rank = [](Kind k) {
         return k == Kind::Rational ? 3 : k == Kind::Complex ? 2 : k == Kind::Irrational;
     };
