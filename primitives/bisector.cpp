@@ -41,6 +41,12 @@ Bisector of_planes(const ExactPlane& p, const ExactPlane& q) {
     return {Kind::Plane, q.square * f + inner * g, {1, 1}};
 }
 
+// Pre: o is no plane.
+RoundSurface round_surface(const Object& o) {
+    const auto* sphere = std::get_if<Sphere>(&o);
+    return sphere != nullptr ? RoundSurface(*sphere) : RoundSurface(std::get<Cylinder>(o));
+}
+
 // The plane's side of the base plane's normal, or of the point of a round base.
 Bisector of_plane_and_round(const ExactPlane& plane, bool plane_is_base, const RoundSurface& round) {
     const Exact height = plane.at(round.point);
@@ -271,9 +277,9 @@ public:
     }
 
     // p = c1 + s1 d1 + q1 n1 = c2 + s2 d2 + q2 n2 with q2 = q1 - difference. Along k = d1 x d2:
-    // q1 (k.n1 - k.n2) = k.e - difference k.n2 with e = c2 - c1. Across d2, with f(x) = (x x d2).k / k^2, f(d1) = 1:
-    // s1 = f(e) - difference f(n2) - q1 (f(n1) - f(n2)); over the common denominator the weight of n2
-    // divides out.
+    // q1 (k.n1 - k.n2) = k.e - difference k.n2 with e = c2 - c1. Across d2, with f(x) = (x x d2).k / k^2,
+    // f(d1) = 1: s1 = f(e) - difference f(n2) - q1 (f(n1) - f(n2)); over the common denominator the weight of
+    // n2 divides out.
     std::optional<RationalPatch> crossing_cylinders(const Shape& p, const Shape& q, double difference) const {
         const Vec3 e = q.point - p.point, cross = p.direction.cross(q.direction);
         const Vec3 k = cross.dot(e) < 0 ? Vec3(-cross) : cross;
@@ -363,14 +369,10 @@ std::string_view to_string(BisectorKind kind) {
 
 Bisector bisector(const Object& base, const Object& a) {
     const auto *p = std::get_if<Plane>(&base), *q = std::get_if<Plane>(&a);
-    const auto round = [](const Object& o) {
-        const auto* sphere = std::get_if<Sphere>(&o);
-        return sphere != nullptr ? RoundSurface(*sphere) : RoundSurface(std::get<Cylinder>(o));
-    };
     if (p != nullptr && q != nullptr) return of_planes(ExactPlane(*p), ExactPlane(*q));
-    if (p != nullptr) return of_plane_and_round(ExactPlane(*p), true, round(a));
-    if (q != nullptr) return of_plane_and_round(ExactPlane(*q), false, round(base));
-    return of_rounds(round(base), round(a));
+    if (p != nullptr) return of_plane_and_round(ExactPlane(*p), true, round_surface(a));
+    if (q != nullptr) return of_plane_and_round(ExactPlane(*q), false, round_surface(base));
+    return of_rounds(round_surface(base), round_surface(a));
 }
 
 std::optional<RationalPatch> bisector_patch(const Object& base, const Object& a,
@@ -399,26 +401,21 @@ std::optional<RationalPatch> bisector_patch(const Object& base, const Object& a,
         return make.plane(common,
                           sheet == 0 ? Vec3(s.direction - t.direction) : Vec3(s.direction + t.direction));
     }
-    const auto index = [](const Object& o) { return o.index(); };
-    if (index(base) == 0 || index(a) == 0) {
-        const bool plane_is_base = index(base) == 0;
+    if (base.index() == 0 || a.index() == 0) {
+        const bool plane_is_base = base.index() == 0;
         const Shape &plane = plane_is_base ? s : t, &round = plane_is_base ? t : s;
         const double h = plane.direction.dot(round.point - plane.point);
         const double side = !plane_is_base && h < 0 ? -1 : 1;
-        const bool cylinder = index(plane_is_base ? a : base) == 2;
+        const bool cylinder = (plane_is_base ? a : base).index() == 2;
         return cylinder ? make.plane_cylinder(side * plane.direction, side * h, round)
                         : make.plane_sphere(side * plane.direction, side * h, round);
     }
-    const auto round = [](const Object& o) {
-        const auto* sphere = std::get_if<Sphere>(&o);
-        return sphere != nullptr ? RoundSurface(*sphere) : RoundSurface(std::get<Cylinder>(o));
-    };
-    const RoundPair pair(round(base), round(a));
+    const RoundPair pair(round_surface(base), round_surface(a));
     const double difference = pair.difference.enclosure().mid();
-    if (index(base) != index(a))
-        return index(base) == 1 ? make.sphere_cylinder(s, t, pair.side)
-                                : make.sphere_cylinder(t, s, pair.side);
-    if (index(base) == 1) return make.sphere_sphere(s, t, difference);
+    if (base.index() != a.index())
+        return base.index() == 1 ? make.sphere_cylinder(s, t, pair.side)
+                                 : make.sphere_cylinder(t, s, pair.side);
+    if (base.index() == 1) return make.sphere_sphere(s, t, difference);
     const bool parallel =
         cross(ExactVector(std::get<Cylinder>(base).axis), ExactVector(std::get<Cylinder>(a).axis)).is_zero();
     return parallel ? make.parallel_cylinders(s, t, difference) : make.crossing_cylinders(s, t, difference);

@@ -58,21 +58,18 @@ Bisector bisector(const Object& base, const Object& a);
 
 /// The piece of the bisector over a rectangle of the parameters (u, v):
 ///
-///     planes, hyperplanes of points and parallel axes (kinds Plane, PairOfPlanes): lengths in the plane
-///     plane - sphere         lengths in the plane from the foot of the centre; the height is biquadratic
+///     kinds Plane, PairOfPlanes: lengths in the plane
+///     plane - sphere         lengths in the plane from the foot of the centre
 ///     sphere - sphere        stereographic about the direction to the other centre: the unit disk is the
-///     half
-///                            sphere that faces it
-///     any - cylinder         u the tangent of half the angle about the axis, 0 facing the other object; v
-///     the
-///                            length along it (axes that are not parallel: the half angle about the other
-///                            axis, of base u)
+///                            half that faces it
+///     any - cylinder         u: tangent of half the angle about the axis, 0 facing the other object (of axes
+///                            that meet: along their common normal); v: length along the axis
+///     skew, crossing axes    u: that angle of the base, v: of the other cylinder
 ///
-/// `sheet` 1 is the second plane of a pair. None where the bisector is no surface, or a weight is not
-/// positive: the rectangle reaches beyond the surface's points at infinity.
-/// Over a base or object that is round the same formula continues past infinity to points of negative
-/// distance: stay where the distance of the middle of the rectangle is positive. Error: of the order of 2^-50
-/// times the extent of control points and objects.
+/// `sheet` 1 is the second plane of a pair. None where the bisector is no surface, or where a weight is not
+/// positive: the rectangle reaches beyond the surface's points at infinity. On quartics and hyperboloids the
+/// formula continues to points of negative distance, of the other branch; rectangles about (0, 0) stay clear.
+/// Error: of the order of 2^-50 times the extent of control points and objects.
 std::optional<RationalPatch> bisector_patch(const Object& base, const Object& a,
                                             const std::array<double, 2>& domain_u,
                                             const std::array<double, 2>& domain_v, int sheet = 0);
