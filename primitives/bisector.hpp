@@ -68,7 +68,8 @@ Bisector bisector(const Object& base, const Object& a);
 ///
 /// `sheet` 1 is the second plane of a pair. None where the bisector is no surface, or where a weight is not
 /// positive: the rectangle reaches beyond the surface's points at infinity. On quartics and hyperboloids the
-/// formula continues to points of negative distance, of the other branch; rectangles about (0, 0) stay clear.
+/// formula continues to points of negative distance, of the other branch; small rectangles about (0, 0) stay
+/// clear of them while the objects are disjoint.
 /// Error: of the order of 2^-50 times the extent of control points and objects.
 std::optional<RationalPatch> bisector_patch(const Object& base, const Object& a,
                                             const std::array<double, 2>& domain_u,
