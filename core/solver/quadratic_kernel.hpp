@@ -69,21 +69,24 @@ QuadraticKernel<N>::QuadraticKernel(const QuadraticForms<N, Interval>& forms, co
             domain[i].mid(), margin * domain[i].radius() + (margin - 1) * domain[i].magnitude() * 0x1p-20);
         reach[i] = domain_[i].magnitude();
     }
+    // Most coefficients are exact. Twice the radius covers the rounding of the middle.
+    const auto radius = [](const Interval& c) { return c.lower() == c.upper() ? 0.0 : c.radius(); };
+    const auto middle = [](const Interval& c) { return 0.5 * c.lower() + 0.5 * c.upper(); };
     for (int k = 0; k < N; ++k) {
-        c_[k] = forms.constant[k].mid();
-        value_error_[k] = gamma_value * std::abs(c_[k]) + forms.constant[k].radius() + underflow;
+        c_[k] = middle(forms.constant[k]);
+        value_error_[k] = gamma_value * std::abs(c_[k]) + 2 * radius(forms.constant[k]) + underflow;
         for (int i = 0; i < N; ++i) {
-            l_[i][k] = forms.linear[i][k].mid();
+            l_[i][k] = middle(forms.linear[i][k]);
             jacobian_error_[i][k] =
-                gamma_value * std::abs(l_[i][k]) + forms.linear[i][k].radius() + underflow;
+                gamma_value * std::abs(l_[i][k]) + 2 * radius(forms.linear[i][k]) + underflow;
             value_error_[k] += jacobian_error_[i][k] * reach[i];
         }
-        for (int i = 0; i < N; ++i)
-            for (int j = i; j < N; ++j) {
-                const int ij = forms.pair(i, j);
-                q_[ij][k] = forms.quadratic[ij][k].mid();
+        for (int i = 0, ij = 0; i < N; ++i)
+            for (int j = i; j < N; ++j, ++ij) {
+                const Interval& q = forms.quadratic[ij][k];
+                q_[ij][k] = middle(q);
                 abs_q_[ij][k] = std::abs(q_[ij][k]);
-                const double error = gamma_value * abs_q_[ij][k] + forms.quadratic[ij][k].radius();
+                const double error = gamma_value * abs_q_[ij][k] + 2 * radius(q);
                 jacobian_error_[i][k] += error * reach[j];
                 jacobian_error_[j][k] += error * reach[i];
                 value_error_[k] += error * reach[i] * reach[j];
@@ -280,11 +283,12 @@ IntervalBox<N> QuadraticKernel<N>::approximate_root(Point<N> x) const {
     double last = std::numeric_limits<double>::infinity();
     IntervalBox<N> result;
     for (int i = 0; i < N; ++i) result[i] = Interval(x[i]);
-    // Quadratic convergence from within a box of injectivity: a handful of steps.
+    // Quadratic convergence: once a move is below half the digits, the image of a box of that size is as
+    // tight as the rounding allows.
     for (int iteration = 0; iteration < 12; ++iteration) {
         evaluate(x, value, jacobian);
         if (!invert(jacobian, b)) break;
-        double size = 0, least = 0;
+        double size = 0, enough = 0;
         move = Vector{};
         Vector error{};
         for (int k = 0; k < N; ++k)
@@ -295,11 +299,11 @@ IntervalBox<N> QuadraticKernel<N>::approximate_root(Point<N> x) const {
         for (int r = 0; r < N; ++r) {
             x[r] += move[r];
             size = std::max(size, std::abs(move[r]));
-            least = std::max(least, error[r]);
+            enough = std::max({enough, error[r], 0x1p-26 * std::abs(x[r])});
             result[r] =
                 Interval::ball(x[r], 2 * error[r] + std::abs(move[r]) * 0x1p-10 + 4 * u * std::abs(x[r]));
         }
-        if (!(size > least && size < 0.5 * last)) break;
+        if (!(size > enough && size < 0.5 * last)) break;
         last = size;
     }
     return result;

@@ -50,7 +50,7 @@ std::array<T, N> tightened(const Steps& steps, std::array<T, N> found, int bits 
         if (!tighter) throw InternalError("solver: a proved root has vanished");
         found = *tighter;
         after = excess(found);
-        if (!(after < 0.5 * before)) break;
+        if (!(after < 0.9 * before)) break;
     }
     return found;
 }
@@ -165,8 +165,8 @@ public:
 
     Search(const Steps& steps, const Box& domain, Limits limits) : steps_(steps), limits_(limits) {
         for (int i = 0; i < N; ++i) domain_width_[i] = approximate_width(domain[i]);
-        level_.reserve(64);
-        next_.reserve(64);
+        level_.reserve(16);
+        next_.reserve(16);
         level_.push_back(domain);
         // Breadth first: when the budget runs out, what is left is as small everywhere.
         while (!level_.empty()) {

@@ -136,8 +136,8 @@ Solutions<N> solve(const Steps& steps, const MakeWide& make_wide, const Interval
     };
 
     // Roots on the boundary, or too close to it for doubles.
-    const auto wide_domain = converted<Wide>(domain);
     const auto place = [&](Root<N>& root) {
+        const WideBox<N> wide_domain = converted<Wide>(domain);
         if (!root.precise) root.precise = in_wide().tightened(converted<Wide>(root.box));
         root.on_boundary = !is_subset(*root.precise, wide_domain);
         return overlap(*root.precise, wide_domain);
