@@ -370,6 +370,7 @@ public:
     }
 
 private:
+    static constexpr std::size_t max_pieces = std::size_t{1} << 16;  // a hopeless curve doubles them in vain
     static constexpr int max_depth = 40;  // halvings of a knot span; boxes then hardly differ from the band's
 
     struct Piece {
@@ -447,7 +448,9 @@ private:
         out.push_back(piece);
     }
     void halve(std::vector<Piece>& out, const Piece& piece) const {
-        if (piece.depth == max_depth) fail();
+        // A box around less than half a band's width of spline hardly shrinks any more.
+        const double size = std::max(piece.x.upper() - piece.x.lower(), piece.y.upper() - piece.y.lower());
+        if (piece.depth == max_depth || size < 2.5 * curve_.band || pieces_.size() > max_pieces) fail();
         const double middle = std::midpoint(piece.from, piece.to);
         add(out, piece.from, middle, piece.depth + 1);
         add(out, middle, piece.to, piece.depth + 1);

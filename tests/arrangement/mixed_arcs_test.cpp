@@ -465,8 +465,20 @@ TEST_CASE("mixed arcs: faces are where the signs of the defining functions say")
         for (std::uint32_t i = 0; i < heights.size(); ++i) {
             for (std::uint32_t j = 0; j < i; ++j) {
                 functions.push_back(difference(heights[i], heights[j]));
-                for (const TracedCurve& c : trace(functions.back(), 2.5, 0.02))
-                    curves.push_back(g.add_traced(c, MixedArcs::Label{i, j}));
+                // Sharp bends need a finer trace.
+                for (double step = 0.02;; step *= 0.5) {
+                    REQUIRE(step > 1e-3);
+                    const auto traced = trace(functions.back(), 2.5, step);
+                    std::vector<MixedCurveId> added;
+                    try {
+                        for (const TracedCurve& c : traced)
+                            added.push_back(g.add_traced(c, MixedArcs::Label{i, j}));
+                    } catch (const InputError&) {
+                        continue;
+                    }
+                    curves.insert(curves.end(), added.begin(), added.end());
+                    break;
+                }
             }
         }
         curves.push_back(g.add_circle(0.25, 0, 1));
