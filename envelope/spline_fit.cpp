@@ -99,14 +99,11 @@ public:
 
     FitError run(const ArcEnd* start, const ArcEnd* end,
                  std::span<const MinimizationDiagram::ArcPiece> pieces) {
-        Node from = start ? node(start->point, start->height) : inner_node(pieces.back());
-        const Node first = from;
-        for (std::size_t i = 0; i < pieces.size(); ++i) {
-            const bool last = i + 1 == pieces.size();
-            const Node to = !last ? inner_node(pieces[i]) : end ? node(end->point, end->height) : first;
-            fit(from, to, pieces[i], deepest);
-            from = to;
-        }
+        nodes_.reserve(pieces.size() + 1);
+        nodes_.push_back(start ? node(start->point, start->height) : inner_node(pieces.back()));
+        for (const Piece& piece : pieces.first(pieces.size() - 1)) nodes_.push_back(inner_node(piece));
+        nodes_.push_back(end ? node(end->point, end->height) : nodes_.front());
+        fit(pieces, 0);
         return error_;
     }
 
@@ -174,8 +171,17 @@ private:
         Vector2d slope = Vector2d::Zero();  // in the middle
     };
 
+    // Pieces from nodes_[first] on: in one span where that will do, else in two groups.
+    void fit(std::span<const Piece> pieces, std::size_t first) {
+        if (pieces.size() == 1) return fit(nodes_[first], nodes_[first + 1], pieces.front(), deepest);
+        if (accept(hermite(nodes_[first], nodes_[first + pieces.size()], pieces))) return;
+        const std::size_t half = pieces.size() / 2;
+        fit(pieces.first(half), first);
+        fit(pieces.subspan(half), first + half);
+    }
+
     void fit(const Node& from, const Node& to, const Piece& piece, int halvings) {
-        const Fit smooth = hermite(from, to, piece);
+        const Fit smooth = hermite(from, to, {&piece, 1});
         if (accept(smooth)) return;
         // Arc and chord lie in the piece's box: where that is small enough the chord will do.
         const Fit chord = straight(from, to, piece);
@@ -254,7 +260,7 @@ private:
 
     // With h over the chord (e along it, m to its left) and D = f - g:
     //     h' = -D_e / D_m,   h'' = -Hess D (e + h' m, e + h' m) / D_m.
-    Fit hermite(const Node& from, const Node& to, const Piece& piece) const {
+    Fit hermite(const Node& from, const Node& to, std::span<const Piece> pieces) const {
         constexpr double steepest = 2;
         const double length = (to.p - from.p).norm();
         const Vector2d e = (to.p - from.p) / length, m(-e.y(), e.x());
@@ -272,7 +278,7 @@ private:
             ends[i] = end_jet(n, length * tangent, length * length * h2 * m);
         }
         fit.span = span_between(ends[0], ends[1]);
-        certify(fit, piece);
+        certify(fit, pieces);
         return fit;
     }
 
@@ -293,7 +299,7 @@ private:
     }
 
     // Steps 1 to 4.
-    void certify(Fit& fit, const Piece& piece) const {
+    void certify(Fit& fit, std::span<const Piece> pieces) const {
         const auto& p = fit.span.points;
         Eigen::Array2d low = p[0].head<2>(), high = low;
         for (int k = 1; k <= 5; ++k) {
@@ -303,16 +309,29 @@ private:
         const Node middle = node(0.5 * (low + high).matrix());
         // Room for the arc beside the span: what it may at most be away.
         const double half = 0.5 * (high - low).matrix().norm(), room = 0.25 * half + 8 * u * middle.p.norm();
-        const double change = variation(middle, half + room);
+        const bool single = pieces.size() == 1;
+        const double radius = single ? half + room : std::max(half + room, reach(middle.p, pieces));
+        const double change = variation(middle, radius);
         const Vector2d difference = middle.slope();
         const double slope = difference.norm() - change;
-        if (!(slope > 0 && piece.direction.dot(difference) > change)) return;
+        if (!(slope > 0 && (!single || pieces.front().direction.dot(difference) > change))) return;
         const auto [x, y, z] = coordinates(fit.span);
         const double distance = (sides_[0].height_error(x, y, z) + sides_[1].height_error(x, y, z)) / slope;
         if (!(distance <= room)) return;
         fit.slope = difference;
         fit.error.chart = distance;
-        fit.error.space = space_error(fit.span, middle, distance, half + room);
+        fit.error.space = space_error(fit.span, middle, distance, radius);
+    }
+
+    // The radius of the disk around p that contains the boxes of the pieces.
+    static double reach(const Vector2d& p, std::span<const Piece> pieces) {
+        double squared = 0;
+        for (const Piece& piece : pieces) {
+            const double dx = std::max(p.x() - piece.box[0], piece.box[1] - p.x());
+            const double dy = std::max(p.y() - piece.box[2], piece.box[3] - p.y());
+            squared = std::max(squared, dx * dx + dy * dy);
+        }
+        return std::sqrt(squared);
     }
 
     static std::array<Bernstein<5>, 3> coordinates(const MixedSpan& span) {
@@ -358,6 +377,7 @@ private:
     const std::array<Side, 2> sides_;
     const double tolerance_;
     std::vector<MixedSpan>& spans_;
+    std::vector<Node> nodes_;  // the ends of the pieces
     FitError error_;
 };
 

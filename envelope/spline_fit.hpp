@@ -19,7 +19,7 @@
 ///    piece. The cell of the piece and the disk are convex and both contain the chord between two points of the arc in
 ///    the cell; a line along d that meets the chord meets their union in a segment. If the derivative along d
 ///    is positive in the disk too, then f = g once on that segment: the graph is the arc. A halving point is
-///    on the arc for the same reason.
+///    on the arc for the same reason. A span over several pieces takes a disk that contains their cells, so the arc.
 /// 4. Trims. The patch's chart point at (u, v)(t), a polynomial of degree 15, is compared with p(t) coefficient by
 ///    coefficient.
 ///
