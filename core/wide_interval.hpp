@@ -90,6 +90,7 @@ public:
         if (b.lo_ == b.hi_) return scaled(a, b.lo_);
         return from_candidates(a.lo_ * b.lo_, a.lo_ * b.hi_, a.hi_ * b.lo_, a.hi_ * b.hi_);
     }
+    friend WideInterval operator*(double s, const WideInterval& a) { return scaled(a, Float(s)); }
     /// The whole line when b contains zero.
     friend WideInterval operator/(const WideInterval& a, const WideInterval& b) {
         if (b.lo_ <= 0 && b.hi_ >= 0) return whole();

@@ -27,21 +27,25 @@ struct CylinderHeight {
     bool outside = true;  // certainly outside the trace on the base
 
     CylinderHeight(const CylinderForm& f, const T& norm, const T& A, const T& x, const T& y) {
-        const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho);
-        const T mx = x - T(f.px), my = y - T(f.py);
-        cx = my * az + pz * ay;
-        cy = -(mx * az) - pz * ax;
-        cz = mx * ay - my * ax;
-        const T C = square(cx) + square(cy) + square(cz) - norm * square(rho);
-        const T beta = norm * (rho + pz) + (mx * ax + my * ay - pz * az) * az;
-        const T D = square(beta) + A * C;
-        outside = D.sign() == Sign::Positive && C.sign() == Sign::Positive;
-        if (!outside) {
-            root = v = T::whole();
-            return;
+        const T mx = x - T(f.px), my = y - T(f.py), pz(f.pz);
+        cx = f.az * my + f.ay * pz;
+        cy = -(f.az * mx) - f.ax * pz;
+        cz = f.ay * mx - f.ax * my;
+        const T C = square(cx) + square(cy) + square(cz) - norm * square(T(f.rho));
+        const T beta = norm * (T(f.rho) + pz) + f.az * (f.ax * mx + f.ay * my - f.az * pz);
+        if (f.az == 0) {
+            outside = C.sign() == Sign::Positive && beta.sign() == Sign::Positive;
+            root = beta;
+            v = C / (2.0 * beta);
+        } else {
+            const T D = square(beta) + A * C;
+            outside = D.sign() == Sign::Positive && C.sign() == Sign::Positive;
+            if (outside) {
+                root = sqrt(D);
+                v = beta.sign() == Sign::Positive ? C / (root + beta) : (root - beta) / A;
+            }
         }
-        root = sqrt(D);
-        v = f.az == 0 || beta.sign() == Sign::Positive ? C / (root + beta) : (root - beta) / A;
+        if (!outside) root = v = T::whole();
     }
 };
 
@@ -49,9 +53,8 @@ template <class T>
 HeightJet<T> cylinder_jet(const CylinderForm& f, const T& norm, const T& A, const T& x, const T& y) {
     const CylinderHeight<T> h(f, norm, A, x, y);
     if (!h.outside) return {T::whole(), T::whole(), T::whole()};
-    const T ax(f.ax), ay(f.ay), az(f.az);
     // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
-    return {h.v, (h.cz * ay - h.cy * az - az * ax * h.v) / h.root, (h.cx * az - h.cz * ax - az * ay * h.v) / h.root};
+    return {h.v, (f.ay * h.cz - f.az * (h.cy + f.ax * h.v)) / h.root, (f.az * (h.cx - f.ay * h.v) - f.ax * h.cz) / h.root};
 }
 
 }  // namespace
@@ -80,9 +83,20 @@ HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
     const Prepared& p = prepared_[f.value];
     if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p.norm, p.A, x, y);
     const CircularForm& form = family_.forms[f];
-    const Interval k(form.k), dx = x - Interval(form.cx), dy = y - Interval(form.cy), two_k(2 * form.k);
-    return {(k * (square(dx) + square(dy)) + p.a * x + p.b * y + p.e) * p.inverse_w, (two_k * dx + p.a) * p.inverse_w,
-            (two_k * dy + p.b) * p.inverse_w};
+    const Interval dx = x - Interval(form.cx), dy = y - Interval(form.cy);
+    return {value(f, x, y), (2 * form.k * dx + p.a) * p.inverse_w, (2 * form.k * dy + p.b) * p.inverse_w};
+}
+
+// Sphere-like forms have a = b = 0, linear ones k = 0.
+Interval Heights::value(FormId f, Interval x, Interval y) const {
+    const Prepared& p = prepared_[f.value];
+    if (!family_.is_circular(f)) return CylinderHeight<Interval>(family_.cylinder(f), p.norm, p.A, x, y).v;
+    const CircularForm& form = family_.forms[f];
+    Interval sum = p.e;
+    if (form.k != 0) sum += form.k * (square(x - Interval(form.cx)) + square(y - Interval(form.cy)));
+    if (form.a != 0) sum += p.a * x;
+    if (form.b != 0) sum += p.b * y;
+    return sum * p.inverse_w;
 }
 
 const Heights::WidePrepared& Heights::wide(FormId f) const {
@@ -160,7 +174,7 @@ ExactHeight exact_height(const FormFamily& family, FormId f, double x, double y)
 }  // namespace
 
 Sign Heights::compare(FormId f, FormId g, double x, double y, Decisions& decisions) const {
-    if (const auto s = (jet(f, Interval(x), Interval(y)).v - jet(g, Interval(x), Interval(y)).v).sign()) {
+    if (const auto s = (value(f, Interval(x), Interval(y)) - value(g, Interval(x), Interval(y))).sign()) {
         ++decisions.by_interval;
         return *s;
     }

@@ -35,6 +35,7 @@ public:
     /// Encloses height and gradient of f over the box x times y. Where the box reaches into a cylinder's trace
     /// on the base: the whole line.
     HeightJet<Interval> jet(FormId f, Interval x, Interval y) const;
+    Interval value(FormId f, Interval x, Interval y) const;
     /// The same with more digits, for boxes so small that doubles cannot tell.
     HeightJet<Wide> jet(FormId f, const Wide& x, const Wide& y) const;
     Wide value(FormId f, const Wide& x, const Wide& y) const;

@@ -216,8 +216,9 @@ private:
 
     // --- Pieces in which cylinders compete. ---------------------------------------------------------------
 
-    LabelledPiece label(const Piece& piece, std::vector<FormId> candidates) {
-        analysis_.cull({piece.rect.x0, piece.rect.x1, piece.rect.y0, piece.rect.y1}, candidates);
+    LabelledPiece label(const Piece& piece, std::span<const FormId> all) {
+        const Rect& r = piece.rect;
+        const std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, all);
         const std::size_t n = piece.sides.size();
         LabelledPiece out{piece, {}, {}};
         std::vector<FormId> first(n), last(n);
@@ -244,8 +245,7 @@ private:
 
     Patchwork::Index solve_labelled(const LabelledPiece& part, std::span<const FormId> inherited, double share) {
         const Rect& r = part.piece.rect;
-        std::vector<FormId> candidates(inherited.begin(), inherited.end());
-        analysis_.cull({r.x0, r.x1, r.y0, r.y1}, candidates);
+        std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, inherited);
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             return solve(part.piece, candidates, share, 0);
         const bool at_floor = extent(r) <= MixedAnalysis::floor_width * extent(root_.rect);

@@ -28,6 +28,8 @@ std::array<T, 2> intersection(const PieceSide& s, const PieceSide& t) {
 
 bool axis_parallel(const PieceSide& s) { return (s.a == 0 && std::abs(s.b) == 1) || (s.b == 0 && std::abs(s.a) == 1); }
 
+constexpr std::size_t most_compared_in_pairs = 16;
+
 bool is_point(Interval i) { return i.lower() == i.upper(); }
 
 // Removes what is certainly above another one: v at the middle, slopes times half the extent on both sides.
@@ -91,7 +93,7 @@ struct MixedAnalysis::Line {
     // Encloses the difference of two heights at m, and its derivative between lo and hi.
     std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
         const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
-        return {heights.jet(f, p[0], p[1]).v - heights.jet(g, p[0], p[1]).v,
+        return {heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]),
                 along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]))};
     }
     // The same with a difference that doubles would cancel.
@@ -118,37 +120,37 @@ void MixedAnalysis::spreads(const std::array<double, 4>& box, std::span<const Fo
     const Interval X(box[0], box[1]), Y(box[2], box[3]);
     out.clear();
     for (const FormId f : candidates) {
-        const Interval v = heights_.jet(f, Interval(X.mid()), Interval(Y.mid())).v;
         const HeightJet<Interval> all = heights_.jet(f, X, Y);
-        out.push_back({f, v, all.gx, all.gy});
+        out.push_back({f, heights_.value(f, Interval(X.mid()), Interval(Y.mid())), all.gx, all.gy});
     }
 }
 
-void MixedAnalysis::cull(const std::array<double, 4>& box, std::vector<FormId>& candidates) {
+std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
     const Interval X(box[0], box[1]), Y(box[2], box[3]);
     const double rx = Interval::up(std::max(X.upper() - X.mid(), X.mid() - X.lower())),
                  ry = Interval::up(std::max(Y.upper() - Y.mid(), Y.mid() - Y.lower()));
-    std::vector<Spread> all;
-    spreads(box, candidates, all);
+    spreads(box, candidates, spreads_);
+    const auto certainly_above = [&](const Spread& a, const Spread& b) {
+        return (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) - (a.gy - b.gy).magnitude() * Interval(ry)).lower() > 0;
+    };
+    // The one whose highest value is lowest beats most of the others; few are left to be compared in pairs.
     std::size_t rival = 0;
     double lowest_top = infinity;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const double top = all[i].v.upper() + all[i].gx.magnitude() * rx + all[i].gy.magnitude() * ry;
+    for (std::size_t i = 0; i < spreads_.size(); ++i) {
+        const Spread& s = spreads_[i];
+        const double top = s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry;
         if (top < lowest_top) {
             lowest_top = top;
             rival = i;
         }
     }
-    const Spread& r = all[rival];
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const Spread& s = all[i];
-        const Interval d = s.v - r.v - Interval((s.gx - r.gx).magnitude()) * Interval(rx) -
-                           Interval((s.gy - r.gy).magnitude()) * Interval(ry);
-        if (i == rival || !(d.lower() > 0)) candidates[kept++] = candidates[i];
-    }
-    decisions_.by_interval += all.size() - 1;
-    candidates.resize(kept);
+    decisions_.by_interval += spreads_.size() - 1;
+    const Spread best = spreads_[rival];
+    std::erase_if(spreads_, [&](const Spread& s) { return s.form != best.form && certainly_above(s, best); });
+    if (spreads_.size() <= most_compared_in_pairs) drop_dominated(spreads_, certainly_above);
+    std::vector<FormId> kept;
+    for (const Spread& s : spreads_) kept.push_back(s.form);
+    return kept;
 }
 
 // --- Along a side ------------------------------------------------------------------------------------------
@@ -210,7 +212,7 @@ std::vector<FormId> lowest_in_many_digits(const Heights& heights, const std::arr
 
 std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates) {
     const IntervalPoint p = corner_of(s, t);
-    std::vector<FormId> lowest = possibly_lowest(candidates, [&](FormId f) { return heights_.jet(f, p[0], p[1]).v; });
+    std::vector<FormId> lowest = possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
     ++decisions_.by_interval;
     if (lowest.size() == 1) return lowest;
     if (is_point(p[0]) && is_point(p[1])) return exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_);
@@ -222,7 +224,7 @@ std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide
 std::vector<FormId> MixedAnalysis::lowest_at(const Line& line, double s, std::span<const FormId> candidates) {
     const IntervalPoint p = line.at(Interval(s));
     const std::vector<FormId> lowest =
-        possibly_lowest(candidates, [&](FormId f) { return heights_.jet(f, p[0], p[1]).v; });
+        possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
     ++decisions_.by_interval;
     if (lowest.size() == 1) return lowest;
     if (is_point(p[0]) && is_point(p[1])) return exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_);
@@ -275,7 +277,7 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     };
     std::vector<Item> items;
     for (const FormId f : candidates)
-        items.push_back({f, heights_.jet(f, middle[0], middle[1]).v, line.along(heights_.jet(f, range[0], range[1])), {}});
+        items.push_back({f, heights_.value(f, middle[0], middle[1]), line.along(heights_.jet(f, range[0], range[1])), {}});
     drop_dominated(items, [&](const Item& a, const Item& b) {
         return (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
     });
@@ -492,7 +494,7 @@ struct MixedAnalysis::Work {
     }
 };
 
-std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, std::vector<FormId> candidates) {
+std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, std::span<const FormId> candidates) {
     Work work{boundary, {}, {}, {}, {}, {}, 0};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
@@ -504,14 +506,8 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
     work.piece.box = {x0, x1, y0, y1};
     work.width = std::max(x1 - x0, y1 - y0);
 
-    spreads(work.piece.box, candidates, work.rivals);
-    const Vector2d m = work.middle();
-    const double rx = Interval::up(std::max(x1 - m.x(), m.x() - x0)), ry = Interval::up(std::max(y1 - m.y(), m.y() - y0));
-    drop_dominated(work.rivals, [&](const Spread& a, const Spread& b) {
-        return (a.v - b.v - Interval((a.gx - b.gx).magnitude()) * Interval(rx) -
-                Interval((a.gy - b.gy).magnitude()) * Interval(ry)).lower() > 0;
-    });
-    decisions_.by_interval += candidates.size() - work.rivals.size();
+    cull(work.piece.box, candidates);
+    work.rivals = spreads_;
     const bool at_floor = work.width <= floor_width * extent_, plain = is_plain(work);
     const bool near_node = !plain && work.rivals.size() == 2 && work.width <= node_width * extent_;
     if (!plain && !near_node && !at_floor) return std::nullopt;
@@ -794,14 +790,14 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece:
 // other - forms at their common point; Zero where 200 bits do not tell them apart.
 std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other) {
     const Interval X = Interval::ball(v.point.x(), v.error), Y = Interval::ball(v.point.y(), v.error);
-    if (const auto s = (heights_.jet(other, X, Y).v - heights_.jet(forms[0], X, Y).v).sign()) {
+    if (const auto s = (heights_.value(other, X, Y) - heights_.value(forms[0], X, Y)).sign()) {
         ++decisions_.by_interval;
         return s;
     }
     const auto box = sharp_vertex(v, forms);
     if (!box) return std::nullopt;
-    const Wide height = heights_.jet(forms[0], (*box)[0], (*box)[1]).v;
-    const Wide difference = heights_.jet(other, (*box)[0], (*box)[1]).v - height;
+    const Wide height = heights_.value(forms[0], (*box)[0], (*box)[1]);
+    const Wide difference = heights_.value(other, (*box)[0], (*box)[1]) - height;
     ++decisions_.by_multiprecision;
     if (const auto s = difference.sign()) return s;
     if (difference.magnitude_exponent() < height.magnitude_exponent() + assumed_exponent) return Sign::Zero;

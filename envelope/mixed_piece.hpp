@@ -112,7 +112,7 @@ public:
     std::vector<Assumption>& assumptions() { return assumptions_; }
 
     /// The candidates that may be lowest somewhere in the rectangle.
-    void cull(const std::array<double, 4>& box, std::vector<FormId>& candidates);
+    std::vector<FormId> cull(const std::array<double, 4>& box, std::span<const FormId> candidates);
 
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
@@ -126,7 +126,7 @@ public:
                         std::span<const FormId> candidates);
 
     /// The diagram of the candidates over the piece if it is plain.
-    std::optional<MixedPiece> resolve(const PieceBoundary& boundary, std::vector<FormId> candidates);
+    std::optional<MixedPiece> resolve(const PieceBoundary& boundary, std::span<const FormId> candidates);
 
 private:
     struct Spread {  // value at the middle of a box, gradient all over it
@@ -158,6 +158,7 @@ private:
     double extent_;
     Decisions decisions_;
     std::vector<Assumption> assumptions_;
+    std::vector<Spread> spreads_;  // of the forms that the last cull() left
 };
 
 }  // namespace vcell
