@@ -33,7 +33,6 @@ class Solver {
         Box neighbourhood;  // f is injective in it for every value of the axis
         int axis;
         int direction;  // of the axis along the orientation of the curve: 1 or -1
-        Preconditioned<N, Interval> system;  // over the neighbourhood
         std::size_t first_run = 0, last_run = 0;
     };
     struct Part {
@@ -139,9 +138,9 @@ private:
         if (t[axis] != 0 && std::isfinite(t[axis])) {
             const Preconditioned<N, Interval> p(j, axis);
             if (N > 1 && !contract(part, c, p.apply(value), p)) return;
-            if (p.regular(unit_)) {
+            if (p.regular(unit_) && moderate(p)) {
                 parts_[index].leaf = leaves_.size();
-                leaves_.push_back({part, u, axis, t[axis] > 0 ? 1 : -1, p});
+                leaves_.push_back({part, *intersection(u, neighbourhood(part)), axis, t[axis] > 0 ? 1 : -1});
                 return;
             }
         }
@@ -172,6 +171,16 @@ private:
         high[split] = Interval(at, part[split].upper());
         parts_.push_back({low, low});
         parts_.push_back({high, high});
+    }
+
+    // A part is left to its slices when the curve is nowhere steeper than this against the axis, measured in units of
+    // the domain: smaller parts have a better axis.
+    bool moderate(const Preconditioned<N, Interval>& p) const {
+        constexpr double steepest = 4;
+        const Box slope = p.slopes(unit_);
+        for (int i = 0; i < D; ++i)
+            if (!(slope[i].magnitude() * unit_[p.axis()] <= steepest * unit_[i])) return false;
+        return true;
     }
 
     // Solves each row of value + jacobian (x - c) = 0 for each coordinate; false: no solution in the part.
@@ -209,10 +218,8 @@ private:
         const Interval t(std::max({leaf.part[k].lower() - reach, domain_[k].lower(), leaf.neighbourhood[k].lower()}),
                          std::min({leaf.part[k].upper() + reach, domain_[k].upper(), leaf.neighbourhood[k].upper()}));
         const std::size_t first = slices_.size();
-        Box y = leaf.neighbourhood;
-        y[k] = t;
         const Point<D> start = mid(leaf.part);
-        prove(leaf, y, leaf.system, approximate(leaf, start, t.lower()), approximate(leaf, start, t.upper()));
+        prove(leaf, t, approximate(leaf, start, t.lower()), approximate(leaf, start, t.upper()));
         clip(leaf, first);
         leaf.first_run = runs_.size();
         for (std::size_t s = first; s < slices_.size(); ++s) append(index, s);
@@ -240,7 +247,7 @@ private:
         const Interval &part = leaf.part[i], &u = leaf.neighbourhood[i];
         return {0.5 * (part.lower() + u.lower()), 0.5 * (part.upper() + u.upper())};
     }
-    static double tolerance(const Leaf& leaf) { return 1e-2 * margin * width(leaf.neighbourhood); }
+    static double tolerance(const Leaf& leaf) { return 1e-2 * margin * width(leaf.part); }
 
     // A point between the two where the curve is still near and soon no more.
     Trial last_near(const Leaf& leaf, Trial in, Trial out) const {
@@ -260,80 +267,107 @@ private:
         return in;
     }
 
-    // Finds the slices of the leaf's curve within y, whose side along the axis is the range of the parameter, from
-    // `low` to `high`. p: the system over y or more. Every solution in the neighbourhood with a parameter in the
-    // range lies in y.
-    void prove(const Leaf& leaf, const Box& y, const Preconditioned<N, Interval>& p, const Trial& low,
-               const Trial& high) {
-        const int k = leaf.axis;
-        if (low.near != high.near && length(y[k]) > options_.min_width * unit_[k]) {
-            // The curve comes or goes through a side: cut there, so that one part is provable as a whole and the
-            // other is as a whole away from the leaf's part.
+    // Finds the slices of the leaf's curve with parameters in t, from `low` to `high`. What is left out is proved not
+    // to meet the leaf's part.
+    void prove(const Leaf& leaf, const Interval& t, const Trial& low, const Trial& high) {
+        if (low.near != high.near) {
+            // The curve comes or goes through a side: cut there, so that one piece is provable as a whole and the
+            // other is as a whole away from the part.
             const Trial in = low.near ? last_near(leaf, low, high) : last_near(leaf, high, low);
-            if (in.x[k] > y[k].lower() && in.x[k] < y[k].upper()) {
-                Box lower = y, upper = y;
-                lower[k] = Interval(y[k].lower(), in.x[k]);
-                upper[k] = Interval(in.x[k], y[k].upper());
+            const double at = in.x[leaf.axis];
+            if (t.lower() < at && at < t.upper()) {
                 const Trial gone{in.x, false};
-                if (low.near) {
-                    prove_about(leaf, between(leaf, low, in), lower, p, low, in);
-                    prove_about(leaf, in.x, upper, p, gone, high);
-                } else {
-                    prove_about(leaf, in.x, lower, p, low, gone);
-                    prove_about(leaf, between(leaf, in, high), upper, p, in, high);
-                }
+                divide(leaf, Interval(t.lower(), at), low, low.near ? in : gone);
+                divide(leaf, Interval(at, t.upper()), low.near ? gone : in, high);
                 return;
             }
         }
-        prove_about(leaf, between(leaf, low, high), y, p, low, high);
-    }
-    Point<D> between(const Leaf& leaf, const Trial& a, const Trial& b) const {
-        Point<D> start;
-        for (int i = 0; i < D; ++i) start[i] = std::midpoint(a.x[i], b.x[i]);
-        return approximate(leaf, start, start[leaf.axis]).x;
+        divide(leaf, t, low, high);
     }
 
-    // prove() by Newton about the point m, near the curve.
-    void prove_about(const Leaf& leaf, Point<D> m, const Box& y, const Preconditioned<N, Interval>& p,
-                     const Trial& low, const Trial& high) {
-        const int k = leaf.axis;
-        clamp_into(m, y);
-        Box c = converted<Interval>(m);
-        auto value = f_(c);
-        Box image = p.newton(y, c, p.apply(value));
-        if (strictly_inside(image, y, k)) return keep(leaf, image);
-        auto inner = intersection(image, y);
-        if (!inner || !overlap(*inner, leaf.part)) return;
-
-        // Once more over what is left, with room around for the image to fit in.
-        constexpr double room = 0.125;
-        for (int i = 0; i < D; ++i)
-            if (i != k) {
-                const double r = room * length((*inner)[i]);
-                (*inner)[i] = *intersection(Interval((*inner)[i].lower() - r, (*inner)[i].upper() + r), y[i]);
+    void divide(const Leaf& leaf, const Interval& t, const Trial& low, const Trial& high) {
+        Point<D> guess;
+        for (int i = 0; i < D; ++i) guess[i] = std::midpoint(low.x[i], high.x[i]);
+        guess[leaf.axis] = t.lower() + cut * length(t);
+        const Trial middle = approximate(leaf, guess, guess[leaf.axis]);
+        const int near = low.near + middle.near + high.near;
+        if (near > 0 && has_tube(leaf, t, {low.x, middle.x, high.x})) return;
+        if (near < 3 && away(leaf, t)) return;
+        if (length(t) <= options_.min_width * unit_[leaf.axis] || ++divided_slices_ > options_.max_parts) {
+            Box rest = leaf.part;
+            if (const auto common = intersection(rest[leaf.axis], t)) {
+                rest[leaf.axis] = *common;
+                undecided_.push_back(rest);
             }
-        if (!contains(*inner, m)) {
-            clamp_into(m, *inner);
-            c = converted<Interval>(m);
-            value = f_(c);
-        }
-        const Preconditioned<N, Interval> q(f_.differentiate(*inner), k);
-        image = q.newton(*inner, c, q.apply(value));
-        if (strictly_inside(image, *inner, k)) return keep(leaf, image);
-        const auto left = intersection(image, *inner);
-        if (!left || !overlap(*left, leaf.part)) return;
-
-        if (length(y[k]) <= options_.min_width * unit_[k]) {
-            undecided_.push_back(*left);
             return;
         }
-        const double split = y[k].lower() + cut * length(y[k]);
-        const Trial middle = approximate(leaf, m, split);
-        Box lower = *inner, upper = *inner;
-        lower[k] = Interval(y[k].lower(), split);
-        upper[k] = Interval(split, y[k].upper());
-        prove(leaf, lower, q, low, middle);
-        prove(leaf, upper, q, middle, high);
+        prove(leaf, Interval(t.lower(), middle.x[leaf.axis]), low, middle);
+        prove(leaf, Interval(middle.x[leaf.axis], t.upper()), middle, high);
+    }
+
+    // Proves that a curve passes near the three points, for all parameters in t; within the neighbourhood it is the
+    // only one.
+    bool has_tube(const Leaf& leaf, const Interval& t, const std::array<Point<D>, 3>& points) {
+        // Room for the image to fit in: it is as wide as the slope varies, a few times the deviation from the chord.
+        constexpr double room = 0.125, deviations = 6, least_room = 0x1p-24;
+        const auto& [low, middle, high] = points;
+        const double where = (middle[leaf.axis] - low[leaf.axis]) / (high[leaf.axis] - low[leaf.axis]);
+        Box y;
+        for (int i = 0; i < D; ++i) {
+            const double lo = std::min({low[i], middle[i], high[i]}), hi = std::max({low[i], middle[i], high[i]});
+            const double deviation = std::abs(middle[i] - std::lerp(low[i], high[i], where));
+            const double r =
+                room * (hi - lo) + deviations * deviation + least_room * length(leaf.neighbourhood[i]);
+            const auto inside = intersection(Interval(lo - r, hi + r), leaf.neighbourhood[i]);
+            if (!inside) return false;
+            y[i] = *inside;
+        }
+        y[leaf.axis] = t;
+        Point<D> m = middle;
+        clamp_into(m, y);
+        const Box at = converted<Interval>(m);
+        const auto value = f_(at);
+        for (int attempt = 0; attempt < 2; ++attempt) {
+            const Preconditioned<N, Interval> p(f_.differentiate(y), leaf.axis);
+            const Box image = p.newton(y, at, p.apply(value));
+            if (strictly_inside(image, y, leaf.axis)) {
+                keep(leaf, image);
+                return true;
+            }
+            // The image says how much room it needs.
+            for (int i = 0; i < D; ++i) {
+                if (i == leaf.axis) continue;
+                const double r = room * length(image[i]);
+                const auto wider = intersection(Interval(image[i].lower() - r, image[i].upper() + r),
+                                                leaf.neighbourhood[i]);
+                if (!wider || !wider->contains(m[i])) return false;
+                y[i] = *wider;
+            }
+        }
+        return false;
+    }
+
+    // Proves that the leaf's part holds no solution with a parameter in t.
+    bool away(const Leaf& leaf, const Interval& t) const {
+        Box rest = leaf.part;
+        const auto common = intersection(rest[leaf.axis], t);
+        if (!common) return true;
+        rest[leaf.axis] = *common;
+        for (;;) {
+            const auto j = f_.differentiate(rest);
+            const Box before = rest, c = centre(rest);
+            const auto value = f_(c);
+            if (!contract(rest, c, value, j)) return true;
+            if constexpr (N > 1) {
+                const Preconditioned<N, Interval> p(j, leaf.axis);
+                if (!contract(rest, c, p.apply(value), p)) return true;
+            }
+            constexpr double worth_another_look = 0.8;
+            bool narrower = false;
+            for (int i = 0; i < D; ++i)
+                narrower = narrower || length(rest[i]) < worth_another_look * length(before[i]);
+            if (!narrower) return false;
+        }
     }
 
     void keep(const Leaf& leaf, const Box& enclosure) {
@@ -666,27 +700,51 @@ private:
 
     // ---- Clusters
 
+    // Around a singular point undecided boxes lie scattered, with proved arcs between them no longer than the boxes.
+    // Boxes this near to each other, in units of the least width, are one cluster, and such arcs belong to it.
+    static constexpr double reach = 16;
+
+    Box reached(const Box& box) const {
+        Box wide;
+        for (int i = 0; i < D; ++i) {
+            const double r = reach * options_.min_width * unit_[i];
+            wide[i] = Interval(box[i].lower() - r, box[i].upper() + r);
+        }
+        return wide;
+    }
+
     void gather_clusters() {
         if (undecided_.empty()) return;
+        std::vector<Box> wide;
+        for (const Box& box : undecided_) wide.push_back(reached(box));
         std::vector<std::size_t> cluster_of(undecided_.size());
-        for (const std::vector<std::size_t>& group : detail::clusters<D>(undecided_)) {
-            CurveCluster<D> cluster{undecided_[group.front()], {}, {}};
+        for (const std::vector<std::size_t>& group : detail::clusters<D>(wide)) {
+            CurveCluster<D> cluster{undecided_[group.front()], {}};
             for (const std::size_t i : group) {
                 cluster_of[i] = result_.undecided.size();
                 cluster.box = hull(cluster.box, undecided_[i]);
-                cluster.parts.push_back(undecided_[i]);
             }
             result_.undecided.push_back(std::move(cluster));
         }
-        for (std::size_t id = 0; id < result_.components.size(); ++id) {
-            CurveComponent<D>& component = result_.components[id];
-            if (component.closed) continue;
-            for (const std::size_t end : {0, 1}) {
-                if (component.ends[end].kind != CurveEnd::Kind::Cluster) continue;
-                component.ends[end].index = cluster_of[component.ends[end].index];
-                result_.undecided[component.ends[end].index].branches.push_back({id, end});
-            }
-        }
+        for (CurveComponent<D>& component : result_.components)
+            for (CurveEnd& end : component.ends)
+                if (end.kind == CurveEnd::Kind::Cluster) end.index = cluster_of[end.index];
+        std::erase_if(result_.components, [&](const CurveComponent<D>& component) {
+            const auto [a, b] = component.ends;
+            if (component.closed || a.kind != CurveEnd::Kind::Cluster || b.kind != a.kind || a.index != b.index)
+                return false;
+            Box all = component.tubes.front().enclosure;
+            for (const Tube<D>& tube : component.tubes) all = hull(all, tube.enclosure);
+            Box& box = result_.undecided[a.index].box;
+            if (!is_subset(all, reached(box))) return false;
+            box = hull(box, all);
+            return true;
+        });
+        for (std::size_t id = 0; id < result_.components.size(); ++id)
+            for (const std::size_t end : {0, 1})
+                if (const CurveEnd& e = result_.components[id].ends[end];
+                    !result_.components[id].closed && e.kind == CurveEnd::Kind::Cluster)
+                    result_.undecided[e.index].branches.push_back({id, end});
     }
 
     const CurveSystem<N>& f_;
@@ -697,6 +755,7 @@ private:
     std::vector<Part> parts_;
     std::vector<Leaf> leaves_;
     std::vector<Slice> slices_;
+    std::size_t divided_slices_ = 0;
     std::vector<Run> runs_;
     std::vector<Box> undecided_;
     // Stops of the leaf at hand, by parameter and whether a run begins there (or ends).

@@ -26,7 +26,7 @@ namespace vcell {
 struct CurveOptions {
     /// Parts narrower than this fraction of the box in every direction are not divided further.
     double min_width = 0x1p-30;
-    /// Bound on the parts looked at; the remaining ones become undecided.
+    /// Bound on the parts looked at, and on the slices divided; the remaining ones become undecided.
     std::size_t max_parts = 200'000;
 };
 
@@ -63,11 +63,11 @@ struct CurveComponent {
     std::vector<IntervalBox<D>> joints;
 };
 
-/// Touching boxes in which nothing could be proved: singular points, tangencies with faces, or budgets spent.
+/// A box in which nothing is proved: around a singular point, where the curve touches a face or meets two of them
+/// at once, or what a budget left over.
 template <int D>
 struct CurveCluster {
-    IntervalBox<D> box;  ///< the hull
-    std::vector<IntervalBox<D>> parts;
+    IntervalBox<D> box;
     std::vector<std::array<std::size_t, 2>> branches;  ///< (component, which end) that lead in
 };
 

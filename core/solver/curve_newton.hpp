@@ -214,7 +214,7 @@ IntervalBox<N + 1> narrowed(const CurveSystem<N>& f, IntervalBox<N + 1> y, int a
         const IntervalBox<D> image = p.newton(tiny, at, p.apply(f(at)));
         if (strictly_inside(image, tiny, axis)) return image;
     }
-    for (int step = 0; step < 12; ++step) {
+    for (int step = 0; step < 40; ++step) {
         clamp_into(m, y);
         const Preconditioned<N, Interval> p(f.differentiate(y), axis);
         const IntervalBox<D> at = converted<Interval>(m);
@@ -225,7 +225,7 @@ IntervalBox<N + 1> narrowed(const CurveSystem<N>& f, IntervalBox<N + 1> y, int a
             if (i != axis) before += y[i].upper() - y[i].lower(), after += (*kept)[i].upper() - (*kept)[i].lower();
         y = *kept;
         m = middle_at(y, axis, t.mid());
-        if (!(after < 0.5 * before)) break;
+        if (!(after < 0.9 * before)) break;
     }
     return y;
 }
