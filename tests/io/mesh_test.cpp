@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/voronoi_cell.hpp"
 #include "../../io/obj.hpp"
 #include "sample_cells.hpp"
 #include "test_support.hpp"
@@ -272,6 +273,27 @@ TEST_CASE("mesh: a narrow crescent between two arcs does not fold") {
             0.5 * (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]).z();
     CHECK(area > 0);
     CHECK(topology(mesh.triangles).manifold);
+}
+
+TEST_CASE("mesh: patches with parameters of their own fit together with all others") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0.1}, {0.1, -0.05, 1}};
+    scene.objects = {Cylinder{{0, 0, 0.8}, {1, 0.3, 0.2}, 0.1}, Cylinder{{-0.5, 0.5, 0.9}, {0.2, 1, 0}, 0.15},
+                     Cylinder{{2.6, 0.3, 0}, {0.3, 0.1, 1}, 0.2}, Sphere{{0.4, -0.4, 0.7}, 0.25}};
+    scene.box = {{-1, -1, 0}, {1, 1, 1.5}};
+    const Cell cell = voronoi_cell(scene);
+    const CellMesh mesh = tessellate(cell, {.chord = 1e-4, .closed = true});
+    const Topology t = topology(mesh.triangles);
+    CHECK(t.manifold);
+    CHECK(t.rim == 0);
+    CHECK(t.euler == 2);
+    CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(1e-3));
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const auto& [a, b, c] = mesh.triangles[i];
+        const Vec3 across = (mesh.points[b] - mesh.points[a]).cross(mesh.points[c] - mesh.points[a]);
+        if (across.norm() < 1e-7) continue;  // slivers have no direction
+        CHECK(across.dot(mesh.normals[mesh.corner_normals[i][0]]) > 0);
+    }
 }
 
 TEST_CASE("mesh: a rim that does not close is told") {

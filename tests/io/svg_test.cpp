@@ -3,9 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <boost/property_tree/xml_parser.hpp>
+#include <cctype>
 #include <set>
 #include <sstream>
 
+#include "../../envelope/voronoi_cell.hpp"
 #include "../../io/site_style.hpp"
 #include "sample_cells.hpp"
 
@@ -80,6 +82,34 @@ TEST_CASE("svg: other curves become what SVG can say") {
         CAPTURE(d);
         CHECK(d.find('C') != d.npos);
         CHECK(d.find_first_of("AQL") == d.npos);
+    }
+}
+
+TEST_CASE("svg: faces over cylinders are drawn in the chart, not in their patches' parameters") {
+    Scene scene;
+    scene.objects = {Cylinder{{0, 0, 0.8}, {1, 0.3, 0.2}, 0.1}, Cylinder{{-0.5, 0.5, 0.9}, {0.2, 1, 0}, 0.15}};
+    scene.box = {{-1, -1, 0}, {1, 1, 1.5}};
+    const Cell cell = voronoi_cell(scene);
+    const std::string svg = svg_text(cell);
+    const auto vertices = elements(svg, "vertex");
+    REQUIRE(vertices.size() == cell.vertices.size());
+    for (const auto& v : vertices) {
+        const Vec3& p = cell.vertices[v.get<std::size_t>("<xmlattr>.data-vertex")].point;
+        CHECK(v.get<double>("<xmlattr>.cx") == doctest::Approx(p.x()).epsilon(1e-5));
+        CHECK(v.get<double>("<xmlattr>.cy") == doctest::Approx(p.y()).epsilon(1e-5));
+    }
+    // Every face's path closes where it began, and stays in the region.
+    for (const auto& f : elements(svg, "face")) {
+        std::string d = f.get<std::string>("<xmlattr>.d");
+        for (char& c : d)
+            if (!std::isdigit(c) && c != '.' && c != '-' && c != 'e' && c != '+') c = ' ';
+        std::istringstream words(d);
+        std::vector<double> numbers;
+        for (double x; words >> x;) numbers.push_back(x);
+        REQUIRE(numbers.size() >= 6);
+        for (const double x : numbers) CHECK(std::abs(x) <= 1.1);
+        CHECK(numbers[numbers.size() - 2] == doctest::Approx(numbers[0]).epsilon(1e-5));
+        CHECK(numbers.back() == doctest::Approx(numbers[1]).epsilon(1e-5));
     }
 }
 
