@@ -355,6 +355,8 @@ int main(int argc, char** argv) {
         return run(argc, argv);
     } catch (const InputError& e) {
         return fail(bad_input, e.what());
+    } catch (const UndecidedError& e) {
+        return fail(undecided, e.what());
     } catch (const ReadError& e) {
         return fail(bad_input, e.what());
     } catch (const WriteError& e) {

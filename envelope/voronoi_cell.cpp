@@ -1,6 +1,8 @@
 #include "voronoi_cell.hpp"
 
 #include <chrono>
+#include <cstdio>
+#include <string>
 #include <utility>
 
 #include "../primitives/plane_base.hpp"
@@ -22,6 +24,17 @@ public:
 private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+// "objects 1, 2, 5: taken to meet in one point over (x, y, z), not told apart within w".
+std::string message(const Assumption& a, const PlaneBaseProblem& problem) {
+    std::string sites;
+    for (const FormId f : a.forms)
+        for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
+    const Vec3 p = problem.frame.to_world({a.place.x(), a.place.y(), 0});
+    char place[128];
+    std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(), a.width);
+    return "objects " + sites + ": taken to meet in one point over " + place;
+}
 
 }  // namespace
 
@@ -50,6 +63,7 @@ Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();
+    for (const Assumption& a : diagram.assumptions) problem.warnings.push_back(message(a, problem));
     cell.report.warnings = std::move(problem.warnings);
     return cell;
 }

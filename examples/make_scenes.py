@@ -37,6 +37,13 @@ def plane(point, normal, name=None):
     return entry
 
 
+def cylinder(point, axis, radius, name=None):
+    entry = {"cylinder": {"point": [round(c, 6) for c in point], "axis": [round(c, 6) for c in axis], "radius": round(radius, 6)}}
+    if name:
+        entry["name"] = name
+    return entry
+
+
 def scene(objects, low, high):
     return {
         "vcell": 1,
@@ -73,6 +80,50 @@ def loose_spheres(count, seed, side, heights, radii, gap):
         if inside and clear:
             placed.append((center, radius))
     return placed
+
+
+def distance_of_axes(p, a, q, b):
+    """Between the lines p + s a and q + t b, axes of unit length."""
+    normal = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    length = math.hypot(*normal)
+    between = [y - x for x, y in zip(p, q)]
+    if length < 1e-6:
+        along = sum(x * y for x, y in zip(between, a))
+        return math.sqrt(max(0, sum(x * x for x in between) - along * along))
+    return abs(sum(x * y for x, y in zip(between, normal))) / length
+
+
+def distance_to_axis(c, p, a):
+    between = [y - x for x, y in zip(p, c)]
+    along = sum(x * y for x, y in zip(between, a))
+    return math.sqrt(max(0, sum(x * x for x in between) - along * along))
+
+
+def pile(count, seed, side, heights):
+    """Balls, and rods a fifth of them, over the square [0, side]^2, `gap` apart at least from each other and from
+    the base plane. The rods lie in layers, along and across in turn, none quite parallel to another or to
+    the base."""
+    random, gap, layers = Random(seed), 0.01, 4
+    balls, rods = [], []
+    while len(rods) < count // 5:
+        layer = len(rods) % layers
+        radius = random.uniform(0.03, 0.12)
+        place = random.uniform(0, side)
+        turn, lean = random.uniform(-1, 1) / side, random.uniform(-0.2, 0.2) / side
+        height = heights[0] + (heights[1] - heights[0]) * (layer + random.uniform(0.4, 0.6)) / layers
+        axis = [1, turn, lean] if layer % 2 == 0 else [turn, 1, lean]
+        point = [side / 2, place, height] if layer % 2 == 0 else [place, side / 2, height]
+        length = math.hypot(*axis)
+        axis = [x / length for x in axis]
+        if all(distance_of_axes(point, axis, q, b) > radius + r + gap for q, b, r in rods):
+            rods.append((point, axis, radius))
+    while len(balls) < count - count // 5:
+        radius = random.uniform(0.1, 0.5)
+        center = [random.uniform(0, side), random.uniform(0, side), random.uniform(radius + gap, heights[1])]
+        if (all(math.dist(center, c) > radius + r + gap for c, r in balls)
+                and all(distance_to_axis(center, p, a) > radius + r + gap for p, a, r in rods)):
+            balls.append((center, radius))
+    return [sphere(c, r) for c, r in balls] + [cylinder(p, a, r) for p, a, r in rods]
 
 
 def main():
@@ -126,6 +177,54 @@ def main():
          sphere((-0.75, -0.5, 0.625), 0.0625, "lower still, a bit higher"),
          sphere((0.75, 0.5, 0.1875), 0.03125, "island in the island")],
         [-2, -2, 0], [2, 2, 4]))
+
+    write("figure5.json", scene(
+        [plane([0, 0, 1.5], [0.5, 0.5, -1], "O1"),
+         cylinder((0.1, -0.35, 0.9), (1, 0.3, 0.1), 0.2, "O2"),
+         sphere((-0.5, 0.5, 0.6), 0.25, "O3"),
+         sphere((0.55, 0.45, 0.8), 0.3, "O4")],
+        [-1, -1, 0], [1, 1, 2]))
+
+    write("figure6.json", scene(
+        [cylinder((0, -0.5, 0.7), (1, 0.2, 0.1), 0.15, "O1"),
+         cylinder((-0.4, 0.2, 0.9), (0.3, 1, -0.15), 0.25, "O2"),
+         cylinder((0.5, 0.3, 1.1), (-0.5, 1, 0.2), 0.2, "O3")],
+        [-1, -1, 0], [1, 1, 2]))
+
+    # Masts that lean over the square: their axes meet the base plane outside it.
+    write("leaning.json", scene(
+        [cylinder((2, 0, 0), (-1, 0.25, 1), 0.25, "east"),
+         cylinder((-2.25, 0.5, 0), (1, -0.5, 0.75), 0.125, "west"),
+         cylinder((0.25, 2.5, 0), (0.125, -1, 1.25), 0.375, "north"),
+         cylinder((-0.5, -1.75, 0), (0.25, 1, 1), 0.0625, "south"),
+         sphere((0, 0, 0.75), 0.25, "ball")],
+        [-1, -1, 0], [1, 1, 3]))
+
+    # Pipes: equal and unequal radii, all trisectors between neighbours are conics.
+    write("parallel.json", scene(
+        [cylinder((-0.75, 0, 0.75), (0.25, 1, 0), 0.25),
+         cylinder((0, 0, 0.75), (0.25, 1, 0), 0.25),
+         cylinder((0.625, 0, 1), (0.25, 1, 0), 0.5),
+         cylinder((-0.375, 0, 1.75), (0.25, 1, 0), 0.125)],
+        [-1, -1, 0], [1, 1, 2]))
+
+    # Equal cylinders whose axes cross: their trisector falls into two conics, which cross in a node.
+    write("crossing.json", scene(
+        [cylinder((0, 0, 1), (1, 0, 0), 0.25),
+         cylinder((0, 0, 1), (0, 1, 0), 0.25),
+         sphere((0.625, 0.625, 0.5), 0.25)],
+        [-1, -1, 0], [1, 1, 2]))
+
+    # Rods that touch each other and a ball; nothing touches the base.
+    write("tangent.json", scene(
+        [cylinder((-0.25, 0, 0.75), (0, 1, 0), 0.25),
+         cylinder((0.25, 0, 0.75), (0, 1, 0), 0.25),
+         cylinder((0, 0.25, 1.25), (1, 0, 0), 0.25),
+         sphere((0.75, -0.25, 0.75), 0.25)],
+        [-1, -1, 0], [1, 1, 2]))
+
+    write("pile_50.json", scene(pile(50, 5, 6, (0.4, 2.8)), [0, 0, 0], [6, 6, 4]))
+    write("pile_500.json", scene(pile(500, 50, 20, (0.4, 2.8)), [0, 0, 0], [20, 20, 4]))
 
 
 if __name__ == "__main__":

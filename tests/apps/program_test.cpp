@@ -246,6 +246,16 @@ TEST_CASE("program: query answers point by point") {
     CHECK(answers.find("0 0.479") == 0);
     CHECK(answers.find("\n1 0.478999") != std::string::npos);
     CHECK(answers.find("\nbox:+z 0.5 true") != std::string::npos);
+    // A rod along x, z = (y^2 + 15/16) / (5/2), and one whose axis is |(9/5 - 4/5 z, 1)| away from (1, 1, z).
+    w.write("rods.json", R"({"vcell":1,"base":{"plane":{"point":[0,0,0],"normal":[0,0,1]}},
+        "objects":[{"cylinder":{"point":[0,0,1],"axis":[1,0,0],"radius":0.25}},
+                   {"cylinder":{"point":[4,0,0],"axis":[-4,0,3],"radius":1}}],"box":{"min":[-1,-1,0],"max":[1,1,2]}})");
+    CHECK(w.run("query rods.json", "0 0 0.375\n0 0 0.3750001\n-1 1 0.775\n").out ==
+          "0 0.375 true\n0 0.375 false\n0 0.775 true\n");
+    const std::string leaning = w.run("query rods.json", "1 1 0.634256\n1 1 0.634257\n").out;
+    CHECK(leaning.find("1 0.634256") == 0);
+    CHECK(leaning.find(" true\n1 0.634256") != std::string::npos);
+    CHECK(leaning.ends_with(" false\n"));
 }
 
 TEST_CASE("program: query names a bad line") {
