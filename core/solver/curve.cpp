@@ -654,8 +654,12 @@ private:
         if (!component.closed) {
             pieces.back().leave = end_box(pieces.back().run, 1);
             while (const auto before = successor(pieces.front().run, -1, stops[0])) {
+                if (runs_[before->run].component == id) {
+                    // A run met later in this walk begins before the present first one: the walk starts with it.
+                    while (pieces.front().run != before->run) pieces.erase(pieces.begin());
+                    continue;
+                }
                 pieces.front().enter = before->point;
-                assert(runs_[before->run].component != id);
                 runs_[before->run].component = id;
                 pieces.insert(pieces.begin(), {before->run, {}, before->point});
             }
@@ -700,9 +704,9 @@ private:
 
     // ---- Clusters
 
-    // Around a singular point undecided boxes lie scattered, with proved arcs between them no longer than the boxes.
+    // Around a singular point undecided boxes lie scattered, with proved arcs between them not much longer.
     // Boxes this near to each other, in units of the least width, are one cluster, and such arcs belong to it.
-    static constexpr double reach = 16;
+    static constexpr double reach = 64;
 
     Box reached(const Box& box) const {
         Box wide;

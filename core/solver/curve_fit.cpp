@@ -112,8 +112,11 @@ private:
     // Appends spans from a to b, the ends of the stretch, equal in length as far as one can tell.
     void cover(const Stretch& stretch, const Knot& a, const Knot& b) {
         const int k = stretch.axis;
-        // A span this short has met rounding errors: smaller ones would not be better.
+        // Nothing is gained by shorter spans where nothing can be proved about this one, or where half the length
+        // does not halve the error: rounding prevails.
         const double shortest = 0x1p-20 * std::abs(b.x[k] - a.x[k]);
+        constexpr double unproved = std::numeric_limits<double>::infinity();
+        double rejected = unproved, rejected_length = 0;
         Knot from = a;
         for (;;) {
             const double rest = std::abs(b.x[k] - from.x[k]);
@@ -127,14 +130,25 @@ private:
             // The error grows with the fourth power of the length.
             constexpr double caution = 0.9;
             const double ratio = caution * std::pow(tolerance_ / std::max(span.error, 1e-300), 0.25);
-            if (span.error <= tolerance_ || advance <= shortest) {
+            if (span.error == unproved && advance <= shortest) {
+                spans_.push_back(last ? span : hermite(from, b, stretch));
+                error_ = unproved;
+                return;
+            }
+            const bool futile = advance <= 0.5 * rejected_length && span.error > 0.5 * rejected;
+            if (span.error <= tolerance_ || futile) {
                 spans_.push_back(span);
                 error_ = std::max(error_, span.error);
                 const double suggested = span.length * std::clamp(ratio, 0.5, 2.0);
                 step_ = last ? std::max(step_, suggested) : suggested;
                 if (last) return;
                 from = to;
+                rejected = unproved;
             } else {
+                if (rejected == unproved || advance <= 0.5 * rejected_length) {
+                    rejected = span.error;
+                    rejected_length = advance;
+                }
                 step_ = advance / speed * std::clamp(ratio, 0.1, 0.7);
             }
         }
