@@ -8,6 +8,7 @@
 #include <string>
 
 #include "../core/errors.hpp"
+#include "../primitives/height_conics.hpp"
 
 namespace vcell {
 
@@ -804,6 +805,42 @@ std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, s
     return std::nullopt;
 }
 
+// Is the pair's trisector the union of two plane sections that certainly cross near the saddle? Upright planes are
+// lines here: they cross where they meet. Otherwise, where the planes are equally high their projection is a line; if the height of f minus that of the planes changes sign along it,
+// both sections pass through a point of it, transversally, and nothing but the saddle can be that point.
+bool MixedAnalysis::is_crossing_of_planes(const Work& work, const Vector2d& saddle) const {
+    const FormId f = work.rivals[0].form, g = work.rivals[1].form;
+    if (heights_.family().is_circular(f) && heights_.family().is_circular(g)) return false;
+    const auto planes = height_planes(heights_.family(), f, g);
+    if (planes.size() != 2) return false;
+    const auto &p = planes[0], &q = planes[1], &raised = p[2].sign() != Sign::Zero ? p : q;
+    const auto inside = [&](const Interval& x, const Interval& y) {
+        return std::ranges::all_of(work.boundary.sides, [&](const PieceSide& side) {
+            return (side.a * x + side.b * y + Interval(side.c)).sign() == Sign::Positive;
+        });
+    };
+    if (raised[2].sign() == Sign::Zero) {
+        const Interval det = (p[0] * q[1] - p[1] * q[0]).enclosure();
+        return inside((p[1] * q[3] - p[3] * q[1]).enclosure() / det, (p[3] * q[0] - p[0] * q[3]).enclosure() / det);
+    }
+    const auto eliminate = [&](int k) { return (q[2] * p[k] - p[2] * q[k]).enclosure(); };
+    const Interval a = eliminate(0), b = eliminate(1), c = eliminate(3);
+    const bool by_x = a.magnitude() <= b.magnitude();
+    const auto above = [&](double s) {  // f - plane on the line
+        const Interval other = by_x ? -(a * Interval(s) + c) / b : -(b * Interval(s) + c) / a;
+        const Interval x = by_x ? Interval(s) : other, y = by_x ? other : Interval(s);
+        if (!inside(x, y)) return std::optional<Sign>();
+        return (heights_.value(f, x, y) + (raised[0].enclosure() * x + raised[1].enclosure() * y + raised[3].enclosure()) /
+                                              raised[2].enclosure()).sign();
+    };
+    for (double step = 0.5 * work.width; step > 0x1p-10 * work.width; step *= 0.5) {
+        const double s = saddle[by_x ? 0 : 1];
+        const auto before = above(s - step), after = above(s + step);
+        if (before && after) return *before == -*after && *before != Sign::Zero;
+    }
+    return false;
+}
+
 // Two forms whose difference has a saddle's curvature all over the piece: its level set has no closed component, so
 // without a change there is no arc and two changes are the ends of one. With four, let c be the saddle. If
 // the difference is not zero there, its sign persists along the line through c in which it curves away from
@@ -842,9 +879,11 @@ bool MixedAnalysis::join_at_node(Work& work) {
         slope = gx.enclosure().magnitude() + gy.enclosure().magnitude();
         if (value.sign() && value.enclosure().magnitude() > 4 * slope * work.width) break;
         if (value.magnitude_exponent() < a.v.magnitude_exponent() + assumed_exponent) {
-            ++decisions_.by_multiprecision;
             work.join_all_to({saddle->point, saddle->error, f, {f, g}});
-            assume(saddle->point, std::ldexp(extent_, assumed_exponent / 2), {f, g});
+            if (is_crossing_of_planes(work, saddle->point))
+                ++decisions_.by_exact;
+            else
+                assume(saddle->point, std::ldexp(extent_, assumed_exponent / 2), {f, g});
             return true;
         }
         c = {(c[0] - Wide(inverse(0, 0)) * gx - Wide(inverse(0, 1)) * gy).mid(),

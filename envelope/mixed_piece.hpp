@@ -145,6 +145,7 @@ private:
     bool is_plain(const Work& work) const;
     bool join_changes(Work& work);
     bool join_at_node(Work& work);
+    bool is_crossing_of_planes(const Work& work, const Eigen::Vector2d& saddle) const;
     bool join_all(Work& work);
     bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);
     void join_at_center(Work& work);
