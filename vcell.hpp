@@ -4,5 +4,7 @@
 
 #include "arrangement/arrangement.hpp"
 #include "core/core.hpp"
+#include "core/solver/curve_fit.hpp"
+#include "core/solver/solver.hpp"
 #include "envelope/envelope.hpp"
 #include "primitives/primitives.hpp"

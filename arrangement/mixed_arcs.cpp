@@ -42,7 +42,7 @@ Exact twice(const Exact& e) { return e.scaled(1); }
 
 // --- Curves. -------------------------------------------------------------------------------------------
 
-MixedCurveId MixedArcs::add_circular(const CircularForm& given, std::optional<Label> label) {
+MixedCurveId CurveArcs::add_circular(const CircularForm& given, std::optional<Label> label) {
     CircularForm f = given;
     if (f.k < 0) f = {.k = -f.k, .cx = f.cx, .cy = f.cy, .a = -f.a, .b = -f.b, .e = -f.e};
     const Exact k(f.k), cx(f.cx), cy(f.cy), a(f.a), b(f.b), e(f.e);
@@ -93,7 +93,7 @@ MixedCurveId MixedArcs::add_circular(const CircularForm& given, std::optional<La
     return c;
 }
 
-MixedCurveId MixedArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
+MixedCurveId CurveArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
     for (const MixedCurveId c : curves_.ids()) {
         if (curves_[c].kind != Curve::Kind::Bezier) continue;
         const auto& other = curves_[c].bezier->points();
@@ -125,7 +125,7 @@ MixedCurveId MixedArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
     return c;
 }
 
-MixedCurveId MixedArcs::add_traced(const TracedCurve& curve, std::optional<Label> label) {
+MixedCurveId CurveArcs::add_traced(const TracedCurve& curve, std::optional<Label> label) {
     const std::vector<TracedPiece> pieces = cut_traced_curve(curve);
     const MixedCurveId c = curves_.push_back({Curve::Kind::Traced, {}, {}, {}, {}, nullptr});
     if (label) curves_[c].labels.push_back(*label);
@@ -152,7 +152,7 @@ MixedCurveId MixedArcs::add_traced(const TracedCurve& curve, std::optional<Label
     return c;
 }
 
-MixedBranchId MixedArcs::add_branch(MixedCurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
+MixedBranchId CurveArcs::add_branch(MixedCurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
                                     Point right) {
     const MixedBranchId b = branches_.push_back({c, std::move(graph), left, right, {}});
     points_on_.push_back({});
@@ -163,20 +163,20 @@ MixedBranchId MixedArcs::add_branch(MixedCurveId c, std::shared_ptr<const Monoto
     return b;
 }
 
-void MixedArcs::cut(MixedCurveId c, std::vector<Arc>& out) const {
+void CurveArcs::cut(MixedCurveId c, std::vector<Arc>& out) const {
     assert(curves_[c].kind != Curve::Kind::Line);
     for (const MixedBranchId b : curves_[c].branches)
         out.push_back({b, branches_[b].left, branches_[b].right});
 }
 
-MixedArcs::Arc MixedArcs::segment(MixedCurveId line, Point p, Point q) {
+CurveArcs::Arc CurveArcs::segment(MixedCurveId line, Point p, Point q) {
     assert(curves_[line].kind == Curve::Kind::Line);
     const MixedBranchId b = curves_[line].branches.front();
     for (const Point end : {p, q}) note_on(end, b);
     return sub_arc({b, {}, {}}, p, q);
 }
 
-MixedArcs::Arc MixedArcs::sub_arc(const Arc& a, Point p, Point q) {
+CurveArcs::Arc CurveArcs::sub_arc(const Arc& a, Point p, Point q) {
     const Sign order = compare_xy(p, q);
     assert(order != Sign::Zero);
     return order == Sign::Negative ? Arc{a.branch, p, q} : Arc{a.branch, q, p};
@@ -184,7 +184,7 @@ MixedArcs::Arc MixedArcs::sub_arc(const Arc& a, Point p, Point q) {
 
 // --- Points and their identity. ------------------------------------------------------------------------
 
-MixedArcs::Point MixedArcs::add_point(PointData data) {
+CurveArcs::Point CurveArcs::add_point(PointData data) {
     const Point p = points_.push_back(data);
     equal_to_.push_back(p);
     equal_x_.push_back(p);
@@ -192,7 +192,7 @@ MixedArcs::Point MixedArcs::add_point(PointData data) {
     return p;
 }
 
-MixedArcs::Point MixedArcs::add_exact_point(ExactPoint exact) {
+CurveArcs::Point CurveArcs::add_exact_point(ExactPoint exact) {
     const auto shared = std::make_shared<const ExactPoint>(std::move(exact));
     return add_point({enclosure(shared->x, shared->denominator),
                       enclosure(shared->y, shared->denominator),
@@ -205,7 +205,7 @@ MixedArcs::Point MixedArcs::add_exact_point(ExactPoint exact) {
                       {}});
 }
 
-MixedArcs::Point MixedArcs::point(double x, double y) {
+CurveArcs::Point CurveArcs::point(double x, double y) {
     const auto [found, is_new] = given_.try_emplace({x, y});
     if (is_new) {
         found->second = add_exact_point({{Exact(x), {}, {}}, {Exact(y), {}, {}}, Exact(1.0)});
@@ -215,18 +215,18 @@ MixedArcs::Point MixedArcs::point(double x, double y) {
     return found->second;
 }
 
-std::pair<Wide, Wide> MixedArcs::fine_box(Point p) {
+std::pair<Wide, Wide> CurveArcs::fine_box(Point p) {
     PointData& data = points_[p];
     if (!data.fine) data.fine = data.refine();
     return *data.fine;
 }
 
-MixedArcs::Point MixedArcs::representative(Classes& classes, Point p) {
+CurveArcs::Point CurveArcs::representative(Classes& classes, Point p) {
     while (classes[p] != p) p = classes[p] = classes[classes[p]];
     return p;
 }
 
-void MixedArcs::unite(Point p, Point q) {
+void CurveArcs::unite(Point p, Point q) {
     p = representative(p);
     q = representative(q);
     if (p == q) return;
@@ -237,7 +237,7 @@ void MixedArcs::unite(Point p, Point q) {
     for (const MixedBranchId b : std::vector(points_[q].on)) note_on(p, b);
 }
 
-void MixedArcs::note_on(Point p, MixedBranchId b) {
+void CurveArcs::note_on(Point p, MixedBranchId b) {
     p = representative(p);
     auto& on = points_[p].on;
     if (std::find(on.begin(), on.end(), b) != on.end()) return;
@@ -245,14 +245,14 @@ void MixedArcs::note_on(Point p, MixedBranchId b) {
     points_on_[b].push_back(p);
 }
 
-void MixedArcs::assume(const Interval& x, const Interval& y) {
+void CurveArcs::assume(const Interval& x, const Interval& y) {
     ++decisions_.assumed;
     assumed_at_.push_back({x.mid(), y.mid()});
 }
 
 // A point on {i = j} and {j = k} lies on {i = k}: the pair of b's curve must be joined by the pairs of the
 // point's curves. Which part of {i = k} it lies on, its place tells.
-bool MixedArcs::known_on(Point p, MixedBranchId b) const {
+bool CurveArcs::known_on(Point p, MixedBranchId b) const {
     const PointData& data = points_[representative(p)];
     if (std::find(data.on.begin(), data.on.end(), b) != data.on.end()) return true;
     const Branch& branch = branches_[b];
@@ -286,7 +286,7 @@ bool MixedArcs::known_on(Point p, MixedBranchId b) const {
     return false;
 }
 
-MixedArcs::Comparison MixedArcs::compare_coordinate(Point p, Point q, int axis) {
+CurveArcs::Comparison CurveArcs::compare_coordinate(Point p, Point q, int axis) {
     p = representative(p);
     q = representative(q);
     if (p == q) return {Sign::Zero};
@@ -315,14 +315,14 @@ MixedArcs::Comparison MixedArcs::compare_coordinate(Point p, Point q, int axis) 
     return {Sign::Zero, true};
 }
 
-Sign MixedArcs::compare_x(Point p, Point q) {
+Sign CurveArcs::compare_x(Point p, Point q) {
     const Comparison c = compare_coordinate(p, q, 0);
     if (c.assumed) assume(points_[p].x, points_[p].y);
     if (c.sign == Sign::Zero) equal_x_[representative(equal_x_, p)] = representative(equal_x_, q);
     return c.sign;
 }
 
-Sign MixedArcs::compare_xy(Point p, Point q) {
+Sign CurveArcs::compare_xy(Point p, Point q) {
     if (representative(p) == representative(q)) return Sign::Zero;
     const Comparison by_x = compare_coordinate(p, q, 0);
     if (by_x.sign != Sign::Zero) return by_x.sign;
@@ -336,7 +336,7 @@ Sign MixedArcs::compare_xy(Point p, Point q) {
 // --- Points and branches. ------------------------------------------------------------------------------
 
 // The sign of K (x^2 + y^2) + A x + B y + C tells the side of a line, and inside from outside of a circle.
-Sign MixedArcs::exact_side_of(const ExactPoint& p, MixedBranchId b) const {
+Sign CurveArcs::exact_side_of(const ExactPoint& p, MixedBranchId b) const {
     const Branch& branch = branches_[b];
     const ExactForm& f = curves_[branch.curve].exact;
     const Exact& d = p.denominator;
@@ -352,7 +352,7 @@ Sign MixedArcs::exact_side_of(const ExactPoint& p, MixedBranchId b) const {
 }
 
 // Of a point on the circle: does it lie on this half?
-bool MixedArcs::on_half(Point p, MixedBranchId b) const {
+bool CurveArcs::on_half(Point p, MixedBranchId b) const {
     const Branch& branch = branches_[b];
     if (!branch.graph) return true;
     const Sign half = std::get<CircularGraph>(branch.graph->shape()).half;
@@ -362,7 +362,7 @@ bool MixedArcs::on_half(Point p, MixedBranchId b) const {
     return sign(twice(f.K) * e.y + e.denominator * f.B) != -half;
 }
 
-Sign MixedArcs::side_of(Point p, MixedBranchId b) {
+Sign CurveArcs::side_of(Point p, MixedBranchId b) {
     p = representative(p);
     if (known_on(p, b)) return Sign::Zero;
     const auto graph = branches_[b].graph;
@@ -395,7 +395,7 @@ Sign MixedArcs::side_of(Point p, MixedBranchId b) {
     return Sign::Zero;
 }
 
-Sign MixedArcs::compare_y_at_x(Point p, const Arc& a) {
+Sign CurveArcs::compare_y_at_x(Point p, const Arc& a) {
     if (is_vertical(a)) {
         if (compare_xy(p, a.left) == Sign::Negative) return Sign::Negative;
         return compare_xy(p, a.right) == Sign::Positive ? Sign::Positive : Sign::Zero;
@@ -410,7 +410,7 @@ Sign MixedArcs::compare_y_at_x(Point p, const Arc& a) {
 // (-a c, -b c) / n + s (-b, a), and those on K (x^2 + y^2) + A x + B y + C satisfy
 //     K n s^2 + m s + q / n = 0,   m = B a - A b,   q = K c^2 - c (A a + B b) + C n,
 // hence s = (-m -+ sqrt(m^2 - 4 K q)) / (2 K n).
-std::vector<MixedArcs::Point> MixedArcs::exact_points(const Curve& c, const Curve& d) {
+std::vector<CurveArcs::Point> CurveArcs::exact_points(const Curve& c, const Curve& d) {
     const ExactForm &f = c.exact, &g = d.exact;
     const bool lines = c.kind == Curve::Kind::Line && d.kind == Curve::Kind::Line;
     const auto make = [&](OneRoot x, OneRoot y, Exact denominator) {
@@ -442,7 +442,7 @@ std::vector<MixedArcs::Point> MixedArcs::exact_points(const Curve& c, const Curv
             make({x0, b, discriminant}, {y0, -a, discriminant}, denominator)};
 }
 
-std::vector<MixedArcs::Point> MixedArcs::crossings(MixedCurveId c, MixedCurveId d) {
+std::vector<CurveArcs::Point> CurveArcs::crossings(MixedCurveId c, MixedCurveId d) {
     assert(c != d && curves_[c].circular() && curves_[d].circular());
     const auto [found, is_new] = exact_points_.try_emplace(std::minmax(c, d));
     if (is_new) {
@@ -453,21 +453,21 @@ std::vector<MixedArcs::Point> MixedArcs::crossings(MixedCurveId c, MixedCurveId 
     return found->second;
 }
 
-std::optional<MixedArcs::Point> MixedArcs::later_left(MixedBranchId a, MixedBranchId b) {
+std::optional<CurveArcs::Point> CurveArcs::later_left(MixedBranchId a, MixedBranchId b) {
     const Point p = branches_[a].left, q = branches_[b].left;
     if (!p.valid() || !q.valid())
         return p.valid() ? std::optional(p) : q.valid() ? std::optional(q) : std::nullopt;
     return compare_x(p, q) == Sign::Negative ? q : p;
 }
 
-std::optional<MixedArcs::Point> MixedArcs::earlier_right(MixedBranchId a, MixedBranchId b) {
+std::optional<CurveArcs::Point> CurveArcs::earlier_right(MixedBranchId a, MixedBranchId b) {
     const Point p = branches_[a].right, q = branches_[b].right;
     if (!p.valid() || !q.valid())
         return p.valid() ? std::optional(p) : q.valid() ? std::optional(q) : std::nullopt;
     return compare_x(p, q) == Sign::Positive ? q : p;
 }
 
-Sign MixedArcs::sign_between(MixedBranchId a, MixedBranchId b, std::optional<Point> l,
+Sign CurveArcs::sign_between(MixedBranchId a, MixedBranchId b, std::optional<Point> l,
                              std::optional<Point> r) {
     const MonotoneGraph &f = *branches_[a].graph, &g = *branches_[b].graph;
     const auto between = [&]<class T>(const T& from, const T& to) -> std::optional<Sign> {
@@ -507,7 +507,7 @@ Sign MixedArcs::sign_between(MixedBranchId a, MixedBranchId b, std::optional<Poi
     return Sign::Zero;
 }
 
-MixedArcs::Meeting MixedArcs::with_signs_between(MixedBranchId a, MixedBranchId b,
+CurveArcs::Meeting CurveArcs::with_signs_between(MixedBranchId a, MixedBranchId b,
                                                  std::vector<Point> points) {
     const auto first = later_left(a, b), last = earlier_right(a, b);
     Meeting m{false, std::move(points), {}};
@@ -523,9 +523,9 @@ MixedArcs::Meeting MixedArcs::with_signs_between(MixedBranchId a, MixedBranchId 
 }
 
 /// Finds the common points of two branches that are no vertical lines.
-class MixedArcs::Isolation {
+class CurveArcs::Isolation {
 public:
-    Isolation(MixedArcs& arcs, MixedBranchId a, MixedBranchId b)
+    Isolation(CurveArcs& arcs, MixedBranchId a, MixedBranchId b)
         : m_(arcs), a_(a), b_(b), f_(arcs.branches_[a].graph), g_(arcs.branches_[b].graph) {}
 
     Meeting run() {
@@ -745,7 +745,7 @@ private:
         }
     }
 
-    MixedArcs& m_;
+    CurveArcs& m_;
     MixedBranchId a_, b_;
     std::shared_ptr<const MonotoneGraph> f_, g_;
     Point first_, last_;
@@ -753,7 +753,7 @@ private:
     Meeting result_;
 };
 
-MixedArcs::Meeting MixedArcs::meet_vertical(MixedBranchId vertical, MixedBranchId b) {
+CurveArcs::Meeting CurveArcs::meet_vertical(MixedBranchId vertical, MixedBranchId b) {
     const Branch &line = branches_[vertical], &branch = branches_[b];
     if (curves_[branch.curve].circular()) {
         Meeting m;
@@ -781,7 +781,7 @@ MixedArcs::Meeting MixedArcs::meet_vertical(MixedBranchId vertical, MixedBranchI
         false, {add_point({anchor.x, branch.graph->y(anchor.x), refine, nullptr, {vertical, b}, {}})}, {}};
 }
 
-MixedArcs::Meeting MixedArcs::meet(MixedBranchId a, MixedBranchId b) {
+CurveArcs::Meeting CurveArcs::meet(MixedBranchId a, MixedBranchId b) {
     // By value: points and branches may be added meanwhile.
     const Branch f = branches_[a], g = branches_[b];
     if (!f.graph) return g.graph ? meet_vertical(a, b) : Meeting();
@@ -805,13 +805,13 @@ MixedArcs::Meeting MixedArcs::meet(MixedBranchId a, MixedBranchId b) {
     return Isolation(*this, a, b).run();
 }
 
-const MixedArcs::Meeting& MixedArcs::meeting(MixedBranchId a, MixedBranchId b) {
+const CurveArcs::Meeting& CurveArcs::meeting(MixedBranchId a, MixedBranchId b) {
     const auto key = std::minmax(a, b);
     if (const auto found = meetings_.find(key); found != meetings_.end()) return found->second;
     return meetings_.emplace(key, meet(key.first, key.second)).first->second;
 }
 
-Sign MixedArcs::compare_y_right_of(const Arc& a, const Arc& b, Point p) {
+Sign CurveArcs::compare_y_right_of(const Arc& a, const Arc& b, Point p) {
     if (is_vertical(a) || is_vertical(b)) return sign_of(int{is_vertical(a)} - int{is_vertical(b)});
     if (a.branch == b.branch) return Sign::Zero;
     const Meeting& m = meeting(a.branch, b.branch);
@@ -821,7 +821,7 @@ Sign MixedArcs::compare_y_right_of(const Arc& a, const Arc& b, Point p) {
     return a.branch < b.branch ? m.signs[passed] : -m.signs[passed];
 }
 
-void MixedArcs::intersect(const Arc& a, const Arc& b, ArcIntersections<Point, Arc>& out) {
+void CurveArcs::intersect(const Arc& a, const Arc& b, ArcIntersections<Point, Arc>& out) {
     const auto overlap = [&] {
         const Point from = compare_xy(a.left, b.left) == Sign::Negative ? b.left : a.left;
         const Point to = compare_xy(a.right, b.right) == Sign::Negative ? a.right : b.right;

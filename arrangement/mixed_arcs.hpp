@@ -42,7 +42,7 @@ using MixedPointId = Id<MixedPointTag>;
 using MixedCurveId = Id<MixedCurveTag>;
 using MixedBranchId = Id<MixedBranchTag>;
 
-class MixedArcs {
+class CurveArcs {
 public:
     using Point = MixedPointId;
     /// A piece of a branch: of a line, of half a circle, of a Bezier or traced curve between its turns in x.
@@ -189,6 +189,6 @@ private:
     std::vector<Eigen::Vector2d> assumed_at_;
 };
 
-static_assert(ArcGeometry<MixedArcs>);
+static_assert(ArcGeometry<CurveArcs>);
 
 }  // namespace vcell

@@ -12,7 +12,7 @@
 #include "vcell/core/errors.hpp"
 
 using namespace vcell;
-using Arc = MixedArcs::Arc;
+using Arc = CurveArcs::Arc;
 
 namespace {
 
@@ -132,15 +132,15 @@ Function difference(const Height& f, const Height& g) {
     return defining_function([=]<class T>(const T& x, const T& y) -> T { return f(x, y) - g(x, y); });
 }
 
-std::vector<Arc> all_arcs(const MixedArcs& g, const std::vector<MixedCurveId>& curves) {
+std::vector<Arc> all_arcs(const CurveArcs& g, const std::vector<MixedCurveId>& curves) {
     std::vector<Arc> arcs;
     for (const MixedCurveId c : curves) g.cut(c, arcs);
     return arcs;
 }
 
-void check_counts(MixedArcs& g, const std::vector<Arc>& arcs, std::size_t vertices, std::size_t edges,
+void check_counts(CurveArcs& g, const std::vector<Arc>& arcs, std::size_t vertices, std::size_t edges,
                   std::size_t faces) {
-    const auto a = arrange<MixedArcs>(g, arcs);
+    const auto a = arrange<CurveArcs>(g, arcs);
     CHECK(arrangement_defect(g, a) == "");
     CHECK(a.dcel.vertex_count() == vertices);
     CHECK(a.dcel.edge_count() == edges);
@@ -150,7 +150,7 @@ void check_counts(MixedArcs& g, const std::vector<Arc>& arcs, std::size_t vertic
 }  // namespace
 
 TEST_CASE("mixed arcs: a circle, a line, a Bezier curve and a quartic oval") {
-    MixedArcs g;
+    CurveArcs g;
     const auto circle = g.add_circle(0, 0, 1);
     const auto line = g.add_line(1, -1, 0);
     const auto bezier = g.add_bezier({{-2, 0.6, 1}, {0.1, -1, 1.5}, {2.2, 0.5, 1}});
@@ -177,7 +177,7 @@ TEST_CASE("mixed arcs: with a band too wide for the spline to tell, the defining
         // The oval's radius is between 1 and 1.1118; nothing is symmetric.
         for (const double radius : {0.99, 1.1, 1.12}) {
             CAPTURE(radius);
-            MixedArcs g;
+            CurveArcs g;
             const auto arcs =
                 all_arcs(g, {g.add_circle(0.002, 0.001, radius * radius), g.add_traced(coarse)});
             CHECK(arcs.size() == 4);
@@ -203,7 +203,7 @@ TEST_CASE("mixed arcs: cutting finds every turn of a traced curve, with proof") 
     });
     const double width = std::hypot(1.5 * cos, 0.25 * sin) / (cos * cos + sin * sin);
     for (const TracedCurve& curve : trace(ellipse, 2, 0.005)) {
-        MixedArcs g;
+        CurveArcs g;
         const auto arcs = all_arcs(g, {g.add_traced(curve)});
         REQUIRE(arcs.size() == 2);
         CHECK(arcs[0].left == arcs[1].left);
@@ -229,7 +229,7 @@ TEST_CASE("mixed arcs: cutting finds every turn of a traced curve, with proof") 
         turns += before * (points[(i + 2) % n].x() - points[(i + 1) % n].x()) < 0;
     }
     CHECK(turns > 2);
-    MixedArcs g;
+    CurveArcs g;
     const auto arcs = all_arcs(g, {g.add_traced(curves[0])});
     CHECK(arcs.size() == turns);
     check_counts(g, arcs, turns, turns, 2);
@@ -240,7 +240,7 @@ TEST_CASE("mixed arcs: cutting finds every turn of a traced curve, with proof") 
 TEST_CASE("mixed arcs: a vertical inflection and a hopeless band are refused") {
     const auto superellipse = defining_function(
         []<class T>(const T& x, const T& y) -> T { return square(square(x)) + square(square(y)) - T(1.0); });
-    MixedArcs g;
+    CurveArcs g;
     CHECK_THROWS_AS(g.add_traced(trace(superellipse, 2, 0.05).at(0)), InputError);
     TracedCurve curve = trace(oval(0, 0, 1, 1), 2, 0.05).at(0);
     curve.band = 2;
@@ -248,7 +248,7 @@ TEST_CASE("mixed arcs: a vertical inflection and a hopeless band are refused") {
 }
 
 TEST_CASE("mixed arcs: a Bezier curve meets itself and its turns") {
-    MixedArcs g;
+    CurveArcs g;
     const auto loop = g.add_bezier({{0, 0, 1}, {2.5, 2, 1}, {-1.5, 2, 1}, {1, 0, 1}});
     auto arcs = all_arcs(g, {loop});
     CHECK(arcs.size() == 3);
@@ -262,7 +262,7 @@ TEST_CASE("mixed arcs: a Bezier curve meets itself and its turns") {
 }
 
 TEST_CASE("mixed arcs: contacts of circles and a parabola") {
-    MixedArcs g;
+    CurveArcs g;
     // y = x^2 over [-1, 1]. The circle has it as a chord at its leftmost and rightmost points and touches it
     // below.
     const auto parabola = g.add_bezier({{-1, 1, 1}, {0, -1, 1}, {1, 1, 1}});
@@ -279,7 +279,7 @@ TEST_CASE("mixed arcs: contacts of circles and a parabola") {
     SUBCASE("lines 1e-12 off the tangent are decided") {
         for (const double height : {-1e-12, 1e-12, -1e-30, 1e-30}) {
             CAPTURE(height);
-            MixedArcs h;
+            CurveArcs h;
             auto two = all_arcs(h, {h.add_bezier({{-1, 1, 1}, {0, -1, 1}, {1, 1, 1}})});
             two.push_back(h.segment(h.add_line(0, 1, -height), h.point(-2, height), h.point(2, height)));
             const std::size_t crossings = height > 0 ? 2 : 0;
@@ -292,7 +292,7 @@ TEST_CASE("mixed arcs: contacts of circles and a parabola") {
 TEST_CASE("mixed arcs: an oval that touches a circle at its turns and at its top") {
     const auto traced = trace(oval(0, 0, 1, 1), 2, 0.05);
     REQUIRE(traced.size() == 1);
-    MixedArcs g;
+    CurveArcs g;
     auto arcs = all_arcs(g, {g.add_circle(0, 0, 1), g.add_traced(traced[0])});
     check_counts(g, arcs, 4, 8, 6);
     CHECK(g.decisions().assumed >= 4);
@@ -308,7 +308,7 @@ TEST_CASE("mixed arcs: coinciding curves of different kinds become one") {
         []<class T>(const T& x, const T& y) -> T { return square(x) + square(y) - T(1.0); });
     const auto traced = trace(unit, 2, 0.05);
     REQUIRE(traced.size() == 1);
-    MixedArcs g;
+    CurveArcs g;
     auto arcs = all_arcs(g, {g.add_circle(0, 0, 1), g.add_traced(traced[0])});
     CHECK(arcs.size() == 4);
     check_counts(g, arcs, 2, 2, 2);
@@ -320,7 +320,7 @@ TEST_CASE("mixed arcs: coinciding curves of different kinds become one") {
 }
 
 TEST_CASE("mixed arcs: lines and circles are exact in any degeneracy") {
-    MixedArcs g;
+    CurveArcs g;
     // Four circles through the origin, the axes, and both diagonals.
     std::vector<MixedCurveId> circles;
     for (const auto& [x, y] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}})
@@ -340,15 +340,15 @@ TEST_CASE("mixed arcs: the three curves of a triple meet in one point") {
                              Height{0.3, 1, 0.6, 1.3, 0.4, -0.1}};
     std::array<std::size_t, 3> counts{};
     for (const bool labelled : {true, false}) {
-        MixedArcs g;
+        CurveArcs g;
         std::vector<MixedCurveId> curves;
         for (const auto& [i, j] : {std::pair(0u, 1u), {0u, 2u}, {1u, 2u}}) {
             for (const TracedCurve& c : trace(difference(heights[i], heights[j]), 3, 0.03)) {
                 curves.push_back(
-                    g.add_traced(c, labelled ? std::optional(MixedArcs::Label{i, j}) : std::nullopt));
+                    g.add_traced(c, labelled ? std::optional(CurveArcs::Label{i, j}) : std::nullopt));
             }
         }
-        const auto a = arrange<MixedArcs>(g, all_arcs(g, curves));
+        const auto a = arrange<CurveArcs>(g, all_arcs(g, curves));
         CHECK(arrangement_defect(g, a) == "");
         std::size_t triple_points = 0;
         for (std::uint32_t v = 0; v < a.dcel.vertex_count(); ++v) {
@@ -395,7 +395,7 @@ struct RandomMix {
             beziers.push_back(points);
         }
     }
-    std::vector<Arc> arcs(MixedArcs& g, double dx = 0, double dy = 0) const {
+    std::vector<Arc> arcs(CurveArcs& g, double dx = 0, double dy = 0) const {
         std::vector<MixedCurveId> curves;
         for (const auto& [x, y, r] : circles) curves.push_back(g.add_circle(x + dx, y + dy, r));
         for (const auto& [x, y, a, b] : ovals) {
@@ -430,22 +430,22 @@ TEST_CASE("mixed arcs: overlay is the arrangement of the union, in any order and
     for (int round = 0; round < 4; ++round) {
         CAPTURE(round);
         const RandomMix mix(rng);
-        MixedArcs g;
+        CurveArcs g;
         auto arcs = mix.arcs(g);
-        const auto all = arrange<MixedArcs>(g, arcs);
+        const auto all = arrange<CurveArcs>(g, arcs);
         REQUIRE(arrangement_defect(g, all) == "");
         std::shuffle(arcs.begin(), arcs.end(), rng);
-        CHECK(same_topology(arrange<MixedArcs>(g, arcs).dcel, all.dcel));
+        CHECK(same_topology(arrange<CurveArcs>(g, arcs).dcel, all.dcel));
         const auto half = static_cast<std::ptrdiff_t>(arcs.size() / 2);
-        const auto a = arrange<MixedArcs>(g, std::vector<Arc>(arcs.begin(), arcs.begin() + half));
-        const auto b = arrange<MixedArcs>(g, std::vector<Arc>(arcs.begin() + half, arcs.end()));
+        const auto a = arrange<CurveArcs>(g, std::vector<Arc>(arcs.begin(), arcs.begin() + half));
+        const auto b = arrange<CurveArcs>(g, std::vector<Arc>(arcs.begin() + half, arcs.end()));
         CHECK(same_topology(overlay(g, a, b).dcel, all.dcel));
         CHECK(same_topology(overlay(g, b, a).dcel, all.dcel));
         // The vertical segment starts at the end of another one: exact. Nothing else coincides.
         CHECK(g.decisions().assumed == 0);
 
-        MixedArcs moved;
-        CHECK(counts(arrange<MixedArcs>(moved, mix.arcs(moved, 21.25, -7.5)).dcel) == counts(all.dcel));
+        CurveArcs moved;
+        CHECK(counts(arrange<CurveArcs>(moved, mix.arcs(moved, 21.25, -7.5)).dcel) == counts(all.dcel));
         CHECK(moved.decisions().assumed == 0);
     }
 }
@@ -459,7 +459,7 @@ TEST_CASE("mixed arcs: faces are where the signs of the defining functions say")
         for (int i = 0; i < 4; ++i)
             heights.push_back(
                 {place(rng), place(rng), factor(rng), factor(rng), factor(rng) / 4, offset(rng)});
-        MixedArcs g;
+        CurveArcs g;
         std::vector<Function> functions;
         std::vector<MixedCurveId> curves;
         for (std::uint32_t i = 0; i < heights.size(); ++i) {
@@ -476,7 +476,7 @@ TEST_CASE("mixed arcs: faces are where the signs of the defining functions say")
                     std::vector<MixedCurveId> added;
                     try {
                         for (const TracedCurve& c : traced)
-                            added.push_back(g.add_traced(c, MixedArcs::Label{i, j}));
+                            added.push_back(g.add_traced(c, CurveArcs::Label{i, j}));
                     } catch (const InputError&) {
                         continue;
                     }
@@ -495,11 +495,11 @@ TEST_CASE("mixed arcs: faces are where the signs of the defining functions say")
             arcs.push_back(g.segment(g.add_line(1, 0, -s), g.point(s, -2), g.point(s, 2)));
             arcs.push_back(g.segment(g.add_line(0, 1, -s), g.point(-2, s), g.point(2, s)));
         }
-        const auto a = arrange<MixedArcs>(g, arcs);
+        const auto a = arrange<CurveArcs>(g, arcs);
         REQUIRE(arrangement_defect(g, a) == "");
         CHECK(g.decisions().assumed == 0);
 
-        const PointLocator<MixedArcs> locator(g, a);
+        const PointLocator<CurveArcs> locator(g, a);
         std::map<std::uint32_t, std::vector<Sign>> signs_of_face;
         constexpr int grid = 40;
         for (int i = 1; i < grid; ++i) {
@@ -514,7 +514,7 @@ TEST_CASE("mixed arcs: faces are where the signs of the defining functions say")
                 CHECK(at->second == signs);
             }
         }
-        std::vector<MixedArcs::Point> some;
+        std::vector<CurveArcs::Point> some;
         for (int i = 0; i < 60; ++i) some.push_back(g.point(place(rng), place(rng)));
         check_location(g, a, some);
         CHECK(signs_of_face.size() > 8);
