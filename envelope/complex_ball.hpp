@@ -1,7 +1,8 @@
 /// Disks of the complex plane: how large an analytic function may be on an ellipse around its interval.
 ///
-/// Not rounded outwards: for bounds that are taken with a margin of more than a few thousand roundings. What cannot be
-/// bounded (a divisor's disk around zero, a radicand's across the negative axis) has an infinite radius.
+/// Not rounded outwards: for bounds that are taken with a margin of more than a few thousand roundings. What
+/// cannot be bounded (a divisor's disk around zero, a radicand's across the negative axis) has an infinite
+/// radius.
 #pragma once
 
 #include <cmath>
@@ -35,7 +36,8 @@ struct ComplexBall {
         if (!(least > 0)) return {0.0, std::numeric_limits<double>::infinity()};
         return a * ComplexBall(std::conj(b.center) / (size * size), b.radius / (size * least));
     }
-    /// The principal root: |sqrt z - sqrt c| <= |z - c| / |sqrt c| where the disk does not meet the negative axis.
+    /// The principal root: |sqrt z - sqrt c| <= |z - c| / |sqrt c| where the disk does not meet the negative
+    /// axis.
     friend ComplexBall sqrt(const ComplexBall& a) {
         const double room = a.center.real() > 0 ? std::abs(a.center) : std::abs(a.center.imag());
         if (!(room > a.radius)) return {0.0, std::numeric_limits<double>::infinity()};

@@ -12,7 +12,9 @@ CylinderHeight::CylinderHeight(const CylinderForm& form, const Vector2d& near)
     : c_(form.px, form.py, form.pz), d_(form.ax, form.ay, form.az), rho_(form.rho) {
     d_ = d_.stableNormalized();
     if (d_.z() < 0) d_ = -d_;
-    c_ += (Vector3d(near.x(), near.y(), 0) - c_).dot(d_) * d_;
+    const double shift = (Vector3d(near.x(), near.y(), 0) - c_).dot(d_);
+    reach_ = c_.norm() + std::abs(shift);
+    c_ += shift * d_;
 }
 
 // With m = (p, 0) - c and the derivative of C - 2 beta f - d_z^2 f^2 = 0:
@@ -82,8 +84,7 @@ RationalPatch CylinderFrame::patch(const std::array<double, 2>& u, const std::ar
         for (int j = 0; j <= 2; ++j) {
             const double m = mu(u[i]), mean = 0.5 * (v[j > 0] + v[j > 1]), square = v[j > 0] * v[j > 1];
             const Vector2d p = origin_ + turned_back({u[i] - m * eps_ * square / 4, m * mean});
-            const double z =
-                f0_ + eps_ * u[i] * (f0_ + height_.rho()) + m * (z1_ * mean + z2_ * square);
+            const double z = f0_ + eps_ * u[i] * (f0_ + height_.rho()) + m * (z1_ * mean + z2_ * square);
             const Vec3 world = frame.to_world({p.x(), p.y(), z});
             surface.points.push_back({world.x(), world.y(), world.z(), 1});
         }

@@ -1,4 +1,5 @@
-/// The bisector of a plane base and a cylinder: its height in double, and a frame in which it is a polynomial patch.
+/// The bisector of a plane base and a cylinder: its height in double, and a frame in which it is a polynomial
+/// patch.
 ///
 /// Let the axis run through c with unit direction d, d_z >= 0, and write d for (d_x, d_y) too. With
 ///
@@ -6,16 +7,17 @@
 ///
 /// the root of core/cylinder_form.hpp is s, and the height is
 ///
-///     f(p) = (s - d.V) / d_z^2 - rho,   grad f = (V / s - d) / d_z,   Hess f = t t^T / s with t across V, |t| = 1:
+///     f(p) = (s - d.V) / d_z^2 - rho,   grad f = (V / s - d) / d_z,   Hess f = t t^T / s
 ///
-/// a multiple of the distance from a point A plus a linear function. A, where V = 0, lies under the axis's
-/// point at height -rho: that point is the cone's apex, and A a focus of the ellipse that the cylinder cuts from
-/// the base. The chart's rays from A lift to the cone's rulings.
+/// with the unit vector t across V: a multiple of the distance from a point A plus a linear function. A,
+/// where V = 0, is the projection of the axis's point at height -rho: that point is the cone's apex, and A a
+/// focus of the ellipse that the cylinder cuts from the base. The chart's rays from A lift to the cone's rulings.
 ///
-/// *One patch is enough.* The base region is convex and does not meet that ellipse, so from A, inside the ellipse, it is
-/// seen under less than a half turn. Half angles of directions about A, counted from a direction into the region, never
-/// meet their pole. (The foot point on the cylinder may well pass its highest line, behind a leaning cylinder; with the
-/// half angle about the axis, counted from the lowest line, that would be the pole.)
+/// *One patch is enough.* The base region is convex and does not meet that ellipse, so from A, inside the
+/// ellipse, it is seen under less than a half turn. Half angles of directions about A, counted from a
+/// direction into the region, never meet their pole. (The foot point on the cylinder may well pass its
+/// highest line, behind a leaning cylinder; with the half angle about the axis, counted from the lowest line,
+/// that would be the pole.)
 #pragma once
 
 #include <Eigen/Core>
@@ -38,8 +40,8 @@ public:
     };
 
     CylinderHeight() = default;
-    /// `near`: the axis's point is moved along the axis to where it is nearest to (near, 0), so that coordinates are as
-    /// small as they can be.
+    /// `near`: the axis's point is moved along the axis to where it is nearest to (near, 0), so that
+    /// coordinates are as small as they can be.
     CylinderHeight(const CylinderForm& form, const Eigen::Vector2d& near);
 
     Jet operator()(const Eigen::Vector2d& p) const;
@@ -51,22 +53,24 @@ public:
     double rho() const { return rho_; }
     const Eigen::Vector3d& point() const { return c_; }
     const Eigen::Vector3d& axis() const { return d_; }
+    /// The lengths whose roundings make up the error of point(), times a few units of 2^-53.
+    double reach() const { return reach_; }
 
 private:
     Eigen::Vector3d c_, d_;
-    double rho_ = 0;
+    double rho_ = 0, reach_ = 0;
 };
 
-/// Coordinates (u, v) about a point p0 of the chart in which the chart and the height are polynomials, for cones and for
-/// their limit, the parabolic cylinder, alike. With e along V(p0), e' to its left, and eps = d_z / |V(p0)|, the
-/// reciprocal of the distance of A,
+/// Coordinates (u, v) about a point p0 of the chart in which the chart and the height are polynomials, for
+/// cones and for their limit, the parabolic cylinder, alike. With e along V(p0), e' to its left, and eps =
+/// d_z / |V(p0)|, the reciprocal of the distance of A,
 ///
 ///     p - p0 = (u - mu eps v^2 / 4) e + mu v e',    mu = 1 + eps u,
 ///     f + rho = mu (f0 + rho + z1 v + z2 v^2),      z1 = grad f(p0).e',  z2 = (1 + d.e) / (4 s(p0)).
 ///
-/// (The ray at the half angle atan(eps v / 2) about A, and on it the distance R = mu (1 + eps^2 v^2 / 4) / eps, on which
-/// f + rho depends linearly.) Lengths near p0; (u, v) is oriented like the chart. For an axis parallel to the base
-/// eps = 0: (u, v) is the chart turned.
+/// (The ray at the half angle atan(eps v / 2) about A, and on it the distance R = mu (1 + eps^2 v^2 / 4) /
+/// eps, on which f + rho depends linearly.) Lengths near p0; (u, v) is oriented like the chart. For an axis
+/// parallel to the base eps = 0: (u, v) is the chart turned.
 class CylinderFrame {
 public:
     CylinderFrame() = default;

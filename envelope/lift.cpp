@@ -43,8 +43,8 @@ void extend(Range& range, double a, double b, double c, double w) {
     range[1] = std::max(range[1], value);
 }
 
-// Extends a range by a polynomial with the given Bezier coefficients, to rounding: halves where the coefficients
-// reach beyond what its ends have reached.
+// Extends a range by a polynomial with the given Bezier coefficients, to rounding: halves where the
+// coefficients reach beyond what its ends have reached.
 void extend_by_polynomial(Range& range, std::span<const double> coefficients, int halvings = 52) {
     range[0] = std::min({range[0], coefficients.front(), coefficients.back()});
     range[1] = std::max({range[1], coefficients.front(), coefficients.back()});
@@ -164,12 +164,13 @@ private:
     static RationalCurve2 mixed_trim(std::span<const MixedSpan> spans, int side) {
         const int degree = spans.front().trims[side].degree;
         RationalCurve2 curve =
-            degree > 0 ? joined<RationalCurve2>(
-                             spans, degree, [&](const MixedSpan& s, int k) { return s.trims[side].points[k]; })
-                       : joined<RationalCurve2>(spans, spans.front().degree, [](const MixedSpan& s, int k) {
-                             const Eigen::Vector4d& p = s.points[k];
-                             return Eigen::Vector3d(p.x(), p.y(), p.w());
-                         });
+            degree > 0
+                ? joined<RationalCurve2>(spans, degree,
+                                         [&](const MixedSpan& s, int k) { return s.trims[side].points[k]; })
+                : joined<RationalCurve2>(spans, spans.front().degree, [](const MixedSpan& s, int k) {
+                      const Eigen::Vector4d& p = s.points[k];
+                      return Eigen::Vector3d(p.x(), p.y(), p.w());
+                  });
         if (side == 1) std::reverse(curve.points.begin(), curve.points.end());
         return curve;
     }
@@ -179,7 +180,8 @@ private:
             std::array<double, MixedSpan::largest_degree + 1> z;
             for (int k = 0; k <= s.degree; ++k) z[k] = s.points[k].z();
             if (s.degree == 2)
-                extend(heights, z[0], z[1], z[2], s.points[1].w() / std::sqrt(s.points[0].w() * s.points[2].w()));
+                extend(heights, z[0], z[1], z[2],
+                       s.points[1].w() / std::sqrt(s.points[0].w() * s.points[2].w()));
             else
                 extend_by_polynomial(heights, {z.data(), static_cast<std::size_t>(s.degree) + 1});
         }
@@ -314,7 +316,8 @@ private:
         if (curve.degree == 2) {
             for (std::size_t k = 0; k + 2 < p.size(); k += 2)
                 for (int i = 0; i < 2; ++i)
-                    extend(box[i], p[k][i], p[k + 1][i], p[k + 2][i], p[k + 1][2] / std::sqrt(p[k][2] * p[k + 2][2]));
+                    extend(box[i], p[k][i], p[k + 1][i], p[k + 2][i],
+                           p[k + 1][2] / std::sqrt(p[k][2] * p[k + 2][2]));
             return;
         }
         for (const Eigen::Vector3d& point : p)

@@ -188,15 +188,17 @@ double region_minimum(const CircularForm& f, const PlaneBaseProblem& problem) {
     return inside ? f.e / f.w : best;
 }
 
-// The same for a cylinder. Its height grows along the rays from A (cylinder_patch.hpp), or is constant along the axis: it
-// is smallest on the region's rim. It is convex: on a side, smallest where its slope changes sign.
+// The same for a cylinder. Its height grows along the rays from A (cylinder_patch.hpp), or is constant along
+// the axis: it is smallest on the region's rim. It is convex: on a side, smallest where its slope changes
+// sign.
 double region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem) {
     const auto& corners = problem.corners;
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const Vector2d p = corners[i], along = corners[(i + 1) % corners.size()] - p;
         double low = 0, high = 1;
-        // A quarter of the digits each time would be enough for Newton's method; the flat bottom needs half of them.
+        // A quarter of the digits each time would be enough for Newton's method; the flat bottom needs half
+        // of them.
         constexpr int halvings = 30;
         for (int k = 0; k < halvings; ++k) {
             const double t = 0.5 * (low + high);

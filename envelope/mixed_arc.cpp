@@ -20,7 +20,8 @@ constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 SectionPlane graph(const ExactForm& f) { return {-f.A, -f.B, f.W, f.C}; }
 SectionPlane wall(const RegionSide& side) { return {side.a, side.b, 0.0, -side.c}; }
 
-// a_z (the plane's k + nz rho - n.(p, 0)) + (rho + p_z) n.a: kappa but for a positive factor and the sign of a_z.
+// a_z (the plane's k + nz rho - n.(p, 0)) + (rho + p_z) n.a: kappa but for a positive factor and the sign of
+// a_z.
 Exact apex_offset(const CylinderForm& f, const SectionPlane& s) {
     return f.az * (s.k + s.nz * f.rho - s.nx * f.px - s.ny * f.py) +
            (Exact(f.rho) + f.pz) * (s.nx * f.ax + s.ny * f.ay);
@@ -31,12 +32,15 @@ CurveKind section_kind(const CylinderForm& f, const SectionPlane& s) {
     const Exact norm = Exact(f.ax) * f.ax + Exact(f.ay) * f.ay + Exact(f.az) * f.az;
     const Exact ex = s.nz * f.ax - s.nx * f.az, ey = s.nz * f.ay - s.ny * f.az;
     switch ((ex * ex + ey * ey - s.nz * s.nz * norm).sign()) {
-        case Sign::Positive: return CurveKind::Hyperbola;
-        case Sign::Zero: return CurveKind::Parabola;
-        case Sign::Negative: break;
+        case Sign::Positive:
+            return CurveKind::Hyperbola;
+        case Sign::Zero:
+            return CurveKind::Parabola;
+        case Sign::Negative:
+            break;
     }
-    // About the apex the cone is x^2 + y^2 = (d.X)^2: a circle where that form is a multiple of the metric on the
-    // plane's directions (nz, 0, -nx) and (0, nz, -ny).
+    // About the apex the cone is x^2 + y^2 = (d.X)^2: a circle where that form is a multiple of the metric on
+    // the plane's directions (nz, 0, -nx) and (0, nz, -ny).
     const Exact zz = s.nz * s.nz;
     const Exact m11 = norm * zz - ex * ex, m12 = -(ex * ey), m22 = norm * zz - ey * ey;
     const Exact g11 = zz + s.nx * s.nx, g12 = s.nx * s.ny, g22 = zz + s.ny * s.ny;
@@ -46,7 +50,8 @@ CurveKind section_kind(const CylinderForm& f, const SectionPlane& s) {
 // The conic in which a plane cuts a cylinder's bisector, in the coordinates of one face's patch.
 class Section {
 public:
-    Section(const CylinderForm& form, const CylinderFrame& frame, const SectionPlane& plane) : frame_(&frame) {
+    Section(const CylinderForm& form, const CylinderFrame& frame, const SectionPlane& plane)
+        : frame_(&frame) {
         const Exact offset = apex_offset(form, plane);
         through_apex_ = offset.sign() == Sign::Zero;
         const Vector2d n = frame.turned({plane.nx.enclosure().mid(), plane.ny.enclosure().mid()});
@@ -60,8 +65,8 @@ public:
     const CylinderFrame& frame() const { return *frame_; }
     bool through_apex() const { return through_apex_; }
 
-    // A span between two points given by their (u, v): M / kappa has the Bezier coefficients m[0 .. 2], and -N / kappa =
-    // u M / kappa has n[0 .. 2]; at the ends M / kappa is 1 / mu.
+    // A span between two points given by their (u, v): M / kappa has the Bezier coefficients m[0 .. 2], and
+    // -N / kappa = u M / kappa has n[0 .. 2]; at the ends M / kappa is 1 / mu.
     struct Quadratics {
         std::array<double, 3> m, n;
         Vector2d from, to;
@@ -92,8 +97,8 @@ public:
         return trim;
     }
 
-    // Chart point and height where (u, v) is given times M / kappa: the polynomials of cylinder_patch.hpp over mu, with
-    // v^2 as its blossom.
+    // Chart point and height where (u, v) is given times M / kappa: the polynomials of cylinder_patch.hpp
+    // over mu, with v^2 as its blossom.
     Vector3d point(double m, double n, double v, double vv) const {
         const CylinderFrame& f = *frame_;
         const Vector2d p = f.origin() + f.turned_back({n - f.eps() * vv / 4, v}) / m;
@@ -106,8 +111,8 @@ private:
     bool through_apex_;
 };
 
-// The spans of an arc on a section. Where cylinders lie on both sides the conic is parametrised by the first one's v;
-// the other one's is a projective function of it, which scales weights.
+// The spans of an arc on a section. Where cylinders lie on both sides the conic is parametrised by the first
+// one's v; the other one's is a projective function of it, which scales weights.
 class SectionSpans {
 public:
     SectionSpans(const std::array<std::optional<Section>, 2>& sections, std::vector<MixedSpan>& out)
@@ -213,8 +218,9 @@ void MixedArcs::add_edge(const PlaneBaseProblem& problem, EdgeId e, double toler
 
 // The plane that the arc of an edge lies in, if there is one with rational coefficients.
 //
-// Where height_planes() finds two, f = g is contained in their union. The gradient of f - g does not vanish along an edge,
-// so the edge is an analytic curve and lies in one of them: not in that in which one of its points certainly is not.
+// Where height_planes() finds two, f = g is contained in their union. The gradient of f - g does not vanish
+// along an edge, so the edge is an analytic curve and lies in one of them: not in that in which one of its
+// points certainly is not.
 std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem, EdgeId e) const {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     if (edge.on_rim()) return wall(problem.region[edge.side]);
@@ -273,8 +279,11 @@ void MixedArcs::add_spline(EdgeId e, double tolerance) {
         if (diagram_.is_circular(f)) return {&diagram_.forms[f], nullptr};
         return {nullptr, &frames_[diagram_.dcel.face(Dcel::half_edge(e, direction))]};
     };
-    const auto end = [&](VertexId v) -> ArcEnd { return {diagram_.vertices[v].point, diagram_.vertices[v].height}; };
-    const VertexId from = diagram_.dcel.origin(Dcel::half_edge(e)), to = diagram_.dcel.target(Dcel::half_edge(e));
+    const auto end = [&](VertexId v) -> ArcEnd {
+        return {diagram_.vertices[v].point, diagram_.vertices[v].height};
+    };
+    const VertexId from = diagram_.dcel.origin(Dcel::half_edge(e)),
+                   to = diagram_.dcel.target(Dcel::half_edge(e));
     ArcEnd a, b;
     if (from.valid()) a = end(from), b = end(to);
     arcs_[e].error = fit_spline({side(edge.left, 0), side(edge.right, 1)}, from.valid() ? &a : nullptr,

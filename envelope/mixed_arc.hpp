@@ -1,17 +1,20 @@
-/// The arcs of a minimization diagram with a cylinder on a side, ready for output: conics exactly, all others fitted.
+/// The arcs of a minimization diagram with a cylinder on a side, ready for output: conics exactly, all others
+/// fitted.
 ///
 /// *Conics.* A plane, the vertical ones over the region's rim included, cuts a cylinder's bisector in a conic
-/// [HE, Lemma 4]; so does every plane in which two bisectors agree (primitives/height_conics.hpp). With the plane n.X = k in the patch's coordinates (cylinder_patch.hpp), n = (n1, n2, nz) in
-/// the frame about p0 and k0 = k - n.(p0, 0),
+/// [HE, Lemma 4]; so does every plane in which two bisectors agree (primitives/height_conics.hpp). With the
+/// plane n.X = k in the patch's coordinates (cylinder_patch.hpp), n = (n1, n2, nz) in the frame about p0 and
+/// k0 = k - n.(p0, 0),
 ///
 ///     N(v) + u M(v) = 0,   M = eps N + kappa,   kappa = n1 + eps (nz rho + k0),
 ///     N = nz f0 - k0 + (n2 + nz z1) v + B v^2,  B = nz z2 - n1 eps / 4:
 ///
-/// u is a quotient of quadratics in v and mu = kappa / M, so the curve in space and its chart curve are rational
-/// quadratics in v, and its trim (u, v) a rational cubic. Only the ends and bend = B (v1 - v0)^2 / (2 kappa) enter. kappa
-/// is nz times the height of the plane over the apex, less the apex's; it is taken from exact numbers, and 0 where the
-/// plane passes through the apex: then the arc lies on a ruling. The chart curve has a focus in A and eccentricity
-/// |d_z grad g + d| for the plane's height g, whose comparison with 1 names the conic.
+/// u is a quotient of quadratics in v and mu = kappa / M, so the curve in space and its chart curve are
+/// rational quadratics in v, and its trim (u, v) a rational cubic. Only the ends and bend = B (v1 - v0)^2 /
+/// (2 kappa) enter. kappa is nz times the height of the plane over the apex, less the apex's; it is taken
+/// from exact numbers, and 0 where the plane passes through the apex: then the arc lies on a ruling. The
+/// chart curve has a focus in A and eccentricity |d_z grad g + d| for the plane's height g, whose comparison
+/// with 1 names the conic.
 #pragma once
 
 #include <cstdint>

@@ -37,8 +37,8 @@ public:
             const Vector4d& p = span.points[k];
             b[k] << p.w() * p.head<3>(), p.w();
         }
-        // De Casteljau at the middle leaves the right half's points, whose k-th differences times a binomial are the
-        // coefficients.
+        // De Casteljau at the middle leaves the right half's points, whose k-th differences times a binomial
+        // are the coefficients.
         for (int level = 1; level <= degree_; ++level)
             for (int k = 0; k + level <= degree_; ++k) b[k] = 0.5 * (b[k] + b[k + 1]);
         double binomial = 1;
@@ -81,10 +81,11 @@ private:
     std::array<Vector4d, MixedSpan::largest_degree + 1> a_;
 };
 
-// An integrand offers N values at a SpanPoint of any number type, and at one of doubles their sizes: the sums of the
-// absolute values of their terms.
+// An integrand offers N values at a SpanPoint of any number type, and at one of doubles their sizes: the sums
+// of the absolute values of their terms.
 template <std::size_t N, class Integrand>
-void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum, int halvings = 40) {
+void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum,
+               int halvings = 40) {
     // The bound may exceed the integrand's size by this factor: 4e-21 of it is next to nothing.
     constexpr double largest_growth = 1e4, ellipse = 2.4;
     const auto bounds = integrand(span.at(ComplexBall(0.0, ellipse)));

@@ -5,9 +5,10 @@
 ///
 ///     dx dy = mu (1 + eps^2 v^2 / 4) du dv,   f + rho = mu Z(v),   dA = mu |D(v)| du dv,   mu = 1 + eps u.
 ///
-/// Their antiderivatives in u turn the integrals into boundary integrals dv (Green). Along the boundary they are
-/// integrated by Gauss-Legendre quadrature with the bound of quadrature.hpp, its M from the integrand's value on the disk
-/// |t| <= 2.4 around the span [-1, 1], which contains the ellipse. Spans whose bound is infinite or poor are halved.
+/// Their antiderivatives in u turn the integrals into boundary integrals dv (Green). Along the boundary they
+/// are integrated by Gauss-Legendre quadrature with the bound of quadrature.hpp, its M from the integrand's
+/// value on the disk |t| <= 2.4 around the span [-1, 1], which contains the ellipse. Spans whose bound is
+/// infinite or poor are halved.
 #pragma once
 
 #include "cylinder_patch.hpp"

@@ -16,8 +16,8 @@ using Eigen::Vector2d;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
-// Rounding of a residual or gradient, in units of u times the magnitudes that enter it: some twenty operations,
-// and coefficients within 4u.
+// Rounding of a residual or gradient, in units of u times the magnitudes that enter it: some twenty
+// operations, and coefficients within 4u.
 constexpr double rounding = 32 * u;
 
 // A height with its derivatives; the Hessian is bend bend^T + round I.
@@ -27,7 +27,9 @@ struct HeightJet2 {
     double round;
     double gradient_error;  // rounding
 
-    double hessian(const Vector2d& a, const Vector2d& b) const { return bend.dot(a) * bend.dot(b) + round * a.dot(b); }
+    double hessian(const Vector2d& a, const Vector2d& b) const {
+        return bend.dot(a) * bend.dot(b) + round * a.dot(b);
+    }
 };
 
 class Side {
@@ -47,7 +49,8 @@ public:
         const CylinderHeight& f = side_.cylinder->height();
         const CylinderHeight::Jet jet = f(p);
         const Vector2d across(-jet.v.y(), jet.v.x());
-        const double size = (p - f.point().head<2>()).norm() + std::abs(f.point().z()) + jet.value;
+        const double size =
+            (p - f.point().head<2>()).norm() + std::abs(f.point().z()) + jet.value + f.reach();
         return {jet.value, jet.gradient, across / (jet.s * std::sqrt(jet.s)), 0, rounding * size / jet.s};
     }
 
@@ -62,8 +65,8 @@ public:
         if (side_.circular) {
             const CircularForm& f = *side_.circular;
             const Bernstein<5> linear = f.a * x + f.b * y + (-f.w) * z + f.e;
-            const double linear_size = std::abs(f.a) * x.largest() + std::abs(f.b) * y.largest() +
-                                       f.w * z.largest() + std::abs(f.e);
+            const double linear_size =
+                std::abs(f.a) * x.largest() + std::abs(f.b) * y.largest() + f.w * z.largest() + std::abs(f.e);
             if (f.k == 0) return (linear.largest() + rounding * linear_size) / f.w;
             const Bernstein<5> dx = x - f.cx, dy = y - f.cy;
             const double size = f.k * (square(dx.largest()) + square(dy.largest())) + linear_size;
@@ -71,15 +74,17 @@ public:
         }
         // About the axis's point c, with t the axial coordinate and k = rho + c_z,
         //     C - 2 beta z - d_z^2 z^2 = m_x^2 + m_y^2 - t^2 - k (2 z + rho - c_z),
-        // and (beta + d_z^2 z) = k + d_z t =: b is s on the bisector. The residual Q is
-        // (f - z)(s + b), and s^2 = b^2 + d_z^2 Q.
+        // and (beta + d_z^2 z) = k + d_z t =: b is s on the bisector. The residual Q is (f - z)(s + b), and
+        // s^2 = b^2 + d_z^2 Q.
         const CylinderHeight& f = side_.cylinder->height();
         const Eigen::Vector3d &c = f.point(), &d = f.axis();
         const double k = f.rho() + c.z();
         const Bernstein<5> mx = x - c.x(), my = y - c.y(), mz = z - c.z();
         const Bernstein<5> t = d.x() * mx + d.y() * my + d.z() * mz;
         const Bernstein<5> linear = k * (2 * z + (f.rho() - c.z()));
-        const double size = square(mx.largest()) + square(my.largest()) + square(t.largest()) + linear.largest();
+        const double distance = mx.largest() + my.largest() + std::abs(c.z()) + f.rho() + z.largest();
+        const double size = square(mx.largest()) + square(my.largest()) + square(t.largest()) +
+                            linear.largest() + distance * f.reach();
         const double Q = (mx * mx + my * my - t * t - raised<10>(linear)).largest() + rounding * size;
         const double b = (d.z() * t + k).smallest_coefficient();
         const double below = b * b - d.z() * d.z() * Q;
@@ -239,8 +244,12 @@ private:
     // Bezier points of the quintic with the given ends.
     template <class T>
     static std::array<T, 6> quintic(const std::array<T, 3>& a, const std::array<T, 3>& b) {
-        return {a[0], a[0] + a[1] / 5, a[0] + 2 * a[1] / 5 + a[2] / 20,
-                b[0] - 2 * b[1] / 5 + b[2] / 20, b[0] - b[1] / 5, b[0]};
+        return {a[0],
+                a[0] + a[1] / 5,
+                a[0] + 2 * a[1] / 5 + a[2] / 20,
+                b[0] - 2 * b[1] / 5 + b[2] / 20,
+                b[0] - b[1] / 5,
+                b[0]};
     }
 
     MixedSpan span_between(const EndJet& a, const EndJet& b) const {
@@ -274,7 +283,8 @@ private:
             // left - right falls to the left of the edge.
             if (!(across < 0 && std::abs(h1) <= steepest)) return fit;
             const Vector2d tangent = e + h1 * m;
-            const double h2 = -(n.jets[0].hessian(tangent, tangent) - n.jets[1].hessian(tangent, tangent)) / across;
+            const double h2 =
+                -(n.jets[0].hessian(tangent, tangent) - n.jets[1].hessian(tangent, tangent)) / across;
             ends[i] = end_jet(n, length * tangent, length * length * h2 * m);
         }
         fit.span = span_between(ends[0], ends[1]);
@@ -336,8 +346,7 @@ private:
 
     static std::array<Bernstein<5>, 3> coordinates(const MixedSpan& span) {
         std::array<Bernstein<5>, 3> result;
-        for (int i = 0; i < 3; ++i)
-            result[i] = Bernstein<5>::from([&](int k) { return span.points[k][i]; });
+        for (int i = 0; i < 3; ++i) result[i] = Bernstein<5>::from([&](int k) { return span.points[k][i]; });
         return result;
     }
 
@@ -347,8 +356,8 @@ private:
         double worst = 0, arc_height = std::numeric_limits<double>::infinity();
         for (int i = 0; i < 2; ++i) {
             const double error = sides_[i].height_error(x, y, z);
-            const double slope = middle.jets[i].gradient.norm() +
-                                 radius * sides_[i].curvature_bound(middle.jets[i], radius);
+            const double slope =
+                middle.jets[i].gradient.norm() + radius * sides_[i].curvature_bound(middle.jets[i], radius);
             arc_height = std::min(arc_height, error + slope * distance);
             const double trim = trim_deviation(i, span, x, y);
             worst = std::max(worst, std::hypot(trim, error + slope * trim));
@@ -357,7 +366,8 @@ private:
     }
 
     // |chart point of the patch at (u, v)(t) - p(t)|, about the frame's origin.
-    double trim_deviation(int side, const MixedSpan& span, const Bernstein<5>& x, const Bernstein<5>& y) const {
+    double trim_deviation(int side, const MixedSpan& span, const Bernstein<5>& x,
+                          const Bernstein<5>& y) const {
         const CylinderFrame* frame = sides_[side].cylinder();
         if (!frame) return 0;
         const auto& points = span.trims[side].points;
@@ -368,7 +378,8 @@ private:
                        o = frame->turned(frame->origin());
         const Bernstein<5> along = ex.x() * x + ey.x() * y - o.x(), across = ex.y() * x + ey.y() * y - o.y();
         const Bernstein<10> turned = (eps * U + 1) * V;
-        const double size = U.largest() + turned.largest() * (1 + eps * V.largest()) + x.largest() + y.largest();
+        const double size =
+            U.largest() + turned.largest() * (1 + eps * V.largest()) + x.largest() + y.largest();
         const double first = (raised<15>(U - along) - (0.25 * eps) * (turned * V)).largest();
         const double second = (turned - raised<10>(across)).largest();
         return std::hypot(first, second) + rounding * size;

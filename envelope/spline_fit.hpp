@@ -8,20 +8,22 @@
 ///
 /// *The certificate.* Let (p, z)(t) be the fitted span.
 ///
-/// 1. Heights. The implicit equation of a bisector (C - 2 beta z - d_z^2 z^2 = 0, or k |p - c|^2 + a.p + e = w z) along the
-///    span is a polynomial of degree 10 in t, and no larger than its largest Bernstein coefficient. Divided by its
-///    derivative in z it bounds |z - f(p)| <= e_f; likewise for g.
-/// 2. Place. So |f - g| <= e_f + e_g along p(t). In a disk around the span grad (f - g) keeps its distance to its value in
-///    the middle by the curvature bounds (1/s of cylinder_patch.hpp, 2k/w). If a lower bound `slope` of
-///    the derivative in the direction of that value is positive, f = g within x = (e_f + e_g) / slope of
-///    every p(t).
-/// 3. Which arc. Within the disk f = g is one graph across that direction. Let d be the direction of the diagram's
-///    piece. The cell of the piece and the disk are convex and both contain the chord between two points of the arc in
-///    the cell; a line along d that meets the chord meets their union in a segment. If the derivative along d
-///    is positive in the disk too, then f = g once on that segment: the graph is the arc. A halving point is
-///    on the arc for the same reason. A span over several pieces takes a disk that contains their cells, so the arc.
-/// 4. Trims. The patch's chart point at (u, v)(t), a polynomial of degree 15, is compared with p(t) coefficient by
-///    coefficient.
+/// 1. Heights. The implicit equation of a bisector (C - 2 beta z - d_z^2 z^2 = 0, or
+///    k |p - c|^2 + a.p + e = w z) along the span is a polynomial of degree 10 in t, and no larger than its
+///    largest Bernstein coefficient. Divided by its derivative in z it bounds |z - f(p)| <= e_f; likewise
+///    for g.
+/// 2. Place. So |f - g| <= e_f + e_g along p(t). In a disk around the span grad (f - g) stays close to its
+///    value in the middle, by the curvature bounds (1/s of cylinder_patch.hpp, 2k/w). If a lower bound
+///    `slope` of the derivative in the direction of that value is positive, f = g within
+///    x = (e_f + e_g) / slope of every p(t).
+/// 3. Which arc. Within the disk f = g is one graph across that direction. Let d be the direction of the
+///    diagram's piece. The cell of the piece and the disk are convex and both contain the chord between two
+///    points of the arc in the cell; a line along d that meets the chord meets their union in a segment. If
+///    the derivative along d is positive in the disk too, then f = g once on that segment: the graph is the
+///    arc. A halving point is on the arc for the same reason. A span over several pieces takes a disk that
+///    contains their cells, so the arc.
+/// 4. Trims. The patch's chart point at (u, v)(t), a polynomial of degree 15, is compared with p(t)
+///    coefficient by coefficient.
 ///
 /// All of it in double: residuals carry bounds of their rounding.
 #pragma once
@@ -36,7 +38,8 @@
 
 namespace vcell {
 
-/// A Bezier span of an edge with a cylinder on a side, in canonical coordinates: rational, all curves in one parameter.
+/// A Bezier span of an edge with a cylinder on a side, in canonical coordinates: rational, all curves in one
+/// parameter.
 struct MixedSpan {
     static constexpr int largest_degree = 5;
     struct Trim {
@@ -69,8 +72,8 @@ struct FitError {
     double space = 0;  ///< of the space curve from the arc, and of the lifted trims from the space curve
 };
 
-/// Appends the spans of an arc whose pieces are given. No start: the arc is closed.
-/// tolerance: length. The result exceeds it only where the pieces are narrower than digits can tell, and says so.
+/// Appends the spans of an arc whose pieces are given. No start: the arc is closed. tolerance: length. The
+/// result exceeds it only where the pieces are narrower than digits can tell, and says so.
 FitError fit_spline(const std::array<ArcSide, 2>& sides, const ArcEnd* start, const ArcEnd* end,
                     std::span<const MinimizationDiagram::ArcPiece> pieces, double tolerance,
                     std::vector<MixedSpan>& spans);

@@ -268,7 +268,8 @@ private:
         std::vector<LoopPoint> floor;
         for (const LoopPoint& p : rim) {
             const Vec3 top = mesh_.points[p.point], from_base = top - base->point;
-            floor.push_back({add_point(top - up.dot(from_base) * up), {x.dot(from_base), y.dot(from_base)}, p.edge});
+            floor.push_back(
+                {add_point(top - up.dot(from_base) * up), {x.dot(from_base), y.dot(from_base)}, p.edge});
         }
 
         const std::size_t walls_begin = mesh_.triangles.size();

@@ -72,8 +72,8 @@ private:
         buffer_.clear();
     }
 
-    // Patches over cylinders have parameters of their own: in the chart their trims are the projections of the
-    // edges' space curves, of which rational curves have exact ones.
+    // Patches over cylinders have parameters of their own: in the chart their trims are the projections of
+    // the edges' space curves, of which rational curves have exact ones.
     void project_cylinder_faces() {
         const auto is_cylinder = [&](Site s) {
             return s.is_object() && std::holds_alternative<Cylinder>(cell_.scene.objects[s.index]);

@@ -73,8 +73,8 @@ Wide height_of(const FormFamily& family, FormId form, const Eigen::Vector2d& p) 
     return (wide(f.K) * (x * x + y * y) + wide(f.A) * x + wide(f.B) * y + wide(f.C)) / wide(f.W);
 }
 
-// The true arc crosses the normal of the chart curve, shown by opposite signs on both sides of it, within the stated error
-// of the spline's points.
+// The true arc crosses the normal of the chart curve, shown by opposite signs on both sides of it, within the
+// stated error of the spline's points.
 void check_splines(const Cell& cell) {
     const PlaneBaseProblem problem = plane_base_problem(cell.scene);
     const auto form_of = [&](Site site) {
@@ -88,9 +88,12 @@ void check_splines(const Cell& cell) {
         const FormId left = form_of(e.sites[0]), right = form_of(e.sites[1]);
         const double begin = e.curve.domain_begin(), end = e.curve.domain_end();
         for (int k = 0; k <= 200; ++k) {
-            const auto [world, world_tangent] = e.curve.evaluate_with_derivative(begin + (end - begin) * k / 200.0);
-            const Vec3 p = problem.frame.to_canonical(world), tangent = problem.frame.rotation * world_tangent;
-            const Eigen::Vector2d at = p.head<2>(), along = tangent.head<2>().normalized(), across(-along.y(), along.x());
+            const auto [world, world_tangent] =
+                e.curve.evaluate_with_derivative(begin + (end - begin) * k / 200.0);
+            const Vec3 p = problem.frame.to_canonical(world),
+                       tangent = problem.frame.rotation * world_tangent;
+            const Eigen::Vector2d at = p.head<2>(), along = tangent.head<2>().normalized(),
+                                  across(-along.y(), along.x());
             const auto difference = [&](double offset) {
                 const Eigen::Vector2d q = at + offset * across;
                 return height_of(problem.family, left, q) - height_of(problem.family, right, q);
@@ -160,14 +163,16 @@ TEST_CASE("mixed cell: an upright cylinder beside the region has a circular cone
 }
 
 TEST_CASE("mixed cell: plane sections of an elliptic cone are named by exact signs") {
-    // Axis (3, 0, 4) / 5 through the apex's foot; a plane of slope g along x has the eccentricity |4 g + 3| / 5.
+    // Axis (3, 0, 4) / 5 through the apex's foot; a plane of slope g along x has the eccentricity |4 g + 3|
+    // / 5.
     struct Case {
         double slope;
         CurveKind kind;
     };
-    for (const auto& [slope, kind] : {Case{0.25, CurveKind::Ellipse}, Case{0.5, CurveKind::Parabola},
-                                      Case{0.5 + 0x1p-40, CurveKind::Hyperbola},
-                                      Case{0.5 - 0x1p-40, CurveKind::Ellipse}, Case{1, CurveKind::Hyperbola}}) {
+    for (const auto& [slope, kind] :
+         {Case{0.25, CurveKind::Ellipse}, Case{0.5, CurveKind::Parabola},
+          Case{0.5 + 0x1p-40, CurveKind::Hyperbola}, Case{0.5 - 0x1p-40, CurveKind::Ellipse},
+          Case{1, CurveKind::Hyperbola}}) {
         CAPTURE(slope);
         // A plane whose bisector with z = 0 has the slope `slope` along x: at twice its angle.
         const double c = (1 - slope * slope), s = 2 * slope;
@@ -185,12 +190,13 @@ TEST_CASE("mixed cell: conics and splines of all pairs stay within what they sta
     std::uniform_real_distribution<double> unit(-1, 1);
     for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
         for (int round = 0; round < 4; ++round) {
-            Scene scene = scene_of({Sphere{{0.6 * unit(rng), 0.6 * unit(rng), 0.7}, 0.2},
-                                    Cylinder{{0, 0.5 * unit(rng), 0.9}, {1, 0.3 * unit(rng), 0.3 * unit(rng)}, 0.1},
-                                    Cylinder{{0.5 * unit(rng), 0, 0.8}, {0.3 * unit(rng), 1, 0.3 * unit(rng)}, 0.15},
-                                    Cylinder{{-2.5, 0.5 * unit(rng), 0}, {0.5, 0.2, 1}, 0.1},
-                                    Plane{{0, 0, 0.9}, {0.2 * unit(rng), 0.2 * unit(rng), -1}}},
-                                   1.5);
+            Scene scene =
+                scene_of({Sphere{{0.6 * unit(rng), 0.6 * unit(rng), 0.7}, 0.2},
+                          Cylinder{{0, 0.5 * unit(rng), 0.9}, {1, 0.3 * unit(rng), 0.3 * unit(rng)}, 0.1},
+                          Cylinder{{0.5 * unit(rng), 0, 0.8}, {0.3 * unit(rng), 1, 0.3 * unit(rng)}, 0.15},
+                          Cylinder{{-2.5, 0.5 * unit(rng), 0}, {0.5, 0.2, 1}, 0.1},
+                          Plane{{0, 0, 0.9}, {0.2 * unit(rng), 0.2 * unit(rng), -1}}},
+                         1.5);
             scene.tolerance = tolerance;
             CAPTURE(round);
             const Cell cell = voronoi_cell(scene);
@@ -203,26 +209,26 @@ TEST_CASE("mixed cell: conics and splines of all pairs stay within what they sta
 TEST_CASE("mixed cell: pairs of cylinders in special position meet in lines and conics") {
     const Site first = Site::object(0), second = Site::object(1);
     SUBCASE("parallel axes of one height and radius: a straight ridge") {
-        const Cell cell = voronoi_cell(scene_of({Cylinder{{-0.5, 0, 1}, {0, 1, 0}, 0.2},
-                                                 Cylinder{{0.5, 0, 1}, {0, 2, 0}, 0.2}}));
+        const Cell cell = voronoi_cell(
+            scene_of({Cylinder{{-0.5, 0, 1}, {0, 1, 0}, 0.2}, Cylinder{{0.5, 0, 1}, {0, 2, 0}, 0.2}}));
         check(cell, 1e-15);
         check_edges(cell, first, second, CurveKind::Line);
     }
     SUBCASE("parallel tilted axes of one radius: the plane half-way cuts both cones in the same hyperbola") {
-        const Cell cell = voronoi_cell(scene_of({Cylinder{{-0.5, 0, 2}, {0, 1, 1}, 0.2},
-                                                 Cylinder{{0.5, 0, 2}, {0, -1, -1}, 0.2}}));
+        const Cell cell = voronoi_cell(
+            scene_of({Cylinder{{-0.5, 0, 2}, {0, 1, 1}, 0.2}, Cylinder{{0.5, 0, 2}, {0, -1, -1}, 0.2}}));
         check(cell, 1e-15);
         check_edges(cell, first, second, CurveKind::Hyperbola);
     }
     SUBCASE("parallel tilted axes of two radii") {
-        const Cell cell = voronoi_cell(scene_of({Cylinder{{-0.5, 0.1, 2}, {0, 1, 1}, 0.2},
-                                                 Cylinder{{0.5, 0, 2}, {0, 1, 1}, 0.3}}));
+        const Cell cell = voronoi_cell(
+            scene_of({Cylinder{{-0.5, 0.1, 2}, {0, 1, 1}, 0.2}, Cylinder{{0.5, 0, 2}, {0, 1, 1}, 0.3}}));
         check(cell, 1e-15);
         for (const CellEdge* e : edges_between(cell, first, second)) CHECK(e->kind != CurveKind::Spline);
     }
     SUBCASE("crossing axes of one radius: planes half-way") {
-        const Cell cell = voronoi_cell(scene_of({Cylinder{{0, 0, 1}, {1, 0, 0}, 0.2},
-                                                 Cylinder{{0, 0, 1}, {0, 1, 0}, 0.2}}));
+        const Cell cell = voronoi_cell(
+            scene_of({Cylinder{{0, 0, 1}, {1, 0, 0}, 0.2}, Cylinder{{0, 0, 1}, {0, 1, 0}, 0.2}}));
         check(cell, 1e-15);
         CHECK(edges_between(cell, first, second).size() >= 4);
         check_edges(cell, first, second, CurveKind::Parabola);

@@ -87,7 +87,8 @@ TEST_CASE("svg: other curves become what SVG can say") {
 
 TEST_CASE("svg: faces over cylinders are drawn in the chart, not in their patches' parameters") {
     Scene scene;
-    scene.objects = {Cylinder{{0, 0, 0.8}, {1, 0.3, 0.2}, 0.1}, Cylinder{{-0.5, 0.5, 0.9}, {0.2, 1, 0}, 0.15}};
+    scene.objects = {Cylinder{{0, 0, 0.8}, {1, 0.3, 0.2}, 0.1},
+                     Cylinder{{-0.5, 0.5, 0.9}, {0.2, 1, 0}, 0.15}};
     scene.box = {{-1, -1, 0}, {1, 1, 1.5}};
     const Cell cell = voronoi_cell(scene);
     const std::string svg = svg_text(cell);
