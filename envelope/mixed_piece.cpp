@@ -33,6 +33,13 @@ constexpr std::size_t most_compared_in_pairs = 16;
 
 bool is_point(Interval i) { return i.lower() == i.upper(); }
 
+// Bounds the distance of all points of a box from its middle. Interval::radius() would not do: of two adjacent doubles the
+// middle rounds to one.
+double reach(Interval x, Interval y) {
+    const auto along = [](Interval i) { return std::max(i.upper() - i.mid(), i.mid() - i.lower()); };
+    return Interval::up(std::hypot(Interval::up(along(x)), Interval::up(along(y))));
+}
+
 // Removes what is certainly above another one: v at the middle, slopes times half the extent on both sides.
 template <class Item, class Above>
 void drop_dominated(std::vector<Item>& items, Above&& certainly_above) {
@@ -259,7 +266,7 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
     }
     ++(sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     const IntervalPoint p = line.at(Interval(lo, hi));
-    return {before, after, {p[0].mid(), p[1].mid()}, Interval::up(std::hypot(p[0].radius(), p[1].radius())), {}};
+    return {before, after, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}};
 }
 
 // Stretches shorter than this part of the region are worth more digits: differences that vanish to second order
@@ -302,7 +309,7 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     for (const Item& i : items) left.push_back(i.form);
     if (s1 - s0 <= side_floor_width * extent_ || m <= s0 || m >= s1) {
         if (is_seam) return false;
-        RimTransition t{l0, l1, {middle[0].mid(), middle[1].mid()}, Interval::up(std::hypot(range[0].radius(), range[1].radius())), left};
+        RimTransition t{l0, l1, {middle[0].mid(), middle[1].mid()}, reach(range[0], range[1]), left};
         assume(t.point, s1 - s0, left);
         out.push_back(std::move(t));
         return true;
@@ -398,7 +405,10 @@ std::optional<Root> root_near(Evaluate&& evaluate, Vector2d p) {
     }
     const System at_point = evaluate(Interval(p.x()), Interval(p.y()));
     const Eigen::Matrix2d inverse = middle(at_point).inverse();
-    double radius = 2 * step + 4 * std::numeric_limits<double>::epsilon() * p.norm() + std::numeric_limits<double>::min();
+    // Where values cancel, steps may be far smaller than the values' rounding allows for.
+    const auto rounding = krawczyk(at_point, at_point, inverse, {Interval(0.0), Interval(0.0)});
+    double radius = 2 * (step + std::max(rounding[0].magnitude(), rounding[1].magnitude())) +
+                    4 * std::numeric_limits<double>::epsilon() * p.norm() + std::numeric_limits<double>::min();
     for (int i = 0; i < 12; ++i, radius *= 4) {
         const Interval d(-radius, radius);
         const auto k = krawczyk(at_point, evaluate(Interval(p.x()) + d, Interval(p.y()) + d), inverse, {d, d});
@@ -529,7 +539,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
         const FormId before = boundary.labels[(i + sides - 1) % sides].last();
         if (before != labels.first && boundary.corner_ties[i].size() < 2)
             throw InternalError("labels differ around a corner of a piece");
-        add_rim({c[0].mid(), c[1].mid()}, Interval::up(std::hypot(c[0].radius(), c[1].radius())), before, labels.first,
+        add_rim({c[0].mid(), c[1].mid()}, reach(c[0], c[1]), before, labels.first,
                 boundary.corner_ties[i]);
         piece.rim.push_back({boundary.sides[i].id, labels.first});
         for (const RimTransition& t : labels.transitions) {
@@ -539,8 +549,12 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
     }
     piece.leaving.resize(piece.vertices.size());
 
+    const std::size_t assumed_before = assumptions_.size();
     const bool joined = (plain && join_changes(work)) || (near_node && join_at_node(work));
     if (!joined) {
+        // What was assumed on the way will be asked again.
+        decisions_.assumed -= assumptions_.size() - assumed_before;
+        assumptions_.erase(assumptions_.begin() + static_cast<std::ptrdiff_t>(assumed_before), assumptions_.end());
         if (!at_floor) return std::nullopt;
         join_at_center(work);
     }
@@ -750,7 +764,7 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
     }
     if (!inside || !exists) return Inside::Unknown;
     ++decisions_.by_interval;
-    out = {{X.mid(), Y.mid()}, Interval::up(std::hypot(X.radius(), Y.radius())), forms[0], {}};
+    out = {{X.mid(), Y.mid()}, reach(X, Y), forms[0], {}};
     return Inside::Yes;
 }
 

@@ -131,7 +131,7 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
         const Interval height =
             heights.jet(from.lowest, Interval::ball(to.x, to.error), Interval::ball(to.y, to.error)).v;
         to.height = height.mid();
-        to.height_error = height.radius();
+        to.height_error = Interval::up(std::max(height.upper() - to.height, to.height - height.lower()));
     }
     std::vector<std::vector<Index>> around(piece.vertices.size());
     for (Index i = 0; i < rim; ++i) {
