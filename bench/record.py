@@ -108,4 +108,5 @@ def main():
     print(f"{options.output}: random scenes take {c * 1e9:.3g} ns n log2 n, RMS error {100 * error:.0f} %")
 
 
-main()
+if __name__ == "__main__":
+    main()
