@@ -173,10 +173,10 @@ private:
         parts_.push_back({high, high});
     }
 
-    // A part is left to its slices when the curve is nowhere steeper than this against the axis, measured in units of
-    // the domain: smaller parts have a better axis.
+    // A part is left to its slices when the curve is nowhere steeper than this against the axis, measured in
+    // units of the domain: smaller parts have a better axis.
     bool moderate(const Preconditioned<N, Interval>& p) const {
-        constexpr double steepest = 4;
+        constexpr double steepest = 10;
         const Box slope = p.slopes(unit_);
         for (int i = 0; i < D; ++i)
             if (!(slope[i].magnitude() * unit_[p.axis()] <= steepest * unit_[i])) return false;
@@ -215,8 +215,9 @@ private:
         const int k = leaf.axis;
         // Beyond the part by half the margin, but not beyond the domain.
         const double reach = 0.5 * margin * length(leaf.part[k]);
-        const Interval t(std::max({leaf.part[k].lower() - reach, domain_[k].lower(), leaf.neighbourhood[k].lower()}),
-                         std::min({leaf.part[k].upper() + reach, domain_[k].upper(), leaf.neighbourhood[k].upper()}));
+        const Interval t(
+            std::max({leaf.part[k].lower() - reach, domain_[k].lower(), leaf.neighbourhood[k].lower()}),
+            std::min({leaf.part[k].upper() + reach, domain_[k].upper(), leaf.neighbourhood[k].upper()}));
         const std::size_t first = slices_.size();
         const Point<D> start = mid(leaf.part);
         prove(leaf, t, approximate(leaf, start, t.lower()), approximate(leaf, start, t.upper()));
@@ -226,8 +227,8 @@ private:
         leaf.last_run = runs_.size();
     }
 
-    // The double approximation of the curve at a parameter, and whether it is near enough to the leaf's part to be
-    // of interest and far enough from the neighbourhood's sides to be provable. Only a guide.
+    // The double approximation of the curve at a parameter, and whether it is near enough to the leaf's part
+    // to be of interest and far enough from the neighbourhood's sides to be provable. Only a guide.
     struct Trial {
         Point<D> x;
         bool near;
@@ -235,7 +236,15 @@ private:
     Trial approximate(const Leaf& leaf, const Point<D>& start, double t) const {
         Trial trial{start, false};
         trial.x[leaf.axis] = t;
-        trial.near = settle<N>(f_, trial.x, leaf.axis, tolerance(leaf), 6);
+        // Newton that would leave the neighbourhood, perhaps for another branch, goes on from its boundary.
+        for (int step = 0; step < 8 && !trial.near; ++step) {
+            clamp_into(trial.x, leaf.neighbourhood);
+            const Point<D> before = trial.x;
+            trial.near = settle<N>(f_, trial.x, leaf.axis, tolerance(leaf), 1);
+            Point<D> inside = trial.x;
+            clamp_into(inside, leaf.neighbourhood);
+            if (inside == before) break;
+        }
         for (int i = 0; i < D; ++i)
             if (i != leaf.axis) {
                 const Interval near = halfway(leaf, i);
@@ -257,7 +266,8 @@ private:
             Trial exit = in;
             exit.x[i] = out.x[i] < near.lower() ? near.lower() : near.upper();
             const auto [lo, hi] = std::minmax(in.x[leaf.axis], out.x[leaf.axis]);
-            if (settle<N>(f_, exit.x, i, tolerance(leaf), 5) && lo < exit.x[leaf.axis] && exit.x[leaf.axis] < hi)
+            if (settle<N>(f_, exit.x, i, tolerance(leaf), 5) && lo < exit.x[leaf.axis] &&
+                exit.x[leaf.axis] < hi)
                 return exit;
         }
         for (int step = 0; step < 5; ++step) {
@@ -267,12 +277,12 @@ private:
         return in;
     }
 
-    // Finds the slices of the leaf's curve with parameters in t, from `low` to `high`. What is left out is proved not
-    // to meet the leaf's part.
+    // Finds the slices of the leaf's curve with parameters in t, from `low` to `high`. What is left out is
+    // proved not to meet the leaf's part.
     void prove(const Leaf& leaf, const Interval& t, const Trial& low, const Trial& high) {
         if (low.near != high.near) {
-            // The curve comes or goes through a side: cut there, so that one piece is provable as a whole and the
-            // other is as a whole away from the part.
+            // The curve comes or goes through a side: cut there, so that one piece is provable as a whole and
+            // the other is as a whole away from the part.
             const Trial in = low.near ? last_near(leaf, low, high) : last_near(leaf, high, low);
             const double at = in.x[leaf.axis];
             if (t.lower() < at && at < t.upper()) {
@@ -286,13 +296,14 @@ private:
     }
 
     void divide(const Leaf& leaf, const Interval& t, const Trial& low, const Trial& high) {
+        if (!low.near && !high.near && away(leaf, t)) return;
         Point<D> guess;
         for (int i = 0; i < D; ++i) guess[i] = std::midpoint(low.x[i], high.x[i]);
         guess[leaf.axis] = t.lower() + cut * length(t);
         const Trial middle = approximate(leaf, guess, guess[leaf.axis]);
         const int near = low.near + middle.near + high.near;
         if (near > 0 && has_tube(leaf, t, {low.x, middle.x, high.x})) return;
-        if (near < 3 && away(leaf, t)) return;
+        if (low.near != high.near && away(leaf, t)) return;
         if (length(t) <= options_.min_width * unit_[leaf.axis] || ++divided_slices_ > options_.max_parts) {
             Box rest = leaf.part;
             if (const auto common = intersection(rest[leaf.axis], t)) {
@@ -305,16 +316,18 @@ private:
         prove(leaf, Interval(middle.x[leaf.axis], t.upper()), middle, high);
     }
 
-    // Proves that a curve passes near the three points, for all parameters in t; within the neighbourhood it is the
-    // only one.
+    // Proves that a curve passes near the three points, for all parameters in t; within the neighbourhood it
+    // is the only one.
     bool has_tube(const Leaf& leaf, const Interval& t, const std::array<Point<D>, 3>& points) {
-        // Room for the image to fit in: it is as wide as the slope varies, a few times the deviation from the chord.
+        // Room for the image to fit in: it is as wide as the slope varies, a few times the deviation from the
+        // chord.
         constexpr double room = 0.125, deviations = 6, least_room = 0x1p-24;
         const auto& [low, middle, high] = points;
         const double where = (middle[leaf.axis] - low[leaf.axis]) / (high[leaf.axis] - low[leaf.axis]);
         Box y;
         for (int i = 0; i < D; ++i) {
-            const double lo = std::min({low[i], middle[i], high[i]}), hi = std::max({low[i], middle[i], high[i]});
+            const double lo = std::min({low[i], middle[i], high[i]}),
+                         hi = std::max({low[i], middle[i], high[i]});
             const double deviation = std::abs(middle[i] - std::lerp(low[i], high[i], where));
             const double r =
                 room * (hi - lo) + deviations * deviation + least_room * length(leaf.neighbourhood[i]);
@@ -338,8 +351,8 @@ private:
             for (int i = 0; i < D; ++i) {
                 if (i == leaf.axis) continue;
                 const double r = room * length(image[i]);
-                const auto wider = intersection(Interval(image[i].lower() - r, image[i].upper() + r),
-                                                leaf.neighbourhood[i]);
+                const auto wider =
+                    intersection(Interval(image[i].lower() - r, image[i].upper() + r), leaf.neighbourhood[i]);
                 if (!wider || !wider->contains(m[i])) return false;
                 y[i] = *wider;
             }
@@ -483,7 +496,8 @@ private:
     std::optional<Crossing> crossing(const Slice& s, int k, int i, int face, double c) const {
         double lo = s.begin, hi = s.end;
         const double sign_lo = narrowed(f_, s.enclosure, k, Interval(lo))[i].lower() > c ? 1 : -1;
-        // Newton for x[i] = c along the other coordinates finds the place, certified points beside it prove it.
+        // Newton for x[i] = c along the other coordinates finds the place, certified points beside it prove
+        // it.
         Point<D> guess = mid(s.enclosure);
         guess[i] = c;
         settle<N>(f_, guess, i, 0.0, 6);
@@ -522,7 +536,8 @@ private:
             if (low != stops_.end())
                 runs_.back().low = low->second;
             else if (slice.begin == domain_[k].lower())
-                runs_.back().low = {Stop::Face, static_cast<std::size_t>(2 * k), point(leaf, slice, slice.begin)};
+                runs_.back().low = {Stop::Face, static_cast<std::size_t>(2 * k),
+                                    point(leaf, slice, slice.begin)};
         }
         Run& run = runs_.back();
         run.last = s + 1;
@@ -560,8 +575,8 @@ private:
         Box point;
     };
 
-    // The run on which the curve goes on after `run`, against the orientation when sense is -1. The point is that at
-    // the end of the run. Sets `stop` where it does not go on.
+    // The run on which the curve goes on after `run`, against the orientation when sense is -1. The point is
+    // that at the end of the run. Sets `stop` where it does not go on.
     std::optional<Successor> successor(std::size_t run, int sense, Stop& stop) {
         const Run& from = runs_[run];
         const bool upwards = leaves_[from.leaf].direction * sense > 0;
@@ -569,8 +584,8 @@ private:
         if (stop.kind != Stop::Open) return std::nullopt;
         const double t = upwards ? from.end : from.begin;
         const Box p = point(from.leaf, slice_at(from, t), t);
-        // Injectivity: at its parameter, p is the only solution in the neighbourhood; so it lies on the run that
-        // has the parameter. Of several runs, the one that leads furthest.
+        // Injectivity: at its parameter, p is the only solution in the neighbourhood; so it lies on the run
+        // that has the parameter. Of several runs, the one that leads furthest.
         std::optional<Successor> best;
         double furthest = 0;
         visit_leaves(p, [&](std::size_t l) {
@@ -578,7 +593,8 @@ private:
             const Interval& at = p[leaf.axis];
             for (std::size_t r = leaf.first_run; r < leaf.last_run; ++r) {
                 if (!(runs_[r].begin <= at.lower() && at.upper() <= runs_[r].end)) continue;
-                const double rest = leaf.direction * sense > 0 ? runs_[r].end - at.upper() : at.lower() - runs_[r].begin;
+                const double rest =
+                    leaf.direction * sense > 0 ? runs_[r].end - at.upper() : at.lower() - runs_[r].begin;
                 if (rest / unit_[leaf.axis] > furthest) {
                     furthest = rest / unit_[leaf.axis];
                     best = Successor{r, p};
@@ -615,7 +631,8 @@ private:
         visit_leaves(p, [&](std::size_t l) {
             const Interval& at = p[leaves_[l].axis];
             for (std::size_t r = leaves_[l].first_run; !found && r < leaves_[l].last_run; ++r)
-                found = runs_[r].component != none && runs_[r].begin <= at.lower() && at.upper() <= runs_[r].end;
+                found =
+                    runs_[r].component != none && runs_[r].begin <= at.lower() && at.upper() <= runs_[r].end;
         });
         return found;
     }
@@ -655,7 +672,8 @@ private:
             pieces.back().leave = end_box(pieces.back().run, 1);
             while (const auto before = successor(pieces.front().run, -1, stops[0])) {
                 if (runs_[before->run].component == id) {
-                    // A run met later in this walk begins before the present first one: the walk starts with it.
+                    // A run met later in this walk begins before the present first one: the walk starts with
+                    // it.
                     while (pieces.front().run != before->run) pieces.erase(pieces.begin());
                     continue;
                 }
@@ -681,13 +699,16 @@ private:
         const Leaf& leaf = leaves_[run.leaf];
         const int k = leaf.axis;
         const bool upwards = leaf.direction > 0;
-        const Interval in = upwards ? piece.enter[k] : piece.leave[k], out = upwards ? piece.leave[k] : piece.enter[k];
-        const double begin = std::clamp(in.lower(), run.begin, run.end), end = std::clamp(out.upper(), run.begin, run.end);
+        const Interval in = upwards ? piece.enter[k] : piece.leave[k],
+                       out = upwards ? piece.leave[k] : piece.enter[k];
+        const double begin = std::clamp(in.lower(), run.begin, run.end),
+                     end = std::clamp(out.upper(), run.begin, run.end);
         std::vector<Tube<D>> tubes;
         for (std::size_t s = run.first; s < run.last; ++s) {
             const Slice& slice = slices_[s];
             if (slice.end <= begin || slice.begin >= end) continue;
-            Tube<D> tube{k, std::max(begin, slice.begin), std::min(end, slice.end), slice.enclosure, leaf.neighbourhood};
+            Tube<D> tube{k, std::max(begin, slice.begin), std::min(end, slice.end), slice.enclosure,
+                         leaf.neighbourhood};
             tube.enclosure[k] = tube.parameter();
             tubes.push_back(tube);
         }
@@ -705,7 +726,8 @@ private:
     // ---- Clusters
 
     // Around a singular point undecided boxes lie scattered, with proved arcs between them not much longer.
-    // Boxes this near to each other, in units of the least width, are one cluster, and such arcs belong to it.
+    // Boxes this near to each other, in units of the least width, are one cluster, and such arcs belong to
+    // it.
     static constexpr double reach = 64;
 
     Box reached(const Box& box) const {
@@ -735,7 +757,8 @@ private:
                 if (end.kind == CurveEnd::Kind::Cluster) end.index = cluster_of[end.index];
         std::erase_if(result_.components, [&](const CurveComponent<D>& component) {
             const auto [a, b] = component.ends;
-            if (component.closed || a.kind != CurveEnd::Kind::Cluster || b.kind != a.kind || a.index != b.index)
+            if (component.closed || a.kind != CurveEnd::Kind::Cluster || b.kind != a.kind ||
+                a.index != b.index)
                 return false;
             Box all = component.tubes.front().enclosure;
             for (const Tube<D>& tube : component.tubes) all = hull(all, tube.enclosure);
@@ -770,7 +793,8 @@ private:
 }  // namespace
 
 template <int N>
-CurveSet<N + 1> solve_curves(const CurveSystem<N>& f, const IntervalBox<N + 1>& box, const CurveOptions& options) {
+CurveSet<N + 1> solve_curves(const CurveSystem<N>& f, const IntervalBox<N + 1>& box,
+                             const CurveOptions& options) {
     return Solver<N>(f, box, options).solve();
 }
 
@@ -805,10 +829,10 @@ WideBox<N + 1> point_at(const CurveSystem<N>& f, const Tube<N + 1>& tube, const 
     return y;
 }
 
-#define VCELL_CURVES(N)                                                                                     \
-    template CurveSet<N + 1> solve_curves<N>(const CurveSystem<N>&, const IntervalBox<N + 1>&,              \
-                                             const CurveOptions&);                                          \
-    template IntervalBox<N + 1> point_at<N>(const CurveSystem<N>&, const Tube<N + 1>&, double);             \
+#define VCELL_CURVES(N)                                                                         \
+    template CurveSet<N + 1> solve_curves<N>(const CurveSystem<N>&, const IntervalBox<N + 1>&,  \
+                                             const CurveOptions&);                              \
+    template IntervalBox<N + 1> point_at<N>(const CurveSystem<N>&, const Tube<N + 1>&, double); \
     template WideBox<N + 1> point_at<N>(const CurveSystem<N>&, const Tube<N + 1>&, const Wide&, int);
 VCELL_CURVES(1)
 VCELL_CURVES(2)

@@ -63,8 +63,8 @@ struct CurveComponent {
     std::vector<IntervalBox<D>> joints;
 };
 
-/// A box in which nothing is proved: around a singular point, where the curve touches a face or meets two of them
-/// at once, or what a budget left over.
+/// A box in which nothing is proved: around a singular point, where the curve touches a face or meets two of
+/// them at once, or what a budget left over.
 template <int D>
 struct CurveCluster {
     IntervalBox<D> box;

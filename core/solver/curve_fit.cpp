@@ -88,7 +88,8 @@ private:
             if constexpr (mapped) {
                 k.image(m) = k.maps[N + m].value.mid();
                 k.image_tangent(m) = 0;
-                for (int i = 0; i < D; ++i) k.image_tangent(m) += k.maps[N + m].gradient[i].mid() * k.tangent(i);
+                for (int i = 0; i < D; ++i)
+                    k.image_tangent(m) += k.maps[N + m].gradient[i].mid() * k.tangent(i);
             } else {
                 k.image(m) = x[m];
                 k.image_tangent(m) = k.tangent(m);
@@ -112,8 +113,8 @@ private:
     // Appends spans from a to b, the ends of the stretch, equal in length as far as one can tell.
     void cover(const Stretch& stretch, const Knot& a, const Knot& b) {
         const int k = stretch.axis;
-        // Nothing is gained by shorter spans where nothing can be proved about this one, or where half the length
-        // does not halve the error: rounding prevails.
+        // Nothing is gained by shorter spans where nothing can be proved about this one, or where half the
+        // length does not halve the error: rounding prevails.
         const double shortest = 0x1p-20 * std::abs(b.x[k] - a.x[k]);
         constexpr double unproved = std::numeric_limits<double>::infinity();
         double rejected = unproved, rejected_length = 0;
@@ -201,11 +202,11 @@ private:
                       3);
     }
 
-    // Bounds |g(s)|, 0 <= s <= 1, by values and derivatives at the ends and the fourth Taylor coefficient between:
-    // the Hermite basis functions of the values sum to 1, those of the derivatives stay below 4/27, and the
-    // remainder is s^2 (1 - s)^2 <= 1/16 times the coefficient.
-    static double hermite_bound(const Interval& g0, const Interval& g1, const Interval& d0, const Interval& d1,
-                                const Interval& fourth) {
+    // Bounds |g(s)|, 0 <= s <= 1, by values and derivatives at the ends and the fourth Taylor coefficient
+    // between: the Hermite basis functions of the values sum to 1, those of the derivatives stay below 4/27,
+    // and the remainder is s^2 (1 - s)^2 <= 1/16 times the coefficient.
+    static double hermite_bound(const Interval& g0, const Interval& g1, const Interval& d0,
+                                const Interval& d1, const Interval& fourth) {
         constexpr double basis = 0.1482;
         static_assert(basis * 27 > 4);
         const double ends = up_sum(std::max(g0.magnitude(), g1.magnitude()),
@@ -224,14 +225,14 @@ private:
         constexpr double unproved = std::numeric_limits<double>::infinity();
         const auto& c = span.chart;
         for (int p = 0; p < 3; ++p)
-            if (!(c[p] [stretch.axis] != c[p + 1][stretch.axis] &&
+            if (!(c[p][stretch.axis] != c[p + 1][stretch.axis] &&
                   (c[p][stretch.axis] < c[p + 1][stretch.axis]) == stretch.upwards))
                 return unproved;
         std::array<Series, D> chart;
         for (int i = 0; i < D; ++i) chart[i] = cubic({c[0][i], c[1][i], c[2][i], c[3][i]});
 
-        // The Jacobian over a box around the span. When the box has room for the distance that follows, Newton
-        // about c(s) proves that the curve's point lies within that distance.
+        // The Jacobian over a box around the span. When the box has room for the distance that follows,
+        // Newton about c(s) proves that the curve's point lies within that distance.
         const double room = std::min(4 * tolerance_, 0.125 * span.length);
         IntervalBox<D> around;
         for (int i = 0; i < D; ++i) {
@@ -291,7 +292,8 @@ private:
                 };
                 component = hermite_bound(value(a), value(b), slope(a, 0), slope(b, 2), along[N + m][4]);
                 for (int i = 0; i < D; ++i)
-                    component = up_sum(component, up_product(maps[N + m].gradient[i].magnitude(), distance[i]));
+                    component =
+                        up_sum(component, up_product(maps[N + m].gradient[i].magnitude(), distance[i]));
             } else {
                 component = distance[m];
             }

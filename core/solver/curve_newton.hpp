@@ -143,7 +143,8 @@ private:
     std::array<std::array<T, D>, N> jacobian_;
 };
 
-/// Newton in double towards the curve f_0 = ... = f_{N-1} = 0 with x[axis] fixed; false when it does not settle.
+/// Newton in double towards the curve f_0 = ... = f_{N-1} = 0 with x[axis] fixed; false when it does not
+/// settle.
 template <int N, int M>
 bool settle(const SmoothMap<N + 1, M>& f, Point<N + 1>& x, int axis, double tolerance, int steps) {
     for (int step = 0; step < steps; ++step) {
@@ -222,7 +223,8 @@ IntervalBox<N + 1> narrowed(const CurveSystem<N>& f, IntervalBox<N + 1> y, int a
         if (!kept) break;  // cannot be when the box holds a solution
         double before = 0, after = 0;
         for (int i = 0; i < D; ++i)
-            if (i != axis) before += y[i].upper() - y[i].lower(), after += (*kept)[i].upper() - (*kept)[i].lower();
+            if (i != axis)
+                before += y[i].upper() - y[i].lower(), after += (*kept)[i].upper() - (*kept)[i].lower();
         y = *kept;
         m = middle_at(y, axis, t.mid());
         if (!(after < 0.9 * before)) break;

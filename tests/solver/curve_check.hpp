@@ -34,7 +34,8 @@ bool covers(const CurveSystem<N>& f, const CurveSet<N + 1>& set, const Point<N +
         for (const Tube<N + 1>& tube : component.tubes) {
             const Interval range = tube.parameter();
             const double t = std::clamp(x[tube.axis], range.lower(), range.upper());
-            if (std::abs(t - x[tube.axis]) <= tolerance && distance(mid(point_at<N>(f, tube, t)), x) <= tolerance)
+            if (std::abs(t - x[tube.axis]) <= tolerance &&
+                distance(mid(point_at<N>(f, tube, t)), x) <= tolerance)
                 return true;
         }
     return std::any_of(set.undecided.begin(), set.undecided.end(), [&](const auto& c) {
@@ -91,15 +92,18 @@ std::optional<std::string> find_defect(const CurveSystem<N>& f, const IntervalBo
     for (std::size_t id = 0; id < set.components.size(); ++id) {
         const auto& c = set.components[id];
         const std::string name = "component " + std::to_string(id) + ": ";
-        if (c.tubes.empty() || c.joints.size() != c.tubes.size() + 1) return name + "numbers of tubes and joints";
+        if (c.tubes.empty() || c.joints.size() != c.tubes.size() + 1)
+            return name + "numbers of tubes and joints";
         for (std::size_t i = 0; i < c.tubes.size(); ++i) {
             const Tube<D>& t = c.tubes[i];
-            if (!is_subset(t.parameter(), t.neighbourhood[t.axis])) return name + "tube beyond its neighbourhood";
+            if (!is_subset(t.parameter(), t.neighbourhood[t.axis]))
+                return name + "tube beyond its neighbourhood";
             for (int k = 0; k < D; ++k)
                 if (k != t.axis && !(t.neighbourhood[k].lower() < t.enclosure[k].lower() &&
                                      t.enclosure[k].upper() < t.neighbourhood[k].upper()))
                     return name + "tube not inside its neighbourhood";
-            for (const auto& [joint, parameter] : {std::pair{c.joints[i], t.begin}, {c.joints[i + 1], t.end}}) {
+            for (const auto& [joint, parameter] :
+                 {std::pair{c.joints[i], t.begin}, {c.joints[i + 1], t.end}}) {
                 if (!overlap(joint, t.enclosure)) return name + "joint beside tube";
                 if (!joint[t.axis].contains(parameter)) return name + "joint beside the tube's end";
                 if (!on_curve(joint)) return name + "joint not on the curve";
@@ -108,7 +112,8 @@ std::optional<std::string> find_defect(const CurveSystem<N>& f, const IntervalBo
                 const double at = std::lerp(t.begin, t.end, fraction);
                 const IntervalBox<D> p = point_at<N>(f, t, at);
                 if (!is_subset(p, t.enclosure) || !on_curve(p)) return name + "no curve in tube";
-                if (width(p) > 1e-7 * width(box)) return name + "point not unique";  // near nodes: ill conditioned
+                if (width(p) > 1e-7 * width(box))
+                    return name + "point not unique";  // near nodes: ill conditioned
             }
         }
         if (c.closed) {
@@ -127,7 +132,8 @@ std::optional<std::string> find_defect(const CurveSystem<N>& f, const IntervalBo
                 if (e.index >= set.undecided.size() || !overlap(joint, set.undecided[e.index].box))
                     return name + "end not in its cluster";
                 const auto& branches = set.undecided[e.index].branches;
-                if (std::find(branches.begin(), branches.end(), std::array{id, std::size_t(end)}) == branches.end())
+                if (std::find(branches.begin(), branches.end(), std::array{id, std::size_t(end)}) ==
+                    branches.end())
                     return name + "unknown to its cluster";
             }
         }
@@ -188,7 +194,8 @@ public:
         for (int i = n_; i > 0; --i) around.push_back(at(i, n_));
         for (int j = n_; j > 0; --j) around.push_back(at(0, j));
         int changes = 0;
-        for (std::size_t k = 0; k < around.size(); ++k) changes += around[k] != around[(k + 1) % around.size()];
+        for (std::size_t k = 0; k < around.size(); ++k)
+            changes += around[k] != around[(k + 1) % around.size()];
         return changes;
     }
 

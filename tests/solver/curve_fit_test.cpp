@@ -11,12 +11,12 @@ using namespace vcell::testing;
 
 namespace {
 
-// The largest distance found between the spline and the true curve, both ways: spline points to the true point with
-// the same coordinate along the tube's axis, and true points to the nearest sample of the spline (refined in its
-// neighbourhood). image: the map that was fitted, in double.
+// The largest distance found between the spline and the true curve, both ways: spline points to the true
+// point with the same coordinate along the tube's axis, and true points to the nearest sample of the spline
+// (refined in its neighbourhood). image: the map that was fitted, in double.
 template <int N, int M, class Image>
-double largest_distance(const CurveSystem<N>& f, const CurveComponent<N + 1>& component, const RationalCurve<M>& spline,
-                        const Image& image, int samples) {
+double largest_distance(const CurveSystem<N>& f, const CurveComponent<N + 1>& component,
+                        const RationalCurve<M>& spline, const Image& image, int samples) {
     std::vector<Eigen::Matrix<double, M, 1>> points;
     std::vector<double> at;
     for (int i = 0; i <= samples; ++i) {
@@ -79,7 +79,8 @@ TEST_CASE("curve splines: the certified error bounds the distance to 200-bit poi
         const FittedCurve<2> fit = fit_curve<1, 2>(f, set.components[0], tolerance);
         CHECK(fit.error <= tolerance);
         const double found = largest_distance<1, 2>(
-            f, set.components[0], fit.curve, [](const Point<2>& x) { return Eigen::Vector2d(x[0], x[1]); }, 2000);
+            f, set.components[0], fit.curve, [](const Point<2>& x) { return Eigen::Vector2d(x[0], x[1]); },
+            2000);
         CHECK(found <= fit.error);
         CHECK(found > fit.error / 1000);  // the bound is no idle one
         CHECK(largest_turn(fit.curve) < 1e-6);
@@ -151,7 +152,8 @@ TEST_CASE("curve splines: the image of a curve in the chart, within its certifie
 TEST_CASE("curve splines: in space, from two equations in three unknowns") {
     // Viviani's window with its node cut off.
     const CurveSystem<2> f([](const auto& p) {
-        return std::array{square(p[0]) + square(p[1]) + square(p[2]) - 4.0, square(p[0] - 1.0) + square(p[1]) - 1.0};
+        return std::array{square(p[0]) + square(p[1]) + square(p[2]) - 4.0,
+                          square(p[0] - 1.0) + square(p[1]) - 1.0};
     });
     const CurveSet<3> set = solve_curves<2>(f, {Interval(-1, 1.75), Interval(-2, 2), Interval(0.5, 3)});
     REQUIRE(set.complete());
@@ -159,7 +161,8 @@ TEST_CASE("curve splines: in space, from two equations in three unknowns") {
     const FittedCurve<3> fit = fit_curve<2, 3>(f, set.components[0], 1e-7);
     CHECK(fit.error <= 1e-7);
     const double found = largest_distance<2, 3>(
-        f, set.components[0], fit.curve, [](const Point<3>& x) { return Eigen::Vector3d(x[0], x[1], x[2]); }, 2000);
+        f, set.components[0], fit.curve, [](const Point<3>& x) { return Eigen::Vector3d(x[0], x[1], x[2]); },
+        2000);
     CHECK(found <= fit.error);
     CHECK(found > fit.error / 1000);
 }

@@ -11,7 +11,9 @@ using namespace vcell::testing;
 
 namespace {
 
-IntervalBox<2> rectangle(double x0, double x1, double y0, double y1) { return {Interval(x0, x1), Interval(y0, y1)}; }
+IntervalBox<2> rectangle(double x0, double x1, double y0, double y1) {
+    return {Interval(x0, x1), Interval(y0, y1)};
+}
 
 struct Count {
     std::size_t closed = 0, open = 0;
@@ -26,7 +28,8 @@ Count count(const CurveSet<D>& set) {
 
 // Solves, checks the promises, and returns the result.
 template <int N>
-CurveSet<N + 1> checked(const CurveSystem<N>& f, const IntervalBox<N + 1>& box, const CurveOptions& options = {}) {
+CurveSet<N + 1> checked(const CurveSystem<N>& f, const IntervalBox<N + 1>& box,
+                        const CurveOptions& options = {}) {
     CurveSet<N + 1> set = solve_curves<N>(f, box, options);
     const auto defect = find_defect<N>(f, box, set);
     CHECK_MESSAGE(!defect, defect.value_or(""));
@@ -58,7 +61,8 @@ void check_entry(const nlohmann::json& entry) {
 
     if (!singular) {
         Count expected;
-        for (const auto& info : entry.at("component_info")) ++(info.at("closed") ? expected.closed : expected.open);
+        for (const auto& info : entry.at("component_info"))
+            ++(info.at("closed") ? expected.closed : expected.open);
         CHECK(count(set) == expected);
     }
     std::size_t faces = 0;
@@ -82,7 +86,8 @@ void check_entry(const nlohmann::json& entry) {
     }
     if (entry.contains("x_extreme_points"))
         for (const auto& p : entry.at("x_extreme_points")) {
-            // dx = 0 there: a point of the curve with the x of rounded digits is off by the root of the rounding.
+            // dx = 0 there: a point of the curve with the x of rounded digits is off by the root of the
+            // rounding.
             if constexpr (N == 1)
                 CHECK(covers<N>(f, set, {dyadic(p.at(0)), dyadic(p.at(1))}, 1e-6));
             else
@@ -94,7 +99,8 @@ void check_entry(const nlohmann::json& entry) {
             CHECK(points.size() == entry_fibre.at("points").size());
             for (const auto& digits : entry_fibre.at("points")) {
                 const Point<D> x = approximation(digits);
-                CHECK(std::any_of(points.begin(), points.end(), [&](const auto& p) { return distance(p, x) < 1e-9; }));
+                CHECK(std::any_of(points.begin(), points.end(),
+                                  [&](const auto& p) { return distance(p, x) < 1e-9; }));
             }
         }
 }
@@ -139,9 +145,8 @@ TEST_CASE("curves: smooth plane curves of known topology") {
     CHECK(count(checked<1>(cassini(1.00001), box)) == Count{1, 0});
     CHECK(count(checked<1>(cassini(1.5), box)) == Count{1, 0});
 
-    const CurveSystem<1> fermat([](const auto& p) {
-        return std::array{square(square(p[0])) + square(square(p[1])) - 1.0};
-    });
+    const CurveSystem<1> fermat(
+        [](const auto& p) { return std::array{square(square(p[0])) + square(square(p[1])) - 1.0}; });
     CHECK(count(checked<1>(fermat, box)) == Count{1, 0});
 
     // Ovals one in another, 0.02 apart.
@@ -152,16 +157,14 @@ TEST_CASE("curves: smooth plane curves of known topology") {
     CHECK(count(checked<1>(nested, box)) == Count{3, 0});
 
     // An oval of radius 1e-4 in a corner that nothing points to.
-    const CurveSystem<1> tiny([](const auto& p) {
-        return std::array{square(p[0] - 2.71) + square(p[1] - 2.93) - 1e-8};
-    });
+    const CurveSystem<1> tiny(
+        [](const auto& p) { return std::array{square(p[0] - 2.71) + square(p[1] - 2.93) - 1e-8}; });
     CHECK(count(checked<1>(tiny, box)) == Count{1, 0});
 
     // Cut by the box into four arcs.
-    CHECK(count(checked<1>(CurveSystem<1>([](const auto& p) {
-                               return std::array{square(p[0]) + square(p[1]) - 1.5};
-                           }),
-                           rectangle(-1, 1, -1.1, 1.05))) == Count{0, 4});
+    CHECK(count(checked<1>(
+              CurveSystem<1>([](const auto& p) { return std::array{square(p[0]) + square(p[1]) - 1.5}; }),
+              rectangle(-1, 1, -1.1, 1.05))) == Count{0, 4});
     // A hyperbola close to its asymptotes.
     CHECK(count(checked<1>(CurveSystem<1>([](const auto& p) { return std::array{p[0] * p[1] - 1e-6}; }),
                            rectangle(-1, 1, -1, 1))) == Count{0, 2});
@@ -219,11 +222,13 @@ TEST_CASE("curves: a node, a cusp and an isolated point are clusters with the br
     node_at_origin(set, 4);
     CHECK(count(set) == Count{0, 3});
 
-    set = checked<1>(CurveSystem<1>([](const auto& p) { return std::array{square(p[1]) - p[0] * square(p[0])}; }), box);
+    set = checked<1>(
+        CurveSystem<1>([](const auto& p) { return std::array{square(p[1]) - p[0] * square(p[0])}; }), box);
     node_at_origin(set, 2);
     CHECK(count(set) == Count{0, 2});
 
-    set = checked<1>(CurveSystem<1>([](const auto& p) { return std::array{square(p[0]) + square(p[1])}; }), box);
+    set = checked<1>(CurveSystem<1>([](const auto& p) { return std::array{square(p[0]) + square(p[1])}; }),
+                     box);
     node_at_origin(set, 0);
     CHECK(set.components.empty());
 }
@@ -244,7 +249,8 @@ TEST_CASE("curves: touching a face, or leaving through a corner, is undecided th
 }
 
 TEST_CASE("curves: a double curve exhausts the budget and is returned undecided") {
-    const CurveSystem<1> f([](const auto& p) { return std::array{square(square(p[0]) + square(p[1]) - 1.0)}; });
+    const CurveSystem<1> f(
+        [](const auto& p) { return std::array{square(square(p[0]) + square(p[1]) - 1.0)}; });
     CurveOptions options;
     options.max_parts = 2000;
     const CurveSet<2> set = checked<1>(f, rectangle(-2, 2, -2, 2), options);
@@ -293,7 +299,8 @@ public:
     Cylinder cylinder() {
         // In 1/64, so that az * az is exact.
         const double az = std::round(number(-12, 12)) / 64;
-        return {{number(-8, 8), number(-8, 8), number(6, 12), number(-1, 1), number(0.5, 1), az, number(0.3, 2)}};
+        return {
+            {number(-8, 8), number(-8, 8), number(6, 12), number(-1, 1), number(0.5, 1), az, number(0.3, 2)}};
     }
     Sphere sphere() { return {number(-8, 8), number(-8, 8), number(2.5, 12), number(0.3, 2)}; }
     static IntervalBox<2> region() { return {Interval(-10, 10), Interval(-10, 10)}; }
@@ -314,7 +321,8 @@ bool clear_of_base(const Cylinder& c) {
 template <class G>
 bool agrees_with_grid(const G& g, const CurveSet<2>& set) {
     const SignGrid coarse(g, Scenes::region(), 250), fine(g, Scenes::region(), 601);
-    if (coarse.regions() != fine.regions() || coarse.boundary_changes() != fine.boundary_changes()) return false;
+    if (coarse.regions() != fine.regions() || coarse.boundary_changes() != fine.boundary_changes())
+        return false;
     CHECK(fine.regions() == int(1 + set.components.size()));
     CHECK(fine.boundary_changes() == int(2 * count(set).open));
     return true;
@@ -357,10 +365,9 @@ TEST_CASE("curves: trisectors in x, y, z, r are those of the chart") {
             const T mx = x - a.form.px, my = y - a.form.py, mz = z - a.form.pz;
             const T ax(a.form.ax), ay(a.form.ay), az(a.form.az);
             const T norm = ax * ax + ay * ay + az * az;
-            return std::array{
-                z - r, square(x - s.x) + square(y - s.y) + square(z - s.z) - square(r + s.rho),
-                norm * (square(mx) + square(my) + square(mz) - square(r + a.form.rho)) -
-                    square(ax * mx + ay * my + az * mz)};
+            return std::array{z - r, square(x - s.x) + square(y - s.y) + square(z - s.z) - square(r + s.rho),
+                              norm * (square(mx) + square(my) + square(mz) - square(r + a.form.rho)) -
+                                  square(ax * mx + ay * my + az * mz)};
         });
         const CurveSet<2> plane_curves = checked<1>(chart, Scenes::region());
         // Heights over the region stay below 100.
@@ -404,7 +411,8 @@ TEST_CASE("curves: the checker notices corrupted results") {
     CHECK(corrupted([](auto&, auto& c) { c.ends[0].index ^= 1; }));
     CHECK(corrupted([](auto&, auto& c) { c.ends[1] = {CurveEnd::Kind::Cluster, 0}; }));
     CHECK(corrupted([](auto&, auto& c) { c.tubes.erase(c.tubes.begin() + 2); }));
-    CHECK(corrupted([](auto&, auto& c) { c.tubes.erase(c.tubes.begin() + 2), c.joints.erase(c.joints.begin() + 2); }));
+    CHECK(corrupted(
+        [](auto&, auto& c) { c.tubes.erase(c.tubes.begin() + 2), c.joints.erase(c.joints.begin() + 2); }));
     CHECK(corrupted([](auto&, auto& c) { std::swap(c.tubes[1], c.tubes[3]); }));
     CHECK(corrupted([](auto&, auto& c) { std::swap(c.tubes[2].begin, c.tubes[2].end); }));
     CHECK(corrupted([](auto&, auto& c) {
@@ -414,7 +422,8 @@ TEST_CASE("curves: the checker notices corrupted results") {
         for (Interval& side : c.joints[2]) side += Interval(1e-9);
     }));
     // One arc given out twice.
-    CHECK(corrupted([](auto& set, auto&) { set.components.push_back(CurveComponent<2>(set.components[0])); }));
+    CHECK(
+        corrupted([](auto& set, auto&) { set.components.push_back(CurveComponent<2>(set.components[0])); }));
     // What is lacking shows against points of the curve.
     CurveSet<2> bad = good;
     bad.components.clear();
