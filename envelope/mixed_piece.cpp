@@ -469,8 +469,11 @@ struct MixedAnalysis::Work {
         if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0)) return std::nullopt;
         return d;
     }
-    // The turn from grad a over grad b to grad c.
+    // The turn from grad a over grad b to grad c; the three in one order always, as another one need not tell.
     static std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) {
+        const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
+        if (b.form < a.form) return reversed(turn(b, a, c));
+        if (c.form < b.form) return reversed(turn(a, c, b));
         return ((b.gx - a.gx) * (c.gy - a.gy) - (b.gy - a.gy) * (c.gx - a.gx)).sign();
     }
     bool matched_pair() const {

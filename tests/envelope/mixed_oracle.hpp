@@ -1,6 +1,6 @@
-/// A brute-force judge of minimization diagrams with cylinders. It shares no code with lower_envelope() but the
-/// types. Heights come from their definition: the clearance r at which the point (x, y, r) is r away from the object,
-/// solved for in long double, and in 100 digits where that does not tell.
+/// A brute-force judge of minimization diagrams with cylinders. It shares no code with lower_envelope() but
+/// the types. Heights come from their definition: the clearance r at which the point (x, y, r) is r away from
+/// the object, solved for in long double, and in 100 digits where that does not tell.
 #pragma once
 
 #include <algorithm>
@@ -60,14 +60,18 @@ struct Scene {
         FormFamily f;
         for (const Solid& s : circular)
             if (const Ball* b = std::get_if<Ball>(&s))
-                f.forms.push_back({1, b->x, b->y, 0, 0, (b->z - b->rho) * (b->z + b->rho), 2 * (b->z + b->rho)});
+                f.forms.push_back(
+                    {1, b->x, b->y, 0, 0, (b->z - b->rho) * (b->z + b->rho), 2 * (b->z + b->rho)});
             else
-                f.forms.push_back({0, 0, 0, std::get<Wall>(s).a, std::get<Wall>(s).b, std::get<Wall>(s).e, std::get<Wall>(s).w});
+                f.forms.push_back({0, 0, 0, std::get<Wall>(s).a, std::get<Wall>(s).b, std::get<Wall>(s).e,
+                                   std::get<Wall>(s).w});
         f.exact = [all = circular](FormId id) {
-            if (const Wall* p = std::get_if<Wall>(&all[id.value])) return ExactForm{{}, p->a, p->b, p->e, p->w};
+            if (const Wall* p = std::get_if<Wall>(&all[id.value]))
+                return ExactForm{{}, p->a, p->b, p->e, p->w};
             const Ball& b = std::get<Ball>(all[id.value]);
             const Exact x(b.x), y(b.y), z(b.z), rho(b.rho), two(2.0);
-            return ExactForm{Exact(1.0), -two * x, -two * y, x * x + y * y + (z - rho) * (z + rho), two * (z + rho)};
+            return ExactForm{Exact(1.0), -two * x, -two * y, x * x + y * y + (z - rho) * (z + rho),
+                             two * (z + rho)};
         };
         f.cylinders = cylinders;
         return f;
@@ -114,7 +118,8 @@ struct Height {
     T sensitivity;  ///< of v to the rounding of distances
 };
 
-/// The clearance above (x, y). distance - r is convex and falls: from the left Newton's method ascends to the root.
+/// The clearance above (x, y). distance - r is convex and falls: from the left Newton's method ascends to the
+/// root.
 template <class T>
 Height<T> height(const Solid& solid, const T& x, const T& y, T r = T(0)) {
     using std::abs;
@@ -135,7 +140,8 @@ inline Fast size_of(const Solid& solid, Fast x, Fast y) {
         Fast x, y;
         Fast operator()(const Ball& s) const { return std::hypot(x - s.x, y - s.y) + std::abs(s.z) + s.rho; }
         Fast operator()(const Wall& s) const {
-            return (std::abs(s.a * x) + std::abs(s.b * y) + std::abs(s.e)) * 2 * s.w / (s.a * s.a + s.b * s.b + s.w * s.w);
+            return (std::abs(s.a * x) + std::abs(s.b * y) + std::abs(s.e)) * 2 * s.w /
+                   (s.a * s.a + s.b * s.b + s.w * s.w);
         }
         Fast operator()(const CylinderForm& s) const {
             return std::hypot(x - s.px, y - s.py) + std::abs(s.pz) + s.rho;
@@ -145,19 +151,21 @@ inline Fast size_of(const Solid& solid, Fast x, Fast y) {
 }
 
 struct Options {
-    int samples = 400;                    ///< points of the region whose owner is compared
-    std::size_t brute_force_forms = 8;    ///< up to this many forms all triples are tried for missing vertices
+    int samples = 400;                  ///< points of the region whose owner is compared
+    std::size_t brute_force_forms = 8;  ///< up to this many forms all triples are tried for missing vertices
 };
 
 class Judge {
 public:
-    Judge(const Scene& scene, const MinimizationDiagram& diagram) : d_(diagram), dcel_(diagram.dcel), region_(scene.region) {
+    Judge(const Scene& scene, const MinimizationDiagram& diagram)
+        : d_(diagram), dcel_(diagram.dcel), region_(scene.region) {
         for (std::size_t i = 0; i < scene.size(); ++i) solids_.push_back(scene.solid(i));
         const auto& sides = region_.sides;
         for (std::size_t i = 0; i < sides.size(); ++i) {
             const auto &s = sides[(i + sides.size() - 1) % sides.size()], &t = sides[i];
             const Fast det = Fast(s.a) * t.b - Fast(s.b) * t.a;
-            corners_.push_back({(Fast(s.b) * t.c - Fast(t.b) * s.c) / det, (Fast(t.a) * s.c - Fast(s.a) * t.c) / det});
+            corners_.push_back(
+                {(Fast(s.b) * t.c - Fast(t.b) * s.c) / det, (Fast(t.a) * s.c - Fast(s.a) * t.c) / det});
             low_ = {std::min(low_.x, corners_.back().x), std::min(low_.y, corners_.back().y)};
             high_ = {std::max(high_.x, corners_.back().x), std::max(high_.y, corners_.back().y)};
         }
@@ -185,7 +193,8 @@ private:
     // Heights closer than this, relative to their size, are equal: more than the 200 bits after which
     // the engine assumes it, and far less than distinct values ever are by accident.
     static inline const Real kTie{"1e-58"};
-    // Chords are halved until they keep apart from the sampled point, but no shorter than this part of the region.
+    // Chords are halved until they keep apart from the sampled point, but no shorter than this part of the
+    // region.
     static constexpr Fast kFinest = 1e-11L;
     static constexpr std::size_t kEnough = 20;  // complaints
 
@@ -220,8 +229,9 @@ private:
 
     Fast rounding(std::size_t form, const Point<Fast>& p, const Height<Fast>& h) const {
         const Fast eps = std::numeric_limits<Fast>::epsilon();
-        return 64 * eps * (h.sensitivity * (size_of(solids_[form], p.x, p.y) + h.v) +
-                           (std::abs(h.gx) + std::abs(h.gy)) * (std::abs(p.x) + std::abs(p.y)));
+        return 64 * eps *
+               (h.sensitivity * (size_of(solids_[form], p.x, p.y) + h.v) +
+                (std::abs(h.gx) + std::abs(h.gy)) * (std::abs(p.x) + std::abs(p.y)));
     }
     /// All forms that attain the minimum at p, ascending, as far as T tells.
     template <class T>
@@ -260,8 +270,10 @@ private:
     void check_structure() {
         if (const auto defect = dcel_.find_defect()) return complain("dcel: " + defect->what);
         if (d_.vertices.size() != dcel_.vertex_count() || d_.edges.size() != dcel_.edge_count() ||
-            d_.face_forms.size() != dcel_.face_count() || d_.forms.size() + d_.cylinders.size() != solids_.size() ||
-            d_.vertex_offsets_.size() != d_.vertices.size() + 1 || d_.side_offsets_.size() != d_.vertices.size() + 1 ||
+            d_.face_forms.size() != dcel_.face_count() ||
+            d_.forms.size() + d_.cylinders.size() != solids_.size() ||
+            d_.vertex_offsets_.size() != d_.vertices.size() + 1 ||
+            d_.side_offsets_.size() != d_.vertices.size() + 1 ||
             d_.edge_offsets_.size() != d_.edges.size() + 1 ||
             (!d_.cylinders.empty() && d_.piece_offsets_.size() != d_.edges.size() + 1))
             return complain("sizes: the diagram's arrays do not match");
@@ -287,12 +299,14 @@ private:
         const std::string where = to_string(e);
         check_label(where, d_.label(e));
         const FormId left = d_.face_forms[dcel_.face(h)], right = d_.face_forms[dcel_.face(Dcel::twin(h))];
-        if (edge.left != left || edge.right != right || !left.valid()) complain(where + ": sides are not its faces'");
+        if (edge.left != left || edge.right != right || !left.valid())
+            complain(where + ": sides are not its faces'");
         if (edge.on_rim() == right.valid()) complain(where + ": wrong about being on the rim");
         if (!edge.on_rim() && left == right) complain(where + ": the same form on both sides");
         if (edge.on_rim() && edge.side >= region_.sides.size()) complain(where + ": side out of range");
         const bool has_pieces = !edge.on_rim() && !(d_.is_circular(left) && d_.is_circular(right));
-        if (d_.pieces(e).empty() == has_pieces) complain(where + ": pieces of an arc missing or uncalled for");
+        if (d_.pieces(e).empty() == has_pieces)
+            complain(where + ": pieces of an arc missing or uncalled for");
         const auto includes = [&](std::span<const FormId> label, FormId f) {
             return !f.valid() || std::ranges::find(label, f) != label.end();
         };
@@ -318,7 +332,8 @@ private:
         if (g == h || dcel_.next_around_origin(g) != h || Dcel::edge(g) == Dcel::edge(h)) return;
         const auto &a = d_.edges[Dcel::edge(h)], &b = d_.edges[Dcel::edge(g)];
         if (a.side == b.side && std::minmax(a.left, a.right) == std::minmax(b.left, b.right) &&
-            std::ranges::equal(d_.label(Dcel::edge(h)), d_.label(v)) && std::ranges::equal(d_.label(Dcel::edge(g)), d_.label(v)))
+            std::ranges::equal(d_.label(Dcel::edge(h)), d_.label(v)) &&
+            std::ranges::equal(d_.label(Dcel::edge(g)), d_.label(v)))
             complain(to_string(v) + ": joins two edges that are one");
     }
 
@@ -359,8 +374,9 @@ private:
         return std::nullopt;
     }
 
-    /// The vertex in 100 digits, from its label and sides alone: where the two of its curves meet that cross at
-    /// the widest angle; if all touch, where the gradient of a difference (its slope along a side) vanishes.
+    /// The vertex in 100 digits, from its label and sides alone: where the two of its curves meet that cross
+    /// at the widest angle; if all touch, where the gradient of a difference (its slope along a side)
+    /// vanishes.
     std::optional<Point<Real>> refine(VertexId v) const {
         const Point<Real> start{Real(d_.vertices[v].point.x()), Real(d_.vertices[v].point.y())};
         std::vector<Curve> curves;
@@ -378,13 +394,17 @@ private:
                     widest = s;
                     best = {curves[i], curves[j]};
                 }
-        if (best) return newton(start, [&](const Point<Real>& p) { return std::pair(value(best->first, p), value(best->second, p)); });
+        if (best)
+            return newton(start, [&](const Point<Real>& p) {
+                return std::pair(value(best->first, p), value(best->second, p));
+            });
         const auto difference = std::ranges::find_if(curves, [](const Curve& c) { return c.g != SIZE_MAX; });
         if (difference == curves.end()) return std::nullopt;
         const Real h = Real(size_) * Real("1e-30");
         if (d_.sides(v).empty())
             return newton(start, [&](const Point<Real>& p) {
-                const auto at = value(*difference, p), x = value(*difference, {p.x + h, p.y}), y = value(*difference, {p.x, p.y + h});
+                const auto at = value(*difference, p), x = value(*difference, {p.x + h, p.y}),
+                           y = value(*difference, {p.x, p.y + h});
                 return std::pair(std::array{at[1], Real((x[1] - at[1]) / h), Real((y[1] - at[1]) / h)},
                                  std::array{at[2], Real((x[2] - at[2]) / h), Real((y[2] - at[2]) / h)});
             });
@@ -396,7 +416,8 @@ private:
             };
             const Real at = slope(p);
             return std::pair(value(Curve{d_.sides(v)[0], SIZE_MAX}, p),
-                             std::array{at, Real((slope({p.x + h, p.y}) - at) / h), Real((slope({p.x, p.y + h}) - at) / h)});
+                             std::array{at, Real((slope({p.x + h, p.y}) - at) / h),
+                                        Real((slope({p.x, p.y + h}) - at) / h)});
         });
     }
 
@@ -404,12 +425,14 @@ private:
     Fast assumed_width(const Point<Fast>& p, Fast error) const {
         Fast width = 0;
         for (const Assumption& a : d_.assumptions)
-            if (apart(p, {a.place.x(), a.place.y()}) <= error + 2 * a.width) width = std::max<Fast>(width, a.width);
+            if (apart(p, {a.place.x(), a.place.y()}) <= error + 2 * a.width)
+                width = std::max<Fast>(width, a.width);
         return width;
     }
 
     void check_vertex(VertexId v) {
-        const std::string where = to_string(v) + " at " + place({d_.vertices[v].point.x(), d_.vertices[v].point.y()});
+        const std::string where =
+            to_string(v) + " at " + place({d_.vertices[v].point.x(), d_.vertices[v].point.y()});
         const auto& stated = d_.vertices[v];
         const Point<Fast> near{stated.point.x(), stated.point.y()};
         at_.push_back(near);
@@ -421,19 +444,26 @@ private:
         at_.back() = fast(*p);
         const Real dx = p->x - Real(stated.point.x()), dy = p->y - Real(stated.point.y());
         if (!(sqrt(dx * dx + dy * dy) <= Real(stated.error)))
-            complain(where + ": stated " + text(apart(fast(*p), near) / stated.error) + " times its bound away from the true vertex");
+            complain(where + ": stated " + text(apart(fast(*p), near) / stated.error) +
+                     " times its bound away from the true vertex");
         for (std::uint32_t i = 0; i < region_.sides.size(); ++i) {
-            const Real s = value(Curve{i, SIZE_MAX}, *p)[0], tie = kTie * Real(size_) * (abs(Real(region_.sides[i].a)) + abs(Real(region_.sides[i].b)));
+            const Real s = value(Curve{i, SIZE_MAX}, *p)[0],
+                       tie = kTie * Real(size_) *
+                             (abs(Real(region_.sides[i].a)) + abs(Real(region_.sides[i].b)));
             if (s < -tie) complain(where + ": outside the region");
             const auto listed = d_.sides(v);
-            if ((abs(s) <= tie) != (std::ranges::find(listed, i) != listed.end())) complain(where + ": wrong about side " + std::to_string(i));
+            if ((abs(s) <= tie) != (std::ranges::find(listed, i) != listed.end()))
+                complain(where + ": wrong about side " + std::to_string(i));
         }
         const auto truth = minimal(*p);
         if (!std::ranges::equal(truth, d_.label(v)))
-            return complain(where + ": label " + name(d_.label(v)) + ", the minimum is attained by " + name(truth));
+            return complain(where + ": label " + name(d_.label(v)) + ", the minimum is attained by " +
+                            name(truth));
         const Real h = height<Real>(solids_[truth[0].value], p->x, p->y).v;
         if (!(abs(h - Real(stated.height)) <= Real(stated.height_error)))
-            complain(where + ": height off by " + text((abs(h - Real(stated.height)) / Real(stated.height_error)).convert_to<Fast>()) + " times its bound");
+            complain(where + ": height off by " +
+                     text((abs(h - Real(stated.height)) / Real(stated.height_error)).convert_to<Fast>()) +
+                     " times its bound");
     }
 
     // Its forms are as low as any other, to the width of what was assumed.
@@ -462,23 +492,27 @@ private:
             };
             int count = 0;
             for (const VertexId v : d_.vertices.ids()) count += at_corner(v);
-            if (count != 1) complain("corner " + std::to_string(i) + ": is " + std::to_string(count) + " vertices");
+            if (count != 1)
+                complain("corner " + std::to_string(i) + ": is " + std::to_string(count) + " vertices");
         }
     }
 
     // --- Arcs -----------------------------------------------------------------------------------
 
     std::array<Fast, 3> difference(const MinimizationDiagram::Edge& e, const Point<Fast>& p) const {
-        const Height<Fast> a = height<Fast>(solids_[e.left.value], p.x, p.y), b = height<Fast>(solids_[e.right.value], p.x, p.y);
+        const Height<Fast> a = height<Fast>(solids_[e.left.value], p.x, p.y),
+                           b = height<Fast>(solids_[e.right.value], p.x, p.y);
         return {a.v - b.v, a.gx - b.gx, a.gy - b.gy};
     }
     Fast difference_error(const MinimizationDiagram::Edge& e, const Point<Fast>& p) const {
         Fast sum = 0;
-        for (const FormId f : {e.left, e.right}) sum += rounding(f.value, p, height<Fast>(solids_[f.value], p.x, p.y));
+        for (const FormId f : {e.left, e.right})
+            sum += rounding(f.value, p, height<Fast>(solids_[f.value], p.x, p.y));
         return sum;
     }
 
-    /// The arc's point on the line through p along the piece's direction: a sign change within `reach`, closed in on.
+    /// The arc's point on the line through p along the piece's direction: a sign change within `reach`,
+    /// closed in on.
     std::optional<Point<Fast>> onto_arc(EdgeId e, std::size_t piece, const Point<Fast>& p, Fast reach) const {
         const auto& edge = d_.edges[e];
         const auto& d = d_.pieces(e)[piece].direction;
@@ -514,9 +548,11 @@ private:
         if (edge.on_rim()) return m;
         const Fast chord = apart(s.from, s.to);
         if (s.piece >= 0) return chord > 1e-16L * size_ ? onto_arc({s.edge}, s.piece, m, chord) : m;
-        // A circle of curvature k leaves its chord by h^2 k / (1 + sqrt(1 - h^2 k^2)), to the right when counter-clockwise.
+        // A circle of curvature k leaves its chord by h^2 k / (1 + sqrt(1 - h^2 k^2)), to the right when
+        // counter-clockwise.
         const Fast k = curvature(edge), h = chord / 2;
-        const Fast bulge = h * h * k / (1 + std::sqrt(std::max<Fast>(0, 1 - h * h * k * k))) / std::max(chord, std::numeric_limits<Fast>::min());
+        const Fast bulge = h * h * k / (1 + std::sqrt(std::max<Fast>(0, 1 - h * h * k * k))) /
+                           std::max(chord, std::numeric_limits<Fast>::min());
         return Point<Fast>{m.x + bulge * (s.to.y - s.from.y), m.y - bulge * (s.to.x - s.from.x)};
     }
 
@@ -525,7 +561,8 @@ private:
     };
     Circle circle(const MinimizationDiagram::Edge& e) const {
         const auto terms = [&](FormId f) {
-            if (const Wall* w = std::get_if<Wall>(&solids_[f.value])) return std::array<Real, 5>{0, w->a, w->b, w->e, w->w};
+            if (const Wall* w = std::get_if<Wall>(&solids_[f.value]))
+                return std::array<Real, 5>{0, w->a, w->b, w->e, w->w};
             const Ball& b = std::get<Ball>(solids_[f.value]);
             const Real x(b.x), y(b.y), z(b.z), rho(b.rho);
             return std::array<Real, 5>{1, -2 * x, -2 * y, x * x + y * y + z * z - rho * rho, 2 * (z + rho)};
@@ -546,7 +583,9 @@ private:
             segments_.push_back(s);
             return;
         }
-        if (!m) return complain(to_string(EdgeId{s.edge}) + ": no point of its curve beside the chord from " + place(s.from) + " to " + place(s.to));
+        if (!m)
+            return complain(to_string(EdgeId{s.edge}) + ": no point of its curve beside the chord from " +
+                            place(s.from) + " to " + place(s.to));
         Segment a = s, b = s;
         a.to = b.from = *m;
         if (halvings > 0) {
@@ -568,14 +607,16 @@ private:
                 Segment half = s;
                 half.from = p;
                 half.to = q;
-                if (const auto n = middle(half)) most = std::max(most, apart(*n, {(p.x + q.x) / 2, (p.y + q.y) / 2}));
+                if (const auto n = middle(half))
+                    most = std::max(most, apart(*n, {(p.x + q.x) / 2, (p.y + q.y) / 2}));
             }
         return 2 * most + 1e-15L * size_;
     }
 
     void trace_edge(EdgeId e, std::mt19937_64& rng) {
         const auto& edge = d_.edges[e];
-        const std::string where = to_string(e) + " between " + to_string(edge.left) + " and " + to_string(edge.right);
+        const std::string where =
+            to_string(e) + " between " + to_string(edge.left) + " and " + to_string(edge.right);
         const VertexId from = dcel_.origin(Dcel::half_edge(e)), to = dcel_.target(Dcel::half_edge(e));
         const std::size_t first = segments_.size();
         if (edge.on_rim()) {
@@ -590,7 +631,8 @@ private:
             trace_pieces(e, where, from, to, rng);
         }
         for (std::size_t i = first; i < segments_.size(); ++i) check_on_edge(e, where, segments_[i].to);
-        const Segment middle_one = segments_.size() > first ? segments_[first + (segments_.size() - first) / 2] : Segment{};
+        const Segment middle_one =
+            segments_.size() > first ? segments_[first + (segments_.size() - first) / 2] : Segment{};
         if (segments_.size() > first && middle(middle_one)) check_on_edge(e, where, *middle(middle_one));
     }
 
@@ -602,7 +644,8 @@ private:
             if (r2 <= 0) return complain(where + ": closed, but its curve is no circle");
             const Real x = -A / (2 * K), y = -B / (2 * K), r = sqrt(r2);
             const int turn = K > 0 ? 1 : -1;
-            const std::array<Point<Real>, 4> at{Point<Real>{x + r, y}, {x, y + turn * r}, {x - r, y}, {x, y - turn * r}};
+            const std::array<Point<Real>, 4> at{
+                Point<Real>{x + r, y}, {x, y + turn * r}, {x - r, y}, {x, y - turn * r}};
             for (int i = 0; i < 4; ++i) {
                 s.from = fast(at[i]);
                 s.to = fast(at[(i + 1) % 4]);
@@ -614,11 +657,15 @@ private:
         s.to = at_[to.value];
         if (K != 0 && r2 > 0) {
             // More than half a turn: cut opposite the chord's middle.
-            const Fast cx = Real(-A / (2 * K)).convert_to<Fast>(), cy = Real(-B / (2 * K)).convert_to<Fast>(), r = Real(sqrt(r2)).convert_to<Fast>();
-            const Fast side = ((s.to.x - s.from.x) * (cy - s.from.y) - (s.to.y - s.from.y) * (cx - s.from.x)) * (K > 0 ? 1 : -1);
+            const Fast cx = Real(-A / (2 * K)).convert_to<Fast>(), cy = Real(-B / (2 * K)).convert_to<Fast>(),
+                       r = Real(sqrt(r2)).convert_to<Fast>();
+            const Fast side =
+                ((s.to.x - s.from.x) * (cy - s.from.y) - (s.to.y - s.from.y) * (cx - s.from.x)) *
+                (K > 0 ? 1 : -1);
             if (side < 0 || from == to) {
                 const Fast chord = apart(s.from, s.to), turn = K > 0 ? 1 : -1;
-                const Point<Fast> out = chord > 0 ? Point<Fast>{turn * (s.to.y - s.from.y) / chord, -turn * (s.to.x - s.from.x) / chord}
+                const Point<Fast> out = chord > 0 ? Point<Fast>{turn * (s.to.y - s.from.y) / chord,
+                                                                -turn * (s.to.x - s.from.x) / chord}
                                                   : Point<Fast>{(cx - s.from.x) / r, (cy - s.from.y) / r};
                 Segment half = s;
                 half.to = {cx + r * out.x, cy + r * out.y};
@@ -636,7 +683,8 @@ private:
         const auto pieces = d_.pieces(e);
         Eigen::Vector2d start = from.valid() ? d_.vertices[from].point : pieces.back().end;
         double start_error = from.valid() ? d_.vertices[from].error : pieces.back().error;
-        if (to.valid() && !((pieces.back().end - d_.vertices[to].point).norm() <= pieces.back().error + d_.vertices[to].error))
+        if (to.valid() && !((pieces.back().end - d_.vertices[to].point).norm() <=
+                            pieces.back().error + d_.vertices[to].error))
             complain(where + ": its last piece does not end at its target");
         Point<Fast> p = from.valid() ? at_[from.value] : Point<Fast>{start.x(), start.y()};
         std::optional<Point<Fast>> closing;
@@ -644,7 +692,8 @@ private:
         for (std::size_t i = 0; i < pieces.size(); ++i) {
             const auto& piece = pieces[i];
             const auto& [x0, x1, y0, y1] = piece.box;
-            if (!(std::abs(piece.direction.norm() - 1) < 1e-14)) complain(where + ": a direction is not of unit length");
+            if (!(std::abs(piece.direction.norm() - 1) < 1e-14))
+                complain(where + ": a direction is not of unit length");
             for (const auto& [q, error] : {std::pair(start, start_error), std::pair(piece.end, piece.error)})
                 if (q.x() < x0 - error || q.x() > x1 + error || q.y() < y0 - error || q.y() > y1 + error)
                     complain(where + ": a piece ends outside of its box");
@@ -656,15 +705,18 @@ private:
                     if (!in_region(q, 0)) continue;
                     const auto v = difference(edge, q);
                     if (!(v[1] * piece.direction.x() + v[2] * piece.direction.y() > 0))
-                        complain(where + ": the difference does not grow along a piece's direction at " + place(q));
+                        complain(where + ": the difference does not grow along a piece's direction at " +
+                                 place(q));
                 }
             // The end, moved onto the curve.
             Point<Fast> q{piece.end.x(), piece.end.y()};
             const auto v = difference(edge, q);
             const Fast slope = std::hypot(v[1], v[2]);
             const bool last = i + 1 == pieces.size();
-            if (slope > 1e-6L && width > 0x1p-22L * size_ && std::abs(v[0]) > slope * piece.error * 1.01L + difference_error(edge, q))
-                complain(where + ": a piece ends " + text(std::abs(v[0]) / slope / piece.error) + " times its bound away from the curve");
+            if (slope > 1e-6L && width > 0x1p-22L * size_ &&
+                std::abs(v[0]) > slope * piece.error * 1.01L + difference_error(edge, q))
+                complain(where + ": a piece ends " + text(std::abs(v[0]) / slope / piece.error) +
+                         " times its bound away from the curve");
             if (last && to.valid())
                 q = at_[to.value];
             else if (last && closing)
@@ -692,15 +744,18 @@ private:
         std::vector<Fast> low(solids_.size());
         for (std::size_t i = 0; i < solids_.size(); ++i) {
             const Height<Fast> h = height<Fast>(solids_[i], p.x, p.y);
-            const Fast slack = 4 * rounding(i, p, h) + (2 * width + 1e-18L * size_) * (std::abs(h.gx) + std::abs(h.gy));
+            const Fast slack =
+                4 * rounding(i, p, h) + (2 * width + 1e-18L * size_) * (std::abs(h.gx) + std::abs(h.gy));
             low[i] = h.v - slack;
             top = std::min(top, h.v + slack);
         }
         for (const FormId f : d_.label(e))
-            if (f.valid() && low[f.value] > top) complain(where + ": another form is lower than " + to_string(f) + " at " + place(p));
+            if (f.valid() && low[f.value] > top)
+                complain(where + ": another form is lower than " + to_string(f) + " at " + place(p));
         if (edge.on_rim()) return;
         const auto v = difference(edge, p);
-        if (width == 0 && std::abs(v[0]) > 8 * difference_error(edge, p) + 1e-17L * size_ * std::hypot(v[1], v[2]))
+        if (width == 0 &&
+            std::abs(v[0]) > 8 * difference_error(edge, p) + 1e-17L * size_ * std::hypot(v[1], v[2]))
             complain(where + ": its forms differ at " + place(p));
     }
 
@@ -711,7 +766,10 @@ private:
         const auto [y0, y1] = std::minmax(s.from.y, s.to.y);
         if (q.y < y0 - s.band || q.y > y1 + s.band || q.x > std::max(s.from.x, s.to.x) + s.band) return 0;
         const Fast dx = s.to.x - s.from.x, dy = s.to.y - s.from.y, length = std::hypot(dx, dy);
-        const Fast t = length > 0 ? std::clamp<Fast>(((q.x - s.from.x) * dx + (q.y - s.from.y) * dy) / (length * length), 0, 1) : 0;
+        const Fast t =
+            length > 0
+                ? std::clamp<Fast>(((q.x - s.from.x) * dx + (q.y - s.from.y) * dy) / (length * length), 0, 1)
+                : 0;
         if (apart(q, {s.from.x + t * dx, s.from.y + t * dy}) <= s.band) {
             const auto m = length > kFinest * size_ ? middle(s) : std::nullopt;
             if (!m) return std::nullopt;
@@ -729,7 +787,8 @@ private:
         }
         const bool from_below = s.from.y <= q.y, to_below = s.to.y <= q.y;
         if (from_below == to_below) return 0;
-        const bool left_of = (dx * (q.y - s.from.y) - dy * (q.x - s.from.x) > 0) == (dy > 0);  // q is left of the chord
+        const bool left_of =
+            (dx * (q.y - s.from.y) - dy * (q.x - s.from.x) > 0) == (dy > 0);  // q is left of the chord
         return left_of ? (dy > 0 ? 1 : -1) : 0;
     }
 
@@ -765,16 +824,19 @@ private:
         auto truth = minimal(q);
         if (truth.size() > 1) truth = minimal(Point<Real>{Real(q.x), Real(q.y)});
         if (std::ranges::find(truth, owner) == truth.end() && assumed_width(q, 0) == 0)
-            complain(where + ": in " + to_string(found->front()) + " of " + to_string(owner) + ", lowest is " + name(truth));
+            complain(where + ": in " + to_string(found->front()) + " of " + to_string(owner) +
+                     ", lowest is " + name(truth));
         return true;
     }
 
-    /// Points all over the region, as many close to vertices, where small faces meet, and where each form does best.
+    /// Points all over the region, as many close to vertices, where small faces meet, and where each form
+    /// does best.
     void check_samples(std::mt19937_64& rng, int samples) {
         std::uniform_real_distribution<double> unit(-1, 1);
         int asked = 0;
         for (int i = 0; i < samples; ++i) {
-            Point<Fast> q{low_.x + (high_.x - low_.x) * (unit(rng) + 1) / 2, low_.y + (high_.y - low_.y) * (unit(rng) + 1) / 2};
+            Point<Fast> q{low_.x + (high_.x - low_.x) * (unit(rng) + 1) / 2,
+                          low_.y + (high_.y - low_.y) * (unit(rng) + 1) / 2};
             if (i % 2 && d_.vertices.size()) {
                 const Point<Fast>& v = at_[rng() % at_.size()];
                 const Fast reach = size_ * std::pow(10.0, -4 + 3 * unit(rng));
@@ -823,11 +885,13 @@ private:
                 bool known = truth.size() > 1;  // too close to a change
                 for (const Segment& s : segments_) {
                     if (known || d_.edges[{s.edge}].side != side) continue;
-                    const Fast along = (at.x - s.from.x) * (s.to.x - s.from.x) + (at.y - s.from.y) * (s.to.y - s.from.y);
+                    const Fast along =
+                        (at.x - s.from.x) * (s.to.x - s.from.x) + (at.y - s.from.y) * (s.to.y - s.from.y);
                     if (along < 0 || along > apart(s.from, s.to) * apart(s.from, s.to)) continue;
                     known = true;
                     if (d_.edges[{s.edge}].left != truth[0])
-                        complain("side " + std::to_string(side) + " at " + place(at) + ": labelled " + to_string(d_.edges[{s.edge}].left) + ", lowest is " + name(truth));
+                        complain("side " + std::to_string(side) + " at " + place(at) + ": labelled " +
+                                 to_string(d_.edges[{s.edge}].left) + ", lowest is " + name(truth));
                 }
                 if (!known) complain("side " + std::to_string(side) + " at " + place(at) + ": no rim edge");
             }
@@ -837,27 +901,37 @@ private:
     /// Wherever three forms are found to meet and are lowest, there is a vertex.
     void check_missing_vertices() {
         const std::size_t n = solids_.size();
-        const auto jet = [&](std::size_t i, const Point<Fast>& p) { return height<Fast>(solids_[i], p.x, p.y); };
+        const auto jet = [&](std::size_t i, const Point<Fast>& p) {
+            return height<Fast>(solids_[i], p.x, p.y);
+        };
         for (std::size_t i = 0; i < n; ++i)
             for (std::size_t j = i + 1; j < n; ++j)
                 for (std::size_t k = j + 1; k < n; ++k)
                     for (int start = 0; start < 16; ++start) {
-                        Point<Fast> p{low_.x + (high_.x - low_.x) * (start % 4 + 0.5L) / 4, low_.y + (high_.y - low_.y) * (start / 4 + 0.5L) / 4};
+                        Point<Fast> p{low_.x + (high_.x - low_.x) * (start % 4 + 0.5L) / 4,
+                                      low_.y + (high_.y - low_.y) * (start / 4 + 0.5L) / 4};
                         Fast step = HUGE_VALL;
                         for (int it = 0; it < 30 && step > 1e-16L * size_ && in_region(p, -size_); ++it) {
                             const Height<Fast> a = jet(i, p), b = jet(j, p), c = jet(k, p);
-                            const Fast ux = a.gx - b.gx, uy = a.gy - b.gy, vx = a.gx - c.gx, vy = a.gy - c.gy, det = ux * vy - uy * vx;
-                            const Fast dx = (uy * (a.v - c.v) - vy * (a.v - b.v)) / det, dy = (vx * (a.v - b.v) - ux * (a.v - c.v)) / det;
+                            const Fast ux = a.gx - b.gx, uy = a.gy - b.gy, vx = a.gx - c.gx, vy = a.gy - c.gy,
+                                       det = ux * vy - uy * vx;
+                            const Fast dx = (uy * (a.v - c.v) - vy * (a.v - b.v)) / det,
+                                       dy = (vx * (a.v - b.v) - ux * (a.v - c.v)) / det;
                             p = {p.x + dx, p.y + dy};
                             step = std::isfinite(dx + dy) ? std::abs(dx) + std::abs(dy) : HUGE_VALL;
                             if (step == HUGE_VALL) break;
                         }
                         if (!(step <= 1e-15L * size_) || !in_region(p, 1e-10L * size_)) continue;
                         const auto truth = minimal(p);
-                        const auto lowest = [&](std::size_t f) { return std::ranges::find(truth, FormId{static_cast<std::uint32_t>(f)}) != truth.end(); };
+                        const auto lowest = [&](std::size_t f) {
+                            return std::ranges::find(truth, FormId{static_cast<std::uint32_t>(f)}) !=
+                                   truth.end();
+                        };
                         if (!lowest(i) || !lowest(j) || !lowest(k)) continue;
-                        if (std::ranges::none_of(at_, [&](const Point<Fast>& v) { return apart(v, p) <= 1e-7L * size_; }))
-                            complain("no vertex at " + place(p) + ", where the minimum is attained by " + name(truth));
+                        if (std::ranges::none_of(
+                                at_, [&](const Point<Fast>& v) { return apart(v, p) <= 1e-7L * size_; }))
+                            complain("no vertex at " + place(p) + ", where the minimum is attained by " +
+                                     name(truth));
                     }
     }
 
@@ -874,11 +948,12 @@ private:
 };
 
 /// Everything that brute force has to say against a diagram; empty: nothing. Checks in order: the dcel's
-/// invariants and the labels' inclusions; each vertex (refined from its label; all and only the labelled forms are
-/// lowest; place and height within their bounds); the pieces of each edge, and the forms along it; the face of
-/// sampled points, the rim's labels; for few forms, that no vertex is missing. A failed stage ends the judgement.
-inline std::vector<std::string> check_diagram(const Scene& scene, const MinimizationDiagram& diagram, std::mt19937_64& rng,
-                                              const Options& options = {}) {
+/// invariants and the labels' inclusions; each vertex (refined from its label; all and only the labelled
+/// forms are lowest; place and height within their bounds); the pieces of each edge, and the forms along it;
+/// the face of sampled points, the rim's labels; for few forms, that no vertex is missing. A failed stage
+/// ends the judgement.
+inline std::vector<std::string> check_diagram(const Scene& scene, const MinimizationDiagram& diagram,
+                                              std::mt19937_64& rng, const Options& options = {}) {
     return Judge(scene, diagram).check(rng, options);
 }
 

@@ -9,8 +9,9 @@ namespace vcell::mixed {
 
 inline double dyadic(double x, int bits = 20) { return std::ldexp(std::round(std::ldexp(x, bits)), -bits); }
 
-/// The distance of a cylinder from the square |x|, |y| <= half of the base; negative where its axis meets the square.
-/// It is convex: attained on the boundary unless the axis is parallel to the base, and then close to it at least.
+/// The distance of a cylinder from the square |x|, |y| <= half of the base; negative where its axis meets the
+/// square. It is convex: attained on the boundary unless the axis is parallel to the base, and then close to
+/// it at least.
 inline double gap(const CylinderForm& c, double half) {
     if (c.az != 0) {
         const double t = -c.pz / c.az;
@@ -48,9 +49,15 @@ public:
     /// Of slope |az| to the base up to `slope`, low over the region.
     void add_flat_cylinder(Scene& s, double slope, double most_rho = 0.3) {
         for (;;) {
-            const double angle = uniform(0, 2 * std::numbers::pi), rho = uniform(0, 1) < 0.15 ? 0 : uniform(0, most_rho);
-            const CylinderForm c{uniform(-half_, half_), uniform(-half_, half_), rho + 0.1 + uniform(0, 1.5),
-                                 std::cos(angle),       std::sin(angle),       uniform(-slope, slope),       rho};
+            const double angle = uniform(0, 2 * std::numbers::pi),
+                         rho = uniform(0, 1) < 0.15 ? 0 : uniform(0, most_rho);
+            const CylinderForm c{uniform(-half_, half_),
+                                 uniform(-half_, half_),
+                                 rho + 0.1 + uniform(0, 1.5),
+                                 std::cos(angle),
+                                 std::sin(angle),
+                                 uniform(-slope, slope),
+                                 rho};
             if (gap(c, half_) < 0.05) continue;
             s.cylinders.push_back(c);
             return;
@@ -59,8 +66,10 @@ public:
     /// Whose axis meets the base outside of the region.
     void add_steep_cylinder(Scene& s) {
         for (;;) {
-            const double angle = uniform(0, 2 * std::numbers::pi), rho = uniform(0, 0.5), out = half_ * uniform(1.2, 2.5);
-            const CylinderForm c{out * std::cos(angle), out * std::sin(angle), 0, uniform(-1, 1), uniform(-1, 1), uniform(0.3, 2), rho};
+            const double angle = uniform(0, 2 * std::numbers::pi), rho = uniform(0, 0.5),
+                         out = half_ * uniform(1.2, 2.5);
+            const CylinderForm c{out * std::cos(angle), out * std::sin(angle), 0,  uniform(-1, 1),
+                                 uniform(-1, 1),        uniform(0.3, 2),       rho};
             if (gap(c, half_) < 0.02) continue;
             s.cylinders.push_back(c);
             return;
@@ -133,10 +142,12 @@ inline std::vector<Scene> random_scenes(std::mt19937_64& rng) {
         Scene s = random.start("heavy-tailed radii");
         for (int i = count(2, 8); i > 0; --i) {
             const double rho = 0.01 * std::pow(1e-4 + random.uniform(0, 1), -0.8);
-            s.ball(random.uniform(-3, 3), random.uniform(-3, 3), rho * (1 + random.uniform(0, 1)) + 0.02, rho);
+            s.ball(random.uniform(-3, 3), random.uniform(-3, 3), rho * (1 + random.uniform(0, 1)) + 0.02,
+                   rho);
         }
         for (int i = count(1, 4); i > 0; --i) {
-            const double rho = 0.01 * std::pow(1e-4 + random.uniform(0, 1), -0.8), angle = random.uniform(0, 7);
+            const double rho = 0.01 * std::pow(1e-4 + random.uniform(0, 1), -0.8),
+                         angle = random.uniform(0, 7);
             s.cylinder(random.uniform(-2, 2), random.uniform(-2, 2), rho * (1 + random.uniform(0, 1)) + 0.05,
                        std::cos(angle), std::sin(angle), 0, rho);
         }
@@ -152,14 +163,16 @@ inline std::vector<Scene> random_scenes(std::mt19937_64& rng) {
         all.push_back(s);
     }
     for (const int n : {3, 5, 6}) {
-        Scene s = random.mix("oblique region, " + std::to_string(n) + " sides", count(1, 4), 1, count(1, 3), 0);
+        Scene s =
+            random.mix("oblique region, " + std::to_string(n) + " sides", count(1, 4), 1, count(1, 3), 0);
         s.region = polygon(n, 0.9, random.uniform(0, 1));
         all.push_back(s);
     }
     {
         // A small ball between the base and a low horizontal cylinder, or under a plane beside one.
         Scene s = random.mix("islands", 0, count(0, 1), count(1, 2), 0, 0.0);
-        for (int i = count(1, 4); i > 0; --i) s.ball(random.uniform(-1.8, 1.8), random.uniform(-1.8, 1.8), 0.05, 0.02);
+        for (int i = count(1, 4); i > 0; --i)
+            s.ball(random.uniform(-1.8, 1.8), random.uniform(-1.8, 1.8), 0.05, 0.02);
         all.push_back(s);
     }
     return all;
@@ -187,8 +200,8 @@ inline Scene moved(Scene s, double factor, double dx, double dy) {
 // --- Degenerate scenes --------------------------------------------------------------------------------
 
 /// Equal cylinders of a regulus of lines about the z axis: all are as near above the centre.
-inline Scene regulus(const std::string& name, const std::vector<std::array<double, 2>>& directions, double out, double az,
-                     double rho) {
+inline Scene regulus(const std::string& name, const std::vector<std::array<double, 2>>& directions,
+                     double out, double az, double rho) {
     Scene s{.name = name, .circular = {}, .cylinders = {}};
     for (const auto& [x, y] : directions) s.cylinder(out * x, out * y, 1, -y, x, az, rho);
     return s;
@@ -206,36 +219,69 @@ inline std::vector<Scene> degenerate_scenes() {
     all.push_back(regulus("four lines on a regulus", four_ways, 0.5, 0.25, 0));
     all.push_back(regulus("four cylinders around the centre", four_ways, 1, 0, 0.25));
     // Unit vectors along (3, 4) and (4, 3) need no rounding up to their common length.
-    all.push_back(regulus("eight cylinders around the centre", {{5, 0}, {4, 3}, {3, 4}, {0, 5}, {-3, 4}, {-5, 0}, {-4, -3}, {0, -5}}, 0.125, 0, 0.25));
+    all.push_back(regulus("eight cylinders around the centre",
+                          {{5, 0}, {4, 3}, {3, 4}, {0, 5}, {-3, 4}, {-5, 0}, {-4, -3}, {0, -5}}, 0.125, 0,
+                          0.25));
     scene("two equal cylinders that cross").cylinder(0, 0, 1, 1, 0, 0, 0.25).cylinder(0, 0, 1, 0, 1, 0, 0.25);
     scene("two equal cylinders that cross off the middle")
-        .cylinder(0.25, -0.5, 1, 1, 0, 0, 0.25).cylinder(0.25, -0.5, 1, 1, 2, 0, 0.25);
+        .cylinder(0.25, -0.5, 1, 1, 0, 0, 0.25)
+        .cylinder(0.25, -0.5, 1, 1, 2, 0, 0.25);
     scene("three equal cylinders through one point")
-        .cylinder(0, 0, 1, 1, 0, 0, 0.25).cylinder(0, 0, 1, 0, 1, 0, 0.25).cylinder(0, 0, 1, 1, 1, 0, 0.25);
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .cylinder(0, 0, 1, 0, 1, 0, 0.25)
+        .cylinder(0, 0, 1, 1, 1, 0, 0.25);
     scene("a grid of four equal cylinders")
-        .cylinder(0, 0.5, 1, 1, 0, 0, 0.25).cylinder(0, -0.5, 1, 1, 0, 0, 0.25)
-        .cylinder(0.5, 0, 1, 0, 1, 0, 0.25).cylinder(-0.5, 0, 1, 0, 1, 0, 0.25);
-    scene("equal cylinders cross over the rim").cylinder(2, 0.5, 1, 1, 0.5, 0, 0.25).cylinder(2, 0.5, 1, -0.25, 1, 0, 0.25);
-    scene("equal cylinders cross over a corner").cylinder(2, 2, 1, 1, 0, 0, 0.25).cylinder(2, 2, 1, 0, 1, 0, 0.25);
+        .cylinder(0, 0.5, 1, 1, 0, 0, 0.25)
+        .cylinder(0, -0.5, 1, 1, 0, 0, 0.25)
+        .cylinder(0.5, 0, 1, 0, 1, 0, 0.25)
+        .cylinder(-0.5, 0, 1, 0, 1, 0, 0.25);
+    scene("equal cylinders cross over the rim")
+        .cylinder(2, 0.5, 1, 1, 0.5, 0, 0.25)
+        .cylinder(2, 0.5, 1, -0.25, 1, 0, 0.25);
+    scene("equal cylinders cross over a corner")
+        .cylinder(2, 2, 1, 1, 0, 0, 0.25)
+        .cylinder(2, 2, 1, 0, 1, 0, 0.25);
     scene("crossing axes, unequal radii").cylinder(0, 0, 1, 1, 0, 0, 0.25).cylinder(0, 0, 1, 0, 1, 0, 0.125);
-    scene("equal radii, one above the other").cylinder(0, 0, 1, 1, 0, 0, 0.25).cylinder(0, 0, 1.5, 0, 1, 0, 0.25);
-    scene("tangent cylinders beside each other").cylinder(0, 0.25, 1, 1, 0, 0, 0.25).cylinder(0, -0.25, 1, 1, 0, 0, 0.25);
-    scene("tangent cylinders across each other").cylinder(0, 0, 1, 1, 0, 0, 0.25).cylinder(0, 0, 1.5, 0, 1, 0, 0.25).ball(1, 1, 1, 0.25);
+    scene("equal radii, one above the other")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .cylinder(0, 0, 1.5, 0, 1, 0, 0.25);
+    scene("tangent cylinders beside each other")
+        .cylinder(0, 0.25, 1, 1, 0, 0, 0.25)
+        .cylinder(0, -0.25, 1, 1, 0, 0, 0.25);
+    scene("tangent cylinders across each other")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .cylinder(0, 0, 1.5, 0, 1, 0, 0.25)
+        .ball(1, 1, 1, 0.25);
     scene("a ball tangent to a cylinder").cylinder(0, 0, 1, 1, 0, 0, 0.25).ball(0, 0.5, 1, 0.25);
     scene("a trisector through a corner").cylinder(1, 2, 1, 0, 1, 0, 0.25).cylinder(2, 1, 1, 1, 0, 0, 0.25);
-    scene("a vertex on the rim").cylinder(2, -1, 1, 1, 0, 0, 0.25).cylinder(2, 1, 1, 1, 0, 0, 0.25).ball(1, 0, 1, 0.25);
+    scene("a vertex on the rim")
+        .cylinder(2, -1, 1, 1, 0, 0, 0.25)
+        .cylinder(2, 1, 1, 1, 0, 0, 0.25)
+        .ball(1, 0, 1, 0.25);
     {
         Scene& s = scene("a lattice of balls under a cylinder far off");
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) s.ball(i - 1.5, j - 1.5, 1, 0.25);
         s.cylinder(0, 3, 1, 1, 0, 0, 0.25);
     }
-    scene("a closed loop between a ball and a low cylinder").cylinder(0, 0, 0.5, 1, 0, 0, 0.25).ball(0.25, 0, 0.125, 0.0625);
-    scene("a closed loop around the middle of a plane's face").cylinder(0, 1.5, 0.75, 1, 0, 0, 0.25).wall(0, 0, 1).ball(-0.5, -0.75, 0.25, 0.125);
+    scene("a closed loop between a ball and a low cylinder")
+        .cylinder(0, 0, 0.5, 1, 0, 0, 0.25)
+        .ball(0.25, 0, 0.125, 0.0625);
+    scene("a closed loop around the middle of a plane's face")
+        .cylinder(0, 1.5, 0.75, 1, 0, 0, 0.25)
+        .wall(0, 0, 1)
+        .ball(-0.5, -0.75, 0.25, 0.125);
     scene("a cylinder and its mirror image's ball on the bisector")
-        .cylinder(0, 1, 1, 1, 0, 0, 0.25).cylinder(0, -1, 1, 1, 0, 0, 0.25).ball(1, 0, 1, 0.25).ball(-1, 0, 1, 0.25);
-    scene("bottoms of unequal cylinders touch").cylinder(0, 0, 1, 1, 0, 0, 0.25).cylinder(0, 0, 0.875, 0, 1, 0, 0.125);
-    scene("the bottom of a larger ball touches a cylinder's").cylinder(0, 0, 1, 1, 0, 0, 0.25).ball(0, 0, 1.25, 0.5);
+        .cylinder(0, 1, 1, 1, 0, 0, 0.25)
+        .cylinder(0, -1, 1, 1, 0, 0, 0.25)
+        .ball(1, 0, 1, 0.25)
+        .ball(-1, 0, 1, 0.25);
+    scene("bottoms of unequal cylinders touch")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .cylinder(0, 0, 0.875, 0, 1, 0, 0.125);
+    scene("the bottom of a larger ball touches a cylinder's")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .ball(0, 0, 1.25, 0.5);
     return all;
 }
 

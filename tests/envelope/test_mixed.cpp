@@ -1,5 +1,5 @@
-// Minimization diagrams with cylinders against brute force: random families, degenerate and nearly degenerate scenes,
-// motions that keep the combinatorial diagram. VCELL_TEST_ROUNDS asks for more rounds than one.
+// Minimization diagrams with cylinders against brute force: random families, degenerate and nearly degenerate
+// scenes, motions that keep the combinatorial diagram. VCELL_TEST_ROUNDS asks for more rounds than one.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -112,8 +112,8 @@ Scene rounded(Scene s) {
         if (Ball* b = std::get_if<Ball>(&solid))
             *b = {dyadic(b->x), dyadic(b->y), dyadic(b->z), dyadic(b->rho)};
         else
-            solid = Wall{dyadic(std::get<Wall>(solid).a), dyadic(std::get<Wall>(solid).b), dyadic(std::get<Wall>(solid).e),
-                         std::get<Wall>(solid).w};
+            solid = Wall{dyadic(std::get<Wall>(solid).a), dyadic(std::get<Wall>(solid).b),
+                         dyadic(std::get<Wall>(solid).e), std::get<Wall>(solid).w};
     for (CylinderForm& c : s.cylinders) {
         c.px = dyadic(c.px);
         c.py = dyadic(c.py);
@@ -167,13 +167,17 @@ TEST_CASE("mixed oracle: its heights satisfy the definition and the closed form"
         for (std::uint32_t i = 0; i < s.size(); ++i) {
             CAPTURE(i);
             const Real r = height<Real>(s.solid(i), x, y).v;
-            const Distance<Real> d = std::visit([&](const auto& o) { return distance<Real>(o, x, y, r); }, s.solid(i));
+            const Distance<Real> d =
+                std::visit([&](const auto& o) { return distance<Real>(o, x, y, r); }, s.solid(i));
             CHECK(abs(d.value - r) <= Real("1e-90"));
-            const Real closed = family.is_circular(FormId{i}) ? Real(0) : cylinder_height<Real>(family.cylinder(FormId{i}), x, y);
+            const Real closed = family.is_circular(FormId{i})
+                                    ? Real(0)
+                                    : cylinder_height<Real>(family.cylinder(FormId{i}), x, y);
             if (!family.is_circular(FormId{i})) CHECK(abs(closed - r) <= Real("1e-85"));
             const double fast = static_cast<double>(height<Fast>(s.solid(i), x, y).v);
             CHECK(fast == doctest::Approx(r.convert_to<double>()).epsilon(1e-15));
-            if (family.is_circular(FormId{i})) CHECK(family.forms[FormId{i}](x, y) == doctest::Approx(fast).epsilon(1e-13));
+            if (family.is_circular(FormId{i}))
+                CHECK(family.forms[FormId{i}](x, y) == doctest::Approx(fast).epsilon(1e-13));
         }
     }
 }
@@ -193,7 +197,8 @@ TEST_CASE("mixed envelope: agrees with brute force on large and on small coordin
     for (int round = 0; round < rounds(); ++round) {
         RandomScenes random(rng);
         const Scene s = rounded(random.mix("moved", 3, 1, 2, 1));
-        for (const auto& [factor, dx, dy] : {std::array{0x1p20, 0.0, 0.0}, {0x1p-20, 0.0, 0.0}, {1.0, 1e6, -3e6}, {0x1p-20, 1.0, 2.0}}) {
+        for (const auto& [factor, dx, dy] :
+             {std::array{0x1p20, 0.0, 0.0}, {0x1p-20, 0.0, 0.0}, {1.0, 1e6, -3e6}, {0x1p-20, 1.0, 2.0}}) {
             CAPTURE(factor);
             CAPTURE(dx);
             CHECK(judge(moved(s, factor, dx, dy), rng, {.samples = 200}).decisions.assumed == 0);
@@ -209,6 +214,21 @@ TEST_CASE("mixed envelope: many objects") {
             Scene s = random.mix("pile of " + std::to_string(n), n, n / 10, n / 4, n / 10);
             CHECK(judge(s, rng, {.samples = 200}).decisions.assumed == 0);
         }
+}
+
+TEST_CASE("mixed envelope: pieces with several vertices come to an end") {
+    // In piles the turns of three gradients are often barely certain, and must be so in any order of the
+    // three.
+    for (int seed = 0; seed < 10 * rounds(); ++seed) {
+        std::mt19937_64 rng(static_cast<std::uint64_t>(seed));
+        RandomScenes random(rng, std::sqrt(60));
+        const Scene s = random.mix("pile", 60, 6, 15, 6);
+        CAPTURE(seed);
+        MinimizationDiagram d;
+        CHECK_NOTHROW(d = envelope(s));
+        CHECK_FALSE(d.dcel.find_defect());
+        CHECK(d.decisions.assumed == 0);
+    }
 }
 
 TEST_CASE("mixed envelope: degenerate scenes, with coincidences assumed where they are") {
@@ -233,7 +253,7 @@ TEST_CASE("mixed envelope: degenerate scenes, with coincidences assumed where th
     }
 }
 
-TEST_CASE("mixed envelope: an exact coincidence is assumed once, in its place") {
+TEST_CASE("mixed envelope: an exact coincidence is one vertex, assumed once at most, in its place") {
     struct Case {
         Scene scene;
         double x, y;
@@ -246,13 +266,28 @@ TEST_CASE("mixed envelope: an exact coincidence is assumed once, in its place") 
     near_rim.region = ConvexRegion::rectangle(-0x1p-10, -2, 2, 2);
     bottoms.cylinder(0, 0, 1, 1, 0, 0, 0.25).ball(0, 0, 1.25, 0.5);
     for (const auto& [scene, x, y, forms] :
-         {Case{straight, 0, 0, 2}, Case{oblique, 0.25, -0.5, 2}, Case{near_rim, 0, 0, 2}, Case{bottoms, 0, 0, 2},
-          Case{regulus("", four_ways, 0.5, 0.25, 0.25), 0, 0, 4}, Case{regulus("", four_ways, 0.5, 0.25, 0), 0, 0, 4}}) {
+         {Case{straight, 0, 0, 2}, Case{oblique, 0.25, -0.5, 2}, Case{near_rim, 0, 0, 2},
+          Case{bottoms, 0, 0, 2}, Case{regulus("", four_ways, 0.5, 0.25, 0.25), 0, 0, 4},
+          Case{regulus("", four_ways, 0.5, 0.25, 0), 0, 0, 4}}) {
         const MinimizationDiagram d = envelope(scene);
-        REQUIRE(d.assumptions.size() == 1);
-        CHECK(std::hypot(d.assumptions[0].place.x() - x, d.assumptions[0].place.y() - y) <= d.assumptions[0].width + 1e-15);
-        CHECK(d.assumptions[0].width < 1e-25);
-        CHECK(d.assumptions[0].forms.size() == forms);
+        const auto there = [&](const Eigen::Vector2d& p, double error) {
+            return std::hypot(p.x() - x, p.y() - y) <= error + 1e-15;
+        };
+        int found = 0;
+        for (const VertexId v : d.vertices.ids()) {
+            const auto& vertex = d.vertices[v];
+            if (!d.sides(v).empty() || !there(vertex.point, vertex.error)) continue;
+            ++found;
+            CHECK(vertex.error < 1e-9);
+            CHECK(d.label(v).size() == forms);
+        }
+        CHECK(found == 1);
+        CHECK(d.assumptions.size() <= 1);
+        for (const Assumption& a : d.assumptions) {
+            CHECK(there(a.place, a.width));
+            CHECK(a.width < 1e-25);
+            CHECK(a.forms.size() == forms);
+        }
     }
 }
 
@@ -268,12 +303,16 @@ TEST_CASE("mixed envelope: shows as many faces as a fine grid has components") {
     Scene s{.name = "islands in the faces of cylinders and a plane", .circular = {}, .cylinders = {}};
     s.wall(0, 0, 0.4);
     s.cylinder(0, 1.5, 0.75, 1, 0, 0, 0.25).cylinder(-1.5, 0, 0.6875, 0, 1, 0, 0.25);
-    s.ball(1, 1.5, 0.25, 0.0625).ball(0.25, -1.25, 0.25, 0.125).ball(-1.375, -1, 0.25, 0.0625).ball(1.25, 0, 0.375, 0.25);
+    s.ball(1, 1.5, 0.25, 0.0625)
+        .ball(0.25, -1.25, 0.25, 0.125)
+        .ball(-1.375, -1, 0.25, 0.0625)
+        .ball(1.25, 0, 0.375, 0.25);
     const MinimizationDiagram d = judge(s, rng);
     const Judge by_hand(s, d);
     CHECK(d.face_forms.size() - 1 == components_on_grid(by_hand, 2, 120));
     std::size_t holes = 0;
-    for (const FaceId f : d.face_forms.ids()) holes += f == Dcel::unbounded_face() ? 0 : d.dcel.inner_ccbs(f).size();
+    for (const FaceId f : d.face_forms.ids())
+        holes += f == Dcel::unbounded_face() ? 0 : d.dcel.inner_ccbs(f).size();
     CHECK(holes == 4);
 }
 
@@ -306,8 +345,10 @@ TEST_CASE("mixed envelope: motions of a scene do not change the combinatorial di
     }
     // What is taken for a point only where doubles end need not look the same after a motion.
     const std::vector<Scene> degenerate = degenerate_scenes();
-    for (std::size_t i = 0; i < degenerate.size(); i += rounds() > 1 ? 1 : 3)
-        if (const Scene& s = degenerate[i]; std::ranges::all_of(envelope(s).assumptions, [](const Assumption& a) { return a.width < 1e-25; })) invariances(s, rng);
+    for (std::size_t i = 0; i<degenerate.size(); i += rounds()> 1 ? 1 : 3)
+        if (const Scene& s = degenerate[i];
+            std::ranges::all_of(envelope(s).assumptions, [](const Assumption& a) { return a.width < 1e-25; }))
+            invariances(s, rng);
 }
 
 TEST_CASE("mixed envelope: nearly symmetric scenes") {
@@ -349,7 +390,9 @@ TEST_CASE("mixed envelope: cylinders that graze the rim from outside") {
     std::mt19937_64 rng(test_seed());
     for (const double gap : {1e-3, 1e-6, 1e-9}) {
         Scene s{.name = "grazing", .circular = {}, .cylinders = {}};
-        s.ball(0, 0, 1, 0.25).cylinder(2.5 + gap, 0.25, 0, 0, 0, 1, 0.5).cylinder(-0.25, -2.25 - gap, 0, 0.125, 0, 1, 0.25);
+        s.ball(0, 0, 1, 0.25)
+            .cylinder(2.5 + gap, 0.25, 0, 0, 0, 1, 0.5)
+            .cylinder(-0.25, -2.25 - gap, 0, 0.125, 0, 1, 0.25);
         CAPTURE(gap);
         CHECK(judge(s, rng, {.samples = 200}).decisions.assumed == 0);
     }
@@ -373,7 +416,10 @@ TEST_CASE("lowest_form: agrees with brute force where cylinders compete") {
 TEST_CASE("mixed oracle: objects to corrupted diagrams") {
     std::mt19937_64 rng(test_seed());
     Scene s{.name = "to corrupt", .circular = {}, .cylinders = {}};
-    s.ball(-1, -0.75, 0.75, 0.25).ball(1, 1, 0.75, 0.125).cylinder(0, 1, 1, 1, 0.25, 0.125, 0.25).cylinder(1, 0, 1, 0.25, 1, 0, 0.375);
+    s.ball(-1, -0.75, 0.75, 0.25)
+        .ball(1, 1, 0.75, 0.125)
+        .cylinder(0, 1, 1, 1, 0.25, 0.125, 0.25)
+        .cylinder(1, 0, 1, 0.25, 1, 0, 0.375);
     const MinimizationDiagram good = judge(s, rng);
     const auto objects = [&](const char* damage, const auto& corrupt) {
         MinimizationDiagram bad = good;
@@ -387,9 +433,12 @@ TEST_CASE("mixed oracle: objects to corrupted diagrams") {
     };
     const VertexId inner = first(good.vertices.ids(), [&](VertexId v) { return good.sides(v).empty(); });
     const EdgeId curved = first(good.edges.ids(), [&](EdgeId e) { return good.pieces(e).size() > 1; });
-    const auto pieces = [&](MinimizationDiagram& d) { return d.pieces_.begin() + d.piece_offsets_[curved.value]; };
+    const auto pieces = [&](MinimizationDiagram& d) {
+        return d.pieces_.begin() + d.piece_offsets_[curved.value];
+    };
 
-    objects("two faces exchange their forms", [](auto& d) { std::swap(d.face_forms[{1}], d.face_forms[{2}]); });
+    objects("two faces exchange their forms",
+            [](auto& d) { std::swap(d.face_forms[{1}], d.face_forms[{2}]); });
     objects("two forms are exchanged everywhere", [&](auto& d) {
         const auto exchange = [&](FormId& f) {
             if (f == good.edges[curved].left)
@@ -402,7 +451,8 @@ TEST_CASE("mixed oracle: objects to corrupted diagrams") {
         for (auto* labels : {&d.vertex_labels_, &d.edge_labels_})
             for (FormId& f : *labels) exchange(f);
         const auto sort = [](std::vector<FormId>& labels, const std::vector<std::uint32_t>& offsets) {
-            for (std::size_t i = 0; i + 1 < offsets.size(); ++i) std::sort(labels.begin() + offsets[i], labels.begin() + offsets[i + 1]);
+            for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
+                std::sort(labels.begin() + offsets[i], labels.begin() + offsets[i + 1]);
         };
         sort(d.vertex_labels_, d.vertex_offsets_);
         sort(d.edge_labels_, d.edge_offsets_);
@@ -412,9 +462,8 @@ TEST_CASE("mixed oracle: objects to corrupted diagrams") {
         for (std::size_t i = inner.value + 1; i < d.vertex_offsets_.size(); ++i) --d.vertex_offsets_[i];
     });
     objects("a vertex moved", [&](auto& d) { d.vertices[inner].point.x() += 1e-9; });
-    objects("a vertex's bound too small", [&](auto& d) {
-        d.vertices[inner].point.x() += 4 * d.vertices[inner].error;
-    });
+    objects("a vertex's bound too small",
+            [&](auto& d) { d.vertices[inner].point.x() += 4 * d.vertices[inner].error; });
     objects("a height changed", [&](auto& d) { d.vertices[inner].height += 1e-9; });
     objects("an edge turned round", [&](auto& d) { std::swap(d.edges[curved].left, d.edges[curved].right); });
     objects("a rim edge on another side", [](auto& d) {
@@ -424,9 +473,7 @@ TEST_CASE("mixed oracle: objects to corrupted diagrams") {
                 return;
             }
     });
-    objects("a piece's end off the curve", [&](auto& d) {
-        pieces(d)->end += 1e-6 * pieces(d)->direction;
-    });
+    objects("a piece's end off the curve", [&](auto& d) { pieces(d)->end += 1e-6 * pieces(d)->direction; });
     objects("a piece's direction turned round", [&](auto& d) { pieces(d)->direction *= -1; });
     objects("a piece's direction along the curve", [&](auto& d) {
         const Eigen::Vector2d w = pieces(d)->direction;
