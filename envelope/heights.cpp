@@ -150,6 +150,15 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
             second(two * (square(ax) + square(az)), by, by, j.gy, j.gy)};
 }
 
+std::array<Interval, 2> Heights::gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
+    const Interval mx(x.mid()), my(y.mid()), dx = x - mx, dy = y - my;
+    const HeightJet<Interval> a = jet(f, x, y), b = jet(g, x, y), p = jet(f, mx, my), q = jet(g, mx, my);
+    const HeightCurvature<Interval> c = curvature(f, x, y), d = curvature(g, x, y);
+    const Interval xy = c.xy - d.xy;
+    return {intersection(a.gx - b.gx, p.gx - q.gx + (c.xx - d.xx) * dx + xy * dy),
+            intersection(a.gy - b.gy, p.gy - q.gy + xy * dx + (c.yy - d.yy) * dy)};
+}
+
 namespace {
 
 // A height as (a + b sqrt(c)) / den, den > 0.

@@ -2,6 +2,7 @@
 /// evaluates where forms are no circular forms, and comparisons at points by the whole ladder.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -12,6 +13,11 @@
 #include "../core/wide_interval.hpp"
 
 namespace vcell {
+
+/// Of two enclosures of one number.
+inline Interval intersection(Interval a, Interval b) {
+    return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
+}
 
 /// A height and its partial derivatives.
 template <class T>
@@ -42,6 +48,9 @@ public:
 
     /// Encloses the second derivatives of f over the box, likewise.
     HeightCurvature<Interval> curvature(FormId f, Interval x, Interval y) const;
+
+    /// Encloses the gradient of f - g over the box, in natural and in mean value form.
+    std::array<Interval, 2> gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
 
     /// Sign of f - g at a point in doubles, exact: heights of cylinders are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder.

@@ -101,8 +101,16 @@ struct MixedAnalysis::Line {
     // Encloses the difference of two heights at m, and its derivative between lo and hi.
     std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
         const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
-        return {heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]),
-                along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]))};
+        Interval derivative = along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]));
+        if (!derivative.sign()) derivative = slope_difference(heights, f, g, m, lo, hi);
+        return {heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]), derivative};
+    }
+    // The derivative in mean value form: by far the sharper one where the two are nearly the same function.
+    Interval slope_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+        const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
+        return along(heights.jet(f, p[0], p[1])) - along(heights.jet(g, p[0], p[1])) +
+               (bend(heights.curvature(f, range[0], range[1])) - bend(heights.curvature(g, range[0], range[1]))) *
+                   (Interval(lo, hi) - Interval(m));
     }
     // The same with a difference that doubles would cancel.
     std::array<Interval, 2> sharp_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
@@ -115,6 +123,10 @@ struct MixedAnalysis::Line {
     }
     // The derivative of a height along the side with respect to s.
     Interval along(const HeightJet<Interval>& j) const { return by_x ? j.gx + slope * j.gy : j.gy + slope * j.gx; }
+    // And its second derivative.
+    Interval bend(const HeightCurvature<Interval>& c) const {
+        return (by_x ? c.xx : c.yy) + 2.0 * slope * c.xy + square(slope) * (by_x ? c.yy : c.xx);
+    }
 };
 
 void MixedAnalysis::assume(const Vector2d& place, double width, std::vector<FormId> forms) {
@@ -129,8 +141,14 @@ void MixedAnalysis::spreads(const std::array<double, 4>& box, std::span<const Fo
     out.clear();
     for (const FormId f : candidates) {
         const HeightJet<Interval> all = heights_.jet(f, X, Y);
-        out.push_back({f, heights_.value(f, Interval(X.mid()), Interval(Y.mid())), all.gx, all.gy});
+        out.push_back({f, heights_.value(f, Interval(X.mid()), Interval(Y.mid())), all.gx, all.gy, {}});
     }
+}
+
+void MixedAnalysis::bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const {
+    const Interval X(box[0], box[1]), Y(box[2], box[3]), mx(X.mid()), my(Y.mid());
+    for (Spread& s : rivals)
+        s.bend = {heights_.jet(s.form, mx, my), heights_.curvature(s.form, X, Y), X - mx, Y - my};
 }
 
 std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
@@ -290,7 +308,15 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         return (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
     });
     decisions_.by_interval += candidates.size() - items.size();
-    const bool monotone = items.size() == 2 && (items[0].slope - items[1].slope).sign();
+    bool monotone = items.size() == 2 && (items[0].slope - items[1].slope).sign();
+    if (items.size() == 2 && !monotone) {
+        items[0].slope = line.slope_difference(heights_, items[0].form, items[1].form, m, s0, s1);
+        items[1].slope = 0;
+        monotone = items[0].slope.sign().has_value();
+        const Interval difference = items[0].v - items[1].v, reach = Interval(items[0].slope.magnitude()) * Interval(r);
+        if ((difference - reach).lower() > 0) items.erase(items.begin());
+        else if ((difference + reach).upper() < 0) items.pop_back();
+    }
     if (items.size() > 1 && !monotone && s1 - s0 < sharp_width * extent_) {
         const std::size_t before = items.size();
         for (Item& i : items) i.sharp = line.sharp_height(heights_, i.form, m);
@@ -462,9 +488,19 @@ struct MixedAnalysis::Work {
         const auto it = std::ranges::find(rivals, f, &Spread::form);
         return it == rivals.end() ? nullptr : &*it;
     }
+    // The gradient of a - b all over the piece. Where the two are nearly the same function its mean value form is by far
+    // the sharper one.
+    static std::array<Interval, 2> gradient(const Spread& a, const Spread& b) {
+        const Interval gx = a.gx - b.gx, gy = a.gy - b.gy;
+        if (!a.bend || !b.bend) return {gx, gy};
+        const auto &p = *a.bend, &q = *b.bend;
+        const Interval xy = p.curvature.xy - q.curvature.xy;
+        return {intersection(gx, p.middle.gx - q.middle.gx + (p.curvature.xx - q.curvature.xx) * p.dx + xy * p.dy),
+                intersection(gy, p.middle.gy - q.middle.gy + xy * p.dx + (p.curvature.yy - q.curvature.yy) * p.dy)};
+    }
     // A unit vector in which a - b certainly grows all over the piece.
     static std::optional<Vector2d> direction(const Spread& a, const Spread& b) {
-        const Interval gx = a.gx - b.gx, gy = a.gy - b.gy;
+        const auto [gx, gy] = gradient(a, b);
         const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
         if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0)) return std::nullopt;
         return d;
@@ -474,7 +510,8 @@ struct MixedAnalysis::Work {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
         if (c.form < b.form) return reversed(turn(a, c, b));
-        return ((b.gx - a.gx) * (c.gy - a.gy) - (b.gy - a.gy) * (c.gx - a.gx)).sign();
+        const auto ab = gradient(b, a), ac = gradient(c, a);
+        return (ab[0] * ac[1] - ab[1] * ac[0]).sign();
     }
     bool matched_pair() const {
         return changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
@@ -522,7 +559,12 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
 
     cull(work.piece.box, candidates);
     work.rivals = spreads_;
-    const bool at_floor = work.width <= floor_width * extent_, plain = is_plain(work);
+    const bool at_floor = work.width <= floor_width * extent_;
+    bool plain = is_plain(work);
+    if (!plain) {
+        bend(work.piece.box, work.rivals);
+        plain = is_plain(work);
+    }
     const bool near_node = !plain && work.rivals.size() == 2 && work.width <= node_width * extent_;
     if (!plain && !near_node && !at_floor) return std::nullopt;
     ++decisions_.by_interval;

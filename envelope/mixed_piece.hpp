@@ -132,9 +132,17 @@ private:
     struct Spread {  // value at the middle of a box, gradient all over it
         FormId form;
         Interval v, gx, gy;
+        /// Gradient at the middle, second derivatives all over the box, and the box less its middle.
+        struct Bend {
+            HeightJet<Interval> middle;
+            HeightCurvature<Interval> curvature;
+            Interval dx, dy;
+        };
+        std::optional<Bend> bend;
     };
     struct Line;
 
+    void bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const;
     void spreads(const std::array<double, 4>& box, std::span<const FormId> candidates, std::vector<Spread>& out) const;
     bool descend(const Line& line, double s0, FormId l0, double s1, FormId l1, std::span<const FormId> candidates,
                  bool is_seam, std::vector<RimTransition>& out);

@@ -13,6 +13,9 @@ namespace vcell {
 
 namespace {
 
+// How often a link is halved to see whether it reaches as far left as another component.
+constexpr int most_halvings = 24;
+
 void sort_unique(std::vector<FormId>& forms) {
     std::ranges::sort(forms);
     forms.erase(std::ranges::unique(forms).begin(), forms.end());
@@ -405,19 +408,19 @@ std::size_t Patchwork::leftmost(std::span<const Index> components) const {
 std::size_t Patchwork::outermost(std::span<const Index> components) const {
     if (family_.cylinders.empty()) return leftmost(components);
     const Heights heights(family_);
-    for (int halvings = 0; halvings <= 20; halvings += 2) {
-        std::vector<std::array<double, 2>> ends;
-        for (const Index c : components) ends.push_back(left_end(c, heights, halvings));
-        const std::size_t best = std::ranges::min_element(ends, {}, [](const auto& e) { return e[1]; }) - ends.begin();
-        bool certain = true;
-        for (std::size_t i = 0; i < ends.size(); ++i) certain = certain && (i == best || ends[i][0] > ends[best][1]);
-        if (certain) return best;
-    }
+    // The one with the leftmost known point; no other may reach as far.
+    std::vector<double> known;
+    for (const Index c : components) known.push_back(left_end(c, heights, -HUGE_VAL)[1]);
+    const std::size_t best = std::ranges::min_element(known) - known.begin();
+    bool certain = true;
+    for (std::size_t i = 0; i < components.size() && certain; ++i)
+        certain = i == best || left_end(components[i], heights, known[best])[0] > known[best];
+    if (certain) return best;
     throw UndecidedError("which of a face's boundaries is the outer one");
 }
 
-// Encloses the x of the component's leftmost point.
-std::array<double, 2> Patchwork::left_end(Index component, const Heights& heights, int halvings) const {
+// Encloses the x of the component's leftmost point, looking closer as long as it might lie left of `target`.
+std::array<double, 2> Patchwork::left_end(Index component, const Heights& heights, double target) const {
     std::array<double, 2> end{HUGE_VAL, HUGE_VAL};
     const auto consider = [&](double lower, double upper) {
         end = {std::min(end[0], lower), std::min(end[1], upper)};
@@ -429,7 +432,7 @@ std::array<double, 2> Patchwork::left_end(Index component, const Heights& height
         const Edge& e = edges_[h >> 1];
         if (e.links != none) {
             for (const Link& l : links_[e.links])
-                consider(left_bound(l, e.left, e.right, heights, halvings), Interval::up(l.to.x() + l.to_error));
+                consider(left_bound(l, e.left, e.right, heights, target, most_halvings), Interval::up(l.to.x() + l.to_error));
         } else if (e.right.valid()) {
             const Interval left = left_end_of_circle(h);
             consider(left.lower(), half_edges_[h].origin == none ? left.upper() : HUGE_VAL);
@@ -441,21 +444,19 @@ std::array<double, 2> Patchwork::left_end(Index component, const Heights& height
 
 // A lower bound for x on the link. Along u across `direction` the arc's offset w in that direction changes by
 // at most sigma |du|: between two of its points at distance U it keeps within sigma U / 2 of their rectangle.
-double Patchwork::left_bound(const Link& link, FormId left, FormId right, const Heights& heights, int halvings) {
+double Patchwork::left_bound(const Link& link, FormId left, FormId right, const Heights& heights, double target, int halvings) {
     const Eigen::Vector2d d = link.direction, across(-d.y(), d.x());
     const double lower = std::min(link.from.x() - link.from_error, link.to.x() - link.to_error);
     const Interval U = Interval(std::abs((link.to - link.from).dot(across))) * Interval(1 + 1e-15) +
                        Interval(link.from_error) + Interval(link.to_error);
     const std::array<double, 4> box = {
         std::max(link.box[0], lower - U.upper() - (link.to - link.from).norm()), link.box[1], link.box[2], link.box[3]};
-    const Interval X(box[0], box[1]), Y(box[2], box[3]);
-    const HeightJet<Interval> a = heights.jet(left, X, Y), b = heights.jet(right, X, Y);
-    const Interval gx = a.gx - b.gx, gy = a.gy - b.gy;
+    const auto [gx, gy] = heights.gradient_difference(left, right, {box[0], box[1]}, {box[2], box[3]});
     const Interval along = Interval(d.x()) * gx + Interval(d.y()) * gy,
                    beside = Interval(across.x()) * gx + Interval(across.y()) * gy;
     if (!(along.lower() > 0)) return link.box[0];
     const double bound = Interval::down(lower - ((Interval(beside.magnitude()) / Interval(along.lower())) * U).upper());
-    if (halvings == 0) return std::max(bound, link.box[0]);
+    if (halvings == 0 || std::max(bound, link.box[0]) > target) return std::max(bound, link.box[0]);
     // Half-way across, the arc's point by the false position that certainly brackets it.
     const Eigen::Vector2d middle = 0.5 * (link.from + link.to);
     double w = 0, step = HUGE_VAL;
@@ -476,8 +477,8 @@ double Patchwork::left_bound(const Link& link, FormId left, FormId right, const 
                          4 * std::numeric_limits<double>::epsilon() * middle.norm();
     const Eigen::Vector2d p = middle + w * d;
     const Link first{link.from, p, link.from_error, error, d, link.box}, second{p, link.to, error, link.to_error, d, link.box};
-    return std::max(bound, std::min(left_bound(first, left, right, heights, halvings - 1),
-                                    left_bound(second, left, right, heights, halvings - 1)));
+    return std::max(bound, std::min(left_bound(first, left, right, heights, target, halvings - 1),
+                                    left_bound(second, left, right, heights, target, halvings - 1)));
 }
 
 // Encloses the least x along an edge between two circular forms, its ends excepted.

@@ -100,9 +100,9 @@ private:
     void join_links(Index edge, Index other, bool other_first, bool reverse_other);
     std::size_t outermost(std::span<const Index> components) const;
     std::size_t leftmost(std::span<const Index> components) const;
-    std::array<double, 2> left_end(Index component, const Heights& heights, int halvings) const;
+    std::array<double, 2> left_end(Index component, const Heights& heights, double target) const;
     Interval left_end_of_circle(Index half_edge) const;
-    static double left_bound(const Link& link, FormId left, FormId right, const Heights& heights, int halvings);
+    static double left_bound(const Link& link, FormId left, FormId right, const Heights& heights, double target, int halvings);
 
     const FormFamily& family_;
     const ConvexRegion& region_;

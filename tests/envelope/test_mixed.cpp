@@ -386,6 +386,23 @@ TEST_CASE("mixed envelope: many cylinders through nearly one vertex") {
     }
 }
 
+TEST_CASE("mixed envelope: cylinders that are nearly the same are told apart, in few pieces") {
+    std::mt19937_64 rng(test_seed());
+    for (const double turn : {1e-1, 1e-3, 1e-6, 1e-9}) {
+        for (const double rise : {0.0, 1e-9}) {
+            Scene s{.name = "nearly parallel", .circular = {}, .cylinders = {}};
+            s.cylinder(0, 0, 1, 1, 0, 0, 0.25).cylinder(0, 0, 1 + rise, 1, turn, 0, 0.25);
+            CAPTURE(turn);
+            CAPTURE(rise);
+            const MinimizationDiagram d = judge(s, rng, {.samples = 100});
+            // Axes that cross leave a node, two trisectors that do not are apart.
+            CHECK(d.decisions.assumed == (rise == 0 ? 1 : 0));
+            CHECK(d.face_forms.size() - 1 == (rise == 0 ? 4 : 3));
+            CHECK(d.pieces_.size() < 200);
+        }
+    }
+}
+
 TEST_CASE("mixed envelope: cylinders that graze the rim from outside") {
     std::mt19937_64 rng(test_seed());
     for (const double gap : {1e-3, 1e-6, 1e-9}) {
