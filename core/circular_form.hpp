@@ -16,6 +16,7 @@
 #include "cylinder_form.hpp"
 #include "exact.hpp"
 #include "ids.hpp"
+#include "radial_form.hpp"
 
 namespace vcell {
 
@@ -23,7 +24,8 @@ struct FormTag { static constexpr char letter = 'q'; };
 using FormId = Id<FormTag>;
 
 /// f in double. cx, cy and k are exact; a, b, e and w are within 4 u (u = 2^-53) of their exact
-/// values, relatively. Sphere-like forms have a = b = 0, linear ones k = cx = cy = 0.
+/// values, relatively. Over a plane base sphere-like forms have a = b = 0, linear ones k = cx = cy = 0; over a sphere
+/// base k is -1, 0 or 1 and cx = cy = 0.
 struct CircularForm {
     double k = 0;
     double cx = 0, cy = 0;
@@ -44,16 +46,22 @@ struct ExactForm {
 };
 
 /// A set of heights to compare: circular forms, with the exact coefficients behind them (computed when asked
-/// for), and after them, in the same numbering, the heights of cylinders.
+/// for), and after them, in the same numbering, all others: over a plane base the heights of cylinders, over a curved
+/// base radial forms (over a sphere those of cylinders, over a cylinder all).
 struct FormFamily {
     IdVector<FormId, CircularForm> forms;
     std::function<ExactForm(FormId)> exact;
-    std::vector<CylinderForm> cylinders;
+    std::vector<CylinderForm> cylinders;  ///< empty over curved bases
+    std::vector<RadialForm> radial;       ///< empty over a plane base
+    RadialChart chart = RadialChart::Stereographic;
 
-    std::size_t size() const { return forms.size() + cylinders.size(); }
+    std::size_t size() const { return forms.size() + cylinders.size() + radial.size(); }
     bool is_circular(FormId f) const { return f.value < forms.size(); }
-    /// Pre: !is_circular(f).
+    bool is_all_circular() const { return cylinders.empty() && radial.empty(); }
+    /// Pre: !is_circular(f), plane base.
     const CylinderForm& cylinder(FormId f) const { return cylinders[f.value - forms.size()]; }
+    /// Pre: !is_circular(f), curved base.
+    const RadialForm& radial_form(FormId f) const { return radial[f.value - forms.size()]; }
 };
 
 }  // namespace vcell

@@ -38,6 +38,12 @@ struct Assumption {
 /// The unbounded face (Dcel::unbounded_face()) lies outside the region and has no label. Edges are
 /// maximal: between two vertices, or closed without vertices. A vertex on the region's rim is a corner
 /// or a point where the label changes.
+///
+/// Over a sphere base the chart's unbounded face is the one around the pole: it has a label, and there is no rim.
+/// Over a cylinder base, unrolled to x in [-1, 3], x = -1 and x = 3 are the same line and nothing shows there:
+/// points have x in [-1, 3), an arc may pass from one side to the other between two of its pieces. The rims are
+/// sides 0 (lower y) and 2; outside them lie faces 0 and 1, without label. Which of the boundaries of a face is
+/// called its outer one has no meaning over curved bases.
 struct MinimizationDiagram {
     struct Vertex {
         Eigen::Vector2d point;  ///< chart coordinates
@@ -69,6 +75,7 @@ struct MinimizationDiagram {
     ConvexRegion region;
     IdVector<FormId, CircularForm> forms;
     std::vector<CylinderForm> cylinders;  ///< the forms after those, as in FormFamily
+    std::vector<RadialForm> radial;       ///< likewise
     IdVector<VertexId, Vertex> vertices;
     IdVector<EdgeId, Edge> edges;
     IdVector<FaceId, FormId> face_forms;
@@ -97,6 +104,7 @@ struct MinimizationDiagram {
     void clear_labels() {
         forms.clear();
         cylinders.clear();
+        radial.clear();
         for (Edge& e : edges) e.left = e.right = {};
         for (FormId& f : face_forms) f = {};
         vertex_labels_.clear();
@@ -130,6 +138,14 @@ struct EnvelopeOptions {
 /// Without forms: one face without label.
 MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region,
                                    const EnvelopeOptions& options = {});
+
+/// The lower envelope of radial and circular forms in a stereographic chart over the whole sphere.
+/// Pre: near the pole one form is certainly lowest (radial_base_problem() sees to that).
+MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const EnvelopeOptions& options = {});
+
+/// The lower envelope of radial forms over a cylinder, y0 <= y <= y1, all around.
+MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double y0, double y1,
+                                               const EnvelopeOptions& options = {});
 
 /// The form that is lowest at a point given in doubles, exact; the first of those that tie.
 FormId lowest_form(const FormFamily& family, double x, double y);

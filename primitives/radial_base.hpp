@@ -1,0 +1,70 @@
+/// Sphere and cylinder bases: canonical position, charts, height functions.
+///
+/// Canonical position and heights are those of core/radial_form.hpp; with delta = rho - R0 (R0 the base's radius), the
+/// base point's axis point f = (0, y, 0) (y = 0 on a sphere), N = |a|^2 and m = f - p for a cylinder through p along a:
+///
+///     sphere (c, rho)                 C = |f - c|^2 - delta^2,                   B = c.n + delta W
+///     plane n'.p + D, s its sign      C = s (n'.f + D) + R0 |n'|,                B = (|n'| W - s n'.n) / 2
+///     box side m'.p <= k              C = k - m'.f,                              B = m'.n / 2
+///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) + (m.a)(a.n),  A = a.n
+///
+/// |n'| is rounded once, correctly. C > 0 all over the base: objects may overlap the base's body (clearance is then
+/// negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
+///
+/// Over a sphere everything but a cylinder is a CircularForm in the stereographic chart; its pole is put where
+/// one object is nearest all around, so that no edge of the diagram comes near it.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "../core/circular_form.hpp"
+#include "objects.hpp"
+#include "plane_base.hpp"
+#include "scene.hpp"
+#include "site.hpp"
+
+namespace vcell {
+
+/// A scene over a sphere or a cylinder base, brought to canonical position and checked.
+struct RadialBaseProblem {
+    /// canonical = R (world - origin). Sphere: R is the identity, the origin the centre. Cylinder: the axis becomes
+    /// the y axis, the origin the foot of the box's centre on it; exact up to the subtraction for axis-parallel
+    /// axes, otherwise rounded once (as in BaseFrame).
+    BaseFrame frame;
+    bool is_sphere;
+    double radius;  ///< R0
+    /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch all of whose
+    /// circles lie in the box; rounded inwards.
+    std::array<double, 2> stretch{0, 0};
+    /// Sphere: u = chart n / W. A rational rotation, exact in the forms, rounded here.
+    Eigen::Matrix3d chart = Eigen::Matrix3d::Identity();
+    FormFamily family;
+    /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward normal.
+    IdVector<FormId, Object> objects;
+    /// As in PlaneBaseProblem.
+    IdVector<FormId, std::vector<Site>> sites;
+    std::vector<std::string> warnings;
+
+    /// Unit outward normal at a chart point. On a cylinder x may be any number of [-1, 3].
+    Vec3 normal(const Vec2& p) const;
+    /// The chart point of a unit normal (sphere; not the pole), or of a normal and a height (cylinder).
+    Vec2 chart_point(const Vec3& normal, double y) const;
+    /// W / -f: the distance from the centre or axis at which a form of value f < 0 is met.
+    double distance(const Vec2& p, double f) const;
+    /// The canonical point over a chart point at that distance.
+    Vec3 point(const Vec2& p, double t) const {
+        return t * normal(p) + Vec3(0, is_sphere ? 0.0 : p.y(), 0);
+    }
+};
+
+/// Throws InputError as plane_base_problem() does: TouchesBase for a plane that cuts or touches the base, for a ball
+/// or cylinder that contains the base's body or lies in it (of a cylinder base: of the part over its stretch),
+/// EmptyBox where the base does not lie in the box (sphere) or no circle of it does (cylinder). By exact signs.
+/// A ball or cylinder that lies in another one's solid is left out with a warning.
+/// Pre: validate(scene) has passed; the base is a sphere or a cylinder.
+RadialBaseProblem radial_base_problem(const Scene& scene);
+
+}  // namespace vcell
