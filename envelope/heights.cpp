@@ -77,9 +77,48 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         p.A = square(Interval(f.az));
         prepared_.push_back(p);
     }
+    if (family.radial.empty()) return;
+    radial_.reserve(family.size());
+    wide_radial_.resize(family.size());
+    for (const CircularForm& f : family.forms) radial_.emplace_back(Interval(f.k), ball(f.a), ball(f.b), ball(f.e), ball(f.w));
+    for (const RadialForm& f : family.radial)
+        radial_.emplace_back(f, family.chart, [](const Exact& v) { return v.enclosure(); });
+}
+
+template <int order>
+RadialJet<Interval> Heights::radial_jet(FormId f, Interval x, Interval y) const {
+    if (x.lower() != last_x_.lower() || x.upper() != last_x_.upper() || y.lower() != last_y_.lower() ||
+        y.upper() != last_y_.upper()) {
+        last_x_ = x;
+        last_y_ = y;
+        normals_ = RadialNormals<Interval>(family_.chart, x, y);
+    }
+    return radial_[f.value].jet<order>(normals_);
+}
+
+template <int order>
+RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) const {
+    std::unique_ptr<RadialHeight<Wide>>& p = wide_radial_[f.value];
+    if (!p && family_.is_circular(f)) {
+        const ExactForm e = family_.exact(f);
+        p = std::make_unique<RadialHeight<Wide>>(to_wide(e.K), to_wide(e.A), to_wide(e.B), to_wide(e.C), to_wide(e.W));
+    } else if (!p) {
+        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), family_.chart, to_wide);
+    }
+    return p->jet<order>(RadialNormals<Wide>(family_.chart, x, y));
+}
+
+Interval Heights::scale(Interval x, Interval y) const {
+    if (!is_radial()) return 1.0;
+    if (family_.chart == RadialChart::Stereographic) return Interval(1.0) + square(x) + square(y);
+    return Interval(1.0) + square(x.mid() <= 1 ? x : x - Interval(2.0));
 }
 
 HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
+    if (is_radial()) {
+        const RadialJet<Interval> j = radial_jet<1>(f, x, y);
+        return {j.v, j.x, j.y};
+    }
     const Prepared& p = prepared_[f.value];
     if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p.norm, p.A, x, y);
     const CircularForm& form = family_.forms[f];
@@ -87,8 +126,9 @@ HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
     return {value(f, x, y), (2 * form.k * dx + p.a) * p.inverse_w, (2 * form.k * dy + p.b) * p.inverse_w};
 }
 
-// Sphere-like forms have a = b = 0, linear ones k = 0.
+// Most forms have a = b = 0 or k = 0.
 Interval Heights::value(FormId f, Interval x, Interval y) const {
+    if (is_radial()) return radial_jet<0>(f, x, y).v;
     const Prepared& p = prepared_[f.value];
     if (!family_.is_circular(f)) return CylinderHeight<Interval>(family_.cylinder(f), p.norm, p.A, x, y).v;
     const CircularForm& form = family_.forms[f];
@@ -115,6 +155,10 @@ const Heights::WidePrepared& Heights::wide(FormId f) const {
 }
 
 HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
+    if (is_radial()) {
+        const RadialJet<Wide> j = radial_jet<1>(f, x, y);
+        return {j.v, j.x, j.y};
+    }
     const WidePrepared& p = wide(f);
     if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p[0], p[1], x, y);
     const auto& [K, A, B, C] = p;
@@ -123,6 +167,7 @@ HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
 }
 
 Wide Heights::value(FormId f, const Wide& x, const Wide& y) const {
+    if (is_radial()) return radial_jet<0>(f, x, y).v;
     const WidePrepared& p = wide(f);
     if (!family_.is_circular(f)) return CylinderHeight<Wide>(family_.cylinder(f), p[0], p[1], x, y).v;
     return p[0] * (square(x) + square(y)) + p[1] * x + p[2] * y + p[3];
@@ -130,6 +175,10 @@ Wide Heights::value(FormId f, const Wide& x, const Wide& y) const {
 
 // Differentiating F = 0 once more: 2 root r_xy = C_xy - 2 beta_x r_y - 2 beta_y r_x - 2 A r_x r_y.
 HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) const {
+    if (is_radial()) {
+        const RadialJet<Interval> j = radial_jet<2>(f, x, y);
+        return {j.xx, j.xy, j.yy};
+    }
     const Prepared& p = prepared_[f.value];
     const Interval two(2.0);
     if (family_.is_circular(f)) {
@@ -167,12 +216,35 @@ struct ExactHeight {
     Exact den;
 };
 
+ExactHeight exact_radial_height(const RadialForm& f, RadialChart chart, Exact x, const Exact& y) {
+    const Exact zero, one(1.0), two(2.0);
+    std::array<Exact, 3> n{two * x, two * y, zero};
+    Exact squared = y * y;
+    Exact sign = one;
+    if (chart == RadialChart::HalfAngle) {
+        if (x > one) {
+            x -= two;
+            sign = -one;
+        }
+        n = {sign * two * x, zero, zero};
+        squared = zero;
+    }
+    squared += x * x;
+    n[2] = sign * (one - squared);
+    const auto dot = [&](const std::array<Exact, 3>& v) { return v[0] * n[0] + v[1] * n[1] + v[2] * n[2]; };
+    const Exact A = dot(f.a), B = f.b0 * (one + squared) + dot(f.b) + y * f.slope * A,
+                C = f.c[0] + y * (f.c[1] + y * f.c[2]);
+    if (!f.has_root()) return {{-(B + B), zero, zero}, C};
+    return {{-B, -one, B * B + A * A * C}, C};
+}
+
 ExactHeight exact_height(const FormFamily& family, FormId f, double x, double y) {
     const Exact ex(x), ey(y), zero;
     if (family.is_circular(f)) {
         const ExactForm p = family.exact(f);
         return {{p.K * (ex * ex + ey * ey) + p.A * ex + p.B * ey + p.C, zero, zero}, p.W};
     }
+    if (!family.radial.empty()) return exact_radial_height(family.radial_form(f), family.chart, ex, ey);
     const CylinderForm& form = family.cylinder(f);
     const auto [C, beta] = cylinder_terms(form, ex, ey);
     const Exact A = Exact(form.az) * Exact(form.az);

@@ -1,5 +1,6 @@
 /// The heights of a family over points and boxes of the chart, enclosed: what the certified subdivision
-/// evaluates where forms are no circular forms, and comparisons at points by the whole ladder.
+/// evaluates where forms are no circular forms, and comparisons at points by the whole ladder. Over curved bases
+/// what is enclosed is the form's value divided by W (radial_height.hpp).
 #pragma once
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include "../core/interval.hpp"
 #include "../core/sign.hpp"
 #include "../core/wide_interval.hpp"
+#include "radial_height.hpp"
 
 namespace vcell {
 
@@ -38,6 +40,9 @@ public:
 
     const FormFamily& family() const { return family_; }
 
+    /// The forms' value over what is enclosed here: W over curved bases, 1 over a plane.
+    Interval scale(Interval x, Interval y) const;
+
     /// Encloses height and gradient of f over the box x times y. Where the box reaches into a cylinder's trace
     /// on the base: the whole line.
     HeightJet<Interval> jet(FormId f, Interval x, Interval y) const;
@@ -52,7 +57,7 @@ public:
     /// Encloses the gradient of f - g over the box, in natural and in mean value form.
     std::array<Interval, 2> gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
 
-    /// Sign of f - g at a point in doubles, exact: heights of cylinders are numbers a + b sqrt(c).
+    /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder.
     Sign compare(FormId f, FormId g, double x, double y, Decisions& decisions) const;
 
@@ -66,10 +71,20 @@ private:
     // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders.
     using WidePrepared = std::array<Wide, 4>;
     const WidePrepared& wide(FormId f) const;
+    bool is_radial() const { return !radial_.empty(); }
+    template <int order>
+    RadialJet<Interval> radial_jet(FormId f, Interval x, Interval y) const;
+    template <int order>
+    RadialJet<Wide> radial_jet(FormId f, const Wide& x, const Wide& y) const;
 
     const FormFamily& family_;
     std::vector<Prepared> prepared_;
     mutable std::vector<std::unique_ptr<WidePrepared>> wide_;  // made when asked for
+    std::vector<RadialHeight<Interval>> radial_;               // of all forms over curved bases
+    mutable std::vector<std::unique_ptr<RadialHeight<Wide>>> wide_radial_;
+    // Those of the last box: most boxes are asked about once for each form.
+    mutable Interval last_x_, last_y_;
+    mutable RadialNormals<Interval> normals_;
 };
 
 }  // namespace vcell

@@ -88,27 +88,65 @@ std::string to_text(double value) {
 class EnvelopeBuilder {
 public:
     EnvelopeBuilder(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options)
-        : family_(family), region_(region), options_(options), patchwork_(family, region), work_(kernel_),
+        : family_(family), region_(region), options_(options), patchwork_(family), work_(kernel_),
           root_(make_piece(sides_of(region))), analysis_(family, extent(root_.rect)) {
         forms_.reserve(family.forms.size());
         for (const CircularForm& f : family.forms) forms_.push_back(CircleKernel::make_form(f));
     }
 
-    MinimizationDiagram build() {
+    MinimizationDiagram over_region() {
+        solve_all(root_, 1.0);
+        return finish();
+    }
+
+    // Pre: the region's rim, and all beyond it, belongs to one form.
+    MinimizationDiagram over_sphere() {
+        patchwork_.drop_rim(solve_all(root_, 1.0));
+        MinimizationDiagram result = finish();
+        result.region = {};
+        return result;
+    }
+
+    // The region is [-1, 3] x [y0, y1] of half-angle coordinates; both halves are smooth pieces, and together they
+    // close. The seams are labelled once.
+    MinimizationDiagram over_cylinder() {
+        const double y0 = root_.rect.y0, y1 = root_.rect.y1;
+        const std::uint32_t middle = patchwork_.new_seam(), left = patchwork_.new_seam(), right = patchwork_.new_seam();
+        const PieceSide bottom{0, 1, -y0, 0}, top{0, -1, y1, 2};
+        LabelledPiece front = label(make_piece({bottom, {-1, 0, 1, middle}, top, {1, 0, 1, left}})),
+                      back = label(make_piece({bottom, {-1, 0, 3, right}, top, {1, 0, -1, middle}}));
+        back.labels[3] = front.labels[1].reversed();
+        back.labels[1] = front.labels[3].reversed();
+        for (RimTransition& t : back.labels[1].transitions) t.point.x() += circumference;
+        const Patchwork::Index all =
+            patchwork_.glue(solve_labelled(front, all_forms(), 0.5), solve_labelled(back, all_forms(), 0.5), middle);
+        patchwork_.close(all, right, left, circumference, top.id);
+        return finish();
+    }
+
+    static constexpr double circumference = 4;  // of a cylinder in half-angle coordinates
+
+private:
+    std::vector<FormId> all_forms() const {
         std::vector<FormId> all(family_.size());
         for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = FormId{i};
-        if (family_.cylinders.empty())
-            solve(root_, all, 1.0, 0);
-        else
-            solve_labelled(label(root_, all), all, 1.0);
+        return all;
+    }
+
+    Patchwork::Index solve_all(const Piece& piece, double share) {
+        if (family_.is_all_circular()) return solve(piece, all_forms(), share, 0);
+        return solve_labelled(label(piece), all_forms(), share);
+    }
+
+    MinimizationDiagram finish() {
         MinimizationDiagram result = patchwork_.finish();
+        result.region = region_;
         result.decisions = kernel_.decisions();
         result.decisions += analysis_.decisions();
         result.assumptions = std::move(analysis_.assumptions());
         return result;
     }
 
-private:
     static std::vector<PieceSide> sides_of(const ConvexRegion& region) {
         std::vector<PieceSide> sides;
         for (std::uint32_t i = 0; i < region.sides.size(); ++i)
@@ -197,7 +235,7 @@ private:
             const auto cut = cut_at(piece, shift);
             if (!cut) continue;
             PieceSide side = cut->side(), opposite = cut->opposite();
-            side.id = opposite.id = patchwork_.new_seam(side.a, side.b, side.c);
+            side.id = opposite.id = patchwork_.new_seam();
             std::vector<PieceSide> first, second;
             for (std::size_t i = 0; i < n; ++i) {
                 const bool from = cut->beyond[i], to = cut->beyond[(i + 1) % n];
@@ -216,9 +254,9 @@ private:
 
     // --- Pieces in which cylinders compete. ---------------------------------------------------------------
 
-    LabelledPiece label(const Piece& piece, std::span<const FormId> all) {
+    LabelledPiece label(const Piece& piece) {
         const Rect& r = piece.rect;
-        const std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, all);
+        const std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, all_forms());
         const std::size_t n = piece.sides.size();
         LabelledPiece out{piece, {}, {}};
         std::vector<FormId> first(n), last(n);
@@ -236,7 +274,7 @@ private:
         }
         for (std::size_t i = 0; i < n; ++i) {
             auto labels = analysis_.label_side(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], first[i], last[i],
-                                               candidates, false);
+                                               candidates, Patchwork::is_seam(piece.sides[i].id));
             if (!labels) throw UndecidedError("forms tie along side " + std::to_string(i) + " of the base region");
             out.labels.push_back(*std::move(labels));
         }
@@ -314,7 +352,7 @@ private:
                 push(end, piece.sides[i], after, {});
             }
             if (!clear) continue;
-            halves.seam = patchwork_.new_seam(cut->side().a, cut->side().b, cut->side().c);
+            halves.seam = patchwork_.new_seam();
             halves.first.piece.sides[seam_in_first].id = halves.second.piece.sides[seam_in_second].id = halves.seam;
             halves.first.piece = make_piece(std::move(halves.first.piece.sides));
             halves.second.piece = make_piece(std::move(halves.second.piece.sides));
@@ -362,8 +400,9 @@ private:
         const bool wide = r.x1 - r.x0 >= r.y1 - r.y0;
         const auto place = [&](FormId f) {
             const Form& form = kernel_.form(f);
-            if (form.k != 0) return wide ? form.cx : form.cy;
-            const bool falls = (wide ? form.a : form.b) < 0;
+            const double slope = wide ? form.a : form.b;
+            if (form.k != 0) return (wide ? form.cx : form.cy) - 0.5 * slope / form.k;
+            const bool falls = slope < 0;
             return wide ? (falls ? r.x1 : r.x0) : (falls ? r.y1 : r.y0);
         };
         std::vector<FormId> sorted(forms.begin(), forms.end());
@@ -398,17 +437,120 @@ private:
 
 }  // namespace
 
+namespace {
+
+// How far from the middle the chart of a sphere has to reach: beyond it one form is certainly lowest. With
+// (x, y) = (x', y') / (x'^2 + y'^2) every form is f / (x^2 + y^2) with its constant and quadratic terms exchanged, so
+// the question is about a square |x'|, |y'| <= h; the chart reaches to 1 / h.
+class ChartReach {
+public:
+    explicit ChartReach(const FormFamily& family) {
+        for (const FormId f : family.forms.ids()) {
+            const CircularForm& c = family.forms[f];
+            const auto ball = [](double v) { return Interval::ball(v, 4 * std::numeric_limits<double>::epsilon() * std::abs(v)); };
+            const Interval w = Interval(1.0) / ball(c.w);
+            circular_.push_back({Interval(c.k) * w, ball(c.a) * w, ball(c.b) * w, ball(c.e) * w});
+        }
+        for (const RadialForm& f : family.radial) {
+            RadialForm inverted = f;  // seen from the other pole: u_z changes its sign
+            inverted.b[2] = -f.b[2];
+            inverted.a[2] = -f.a[2];
+            radial_.emplace_back(inverted, RadialChart::Stereographic, [](const Exact& v) { return v.enclosure(); });
+        }
+    }
+
+    double find() const {
+        const std::size_t owner = lowest_at_pole();
+        double h = 1;
+        for (std::size_t i = 0; i < circular_.size() && owner < circular_.size(); ++i) {
+            if (i == owner) continue;
+            // v - s h - 2 e h^2 > 0: its root, and a bit less.
+            const std::array<Interval, 4> d = difference(circular_[i], circular_[owner]);
+            const double v = d[0].lower(), s = (d[1].magnitude() + d[2].magnitude()), e = std::max(0.0, -d[3].lower());
+            if (!(v > 0)) throw undecided();
+            h = std::min(h, 0.999 * 2 * v / (s + std::sqrt(s * s + 8 * e * v)));
+        }
+        while (!is_lowest_within(owner, h)) {
+            h *= 0.5;
+            if (!(h > least)) throw undecided();
+        }
+        return 1 / h;
+    }
+
+private:
+    static constexpr double least = 0x1p-40;
+
+    static UndecidedError undecided() { return UndecidedError("which object is nearest around the pole of the chart"); }
+
+    static std::array<Interval, 4> difference(const std::array<Interval, 4>& f, const std::array<Interval, 4>& g) {
+        return {f[0] - g[0], f[1] - g[1], f[2] - g[2], f[3] - g[3]};
+    }
+
+    std::size_t lowest_at_pole() const {
+        std::size_t best = 0;
+        double lowest = HUGE_VAL;
+        const auto consider = [&](std::size_t i, double v) {
+            if (v >= lowest) return;
+            lowest = v;
+            best = i;
+        };
+        for (std::size_t i = 0; i < circular_.size(); ++i) consider(i, circular_[i][0].mid());
+        const RadialNormals<Interval> pole(RadialChart::Stereographic, 0.0, 0.0);
+        for (std::size_t i = 0; i < radial_.size(); ++i)
+            consider(circular_.size() + i, radial_[i].jet<0>(pole).v.mid());
+        return best;
+    }
+
+    bool is_lowest_within(std::size_t owner, double h) const {
+        const Interval x(-h, h), r2(0.0, Interval::up(2 * h * h));
+        if (radial_.empty()) {
+            for (std::size_t i = 0; i < circular_.size(); ++i) {
+                if (i == owner) continue;
+                const auto d = difference(circular_[i], circular_[owner]);
+                if (!((d[0] + d[1] * x + d[2] * x + d[3] * r2).lower() > 0)) return false;
+            }
+            return true;
+        }
+        const RadialNormals<Interval> normals(RadialChart::Stereographic, x, x);
+        const Interval w(1.0, Interval::up(1 + r2.upper()));
+        const auto range = [&](std::size_t i) {
+            if (i >= circular_.size()) return radial_[i - circular_.size()].jet<0>(normals).v;
+            const auto& c = circular_[i];
+            return (c[0] + c[1] * x + c[2] * x + c[3] * r2) / w;
+        };
+        const double top = range(owner).upper();
+        for (std::size_t i = 0; i < circular_.size() + radial_.size(); ++i)
+            if (i != owner && !(range(i).lower() > top)) return false;
+        return true;
+    }
+
+    std::vector<std::array<Interval, 4>> circular_;  // of k, a, b, e over w
+    std::vector<RadialHeight<Interval>> radial_;
+};
+
+}  // namespace
+
 MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options) {
     if (family.size() == 0) {
         // Any one form makes the region's face; then its label is taken away.
         FormFamily constant;
         constant.forms.push_back({});
         constant.exact = [](FormId) { return ExactForm{{}, {}, {}, {}, Exact(1.0)}; };
-        MinimizationDiagram out = EnvelopeBuilder(constant, region, options).build();
+        MinimizationDiagram out = EnvelopeBuilder(constant, region, options).over_region();
         out.clear_labels();
         return out;
     }
-    return EnvelopeBuilder(family, region, options).build();
+    return EnvelopeBuilder(family, region, options).over_region();
+}
+
+MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const EnvelopeOptions& options) {
+    const double reach = ChartReach(family).find();
+    return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options).over_sphere();
+}
+
+MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double y0, double y1,
+                                               const EnvelopeOptions& options) {
+    return EnvelopeBuilder(family, ConvexRegion::rectangle(-1, y0, 3, y1), options).over_cylinder();
 }
 
 FormId lowest_form(const FormFamily& family, double x, double y) {

@@ -141,7 +141,7 @@ void MixedAnalysis::spreads(const std::array<double, 4>& box, std::span<const Fo
     out.clear();
     for (const FormId f : candidates) {
         const HeightJet<Interval> all = heights_.jet(f, X, Y);
-        out.push_back({f, heights_.value(f, Interval(X.mid()), Interval(Y.mid())), all.gx, all.gy, {}});
+        out.push_back({f, heights_.value(f, Interval(X.mid()), Interval(Y.mid())), all.gx, all.gy, all.v, {}});
     }
 }
 
@@ -157,14 +157,15 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::s
                  ry = Interval::up(std::max(Y.upper() - Y.mid(), Y.mid() - Y.lower()));
     spreads(box, candidates, spreads_);
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
-        return (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) - (a.gy - b.gy).magnitude() * Interval(ry)).lower() > 0;
+        return a.range.lower() > b.range.upper() ||
+               (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) - (a.gy - b.gy).magnitude() * Interval(ry)).lower() > 0;
     };
     // The one whose highest value is lowest beats most of the others; few are left to be compared in pairs.
     std::size_t rival = 0;
     double lowest_top = infinity;
     for (std::size_t i = 0; i < spreads_.size(); ++i) {
         const Spread& s = spreads_[i];
-        const double top = s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry;
+        const double top = std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
         if (top < lowest_top) {
             lowest_top = top;
             rival = i;
@@ -298,14 +299,17 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
     struct Item {
         FormId form;
-        Interval v, slope;
+        Interval v, slope, range;
         Wide sharp;
     };
     std::vector<Item> items;
-    for (const FormId f : candidates)
-        items.push_back({f, heights_.value(f, middle[0], middle[1]), line.along(heights_.jet(f, range[0], range[1])), {}});
+    for (const FormId f : candidates) {
+        const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
+        items.push_back({f, heights_.value(f, middle[0], middle[1]), line.along(all), all.v, {}});
+    }
     drop_dominated(items, [&](const Item& a, const Item& b) {
-        return (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
+        return a.range.lower() > b.range.upper() ||
+               (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
     });
     decisions_.by_interval += candidates.size() - items.size();
     bool monotone = items.size() == 2 && (items[0].slope - items[1].slope).sign();
@@ -869,7 +873,7 @@ std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, s
 // both sections pass through a point of it, transversally, and nothing but the saddle can be that point.
 bool MixedAnalysis::is_crossing_of_planes(const Work& work, const Vector2d& saddle) const {
     const FormId f = work.rivals[0].form, g = work.rivals[1].form;
-    if (heights_.family().is_circular(f) && heights_.family().is_circular(g)) return false;
+    if (!heights_.family().radial.empty() || (heights_.family().is_circular(f) && heights_.family().is_circular(g))) return false;
     const auto planes = height_planes(heights_.family(), f, g);
     if (planes.size() != 2) return false;
     const auto &p = planes[0], &q = planes[1], &raised = p[2].sign() != Sign::Zero ? p : q;

@@ -129,9 +129,9 @@ public:
     std::optional<MixedPiece> resolve(const PieceBoundary& boundary, std::span<const FormId> candidates);
 
 private:
-    struct Spread {  // value at the middle of a box, gradient all over it
+    struct Spread {  // value at the middle of a box, gradient and values all over it
         FormId form;
-        Interval v, gx, gy;
+        Interval v, gx, gy, range;
         /// Gradient at the middle, second derivatives all over the box, and the box less its middle.
         struct Bend {
             HeightJet<Interval> middle;

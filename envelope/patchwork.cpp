@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "../core/errors.hpp"
@@ -12,9 +10,6 @@
 namespace vcell {
 
 namespace {
-
-// How often a link is halved to see whether it reaches as far left as another component.
-constexpr int most_halvings = 24;
 
 void sort_unique(std::vector<FormId>& forms) {
     std::ranges::sort(forms);
@@ -24,7 +19,7 @@ void sort_unique(std::vector<FormId>& forms) {
 }  // namespace
 
 // Room for what n forms usually leave, seams included: growing by copies costs more than address space.
-Patchwork::Patchwork(const FormFamily& family, const ConvexRegion& region) : family_(family), region_(region) {
+Patchwork::Patchwork(const FormFamily& family) : family_(family) {
     const std::size_t n = family.forms.size() + 16;
     vertices_.reserve(4 * n);
     edges_.reserve(6 * n);
@@ -34,12 +29,6 @@ Patchwork::Patchwork(const FormFamily& family, const ConvexRegion& region) : fam
 
 Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceSide> line_sides) {
     const CircleKernel& kernel = piece.kernel();
-    const auto operand = [&](FormId f) {
-        Operand o;
-        o.form = kernel.family_id(f);
-        if (!o.form.valid() && f != CircleKernel::zero_form()) o.line = line_sides[f.value - 1].id;
-        return o;
-    };
     const auto copy_ties = [&](Index list) {
         if (list == none) return none;
         std::vector<FormId> forms;
@@ -68,8 +57,6 @@ Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceS
         to.x = p.x;
         to.y = p.y;
         to.error = p.error;
-        to.curves = {operand(p.first.f), operand(p.first.g), operand(p.second.f), operand(p.second.g)};
-        to.orientation = p.orientation;
         to.ties = copy_ties(from.ties);
         // Some face at the vertex: its form attains the minimum here.
         Index face = from.isolated_in;
@@ -124,15 +111,14 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
         to.x = from.point.x();
         to.y = from.point.y();
         to.error = from.error;
-        to.orientation = Sign::Zero;
         if (!from.ties.empty()) {
             std::vector<FormId> forms = from.ties;
             sort_unique(forms);
             to.ties = static_cast<Index>(ties_.size());
             ties_.push_back(std::move(forms));
         }
-        const Interval height =
-            heights.jet(from.lowest, Interval::ball(to.x, to.error), Interval::ball(to.y, to.error)).v;
+        const Interval x = Interval::ball(to.x, to.error), y = Interval::ball(to.y, to.error);
+        const Interval height = heights.value(from.lowest, x, y) * heights.scale(x, y);
         to.height = height.mid();
         to.height_error = Interval::up(std::max(height.upper() - to.height, to.height - height.lower()));
     }
@@ -224,7 +210,19 @@ std::vector<Patchwork::Index> Patchwork::side_chain(Index outer, std::uint32_t s
 // counter-clockwise from the seam's upper half, and b_1, ..., b_q the second's from the lower half. Their
 // rotation in the union is a_1 .. a_p b_1 .. b_q: only the turns a_p -> b_1 and b_q -> a_1 are new.
 Patchwork::Index Patchwork::glue(Index piece, Index other, std::uint32_t seam) {
-    const std::vector<Index> down = side_chain(piece, seam), up = side_chain(other, seam);
+    return join(side_chain(piece, seam), side_chain(other, seam));
+}
+
+// The same around the cylinder: the piece lies on both sides of the seam.
+void Patchwork::close(Index piece, std::uint32_t right, std::uint32_t left, double circumference, std::uint32_t upper) {
+    upper_rim_ = upper;
+    const std::vector<Index> down = side_chain(piece, right), up = side_chain(piece, left);
+    for (const Index h : down) vertices_[half_edges_[h].origin].x -= circumference;
+    vertices_[target(down.back())].x -= circumference;
+    join(down, up);
+}
+
+Patchwork::Index Patchwork::join(const std::vector<Index>& down, const std::vector<Index>& up) {
     const std::size_t k = down.size();
     if (up.size() != k) throw InternalError("a seam has " + std::to_string(k) + " edges on one side and " +
                                             std::to_string(up.size()) + " on the other");
@@ -344,189 +342,87 @@ void Patchwork::smooth(Index v) {
     edges_[f].alive = false;
 }
 
-// The component that reaches farthest left: of a face's components, its outer one.
-std::size_t Patchwork::leftmost(std::span<const Index> components) const {
-    CircleKernel kernel;
-    kernel.reset(&family_);
-    std::unordered_map<std::uint32_t, FormId> local_forms, local_lines;
-    const auto local = [&](const Operand& o) {
-        if (o.form.valid()) {
-            const auto [it, is_new] = local_forms.try_emplace(o.form.value);
-            if (is_new) it->second = kernel.add_form(o.form);
-            return it->second;
-        }
-        if (o.line == UINT32_MAX) return CircleKernel::zero_form();
-        const auto [it, is_new] = local_lines.try_emplace(o.line);
-        const ConvexRegion::Side& s = o.line & seam_bit ? seams_[o.line & ~seam_bit] : region_.sides[o.line];
-        if (is_new) it->second = kernel.add_line(s.a, s.b, s.c);
-        return it->second;
-    };
-    std::unordered_map<Index, PointId> points;
-    const auto point = [&](Index v) {
-        const auto [it, is_new] = points.try_emplace(v);
-        if (is_new) {
-            const Vertex& from = vertices_[v];
-            const FormPair first{local(from.curves[0]), local(from.curves[1])};
-            const FormPair second{local(from.curves[2]), local(from.curves[3])};
-            if (first == second)
-                it->second = from.orientation == Sign::Negative ? kernel.leftmost_point(first) : kernel.rightmost_point(first);
-            else if (from.orientation == Sign::Zero)
-                it->second = kernel.touching_point(first, second);
-            else
-                it->second = kernel.intersection(first, second, from.orientation, {from.x, from.y}).value();
-        }
-        return it->second;
-    };
-
-    std::size_t best = 0;
-    PointId leftmost_point;
-    for (std::size_t i = 0; i < components.size(); ++i) {
-        const auto consider = [&](PointId p) {
-            if (leftmost_point.valid() && kernel.compare_xy(p, leftmost_point) != Sign::Negative) return;
-            leftmost_point = p;
-            best = i;
-        };
-        Index h = components[i];
-        do {
-            const Index from = half_edges_[h].origin;
-            if (from != none) consider(point(from));
-            const Edge& edge = edges_[h >> 1];
-            if (edge.right.valid()) {
-                const FormPair c{local({left_of(h)}), local({left_of(twin(h))})};
-                if (kernel.curvature_sign(c) != Sign::Zero) {
-                    const PointId extreme = kernel.leftmost_point(c);
-                    if (from == none || kernel.strictly_between(c, point(from), point(target(h)), extreme)) consider(extreme);
-                }
-            }
-            h = half_edges_[h].next;
-        } while (h != components[i]);
-    }
-    return best;
-}
-
-// Of a face's boundary components, its outer one.
-std::size_t Patchwork::outermost(std::span<const Index> components) const {
-    if (family_.cylinders.empty()) return leftmost(components);
-    const Heights heights(family_);
-    // The one with the leftmost known point; no other may reach as far.
-    std::vector<double> known;
-    for (const Index c : components) known.push_back(left_end(c, heights, -HUGE_VAL)[1]);
-    const std::size_t best = std::ranges::min_element(known) - known.begin();
-    bool certain = true;
-    for (std::size_t i = 0; i < components.size() && certain; ++i)
-        certain = i == best || left_end(components[i], heights, known[best])[0] > known[best];
-    if (certain) return best;
-    throw UndecidedError("which of a face's boundaries is the outer one");
-}
-
-// Encloses the x of the component's leftmost point, looking closer as long as it might lie left of `target`.
-std::array<double, 2> Patchwork::left_end(Index component, const Heights& heights, double target) const {
-    std::array<double, 2> end{HUGE_VAL, HUGE_VAL};
-    const auto consider = [&](double lower, double upper) {
-        end = {std::min(end[0], lower), std::min(end[1], upper)};
-    };
-    Index h = component;
+void Patchwork::drop_rim(Index outer) {
+    pole_face_ = half_edges_[twin(outer)].face;
+    Index h = outer;
     do {
-        if (const Index v = half_edges_[h].origin; v != none)
-            consider(Interval::down(vertices_[v].x - vertices_[v].error), Interval::up(vertices_[v].x + vertices_[v].error));
-        const Edge& e = edges_[h >> 1];
-        if (e.links != none) {
-            for (const Link& l : links_[e.links])
-                consider(left_bound(l, e.left, e.right, heights, target, most_halvings), Interval::up(l.to.x() + l.to_error));
-        } else if (e.right.valid()) {
-            const Interval left = left_end_of_circle(h);
-            consider(left.lower(), half_edges_[h].origin == none ? left.upper() : HUGE_VAL);
-        }
+        edges_[h >> 1].alive = false;
+        vertices_[half_edges_[h].origin].alive = false;
         h = half_edges_[h].next;
-    } while (h != component);
-    return end;
+    } while (h != outer);
 }
 
-// A lower bound for x on the link. Along u across `direction` the arc's offset w in that direction changes by
-// at most sigma |du|: between two of its points at distance U it keeps within sigma U / 2 of their rectangle.
-double Patchwork::left_bound(const Link& link, FormId left, FormId right, const Heights& heights, double target, int halvings) {
-    const Eigen::Vector2d d = link.direction, across(-d.y(), d.x());
-    const double lower = std::min(link.from.x() - link.from_error, link.to.x() - link.to_error);
-    const Interval U = Interval(std::abs((link.to - link.from).dot(across))) * Interval(1 + 1e-15) +
-                       Interval(link.from_error) + Interval(link.to_error);
-    const std::array<double, 4> box = {
-        std::max(link.box[0], lower - U.upper() - (link.to - link.from).norm()), link.box[1], link.box[2], link.box[3]};
-    const auto [gx, gy] = heights.gradient_difference(left, right, {box[0], box[1]}, {box[2], box[3]});
-    const Interval along = Interval(d.x()) * gx + Interval(d.y()) * gy,
-                   beside = Interval(across.x()) * gx + Interval(across.y()) * gy;
-    if (!(along.lower() > 0)) return link.box[0];
-    const double bound = Interval::down(lower - ((Interval(beside.magnitude()) / Interval(along.lower())) * U).upper());
-    if (halvings == 0 || std::max(bound, link.box[0]) > target) return std::max(bound, link.box[0]);
-    // Half-way across, the arc's point by the false position that certainly brackets it.
-    const Eigen::Vector2d middle = 0.5 * (link.from + link.to);
-    double w = 0, step = HUGE_VAL;
-    const auto difference = [&](double offset) {
-        const Eigen::Vector2d p = middle + offset * d;
-        const HeightJet<Interval> f = heights.jet(left, Interval(p.x()), Interval(p.y())),
-                                  g = heights.jet(right, Interval(p.x()), Interval(p.y()));
-        return std::pair(f.v - g.v, Interval(d.x()) * (f.gx - g.gx) + Interval(d.y()) * (f.gy - g.gy));
-    };
-    for (int i = 0; i < 20; ++i) {
-        const auto [v, slope] = difference(w);
-        const double move = v.mid() / slope.mid();
-        if (!(std::abs(move) < 0.5 * step)) break;
-        w -= move;
-        step = std::abs(move);
-    }
-    const double error = (Interval(difference(w).first.magnitude()) / Interval(along.lower())).upper() +
-                         4 * std::numeric_limits<double>::epsilon() * middle.norm();
-    const Eigen::Vector2d p = middle + w * d;
-    const Link first{link.from, p, link.from_error, error, d, link.box}, second{p, link.to, error, link.to_error, d, link.box};
-    return std::max(bound, std::min(left_bound(first, left, right, heights, target, halvings - 1),
-                                    left_bound(second, left, right, heights, target, halvings - 1)));
-}
+namespace {
 
-// Encloses the least x along an edge between two circular forms, its ends excepted.
-Interval Patchwork::left_end_of_circle(Index h) const {
-    const auto ball = [](double v) { return Interval::ball(v, 2 * std::numeric_limits<double>::epsilon() * std::abs(v)); };
-    const CircularForm &f = family_.forms[left_of(h)], &g = family_.forms[left_of(twin(h))];
-    const Interval wf = ball(f.w), wg = ball(g.w);
-    // f - g = K |p|^2 - 2 (K c) p + ...
-    const Interval K = Interval(f.k) / wf - Interval(g.k) / wg;
-    const auto center = [&](double cf, double af, double cg, double ag) {
-        const Interval gradient = (Interval(2.0) * Interval(f.k) * Interval(cf) - ball(af)) / wf -
-                                  (Interval(2.0) * Interval(g.k) * Interval(cg) - ball(ag)) / wg;
-        return gradient / (Interval(2.0) * K);
-    };
-    const Index from = half_edges_[h].origin, to = target(h);
-    if (!K.sign() || *K.sign() == Sign::Zero) {  // nearly straight: far less than its chord away from it
-        const Vertex &p = vertices_[from], &q = vertices_[to];
-        const double chord = std::hypot(p.x - q.x, p.y - q.y) + p.error + q.error;
-        return {std::min(p.x - p.error, q.x - q.error) - chord, std::min(p.x + p.error, q.x + q.error)};
+// The boundary components of faces, and which of a face's is its outer one. Faces and connected graphs of edges
+// that touch each other form a tree, since each graph separates the faces around it; seen from a root face the
+// outer component of a face is the one on the way there.
+class Components {
+public:
+    using Index = Patchwork::Index;
+    static constexpr Index none = Patchwork::none;
+
+    explicit Components(std::size_t faces) : first_(faces, none) {}
+
+    Index add(Index start, Index face) {
+        const auto c = static_cast<Index>(items_.size());
+        items_.push_back({start, face, std::exchange(first_[face], c), c, none});
+        return c;
     }
-    const Interval cx = center(f.cx, f.a, g.cx, g.a), cy = center(f.cy, f.b, g.cy, g.b);
-    if (from == none) {  // r^2 = c^2 - C / K
-        const auto constant = [&](const CircularForm& form, Interval w) {
-            return (Interval(form.k) * (square(Interval(form.cx)) + square(Interval(form.cy))) + ball(form.e)) / w;
+    Index start(Index c) const { return items_[c].start; }
+    Index first(Index face) const { return first_[face]; }
+    Index next(Index c) const { return items_[c].next_of_face; }
+    /// Does a face other than the root have several?
+    bool is_nested(Index root) const {
+        return std::ranges::any_of(items_, [&](const Item& c) { return c.face != root && c.next_of_face != none; });
+    }
+    /// The two sides of an edge belong to one graph.
+    void join(Index c, Index d) { items_[graph(c)].parent = graph(d); }
+    /// Pre: join() was called for all edges.
+    void find_outer(Index root) {
+        std::vector<Index> first_of_graph(items_.size(), none), open;
+        for (Index c = 0; c < items_.size(); ++c) items_[c].next_of_graph = std::exchange(first_of_graph[graph(c)], c);
+        outer_.assign(first_.size(), none);
+        const auto enter_graphs_of = [&](Index face) {
+            for (Index c = first_[face]; c != none; c = items_[c].next_of_face)
+                if (const Index g = std::exchange(first_of_graph[graph(c)], none); g != none) open.push_back(g);
         };
-        const Interval r2 = square(cx) + square(cy) - (constant(f, wf) - constant(g, wg)) / K;
-        return cx - sqrt(Interval(std::max(0.0, r2.lower()), std::max(0.0, r2.upper())));
+        enter_graphs_of(root);
+        while (!open.empty()) {
+            const Index graph = open.back();
+            open.pop_back();
+            for (Index c = graph; c != none; c = items_[c].next_of_graph) {
+                const Index face = items_[c].face;
+                if (face == root || outer_[face] != none) continue;
+                outer_[face] = c;
+                enter_graphs_of(face);
+            }
+        }
     }
-    // Counter-clockwise the arc passes the leftmost point when it comes from the upper half and ends in the lower
-    // one, or returns to the half it started from. Where doubles cannot tell, it may.
-    const Vertex &p = vertices_[*K.sign() == Sign::Positive ? from : to], &q = vertices_[*K.sign() == Sign::Positive ? to : from];
-    const Interval px = Interval::ball(p.x, p.error), py = Interval::ball(p.y, p.error), qx = Interval::ball(q.x, q.error),
-                   qy = Interval::ball(q.y, q.error);
-    const auto sp = (py - cy).sign(), sq = (qy - cy).sign(), dx = (qx - px).sign();
-    const bool passes_by = sp && sq && dx &&
-                           ((*sp == Sign::Negative && *sq == Sign::Positive) || (*sp == *sq && *dx == -*sp));
-    const Interval ends(std::min(px.lower(), qx.lower()), std::min(px.upper(), qx.upper()));
-    if (passes_by) return ends;
-    return {(cx - sqrt(square(px - cx) + square(py - cy))).lower(), ends.upper()};
-}
+    Index outer(Index face) const { return outer_.empty() ? first_[face] : outer_[face]; }
+
+private:
+    struct Item {
+        Index start, face, next_of_face, parent, next_of_graph;
+    };
+    Index graph(Index c) {
+        while (items_[c].parent != c) c = items_[c].parent = items_[items_[c].parent].parent;
+        return c;
+    }
+
+    std::vector<Item> items_;
+    std::vector<Index> first_, outer_;
+};
+
+}  // namespace
 
 MinimizationDiagram Patchwork::finish() {
     MinimizationDiagram out;
-    out.region = region_;
     out.forms = family_.forms;
     out.cylinders = family_.cylinders;
+    out.radial = family_.radial;
 
-    std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none), face_map(faces_.size(), none);
+    std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none), face_map(faces_.size() + 2, none);
     const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges_, &Edge::alive));
     const auto alive_vertices = static_cast<std::size_t>(std::ranges::count_if(vertices_, &Vertex::alive));
     out.dcel.reserve(alive_vertices, alive_edges, faces_.size() + 1);
@@ -545,47 +441,51 @@ MinimizationDiagram Patchwork::finish() {
         edge_map[e] = out.dcel.add_edge(from == none ? VertexId{} : VertexId{vertex_map[from]},
                                         to == none ? VertexId{} : VertexId{vertex_map[to]}).value;
         out.edges.push_back({edges_[e].left, edges_[e].right, edges_[e].side});
-        if (family_.cylinders.empty()) continue;
+        if (family_.is_all_circular()) continue;
         out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
         if (edges_[e].links == none) continue;
         for (const Link& l : links_[edges_[e].links]) out.pieces_.push_back({l.to, l.to_error, l.direction, l.box});
     }
-    if (!family_.cylinders.empty()) out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
+    if (!family_.is_all_circular()) out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
     const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
     for (Index h = 0; h < half_edges_.size(); ++h)
         if (edges_[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
 
-    // Boundary components by face, as linked lists; only a face with several needs to know which one is outer.
-    std::vector<bool> seen(half_edges_.size());
-    std::vector<Index> first_start(faces_.size(), none), next_start;
-    std::vector<Index> component_start;
-    std::vector<Index> outside;
+    // Faces outside the region are numbered after the others: the unbounded one, and beyond a cylinder's upper rim.
+    const auto inside = static_cast<Index>(faces_.size());
+    const Index root = pole_face_ == none ? inside : find(pole_face_);
+    const auto face_of = [&](Index h) {
+        if (half_edges_[h].face != none) return find(half_edges_[h].face);
+        return edges_[h >> 1].side == upper_rim_ ? inside + 1 : inside;
+    };
+    Components components(inside + 2);
+    std::vector<Index> component_of(half_edges_.size(), none);
     for (Index h = 0; h < half_edges_.size(); ++h) {
-        if (!edges_[h >> 1].alive || seen[h]) continue;
-        for (Index g = h; !seen[g]; g = half_edges_[g].next) seen[g] = true;
-        if (half_edges_[h].face == none) {
-            outside.push_back(h);
-            continue;
-        }
-        Index& first = first_start[find(half_edges_[h].face)];
-        next_start.push_back(first);
-        first = static_cast<Index>(component_start.size());
-        component_start.push_back(h);
+        if (!edges_[h >> 1].alive || component_of[h] != none) continue;
+        const Index c = components.add(h, face_of(h));
+        for (Index g = h; component_of[g] == none; g = half_edges_[g].next) component_of[g] = c;
     }
-    for (const Index h : outside) out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(h));
-    std::vector<Index> starts;
-    for (Index f = 0; f < faces_.size(); ++f) {
-        if (first_start[f] == none) continue;
-        starts.clear();
-        for (Index c = first_start[f]; c != none; c = next_start[c]) starts.push_back(component_start[c]);
+    if (components.is_nested(root)) {
+        for (Index h = 0; h < half_edges_.size(); h += 2)
+            if (component_of[h] != none) components.join(component_of[h], component_of[h + 1]);
+        components.find_outer(root);
+    }
+    const auto add_inner = [&](FaceId f, Index c) { out.dcel.add_inner_ccb(f, half_edge(components.start(c))); };
+    for (Index c = components.first(root); c != none; c = components.next(c)) add_inner(Dcel::unbounded_face(), c);
+    if (root != inside) out.face_forms[Dcel::unbounded_face()] = faces_[root].site;
+    face_map[root] = Dcel::unbounded_face().value;
+    const auto add_face = [&](Index f, FormId form) {
+        if (f == root || components.first(f) == none) return;
         const FaceId id = out.dcel.add_face();
         face_map[f] = id.value;
-        out.face_forms.push_back(faces_[f].site);
-        const std::size_t outer = starts.size() == 1 ? 0 : outermost(starts);
-        out.dcel.add_outer_ccb(id, half_edge(starts[outer]));
-        for (std::size_t j = 0; j < starts.size(); ++j)
-            if (j != outer) out.dcel.add_inner_ccb(id, half_edge(starts[j]));
-    }
+        out.face_forms.push_back(form);
+        const Index outer = components.outer(f);
+        out.dcel.add_outer_ccb(id, half_edge(components.start(outer)));
+        for (Index c = components.first(f); c != none; c = components.next(c))
+            if (c != outer) add_inner(id, c);
+    };
+    add_face(inside + 1, {});
+    for (Index f = 0; f < inside; ++f) add_face(f, faces_[f].site);
     for (const Index v : isolated_)
         if (vertices_[v].alive)
             out.dcel.add_isolated_vertex(FaceId{face_map[find(vertices_[v].isolated_in)]}, VertexId{vertex_map[v]});

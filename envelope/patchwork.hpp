@@ -22,13 +22,11 @@ public:
     using Index = WorkDiagram::Index;
     static constexpr Index none = WorkDiagram::none;
 
-    Patchwork(const FormFamily& family, const ConvexRegion& region);
+    explicit Patchwork(const FormFamily& family);
 
-    /// Registers the line a x + b y + c = 0 as a seam and returns its id.
-    std::uint32_t new_seam(double a, double b, double c) {
-        seams_.push_back({a, b, c});
-        return seam_bit | static_cast<std::uint32_t>(seams_.size() - 1);
-    }
+    /// The id of a new seam.
+    std::uint32_t new_seam() { return seam_bit | seams_++; }
+    static bool is_seam(std::uint32_t side) { return (side & seam_bit) != 0; }
 
     /// Takes over a finished piece. `line_sides[i]` is the side that the kernel's form 1 + i stands for.
     /// Returns a half-edge on its outer side, the piece's handle.
@@ -40,21 +38,22 @@ public:
     /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
     Index glue(Index piece, Index other, std::uint32_t seam);
 
-    /// Collects faces and boundary components. Pre: all pieces have been glued into one.
+    /// Joins a piece with itself: its side `right`, at an x larger by `circumference`, is its side `left`. The two rims
+    /// that remain become the region's outside, that of the side `upper` apart from the other's.
+    void close(Index piece, std::uint32_t right, std::uint32_t left, double circumference, std::uint32_t upper);
+
+    /// Takes away the rim, beyond which the form along it is lowest everywhere. Pre: one form is lowest all along it.
+    void drop_rim(Index outer);
+
+    /// Collects faces and boundary components; the region is left for the caller to fill in.
+    /// Pre: all pieces have been glued into one.
     MinimizationDiagram finish();
 
 private:
     static constexpr std::uint32_t seam_bit = 0x80000000u;
 
-    // What a point's curves compare: a form, a line (by side or seam id), or zero (neither).
-    struct Operand {
-        FormId form;
-        std::uint32_t line = UINT32_MAX;
-    };
     struct Vertex {
         double x, y, error, height, height_error;
-        std::array<Operand, 4> curves;  // as in KernelPoint: first.f, first.g, second.f, second.g
-        Sign orientation;
         bool alive = true;
         Index out = none;
         Index isolated_in = none;
@@ -98,14 +97,9 @@ private:
     void unite_vertices(Index kept, Index other, Index outgoing, Index face);
     void smooth(Index v);
     void join_links(Index edge, Index other, bool other_first, bool reverse_other);
-    std::size_t outermost(std::span<const Index> components) const;
-    std::size_t leftmost(std::span<const Index> components) const;
-    std::array<double, 2> left_end(Index component, const Heights& heights, double target) const;
-    Interval left_end_of_circle(Index half_edge) const;
-    static double left_bound(const Link& link, FormId left, FormId right, const Heights& heights, double target, int halvings);
+    Index join(const std::vector<Index>& down, const std::vector<Index>& up);
 
     const FormFamily& family_;
-    const ConvexRegion& region_;
     std::vector<Vertex> vertices_;
     std::vector<HalfEdge> half_edges_;
     std::vector<Edge> edges_;
@@ -114,7 +108,9 @@ private:
     std::vector<std::vector<Link>> links_;
     std::vector<Index> isolated_;
     std::vector<Index> face_map_, vertex_map_, edge_map_;  // working space of add()
-    std::vector<ConvexRegion::Side> seams_;
+    std::uint32_t seams_ = 0;
+    std::uint32_t upper_rim_ = UINT32_MAX;
+    Index pole_face_ = none;
 };
 
 }  // namespace vcell

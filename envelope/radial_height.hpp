@@ -1,0 +1,254 @@
+/// Heights over curved bases and their derivatives over boxes of the chart, in Interval or Wide.
+///
+/// What is enclosed is -q = -Q / W, the negative reciprocal of the distance from the centre or axis
+/// (core/radial_form.hpp): forms are compared by -Q, which is polynomial for most, but the common factor W grows over
+/// the chart and would blur differences; q belongs to the base point alone. With m = 2 / W
+///
+///     u = (X, Y, m - 1),   X = x m,  Y = y m,       u_x = (m - X^2, -XY, -X m),  u_y = (-XY, m - Y^2, -Y m)
+///
+/// in the stereographic chart, and without Y in half angles: everything is a polynomial in the three bounded numbers
+/// X, Y, m.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "../core/circular_form.hpp"
+#include "../core/radial_form.hpp"
+#include "../core/sign.hpp"
+
+namespace vcell {
+
+/// A function with its derivatives of first and second order.
+template <class T>
+struct RadialJet {
+    T v, x, y, xx, xy, yy;
+};
+
+/// The unit normals over a box of the chart, with their derivatives.
+///
+/// Half-angle coordinates: a box that reaches over x = 1 has the hull of both sides (normals are continuously
+/// differentiable there, so that the mean value theorem holds).
+template <class T>
+class RadialNormals {
+public:
+    using Jets = std::array<RadialJet<T>, 3>;
+
+    RadialNormals() = default;
+    RadialNormals(RadialChart chart, const T& x, const T& y)
+        : chart_(chart), u_(normals(x, y)), y_(y), is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
+        if (is_point_) return;
+        const T mx = x.mid(), my = y.mid();
+        middle_ = normals(mx, my);
+        dx_ = x - mx;
+        dy_ = y - my;
+        // Mean value forms, and what follows from the sharper numbers.
+        const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v, refined(u_[2], middle_[2]).v};
+        if (chart == RadialChart::Stereographic) u_ = stereographic(sharp[0], sharp[1], sharp[2] + T(1.0));
+    }
+
+    const T& y() const { return y_; }
+
+    /// The jet of v.u.
+    template <int order>
+    RadialJet<T> along(const std::array<T, 3>& v) const {
+        RadialJet<T> j = sum<order>(v, u_);
+        return is_point_ ? j : refined(j, sum<1>(v, middle_));
+    }
+
+private:
+    Jets normals(const T& x, const T& y) const {
+        const T one(1.0), two(2.0);
+        if (chart_ == RadialChart::Stereographic) {
+            const T m = two / (one + square(x) + square(y));
+            return stereographic(x * m, y * m, m);
+        }
+        if (x.upper() <= 1) return half(x, one);
+        if (x.lower() >= 1) return half(x - two, -one);
+        Jets front = half(T(x.lower(), one.upper()), one);
+        const Jets back = half(T(one.lower(), x.upper()) - two, -one);
+        for (const int i : {0, 2})
+            for (T RadialJet<T>::*part : {&RadialJet<T>::v, &RadialJet<T>::x, &RadialJet<T>::xx})
+                front[i].*part = hull(front[i].*part, back[i].*part);
+        return front;
+    }
+
+    static Jets stereographic(const T& X, const T& Y, const T& m) {
+        const T two(2.0), XX = square(X), YY = square(Y), XY = X * Y, three_m = T(3.0) * m;
+        const T p = two * XX - m, q = two * YY - m;
+        return {{{X, m - XX, -XY, X * (two * XX - three_m), Y * p, X * q},
+                 {Y, -XY, m - YY, Y * p, X * q, Y * (two * YY - three_m)},
+                 {m - T(1.0), -(X * m), -(Y * m), m * p, two * XY * m, m * q}}};
+    }
+    static Jets half(const T& x, const T& sign) {
+        const T zero(0.0), two(2.0), m = two / (T(1.0) + square(x)), X = x * m, XX = square(X);
+        return {{{sign * X, sign * (m - XX), zero, sign * (X * (two * XX - T(3.0) * m)), zero, zero},
+                 {zero, zero, zero, zero, zero, zero},
+                 {sign * (m - T(1.0)), -sign * (X * m), zero, sign * (m * (two * XX - m)), zero, zero}}};
+    }
+
+    // With mean value forms for the value and the first derivatives.
+    RadialJet<T> refined(RadialJet<T> j, const RadialJet<T>& middle) const {
+        j.x = intersection(j.x, middle.x + j.xx * dx_ + j.xy * dy_);
+        j.y = intersection(j.y, middle.y + j.xy * dx_ + j.yy * dy_);
+        j.v = intersection(j.v, middle.v + j.x * dx_ + j.y * dy_);
+        return j;
+    }
+    static T intersection(const T& a, const T& b) {
+        return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
+    }
+
+    template <int order>
+    RadialJet<T> sum(const std::array<T, 3>& v, const Jets& u) const {
+        const bool around = chart_ == RadialChart::HalfAngle;
+        const auto dot = [&](T RadialJet<T>::*part) {
+            const T s = v[0] * (u[0].*part) + v[2] * (u[2].*part);
+            return around ? s : s + v[1] * (u[1].*part);
+        };
+        RadialJet<T> j;
+        j.v = dot(&RadialJet<T>::v);
+        j.x = dot(&RadialJet<T>::x);
+        j.y = around ? T(0.0) : dot(&RadialJet<T>::y);
+        if (order > 1 || !is_point_) {
+            j.xx = dot(&RadialJet<T>::xx);
+            j.xy = around ? T(0.0) : dot(&RadialJet<T>::xy);
+            j.yy = around ? T(0.0) : dot(&RadialJet<T>::yy);
+        }
+        return j;
+    }
+
+    RadialChart chart_ = RadialChart::Stereographic;
+    Jets u_, middle_;
+    T y_, dx_, dy_;  // the last two: the box less its middle
+    bool is_point_ = true;
+};
+
+/// The coefficients of a form in one number type.
+template <class T>
+class RadialHeight {
+public:
+    /// `convert` takes an Exact to T.
+    template <class Convert>
+    RadialHeight(const RadialForm& form, RadialChart chart, Convert&& convert)
+        : is_cylinder_(chart == RadialChart::HalfAngle), has_root_(form.has_root()), b0_(convert(form.b0)),
+          slope_(convert(form.slope)) {
+        for (int i = 0; i < 3; ++i) {
+            c_[i] = convert(form.c[i]);
+            b_[i] = convert(form.b[i]);
+            a_[i] = convert(form.a[i]);
+        }
+    }
+    /// A circular form (k r^2 + a x + b y + e) / w over a sphere, w > 0: with r^2 = (1 - u_z) W / 2, x = u_x W / 2, ...
+    RadialHeight(const T& k, const T& a, const T& b, const T& e, const T& w) : is_cylinder_(false), has_root_(false) {
+        const T quarter(-0.25), zero(0.0);
+        c_ = {w, zero, zero};
+        b0_ = quarter * (k + e);
+        b_ = {quarter * a, quarter * b, quarter * (e - k)};
+        a_ = {zero, zero, zero};
+        slope_ = zero;
+    }
+
+    /// Derivatives up to the given order; the others are unset. Where the root may vanish (the object is met at
+    /// infinity only) the first ones bound difference quotients, and second ones are the whole line.
+    template <int order>
+    RadialJet<T> jet(const RadialNormals<T>& n) const {
+        const T zero(0.0), two(2.0);
+        RadialJet<T> B = n.template along<order>(b_), C{c_[0], zero, zero, zero, zero, zero}, f;
+        B.v += b0_;
+        if (is_cylinder_) {
+            C.y = c_[1] + two * c_[2] * n.y();
+            C.yy = two * c_[2];
+            const auto at = [&](const T& y) { return c_[0] + y * (c_[1] + c_[2] * y); };
+            C.v = hull(at(bottom(n.y())), at(top(n.y())));
+            if (!C.y.sign() && c_[2].sign() == Sign::Positive) C.v = hull(C.v, c_[0] - square(c_[1]) / (T(4.0) * c_[2]));
+            if (C.v.sign() != Sign::Positive) return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
+        }
+        if (!has_root_) {
+            f.v = -two * B.v / C.v;
+            if constexpr (order > 0) {
+                const auto first = [&](const T& Bu, const T& Cu) { return -(two * Bu + Cu * f.v) / C.v; };
+                f.x = first(B.x, C.x);
+                f.y = first(B.y, C.y);
+            }
+            if constexpr (order > 1) {
+                const auto second = [&](const T& Buv, const T& Cuv, const T& Cu, const T& Cv, const T& fu, const T& fv) {
+                    return -(two * Buv + Cuv * f.v + Cu * fv + Cv * fu) / C.v;
+                };
+                f.xx = second(B.xx, C.xx, C.x, C.x, f.x, f.x);
+                f.xy = second(B.xy, C.xy, C.x, C.y, f.x, f.y);
+                f.yy = second(B.yy, C.yy, C.y, C.y, f.y, f.y);
+            }
+            return f;
+        }
+        const RadialJet<T> A = n.template along<order>(a_);
+        if (is_cylinder_) {
+            const T s = slope_ * n.y();
+            B.v += s * A.v;
+            if constexpr (order > 0) {
+                B.x += s * A.x;
+                B.y = slope_ * A.v;
+            }
+            if constexpr (order > 1) {
+                B.xx += s * A.xx;
+                B.xy = slope_ * A.x;
+            }
+        }
+        // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All of q, s and
+        // k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends nothing is lost.
+        const T A2 = square(A.v), B_low = bottom(B.v), B_high = top(B.v), A2_low = bottom(A2), A2_high = top(A2),
+                C_low = bottom(C.v), C_high = top(C.v);
+        f.v = -hull(root(B_low, A2_low, C_high), root(B_high, A2_high, C_low));
+        if constexpr (order > 0) {
+            const auto quotient = [&](const T& p, const T& p2, const T& q2) {  // p / sqrt(p2 + q2), p2 = p^2
+                const T norm = sqrt(p2 + q2);
+                return norm.sign() == Sign::Positive ? p / norm : T(-1.0, 1.0);
+            };
+            const auto extreme = [&](const T& p, bool upper, const T& near, const T& far) {
+                return quotient(p, square(p), (p.lower() > 0) == upper ? near : far);
+            };
+            const T AC_low = A2_low * C_low, AC_high = A2_high * C_high;
+            const T s = hull(extreme(B_low, false, AC_low, AC_high), extreme(B_high, true, AC_low, AC_high));
+            // k sqrt(C) = A' / sqrt(A'^2 + B^2) with A' = A sqrt(C).
+            const T root_C = sqrt(C.v), scaled = A.v * root_C, low = bottom(scaled), high = top(scaled), B2 = square(B.v),
+                    B2_low = bottom(B2), B2_high = top(B2);
+            const T k = hull(extreme(low, false, B2_low, B2_high), extreme(high, true, B2_low, B2_high)) / root_C;
+            const T slope = (T(1.0) + s) / C.v, half_f = T(0.5) * f.v;
+            const auto first = [&](const T& Bu, const T& Cu, const T& Au) { return -(slope * (Bu + Cu * half_f) + k * Au); };
+            f.x = first(B.x, C.x, A.x);
+            f.y = first(B.y, C.y, A.y);
+            if constexpr (order > 1) {
+                const T R = sqrt(hull(B2_low + AC_low, B2_high + AC_high));
+                if (R.sign() != Sign::Positive) {
+                    f.xx = f.xy = f.yy = T::whole();
+                    return f;
+                }
+                // C f^2 + 2 B f - A^2 = 0, differentiated twice; C f + B = -R.
+                const auto second = [&](const T& Buv, const T& Cuv, const T& Auv, const T& Bu, const T& Bv, const T& Cu,
+                                        const T& Cv, const T& Au, const T& Av, const T& fu, const T& fv) {
+                    return ((Cuv * f.v + two * (Cu * fv + Cv * fu + Buv)) * f.v +
+                            two * (Bu * fv + Bv * fu + C.v * fu * fv - Au * Av - A.v * Auv)) /
+                           (two * R);
+                };
+                f.xx = second(B.xx, C.xx, A.xx, B.x, B.x, C.x, C.x, A.x, A.x, f.x, f.x);
+                f.xy = second(B.xy, C.xy, A.xy, B.x, B.y, C.x, C.y, A.x, A.y, f.x, f.y);
+                f.yy = second(B.yy, C.yy, A.yy, B.y, B.y, C.y, C.y, A.y, A.y, f.y, f.y);
+            }
+        }
+        return f;
+    }
+
+private:
+    static T bottom(const T& t) { return {t.lower(), t.lower()}; }
+    static T top(const T& t) { return {t.upper(), t.upper()}; }
+    // The root q of numbers, without cancellation.
+    static T root(const T& B, const T& A2, const T& C) {
+        const T R = sqrt(square(B) + A2 * C);
+        return B.sign() == Sign::Negative && R.sign() == Sign::Positive ? A2 / (R - B) : (B + R) / C;
+    }
+
+    bool is_cylinder_, has_root_;
+    std::array<T, 3> c_, b_, a_;
+    T b0_, slope_;
+};
+
+}  // namespace vcell
