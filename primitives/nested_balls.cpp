@@ -1,0 +1,125 @@
+#include "nested_balls.hpp"
+
+#include <array>
+#include <cfloat>
+#include <limits>
+
+namespace vcell {
+
+namespace {
+
+constexpr std::uint32_t none = UINT32_MAX;
+constexpr std::uint32_t leaf_size = 8;
+
+// Squares and their sums of doubles are off by less than 8 u, relatively, and by DBL_MIN where they leave the
+// range.
+constexpr double tolerance = 8 * DBL_EPSILON;
+bool certainly_less(double p, double q) { return p * (1 + tolerance) + DBL_MIN < q; }
+
+bool is_inside(const Ball& inner, const Ball& outer) {
+    if (outer.rho <= inner.rho) return false;
+    const double x = inner.cx - outer.cx, y = inner.cy - outer.cy, z = inner.cz - outer.cz;
+    const double gap = outer.rho - inner.rho, apart2 = x * x + y * y + z * z, gap2 = gap * gap;
+    if (certainly_less(gap2, apart2)) return false;
+    if (certainly_less(apart2, gap2)) return true;
+    const Exact ex = Exact(inner.cx) - outer.cx, ey = Exact(inner.cy) - outer.cy,
+                ez = Exact(inner.cz) - outer.cz;
+    const Exact eg = Exact(outer.rho) - inner.rho;
+    return (eg * eg - ex * ex - ey * ey - ez * ez).sign() != Sign::Negative;
+}
+
+class BallTree {
+public:
+    explicit BallTree(std::span<const Ball> balls) {
+        items_.reserve(balls.size());
+        for (std::uint32_t i = 0; i < balls.size(); ++i) items_.push_back({balls[i], i});
+        nodes_.reserve(4 * balls.size() / leaf_size + 1);
+        add_node(0, static_cast<std::uint32_t>(balls.size()));
+    }
+
+    std::uint32_t enclosing(const Ball& ball) const {
+        std::uint32_t n = 0;
+        while (n < nodes_.size()) {
+            const Node& node = nodes_[n];
+            if (!may_enclose(node, ball)) {
+                n = node.skip;
+                continue;
+            }
+            if (node.end - node.begin <= leaf_size)
+                for (std::uint32_t i = node.begin; i < node.end; ++i)
+                    if (is_inside(ball, items_[i].ball)) return items_[i].index;
+            ++n;
+        }
+        return none;
+    }
+
+private:
+    struct Item {
+        Ball ball;
+        std::uint32_t index;
+    };
+    // In preorder: what follows the subtree of a node is at `skip`.
+    struct Node {
+        std::array<double, 3> low, high;
+        double largest;
+        std::uint32_t begin, end, skip;
+    };
+
+    static double coordinate(const Ball& b, int k) { return k == 0 ? b.cx : k == 1 ? b.cy : b.cz; }
+
+    static bool may_enclose(const Node& node, const Ball& ball) {
+        const double gap = node.largest - ball.rho;
+        if (!(gap > 0)) return false;
+        double apart2 = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double c = coordinate(ball, k), d = std::max({node.low[k] - c, c - node.high[k], 0.0});
+            apart2 += d * d;
+        }
+        return !certainly_less(gap * gap, apart2);
+    }
+
+    void add_node(std::uint32_t begin, std::uint32_t end) {
+        Node node{{}, {}, 0, begin, end, 0};
+        node.low.fill(std::numeric_limits<double>::infinity());
+        node.high.fill(-std::numeric_limits<double>::infinity());
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const Ball& b = items_[i].ball;
+            for (int k = 0; k < 3; ++k) {
+                node.low[k] = std::min(node.low[k], coordinate(b, k));
+                node.high[k] = std::max(node.high[k], coordinate(b, k));
+            }
+            node.largest = std::max(node.largest, b.rho);
+        }
+        const std::size_t place = nodes_.size();
+        nodes_.push_back(node);
+        if (end - begin > leaf_size) {
+            int widest = 0;
+            for (int k = 1; k < 3; ++k)
+                if (node.high[k] - node.low[k] > node.high[widest] - node.low[widest]) widest = k;
+            const std::uint32_t middle = begin + (end - begin) / 2;
+            std::nth_element(items_.begin() + begin, items_.begin() + middle, items_.begin() + end,
+                             [&](const Item& i, const Item& j) {
+                                 return coordinate(i.ball, widest) < coordinate(j.ball, widest);
+                             });
+            add_node(begin, middle);
+            add_node(middle, end);
+        }
+        nodes_[place].skip = static_cast<std::uint32_t>(nodes_.size());
+    }
+
+    std::vector<Item> items_;
+    std::vector<Node> nodes_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> enclosing_balls(std::span<const Ball> balls) {
+    std::vector<std::uint32_t> enclosing(balls.size(), none);
+    const auto [smallest, largest] = std::ranges::minmax_element(balls, {}, &Ball::rho);
+    if (balls.empty() || smallest->rho == largest->rho) return enclosing;
+    const BallTree tree(balls);
+    for (std::size_t i = 0; i < balls.size(); ++i) enclosing[i] = tree.enclosing(balls[i]);
+    return enclosing;
+}
+
+}  // namespace vcell

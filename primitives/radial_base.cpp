@@ -1,0 +1,912 @@
+#include "radial_base.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "../core/compensated.hpp"
+#include "../core/errors.hpp"
+#include "base_problem.hpp"
+#include "exact_space.hpp"
+#include "message.hpp"
+#include "nested_balls.hpp"
+#include "solids.hpp"
+#include "sphere_chart.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Kind = InputError::Kind;
+constexpr std::uint32_t none = UINT32_MAX;
+
+[[noreturn]] void fail_empty(const std::string& what) {
+    throw InputError(Kind::EmptyBox, InputError::no_object, "box", what);
+}
+
+// ---- The objects of a scene -------------------------------------------------------------------------
+
+// n.p + d > 0 on the base's side. `length` is |n|, rounded correctly.
+struct HalfSpace {
+    Vec3 n;
+    Exact d;
+    double length;
+};
+
+Exact value_at(const HalfSpace& h, const ExactVector& p) { return dot(ExactVector(h.n), p) + h.d; }
+
+// The objects in the frame of doubles that exact statements are about (world coordinates over a sphere,
+// canonical ones over a cylinder), and what becomes of each.
+class Objects {
+public:
+    explicit Objects(const Scene& scene) : scene_(scene), owner_(scene.objects.size()) {
+        std::iota(owner_.begin(), owner_.end(), 0u);
+    }
+
+    template <class T>
+    struct Listed {
+        std::vector<T> items;
+        std::vector<std::uint32_t> objects;  // ascending
+
+        void add(const T& item, std::uint32_t object) {
+            items.push_back(item);
+            objects.push_back(object);
+        }
+        std::size_t size() const { return items.size(); }
+        // Pre: the object is listed.
+        const T& of(std::uint32_t object) const {
+            return items[std::ranges::lower_bound(objects, object) - objects.begin()];
+        }
+    };
+    Listed<Ball> balls;
+    Listed<HalfSpace> planes;
+    Listed<CylinderForm> cylinders;
+
+    [[noreturn]] void fail(Kind kind, std::uint32_t object, const std::string& what) const {
+        throw InputError(kind, object, object_path(scene_, object), what);
+    }
+
+    // Whose height object i has: its own, that of an equal object before it, or none.
+    std::uint32_t owner(std::uint32_t i) const {
+        while (i != none && owner_[i] != i) i = owner_[i];
+        return i;
+    }
+    bool is_kept(std::uint32_t i) const { return owner_[i] == i; }
+    void merge(std::uint32_t i, std::uint32_t j) { owner_[std::max(i, j)] = std::min(i, j); }
+    // Pre: object i is not listed.
+    void leave_out_unmet(std::uint32_t i) {
+        owner_[i] = none;
+        unmet_.push_back(object_title(scene_, i));
+    }
+
+    // Leaves out what lies in other solids, and cylinders beyond planes: never nearer than those, they may
+    // tie with them along whole curves of the base. `mirrored` are images of a base cylinder in sides of the
+    // box: on the side, base and image are equally far.
+    void drop_hidden_and_equal(const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
+        const std::vector<std::uint32_t> first_ball = first_equal(balls.items);
+        for (std::size_t i = 0; i < balls.size(); ++i)
+            if (first_ball[i] < i) merge(balls.objects[i], balls.objects[first_ball[i]]);
+        drop_nested_balls(first_ball);
+        std::vector<std::array<Exact, 4>> rays;
+        for (const HalfSpace& h : planes.items) rays.push_back({h.n.x(), h.n.y(), h.n.z(), h.d});
+        // Planes that are multiples of each other are one plane, though |n| may round differently.
+        const std::vector<std::uint32_t> first_plane = first_equal(rays);
+        for (std::size_t i = 0; i < planes.size(); ++i)
+            if (first_plane[i] < i) merge(planes.objects[i], planes.objects[first_plane[i]]);
+        for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, rays, mirrored);
+        for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
+    }
+
+    void warn(const std::vector<std::vector<Site>>& sites, std::vector<std::string>& warnings) const {
+        if (!unmet_.empty())
+            warnings.push_back(listed(unmet_) +
+                               ": out of sight of the base, never nearest to any point of its cell");
+        if (!hidden_.empty()) {
+            auto sorted = hidden_;
+            std::ranges::sort(sorted);
+            std::vector<std::string> texts;
+            for (auto& [object, text] : sorted) texts.push_back(std::move(text));
+            warnings.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
+        }
+        for (const std::vector<Site>& group : sites) {
+            if (group.size() < 2) continue;
+            std::string text;
+            for (const Site site : group)
+                text += (text.empty() ? "" : " and ") +
+                        (site.is_object() ? object_title(scene_, site.index) : "side " + to_string(site));
+            warnings.push_back(text + ": the same distance from the base everywhere, merged");
+        }
+    }
+
+private:
+    void hide(std::uint32_t object, const char* how, const std::string& where) {
+        owner_[object] = none;
+        hidden_.emplace_back(object, object_title(scene_, object) + how + where);
+    }
+
+    void drop_nested_balls(const std::vector<std::uint32_t>& first) {
+        const auto same = [](const Ball& a, const Ball& b) { return a.rho == b.rho; };
+        if (std::ranges::adjacent_find(balls.items, std::not_fn(same)) == balls.items.end()) return;
+        std::vector<Ball> distinct;
+        std::vector<std::uint32_t> objects, place(balls.size());
+        for (std::size_t i = 0; i < balls.size(); ++i) {
+            place[i] = static_cast<std::uint32_t>(first[i] < i ? place[first[i]] : distinct.size());
+            if (first[i] < i) continue;
+            distinct.push_back(balls.items[i]);
+            objects.push_back(balls.objects[i]);
+        }
+        const std::vector<std::uint32_t> enclosing = enclosing_balls(distinct);
+        for (std::size_t i = 0; i < balls.size(); ++i)
+            if (const std::uint32_t k = enclosing[place[i]]; k != none)
+                hide(balls.objects[i], " in ", object_title(scene_, objects[k]));
+    }
+
+    void drop_if_hidden(std::size_t i, const std::vector<std::array<Exact, 4>>& half_spaces,
+                        const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
+        const CylinderForm& cylinder = cylinders.items[i];
+        const std::uint32_t object = cylinders.objects[i];
+        for (std::size_t k = 0; k < planes.size(); ++k)
+            if (is_beyond(half_spaces[k], cylinder))
+                return hide(object, " beyond ", object_title(scene_, planes.objects[k]));
+        for (const auto& [image, side] : mirrored)
+            if (contains(image, cylinder) && !contains(cylinder, image))
+                return hide(object, " beyond ", "side " + to_string(side));
+        std::size_t first = i;
+        for (std::size_t k = 0; k < cylinders.size(); ++k) {
+            if (k == i || !contains(cylinders.items[k], cylinder)) continue;
+            if (!contains(cylinder, cylinders.items[k]))
+                return hide(object, " in ", object_title(scene_, cylinders.objects[k]));
+            first = std::min(first, k);
+        }
+        if (first < i) merge(object, cylinders.objects[first]);
+    }
+
+    void drop_if_in_cylinder(std::size_t i, const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
+        const Ball& ball = balls.items[i];
+        const std::uint32_t object = balls.objects[i];
+        if (owner_[object] == none) return;
+        for (std::size_t k = 0; k < cylinders.size(); ++k)
+            if (contains(cylinders.items[k], ball.cx, ball.cy, ball.cz, ball.rho))
+                return hide(object, " in ", object_title(scene_, cylinders.objects[k]));
+        for (const auto& [image, side] : mirrored)
+            if (contains(image, ball.cx, ball.cy, ball.cz, ball.rho))
+                return hide(object, " beyond ", "side " + to_string(side));
+    }
+
+    const Scene& scene_;
+    std::vector<std::uint32_t> owner_;
+    std::vector<std::string> unmet_;
+    std::vector<std::pair<std::uint32_t, std::string>> hidden_;  // object, where it hides
+};
+
+HalfSpace half_space(const Vec3& point, const Vec3& normal, const ExactVector& inner) {
+    HalfSpace h{normal, -dot(ExactVector(normal), ExactVector(point)), 0};
+    if (value_at(h, inner).sign() == Sign::Negative) {
+        h.n = -h.n;
+        h.d = -h.d;
+    }
+    const ExactVector n(h.n);
+    h.length = rounded_sqrt(dot(n, n));
+    return h;
+}
+
+// How a plane lies to a convex body whose points inner +- reach (in length) see it nearest.
+const char* cuts_or_touches(Sign clearance) { return clearance == Sign::Zero ? "touches" : "cuts"; }
+
+// A coefficient of a form, zero only if it is exactly zero.
+void check_range(double x, Site site, const Scene& scene) {
+    if (x == 0 || (std::abs(x) >= smallest_coefficient && std::abs(x) <= 1 / smallest_coefficient)) return;
+    const std::string what =
+        "is so close to the base, or so nearly opposite to its chart's pole, that its height leaves the "
+        "range of "
+        "doubles";
+    if (site.is_object())
+        throw InputError(Kind::OutOfRange, site.index, object_path(scene, site.index), what);
+    throw InputError(Kind::OutOfRange, InputError::no_object, "box", "side " + to_string(site) + " " + what);
+}
+
+// The first site of each form, and all of them.
+struct FormSites {
+    std::vector<FormId> of_object;
+    std::vector<std::vector<Site>> sites;
+    std::vector<Object> objects;
+
+    explicit FormSites(std::size_t n) : of_object(n) {}
+    FormId add(Site site, Object canonical) {
+        const FormId f{static_cast<std::uint32_t>(sites.size())};
+        sites.push_back({site});
+        objects.push_back(std::move(canonical));
+        if (site.is_object()) of_object[site.index] = f;
+        return f;
+    }
+    // The sites of objects that have another one's form.
+    void add_twins(const Objects& all) {
+        for (std::uint32_t i = 0; i < of_object.size(); ++i) {
+            const std::uint32_t owner = all.owner(i);
+            if (owner == none || owner == i) continue;
+            std::vector<Site>& group = sites[of_object[owner].value];
+            group.push_back(Site::object(i));
+            std::ranges::sort(group);
+        }
+    }
+};
+
+template <class Tag, class T>
+IdVector<Id<Tag>, T> indexed(std::vector<T>&& items) {
+    IdVector<Id<Tag>, T> result;
+    result.reserve(items.size());
+    for (T& item : items) result.push_back(std::move(item));
+    return result;
+}
+
+// ---- Sphere base: heights that are linear in u ------------------------------------------------------
+
+// f = -(p.u + s) / w
+struct LinearHeight {
+    ExactVector p;
+    Exact s, w;
+};
+
+// A side of the box, x[axis] <= bound or >= bound.
+struct WorldSide {
+    int axis;
+    double sign, bound;
+
+    WorldSide(const Box& box, std::uint32_t side)
+        : axis(static_cast<int>(side / 2)),
+          sign(side % 2 == 0 ? -1 : 1),
+          bound(side % 2 == 0 ? box.min[axis] : box.max[axis]) {}
+};
+
+// The base sphere and its chart; u = rotation n / W.
+struct SphereFrame {
+    Vec3 center;
+    double radius;
+    IntegerRotation rotation;
+
+    // rotation.matrix^T p
+    ExactVector turned(const ExactVector& p) const {
+        const auto column = [&](int j) {
+            return p.x * rotation.matrix(0, j) + p.y * rotation.matrix(1, j) + p.z * rotation.matrix(2, j);
+        };
+        return {column(0), column(1), column(2)};
+    }
+
+    LinearHeight height(const Ball& ball) const {
+        const ExactVector c = ExactVector(Vec3(ball.cx, ball.cy, ball.cz)) - ExactVector(center);
+        const Exact delta = Exact(ball.rho) - radius;
+        return {c, delta, (dot(c, c) - delta * delta).scaled(-1)};
+    }
+    LinearHeight height(const HalfSpace& h) const {
+        return {ExactVector(Vec3(-h.n)), h.length,
+                value_at(h, ExactVector(center)) + Exact(radius) * h.length};
+    }
+    LinearHeight height(const WorldSide& side) const {
+        Vec3 m = Vec3::Zero();
+        m[side.axis] = side.sign;
+        return {ExactVector(m), Exact(), side.sign * (Exact(side.bound) - center[side.axis])};
+    }
+
+    // With P = matrix^T p and N = norm, p.u = (2 P0 x + 2 P1 y + P2 (1 - x^2 - y^2)) / (N W).
+    ExactForm form(const LinearHeight& h) const {
+        const ExactVector P = turned(h.p);
+        const Exact s = rotation.norm * h.s;
+        return {P.z - s, -2.0 * P.x, -2.0 * P.y, -(P.z + s), rotation.norm * h.w};
+    }
+
+    // C = |c|^2 - delta^2 of cylinder_form.hpp's cylinder, times N^2 to be free of denominators.
+    RadialForm form(const CylinderForm& f) const {
+        const ExactVector p = ExactVector(Vec3(f.px, f.py, f.pz)) - ExactVector(center),
+                          a(Vec3(f.ax, f.ay, f.az));
+        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - radius;
+        const Exact n = rotation.norm, n2 = n * n;
+        const ExactVector b = n * turned(length2 * p - along * a), turned_a = turned(a);
+        return {{n2 * (length2 * (dot(p, p) - delta * delta) - along * along), Exact(), Exact()},
+                n2 * length2 * delta,
+                Exact(),
+                {b.x, b.y, b.z},
+                {turned_a.x, turned_a.y, turned_a.z}};
+    }
+};
+
+// The coefficients divided by |K|, if that is not zero. Of coefficients within 1.01 u the quotients are
+// within 4 u.
+CircularForm scaled_form(double K, double A, double B, double C, double W) {
+    const double scale = K == 0 ? 1 : std::abs(K);
+    CircularForm f;
+    f.k = K / scale;
+    f.a = A / scale;
+    f.b = B / scale;
+    f.e = C / scale;
+    f.w = W / scale;
+    return f;
+}
+
+CircularForm rounded(const ExactForm& f) {
+    // What underflows must not look like zero.
+    const auto round = [](const Exact& x) {
+        const double y = nearest(x);
+        return y != 0 ? y : static_cast<int>(x.sign()) * std::numeric_limits<double>::denorm_min();
+    };
+    return scaled_form(round(f.K), round(f.A), round(f.B), round(f.C), round(f.W));
+}
+
+struct BallDifferences {
+    std::array<Difference, 3> c;
+    Difference delta;
+
+    BallDifferences(const Ball& ball, const Vec3& center, double radius)
+        : c{Difference(ball.cx, center.x()), Difference(ball.cy, center.y()),
+            Difference(ball.cz, center.z())},
+          delta(ball.rho, radius) {}
+
+    // |c|^2 - delta^2
+    CompensatedSum power() const {
+        CompensatedSum C;
+        for (const Difference& x : c) C.add_square(1, x);
+        C.add_square(-1, delta);
+        return C;
+    }
+};
+
+// SphereFrame::form() in compensated sums, where they suffice.
+class FastForms {
+public:
+    explicit FastForms(const SphereFrame& frame) : frame_(frame), norm_(frame.rotation.norm) {
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k) column_[j][k] = frame.rotation.matrix(k, j);
+    }
+
+    std::optional<CircularForm> form(const Ball& ball) const {
+        const BallDifferences d(ball, frame_.center, frame_.radius);
+        std::array<CompensatedSum, 3> P;
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k) P[j].add(column_[j][k], d.c[k]);
+        CompensatedSum K = P[2], C = P[2];
+        K.add(-norm_, d.delta);
+        C.add(norm_, d.delta);
+        const auto k = K.value(), x = P[0].value(), y = P[1].value(), c = C.value(),
+                   w = d.power().times(norm_).value();
+        if (!k || !x || !y || !c || !w) return std::nullopt;
+        return scaled_form(*k, -2 * *x, -2 * *y, -*c, 0.5 * *w);
+    }
+
+    std::optional<CircularForm> form(const WorldSide& side) const {
+        CompensatedSum distance;
+        distance.add(Difference(side.bound, frame_.center[side.axis]));
+        const auto w = distance.times(norm_).value();
+        if (!w) return std::nullopt;
+        const Vec3 P = side.sign * frame_.rotation.matrix.row(side.axis).transpose();
+        return scaled_form(P.z(), -2 * P.x(), -2 * P.y(), -P.z(), side.sign * *w);
+    }
+
+private:
+    const SphereFrame& frame_;
+    Halves norm_;
+    std::array<std::array<Halves, 3>, 3> column_;
+};
+
+// ---- Sphere base: the problem -----------------------------------------------------------------------
+
+class SphereProblem {
+public:
+    SphereProblem(const Scene& scene, const Sphere& base)
+        : scene_(scene),
+          frame_(std::make_shared<SphereFrame>(SphereFrame{base.center, base.radius, {}})),
+          objects_(scene) {}
+
+    RadialBaseProblem build() {
+        check_box();
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
+            std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
+        objects_.drop_hidden_and_equal({});
+        merge_mirrored_balls();
+        merge_planelike_balls();
+        choose_chart();
+        return make_problem();
+    }
+
+private:
+    using FormSource = std::variant<Ball, WorldSide, std::shared_ptr<const ExactForm>>;
+
+    void check_box() const {
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const WorldSide side(scene_.box, s);
+            const double center = frame_->center[side.axis], radius = frame_->radius;
+            const auto by_interval = (side.sign * (Interval(side.bound) - center) - radius).sign();
+            const Sign room =
+                by_interval ? *by_interval : (side.sign * (Exact(side.bound) - center) - radius).sign();
+            if (room == Sign::Negative)
+                fail_empty("does not contain the base sphere (base.sphere): it reaches beyond side " +
+                           to_string(Site::box_side(s)));
+            if (room == Sign::Zero && radius == 0)
+                fail_empty("has the base point (base.sphere) on its side " + to_string(Site::box_side(s)));
+        }
+    }
+
+    void add(std::uint32_t i, const Sphere& sphere) {
+        const Ball ball{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
+        auto C = BallDifferences(ball, frame_->center, frame_->radius).power().value();
+        if (!C) C = 2 * nearest(frame_->height(ball).w);
+        if (!(*C > 0)) {
+            const bool same = ball.rho == frame_->radius && sphere.center == frame_->center;
+            objects_.fail(Kind::TouchesBase, i,
+                          same                         ? "is the base itself"
+                          : ball.rho >= frame_->radius ? "contains the base"
+                                                       : "lies in the base");
+        }
+        objects_.balls.add(ball, i);
+        powers_.push_back(*C);
+    }
+
+    void add(std::uint32_t i, const Plane& plane) {
+        const ExactVector center(frame_->center);
+        const HalfSpace h = half_space(plane.point, plane.normal, center);
+        const ExactVector n(h.n);
+        const Exact value = value_at(h, center), reach = Exact(frame_->radius) * frame_->radius * dot(n, n);
+        const Sign clearance = (value * value - reach).sign();
+        if (clearance != Sign::Positive) {
+            const Vec3 place = frame_->center - h.n * (nearest(value) / h.length / h.length);
+            objects_.fail(Kind::TouchesBase, i,
+                          std::string(cuts_or_touches(clearance)) + " the base at " + to_text(place));
+        }
+        objects_.planes.add(h, i);
+    }
+
+    void add(std::uint32_t i, const Cylinder& cylinder) {
+        const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
+        const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
+        // Independent of the chart, which is still the identity.
+        if (frame_->form(form).c[0].sign() != Sign::Positive)
+            objects_.fail(Kind::TouchesBase, i,
+                          cylinder.radius >= frame_->radius
+                              ? "contains the base"
+                              : "runs through the base so near to its centre that base and cylinder have no "
+                                "bisector all around");
+        objects_.cylinders.add(form, i);
+    }
+
+    // A ball of the base's radius, mirrored to it by a side of the box, has that side as its bisector.
+    void merge_mirrored_balls() {
+        for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
+            const Ball& ball = objects_.balls.items[i];
+            if (ball.rho != frame_->radius || !objects_.is_kept(objects_.balls.objects[i])) continue;
+            const Vec3 c(ball.cx, ball.cy, ball.cz);
+            for (std::uint32_t s = 0; s < 6; ++s) {
+                const WorldSide side(scene_.box, s);
+                Vec3 beside = c;
+                beside[side.axis] = frame_->center[side.axis];
+                if (beside != frame_->center) continue;
+                if (Exact(c[side.axis]) + frame_->center[side.axis] == 2.0 * Exact(side.bound))
+                    side_twin_[s] = objects_.balls.objects[i];
+            }
+        }
+    }
+
+    // A huge ball can have the very height of a plane whose |n| has been rounded down: a plane's C is
+    // proportional to |n| - rounded |n|.
+    void merge_planelike_balls() {
+        for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
+            const Ball& ball = objects_.balls.items[i];
+            const double size = ball.rho - frame_->radius;
+            if (powers_[i] > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i])) continue;
+            const std::array<Exact, 5> of_ball = ray(frame_->height(ball));
+            for (std::size_t k = 0; k < objects_.planes.size(); ++k)
+                if (objects_.is_kept(objects_.planes.objects[k]) &&
+                    compare_rays(of_ball, ray(frame_->height(objects_.planes.items[k]))) == 0)
+                    objects_.merge(objects_.balls.objects[i], objects_.planes.objects[k]);
+        }
+    }
+    static std::array<Exact, 5> ray(const LinearHeight& h) { return {h.p.x, h.p.y, h.p.z, h.s, h.w}; }
+
+    void choose_chart() {
+        Nearness nearness;
+        nearness.linear.reserve(objects_.balls.size() + objects_.planes.size() + 6);
+        const Vec3& center = frame_->center;
+        const double radius = frame_->radius;
+        for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
+            if (!objects_.is_kept(objects_.balls.objects[i])) continue;
+            const Ball& ball = objects_.balls.items[i];
+            const double scale = 2 / powers_[i];
+            nearness.linear.push_back(
+                {scale * (Vec3(ball.cx, ball.cy, ball.cz) - center), scale * (ball.rho - radius)});
+        }
+        for (std::size_t i = 0; i < objects_.planes.size(); ++i) {
+            if (!objects_.is_kept(objects_.planes.objects[i])) continue;
+            const HalfSpace& h = objects_.planes.items[i];
+            const double scale = 1 / nearest(frame_->height(h).w);
+            nearness.linear.push_back({-scale * h.n, scale * h.length});
+        }
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            if (side_twin_[s] != none) continue;
+            const WorldSide side(scene_.box, s);
+            Vec3 p = Vec3::Zero();
+            p[side.axis] = 1 / (side.bound - center[side.axis]);
+            nearness.linear.push_back({p, 0});
+        }
+        for (std::size_t i = 0; i < objects_.cylinders.size(); ++i) {
+            if (!objects_.is_kept(objects_.cylinders.objects[i])) continue;
+            const CylinderForm& f = objects_.cylinders.items[i];
+            const Vec3 p = Vec3(f.px, f.py, f.pz) - center, axis = Vec3(f.ax, f.ay, f.az).normalized();
+            const double length2 = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
+            nearness.cylindrical.push_back(
+                {p - axis * axis.dot(p), axis, f.rho - radius, nearest(frame_->form(f).c[0]) / length2});
+        }
+        const auto rotation = chart_rotation(nearness);
+        if (!rotation)
+            throw UndecidedError(
+                "no direction from the base sphere (base.sphere) has one object nearest in it by a margin "
+                "that "
+                "doubles can see");
+        frame_->rotation = *rotation;
+    }
+
+    RadialBaseProblem make_problem() {
+        const std::size_t n = scene_.objects.size();
+        FormSites found(n);
+        auto sources = std::make_shared<std::vector<FormSource>>();
+        IdVector<FormId, CircularForm> forms;
+        sources->reserve(n + 6);
+        forms.reserve(n + 6);
+        const FastForms fast(*frame_);
+        const auto add = [&](const CircularForm& f, FormSource source) {
+            const Site site = found.sites.back().front();
+            for (const double x : {f.a, f.b, f.e, f.w}) check_range(x, site, scene_);
+            forms.push_back(f);
+            sources->push_back(std::move(source));
+        };
+        for (std::uint32_t i = 0; i < n; ++i) {
+            if (!objects_.is_kept(i)) continue;
+            if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i])) {
+                const Vec3& c = sphere->center;
+                const Ball ball{c.x(), c.y(), c.z(), sphere->radius};
+                found.add(Site::object(i), Sphere{c - frame_->center, sphere->radius});
+                const auto f = fast.form(ball);
+                add(f ? *f : rounded(frame_->form(frame_->height(ball))), ball);
+            } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
+                found.add(Site::object(i), Plane{plane->point - frame_->center, plane->normal});
+                auto exact =
+                    std::make_shared<const ExactForm>(frame_->form(frame_->height(objects_.planes.of(i))));
+                const CircularForm f = rounded(*exact);
+                add(f, std::move(exact));
+            }
+        }
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const Site site = Site::box_side(s);
+            if (side_twin_[s] != none) {
+                found.sites[found.of_object[objects_.owner(side_twin_[s])].value].push_back(site);
+                continue;
+            }
+            const WorldSide side(scene_.box, s);
+            Plane canonical{Vec3::Zero(), Vec3::Zero()};
+            canonical.point[side.axis] = side.bound - frame_->center[side.axis];
+            canonical.normal[side.axis] = side.sign;
+            found.add(site, canonical);
+            const auto f = fast.form(side);
+            add(f ? *f : rounded(frame_->form(frame_->height(side))), side);
+        }
+
+        RadialBaseProblem problem;
+        for (std::size_t k = 0; k < objects_.cylinders.size(); ++k) {
+            const std::uint32_t i = objects_.cylinders.objects[k];
+            if (!objects_.is_kept(i)) continue;
+            const auto& cylinder = std::get<Cylinder>(scene_.objects[i]);
+            found.add(Site::object(i),
+                      Cylinder{cylinder.point - frame_->center, cylinder.axis, cylinder.radius});
+            problem.family.radial.push_back(frame_->form(objects_.cylinders.items[k]));
+        }
+        found.add_twins(objects_);
+        problem.frame.origin = frame_->center;
+        problem.is_sphere = true;
+        problem.radius = frame_->radius;
+        problem.chart = frame_->rotation.matrix / frame_->rotation.norm;
+        problem.family.chart = RadialChart::Stereographic;
+        problem.family.forms = std::move(forms);
+        problem.family.exact = [sources,
+                                frame = std::shared_ptr<const SphereFrame>(frame_)](FormId f) -> ExactForm {
+            const FormSource& source = (*sources)[f.value];
+            if (const auto* b = std::get_if<Ball>(&source)) return frame->form(frame->height(*b));
+            if (const auto* side = std::get_if<WorldSide>(&source)) return frame->form(frame->height(*side));
+            return *std::get<std::shared_ptr<const ExactForm>>(source);
+        };
+        objects_.warn(found.sites, problem.warnings);
+        problem.sites = indexed<FormTag>(std::move(found.sites));
+        problem.objects = indexed<FormTag>(std::move(found.objects));
+        return problem;
+    }
+
+    const Scene& scene_;
+    std::shared_ptr<SphereFrame> frame_;
+    Objects objects_;
+    std::vector<double> powers_;  // C of the balls, as rounded
+    std::array<std::uint32_t, 6> side_twin_{none, none, none, none, none, none};
+};
+
+// ---- Cylinder base ----------------------------------------------------------------------------------
+
+// Rows x, y, z with y along the axis.
+BaseFrame canonical_frame(const Cylinder& base, const Box& box) {
+    BaseFrame frame;
+    frame.rotation.setZero();
+    Vec3 axis = base.axis;
+    Eigen::Index k = 0;
+    const double size = axis.cwiseAbs().maxCoeff(&k);
+    for (double& component : axis)
+        if (std::abs(component) < frame_rounding * size) component = 0;
+    const Vec3 center = 0.5 * box.min + 0.5 * box.max;
+    const Eigen::Index i = (k + 1) % 3, j = (k + 2) % 3;
+    if (axis[i] == 0 && axis[j] == 0) {
+        // Rows (e_j, e_k, e_i) are a cyclic shift; with -e_k the other two change places.
+        const bool up = axis[k] > 0;
+        frame.rotation(0, up ? j : i) = 1;
+        frame.rotation(1, k) = up ? 1 : -1;
+        frame.rotation(2, up ? i : j) = 1;
+        frame.origin = base.point;
+        frame.origin[k] = center[k];
+        return frame;
+    }
+    const Vec3 unit = (axis / size).normalized();
+    // The coordinate axis farthest from the base's gives the best conditioned cross product. It becomes the
+    // last row: that has two zeros in signed permutations only.
+    Eigen::Index least = 0;
+    unit.cwiseAbs().minCoeff(&least);
+    const Vec3 e3 = Vec3::Unit(least).cross(unit).normalized();
+    frame.rotation.row(0) = unit.cross(e3);
+    frame.rotation.row(1) = unit;
+    frame.rotation.row(2) = e3;
+    frame.origin = base.point + unit * unit.dot(center - base.point);
+    return frame;
+}
+
+class CylinderProblem {
+public:
+    CylinderProblem(const Scene& scene, const Cylinder& base)
+        : scene_(scene),
+          frame_(canonical_frame(base, scene.box)),
+          radius_(base.radius),
+          box_(canonical_box(scene.box, frame_)),
+          stretch_(stretch()),
+          objects_(scene) {}
+
+    RadialBaseProblem build() {
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
+            std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
+        // In an oblique frame images are not exact, and neither are ties with them.
+        std::vector<std::pair<CylinderForm, Site>> mirrored;
+        if (frame_.is_axis_parallel())
+            for (const BoxSide& side : box_)
+                if (side.m.y() == 0)
+                    mirrored.push_back(
+                        {{2 * side.k * side.m.x(), 0, 2 * side.k * side.m.z(), 0, 1, 0, radius_},
+                         Site::box_side(side.index)});
+        objects_.drop_hidden_and_equal(mirrored);
+        return make_problem();
+    }
+
+private:
+    // m.y y + R0 |(m.x, m.z)| <= k for all sides.
+    std::array<double, 2> stretch() const {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        std::array<double, 2> range{-infinity, infinity};
+        for (const BoxSide& side : box_) {
+            const Exact x = side.m.x(), z = side.m.z(), r = radius_;
+            const Exact across2 = r * r * (x * x + z * z);
+            if (side.m.y() == 0) {
+                const Sign beyond = (across2 - Exact(side.k) * side.k).sign();
+                const bool on_side = side.k == 0 && radius_ == 0;
+                if (side.k < 0 || beyond == Sign::Positive || on_side)
+                    fail_empty("contains no circle of the base cylinder (base.cylinder): it " +
+                               std::string(on_side ? "lies on side " : "reaches beyond side ") +
+                               to_string(Site::box_side(side.index)));
+                continue;
+            }
+            // Axis-parallel, the stretch ends on the side itself.
+            const bool is_end = across2.sign() == Sign::Zero && std::abs(side.m.y()) == 1;
+            const Interval end = is_end
+                                     ? Interval(side.k / side.m.y())
+                                     : (Interval(side.k) - sqrt(across2.enclosure())) / Interval(side.m.y());
+            if (side.m.y() > 0)
+                range[1] = std::min(range[1], end.lower());
+            else
+                range[0] = std::max(range[0], end.upper());
+        }
+        if (!(range[0] < range[1])) fail_empty("contains no stretch of the base cylinder (base.cylinder)");
+        return range;
+    }
+
+    void add(std::uint32_t i, const Sphere& sphere) {
+        const Vec3 c = frame_.to_canonical(sphere.center);
+        const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
+        const RadialForm f = form(ball);
+        if (!is_positive(f.c))
+            objects_.fail(Kind::TouchesBase, i,
+                          ball.rho >= radius_ ? "contains a cross section of the base" : "lies in the base");
+        // B / W is largest in the ball's direction: the distance of its centre from the axis, plus delta.
+        const Exact across2 = f.b[0] * f.b[0] + f.b[2] * f.b[2];
+        if (f.b0.sign() != Sign::Positive && (across2 - f.b0 * f.b0).sign() != Sign::Positive)
+            objects_.leave_out_unmet(i);
+        else
+            objects_.balls.add(ball, i);
+    }
+
+    // Clear of the solid cylinder over the stretch: of the circles at both ends, on one side.
+    void add(std::uint32_t i, const Plane& plane) {
+        const Vec3 p = frame_.to_canonical(plane.point), n = frame_.rotation * plane.normal;
+        const HalfSpace h = half_space(p, n, {Exact(), stretch_[0], Exact()});
+        const Exact x = h.n.x(), z = h.n.z(), r = radius_;
+        const Exact across2 = r * r * (x * x + z * z);
+        for (const double y : stretch_) {
+            const Exact value = value_at(h, {Exact(), y, Exact()});
+            const Sign clearance =
+                value.sign() == Sign::Negative ? Sign::Negative : (value * value - across2).sign();
+            if (clearance == Sign::Positive) continue;
+            const double across = std::hypot(h.n.x(), h.n.z());
+            const Vec3 toward =
+                across > 0 ? Vec3(-radius_ / across * Vec3(h.n.x(), 0, h.n.z())) : Vec3::Zero();
+            objects_.fail(Kind::TouchesBase, i,
+                          std::string(cuts_or_touches(clearance)) + " the base at " +
+                              to_text(frame_.to_world(Vec3(0, y, 0) + toward)));
+        }
+        objects_.planes.add(h, i);
+    }
+
+    void add(std::uint32_t i, const Cylinder& cylinder) {
+        const Vec3 p = frame_.to_canonical(cylinder.point);
+        Vec3 a = frame_.rotation * scaled_axis(cylinder.axis);
+        if (!frame_.is_axis_parallel())
+            for (double& component : a)
+                if (std::abs(component) < frame_rounding) component = 0;
+        const CylinderForm cylinder_form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
+        if (!is_positive(form(cylinder_form).c))
+            objects_.fail(
+                Kind::TouchesBase, i,
+                cylinder.radius >= radius_
+                    ? "contains a cross section of the base"
+                    : "lies in the base, or runs through it so near to its axis that base and cylinder "
+                      "have no bisector all around");
+        objects_.cylinders.add(cylinder_form, i);
+    }
+
+    // Is c0 + c1 y + c2 y^2, convex, positive all over the stretch?
+    bool is_positive(const std::array<Exact, 3>& c) const {
+        for (const double y : stretch_)
+            if ((c[0] + y * (c[1] + y * c[2])).sign() != Sign::Positive) return false;
+        const Exact slope0 = c[1] + 2.0 * Exact(stretch_[0]) * c[2],
+                    slope1 = c[1] + 2.0 * Exact(stretch_[1]) * c[2];
+        if (slope0.sign() != Sign::Negative || slope1.sign() != Sign::Positive) return true;
+        return (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Positive;
+    }
+
+    RadialForm form(const Ball& ball) const {
+        const Exact x = ball.cx, y = ball.cy, z = ball.cz, delta = Exact(ball.rho) - radius_;
+        return {{x * x + y * y + z * z - delta * delta, -2.0 * y, 1.0}, delta, Exact(), {x, Exact(), z}, {}};
+    }
+    // Twice B and C of the header.
+    RadialForm form(const HalfSpace& h) const {
+        return {{2.0 * (h.d + Exact(radius_) * h.length), 2.0 * h.n.y(), Exact()},
+                h.length,
+                Exact(),
+                {-h.n.x(), Exact(), -h.n.z()},
+                {}};
+    }
+    RadialForm form(const BoxSide& side) const {
+        return {{2.0 * side.k, -2.0 * side.m.y(), Exact()},
+                Exact(),
+                Exact(),
+                {side.m.x(), Exact(), side.m.z()},
+                {}};
+    }
+    RadialForm form(const CylinderForm& f) const {
+        const ExactVector p(Vec3(f.px, f.py, f.pz)), a(Vec3(f.ax, f.ay, f.az));
+        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - radius_;
+        const ExactVector b = length2 * p - along * a;
+        return {{length2 * (dot(p, p) - delta * delta) - along * along, 2.0 * (along * a.y - length2 * p.y),
+                 length2 - a.y * a.y},
+                length2 * delta,
+                a.y,
+                {b.x, Exact(), b.z},
+                {a.x, Exact(), a.z}};
+    }
+
+    RadialBaseProblem make_problem() {
+        RadialBaseProblem problem;
+        const std::size_t n = scene_.objects.size();
+        FormSites found(n);
+        std::vector<std::array<Exact, 6>> rays;  // of rational heights, and whose they are
+        std::vector<FormId> ray_forms;
+        const auto add = [&](Site site, Object canonical, RadialForm f) {
+            // With balls C is quadratic in y and no other rational height's is.
+            if (!f.has_root() && !std::holds_alternative<Sphere>(canonical)) {
+                const std::array<Exact, 6> ray{f.c[0], f.c[1], f.c[2], f.b0, f.b[0], f.b[2]};
+                for (std::size_t k = 0; k < rays.size(); ++k) {
+                    if (compare_rays(ray, rays[k]) != 0) continue;
+                    found.sites[ray_forms[k].value].push_back(site);
+                    if (site.is_object()) found.of_object[site.index] = ray_forms[k];
+                    return;
+                }
+                rays.push_back(ray);
+                ray_forms.push_back(FormId{static_cast<std::uint32_t>(found.sites.size())});
+            }
+            found.add(site, std::move(canonical));
+            problem.family.radial.push_back(std::move(f));
+        };
+        for (std::uint32_t i = 0; i < n; ++i) {
+            if (!objects_.is_kept(i)) continue;
+            const Site site = Site::object(i);
+            if (std::holds_alternative<Sphere>(scene_.objects[i])) {
+                const Ball& b = objects_.balls.of(i);
+                add(site, Sphere{{b.cx, b.cy, b.cz}, b.rho}, form(b));
+            } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
+                add(site, Plane{frame_.to_canonical(plane->point), frame_.rotation * plane->normal},
+                    form(objects_.planes.of(i)));
+            } else {
+                const CylinderForm& f = objects_.cylinders.of(i);
+                add(site, Cylinder{{f.px, f.py, f.pz}, {f.ax, f.ay, f.az}, f.rho}, form(f));
+            }
+        }
+        for (const BoxSide& side : box_)
+            if (side.m.x() != 0 || side.m.z() != 0)
+                add(Site::box_side(side.index), Plane{side.k * side.m, side.m}, form(side));
+        found.add_twins(objects_);
+        problem.frame = frame_;
+        problem.is_sphere = false;
+        problem.radius = radius_;
+        problem.stretch = stretch_;
+        problem.family.chart = RadialChart::HalfAngle;
+        objects_.warn(found.sites, problem.warnings);
+        problem.sites = indexed<FormTag>(std::move(found.sites));
+        problem.objects = indexed<FormTag>(std::move(found.objects));
+        return problem;
+    }
+
+    const Scene& scene_;
+    const BaseFrame frame_;
+    const double radius_;
+    const std::array<BoxSide, 6> box_;
+    const std::array<double, 2> stretch_;
+    Objects objects_;
+};
+
+}  // namespace
+
+RadialBaseProblem radial_base_problem(const Scene& scene) {
+    if (const auto* sphere = std::get_if<Sphere>(&scene.base)) return SphereProblem(scene, *sphere).build();
+    return CylinderProblem(scene, std::get<Cylinder>(scene.base)).build();
+}
+
+Vec3 RadialBaseProblem::normal(const Vec2& p) const {
+    if (is_sphere) {
+        const double r2 = p.squaredNorm();
+        if (r2 <= 1) return chart * Vec3(2 * p.x(), 2 * p.y(), 1 - r2) / (1 + r2);
+        const Vec2 q = p / r2;
+        const double s2 = q.squaredNorm();
+        return chart * Vec3(2 * q.x(), 2 * q.y(), s2 - 1) / (1 + s2);
+    }
+    const bool front = p.x() <= 1;
+    const double x = front ? p.x() : p.x() - 2, w = front ? 1 + x * x : -(1 + x * x);
+    return {2 * x / w, 0, (1 - x * x) / w};
+}
+
+Vec2 RadialBaseProblem::chart_point(const Vec3& normal, double y) const {
+    if (is_sphere) {
+        const Vec3 v = chart.transpose() * normal;
+        if (v.z() >= 0) return v.head<2>() / (1 + v.z());
+        return v.head<2>() * (1 - v.z()) / v.head<2>().squaredNorm();
+    }
+    // The tangent of half the angle about (0, 0, 1) or (0, 0, -1); (-1, 0, 0) is x = -1, not 3.
+    const double s = normal.x(), c = normal.z();
+    const double x = c >= 0 ? s / (1 + c) : 2 - s / (1 - c);
+    return {x < 3 ? x : -1, y};
+}
+
+double RadialBaseProblem::distance(const Vec2& p, double f) const {
+    const double x = is_sphere || p.x() <= 1 ? p.x() : p.x() - 2;
+    return (1 + x * x + (is_sphere ? p.y() * p.y() : 0.0)) / -f;
+}
+
+}  // namespace vcell

@@ -1,0 +1,171 @@
+#include "sphere_chart.hpp"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace vcell {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double nearness(const Nearness::Cylindrical& f, const Vec3& u) {
+    const double beta = f.foot.dot(u) + f.delta, alpha = f.axis.dot(u);
+    const double root = std::sqrt(beta * beta + f.C * alpha * alpha);
+    return beta >= 0 ? (beta + root) / f.C : alpha * alpha / (root - beta);
+}
+
+// A bound on |grad Q|: beta changes by |foot| at most, the root, a norm of (beta, sqrt(C) alpha), by
+// |foot| + sqrt(C).
+double slope(const Nearness::Cylindrical& f) { return (2 * f.foot.norm() + std::sqrt(f.C)) / f.C; }
+
+// The disk about pole u in which its nearest object stays the nearest, by the tangent of half its angular
+// radius: all of the diagram's edges lie within 1 / radius of the chart's origin.
+class PoleJudge {
+public:
+    explicit PoleJudge(const Nearness& n) : n_(n) {}
+
+    double radius(const Vec3& u) const {
+        double best = -infinity;
+        std::size_t linear = n_.linear.size(), cylindrical = n_.cylindrical.size();
+        for (std::size_t i = 0; i < n_.linear.size(); ++i)
+            if (const double q = n_.linear[i].p.dot(u) + n_.linear[i].s; q > best) {
+                best = q;
+                linear = i;
+            }
+        for (std::size_t i = 0; i < n_.cylindrical.size(); ++i)
+            if (const double q = nearness(n_.cylindrical[i], u); q > best) {
+                best = q;
+                cylindrical = i;
+            }
+        double room = infinity;
+        if (cylindrical < n_.cylindrical.size()) {
+            // The slopes bound how soon another object catches up: tan(phi / 2) >= phi / 2.
+            const double own = slope(n_.cylindrical[cylindrical]);
+            for (const auto& f : n_.linear)
+                room = std::min(room, 0.5 * (best - f.p.dot(u) - f.s) / (own + f.p.norm()));
+            for (std::size_t i = 0; i < n_.cylindrical.size(); ++i)
+                if (i != cylindrical) {
+                    const auto& f = n_.cylindrical[i];
+                    room = std::min(room, 0.5 * (best - nearness(f, u)) / (own + slope(f)));
+                }
+            return room;
+        }
+        const auto& own = n_.linear[linear];
+        for (std::size_t i = 0; i < n_.linear.size(); ++i)
+            if (i != linear) room = std::min(room, room_beside(own, n_.linear[i], u, room));
+        for (const auto& f : n_.cylindrical)
+            room = std::min(room, 0.5 * (best - nearness(f, u)) / (own.p.norm() + slope(f)));
+        return room;
+    }
+
+private:
+    // With v = p - p', e = s - s' the difference v.u + e at angle phi from u is, in the worst direction,
+    // e + (v.u) cos phi - |v x u| sin phi; in r = tan(phi / 2), times 1 + r^2,
+    //     (e - v.u) r^2 - 2 |v x u| r + (e + v.u),
+    // with discriminant |v|^2 - e^2. The first positive root, which is larger than half of (v.u + e) / |v|.
+    static double room_beside(const Nearness::Linear& own, const Nearness::Linear& other, const Vec3& u,
+                              double enough) {
+        const Vec3 v = own.p - other.p;
+        const double e = own.s - other.s, along = v.dot(u), lead = along + e, v2 = v.squaredNorm();
+        if (!(lead > 0)) return 0;
+        if (lead * lead >= 4 * enough * enough * v2) return enough;
+        const double discriminant = v2 - e * e;
+        if (discriminant < 0) return infinity;
+        return lead / (std::sqrt(std::max(0.0, v2 - along * along)) + std::sqrt(discriminant));
+    }
+
+    const Nearness& n_;
+};
+
+// The direction in which some object comes nearest of all. That object, nearest of all there, owns it:
+// elsewhere the others are farther still.
+Vec3 nearest_direction(const Nearness& n) {
+    double best = -infinity;
+    Vec3 direction = Vec3::UnitZ();
+    for (const auto& f : n.linear) {
+        const double length = f.p.norm();
+        if (!(length + f.s > best)) continue;
+        best = length + f.s;
+        direction = f.p / length;
+    }
+    // A cylinder comes nearest where its axis does, at (|foot| - delta) / 2.
+    for (const auto& f : n.cylindrical) {
+        const double length = f.foot.norm(), q = 2 / (length - f.delta);
+        if (!(q > best)) continue;
+        best = q;
+        direction = f.foot / length;
+    }
+    return direction;
+}
+
+// Room enough: edges within 16 of the origin.
+constexpr double wide = 1.0 / 16;
+
+// Pattern search: five directions a step away, half the step when none of them is better. Steps that are not
+// larger than the room gain little more.
+Vec3 widest_pole(const PoleJudge& judge, Vec3 pole, double& room) {
+    room = judge.radius(pole);
+    int trials = 0;
+    for (double step = room > 1e-3 ? 4 * room : 0.5; room < wide && step > room && step > 0x1p-20;) {
+        Eigen::Index least = 0;
+        pole.cwiseAbs().minCoeff(&least);
+        const Vec3 e1 = Vec3::Unit(least).cross(pole).normalized(), e2 = pole.cross(e1);
+        Vec3 best = pole;
+        double best_room = room;
+        for (int k = 0; k < 5; ++k) {
+            // Turned a little every time: a symmetrical scene has edges in special directions.
+            const double angle = 2 * std::numbers::pi * k / 5 + ++trials;
+            const Vec3 trial = (pole + step * (std::cos(angle) * e1 + std::sin(angle) * e2)).normalized();
+            const double trial_room = judge.radius(trial);
+            if (trial_room <= best_room) continue;
+            best = trial;
+            best_room = trial_room;
+        }
+        if (best_room < 1.25 * room || best_room == 0) step /= 2;
+        pole = best;
+        room = best_room;
+    }
+    return pole;
+}
+
+// The rotation of an integer quaternion (w, x, y, z), times its squared norm; common factors cancelled.
+IntegerRotation rotation(const Eigen::Vector4d& q) {
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    IntegerRotation r;
+    r.matrix << w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),  //
+        2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),          //
+        2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z;
+    r.norm = q.squaredNorm();
+    auto common = static_cast<long long>(r.norm);
+    for (const double entry : r.matrix.reshaped()) common = std::gcd(common, static_cast<long long>(entry));
+    r.matrix /= static_cast<double>(common);
+    r.norm /= static_cast<double>(common);
+    return r;
+}
+
+}  // namespace
+
+std::optional<IntegerRotation> chart_rotation(const Nearness& nearness) {
+    double room = 0;
+    const Vec3 pole = widest_pole(PoleJudge(nearness), nearest_direction(nearness), room);
+    // The pole is the chart's -z axis: turn e_z to t = -pole, about e_z x t when that is less than a right
+    // angle, otherwise about the x axis by a half turn first.
+    const Vec3 t = -pole;
+    const Eigen::Vector4d turn = t.z() >= 0 ? Eigen::Vector4d(1 + t.z(), -t.y(), t.x(), 0)
+                                            : Eigen::Vector4d(-t.y(), 1 - t.z(), 0, t.x());
+    // The rounded pole may use a quarter of the room. Integers of 25 bits leave products of two in range.
+    for (int bits = 1; bits <= 24; ++bits) {
+        const Eigen::Vector4d q =
+            (turn * (std::ldexp(1.0, bits) / turn.cwiseAbs().maxCoeff())).array().round();
+        const IntegerRotation r = rotation(q);
+        if ((r.matrix.col(2) / r.norm - t).norm() <= 0.25 * std::min(room, 1.0)) return r;
+    }
+    return std::nullopt;
+}
+
+}  // namespace vcell
