@@ -5,6 +5,11 @@
 
 namespace vcell {
 
+double nearest(const Exact& value) {
+    const Interval around = value.enclosure();
+    return value + value < Exact(around.lower()) + around.upper() ? around.lower() : around.upper();
+}
+
 std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame) {
     std::array<BoxSide, 6> sides;
     for (std::uint32_t s = 0; s < 6; ++s) {

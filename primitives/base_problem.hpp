@@ -23,8 +23,8 @@ inline constexpr double frame_rounding = 0x1p-51;
 /// A double's relative error bound only holds above the subnormals; forms stay well clear of them.
 inline constexpr double smallest_coefficient = 1e-250;
 
-/// The double nearest to an exact number, or next to it.
-inline double nearest(const Exact& value) { return value.enclosure().mid(); }
+/// The double nearest to an exact number.
+double nearest(const Exact& value);
 
 /// m.p <= k inside, canonical coordinates; m is a unit vector, rounded.
 struct BoxSide {

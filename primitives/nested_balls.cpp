@@ -17,10 +17,11 @@ constexpr double tolerance = 8 * DBL_EPSILON;
 bool certainly_less(double p, double q) { return p * (1 + tolerance) + DBL_MIN < q; }
 
 bool is_inside(const Ball& inner, const Ball& outer) {
-    if (outer.rho <= inner.rho) return false;
+    const double gap = outer.rho - inner.rho;
     const double x = inner.cx - outer.cx, y = inner.cy - outer.cy, z = inner.cz - outer.cz;
-    const double gap = outer.rho - inner.rho, apart2 = x * x + y * y + z * z, gap2 = gap * gap;
-    if (certainly_less(gap2, apart2)) return false;
+    const double apart2 = x * x + y * y + z * z, gap2 = gap * gap;
+    // Most pairs end here, half of them by either condition: one branch that is well foreseen, not two.
+    if (static_cast<int>(gap <= 0) | static_cast<int>(certainly_less(gap2, apart2))) return false;
     if (certainly_less(apart2, gap2)) return true;
     const Exact ex = Exact(inner.cx) - outer.cx, ey = Exact(inner.cy) - outer.cy,
                 ez = Exact(inner.cz) - outer.cz;
@@ -37,20 +38,19 @@ public:
         add_node(0, static_cast<std::uint32_t>(balls.size()));
     }
 
-    std::uint32_t enclosing(const Ball& ball) const {
-        std::uint32_t n = 0;
-        while (n < nodes_.size()) {
-            const Node& node = nodes_[n];
-            if (!may_enclose(node, ball)) {
-                n = node.skip;
-                continue;
+    // Neighbours ask together: one walk through the tree for each leaf.
+    std::vector<std::uint32_t> enclosing() const {
+        std::vector<std::uint32_t> result(items_.size(), none);
+        for (const Node& leaf : nodes_) {
+            if (!is_leaf(leaf)) continue;
+            for (std::uint32_t n = 0; n < nodes_.size();) {
+                const Node& node = nodes_[n];
+                const bool met = may_enclose(node, leaf);
+                if (met && is_leaf(node)) compare(leaf, node, result);
+                n = met ? n + 1 : node.skip;
             }
-            if (node.end - node.begin <= leaf_size)
-                for (std::uint32_t i = node.begin; i < node.end; ++i)
-                    if (is_inside(ball, items_[i].ball)) return items_[i].index;
-            ++n;
         }
-        return none;
+        return result;
     }
 
 private:
@@ -61,25 +61,32 @@ private:
     // In preorder: what follows the subtree of a node is at `skip`.
     struct Node {
         std::array<double, 3> low, high;
-        double largest;
+        double smallest, largest;  // radii
         std::uint32_t begin, end, skip;
     };
+    static bool is_leaf(const Node& node) { return node.end - node.begin <= leaf_size; }
 
     static double coordinate(const Ball& b, int k) { return k == 0 ? b.cx : k == 1 ? b.cy : b.cz; }
 
-    static bool may_enclose(const Node& node, const Ball& ball) {
-        const double gap = node.largest - ball.rho;
+    static bool may_enclose(const Node& outer, const Node& inner) {
+        const double gap = outer.largest - inner.smallest;
         if (!(gap > 0)) return false;
         double apart2 = 0;
         for (int k = 0; k < 3; ++k) {
-            const double c = coordinate(ball, k), d = std::max({node.low[k] - c, c - node.high[k], 0.0});
+            const double d = std::max({outer.low[k] - inner.high[k], inner.low[k] - outer.high[k], 0.0});
             apart2 += d * d;
         }
         return !certainly_less(gap * gap, apart2);
     }
 
+    void compare(const Node& inner, const Node& outer, std::vector<std::uint32_t>& result) const {
+        for (std::uint32_t i = inner.begin; i < inner.end; ++i)
+            for (std::uint32_t k = outer.begin; k < outer.end; ++k)
+                if (is_inside(items_[i].ball, items_[k].ball)) result[items_[i].index] = items_[k].index;
+    }
+
     void add_node(std::uint32_t begin, std::uint32_t end) {
-        Node node{{}, {}, 0, begin, end, 0};
+        Node node{{}, {}, std::numeric_limits<double>::infinity(), 0, begin, end, 0};
         node.low.fill(std::numeric_limits<double>::infinity());
         node.high.fill(-std::numeric_limits<double>::infinity());
         for (std::uint32_t i = begin; i < end; ++i) {
@@ -88,6 +95,7 @@ private:
                 node.low[k] = std::min(node.low[k], coordinate(b, k));
                 node.high[k] = std::max(node.high[k], coordinate(b, k));
             }
+            node.smallest = std::min(node.smallest, b.rho);
             node.largest = std::max(node.largest, b.rho);
         }
         const std::size_t place = nodes_.size();
@@ -114,12 +122,9 @@ private:
 }  // namespace
 
 std::vector<std::uint32_t> enclosing_balls(std::span<const Ball> balls) {
-    std::vector<std::uint32_t> enclosing(balls.size(), none);
     const auto [smallest, largest] = std::ranges::minmax_element(balls, {}, &Ball::rho);
-    if (balls.empty() || smallest->rho == largest->rho) return enclosing;
-    const BallTree tree(balls);
-    for (std::size_t i = 0; i < balls.size(); ++i) enclosing[i] = tree.enclosing(balls[i]);
-    return enclosing;
+    if (balls.empty() || smallest->rho == largest->rho) return std::vector(balls.size(), none);
+    return BallTree(balls).enclosing();
 }
 
 }  // namespace vcell

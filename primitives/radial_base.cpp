@@ -102,7 +102,7 @@ public:
         for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
     }
 
-    void warn(const std::vector<std::vector<Site>>& sites, std::vector<std::string>& warnings) const {
+    void warn(const IdVector<FormId, std::vector<Site>>& sites, std::vector<std::string>& warnings) const {
         if (!unmet_.empty())
             warnings.push_back(listed(unmet_) +
                                ": out of sight of the base, never nearest to any point of its cell");
@@ -210,39 +210,35 @@ void check_range(double x, Site site, const Scene& scene) {
     throw InputError(Kind::OutOfRange, InputError::no_object, "box", "side " + to_string(site) + " " + what);
 }
 
-// The first site of each form, and all of them.
+// The sites of each form, and the first one as an object.
 struct FormSites {
     std::vector<FormId> of_object;
-    std::vector<std::vector<Site>> sites;
-    std::vector<Object> objects;
+    IdVector<FormId, std::vector<Site>> sites;
+    IdVector<FormId, Object> objects;
 
-    explicit FormSites(std::size_t n) : of_object(n) {}
-    FormId add(Site site, Object canonical) {
-        const FormId f{static_cast<std::uint32_t>(sites.size())};
-        sites.push_back({site});
-        objects.push_back(std::move(canonical));
+    explicit FormSites(std::size_t object_count) : of_object(object_count) {
+        sites.reserve(object_count + 6);
+        objects.reserve(object_count + 6);
+    }
+    void add(Site site, const Object& canonical) {
+        sites.push_back({});
+        join(site, objects.push_back(canonical));
+    }
+    void join(Site site, FormId f) {
+        sites[f].push_back(site);
         if (site.is_object()) of_object[site.index] = f;
-        return f;
     }
     // The sites of objects that have another one's form.
     void add_twins(const Objects& all) {
         for (std::uint32_t i = 0; i < of_object.size(); ++i) {
             const std::uint32_t owner = all.owner(i);
             if (owner == none || owner == i) continue;
-            std::vector<Site>& group = sites[of_object[owner].value];
+            std::vector<Site>& group = sites[of_object[owner]];
             group.push_back(Site::object(i));
             std::ranges::sort(group);
         }
     }
 };
-
-template <class Tag, class T>
-IdVector<Id<Tag>, T> indexed(std::vector<T>&& items) {
-    IdVector<Id<Tag>, T> result;
-    result.reserve(items.size());
-    for (T& item : items) result.push_back(std::move(item));
-    return result;
-}
 
 // ---- Sphere base: heights that are linear in u ------------------------------------------------------
 
@@ -579,7 +575,7 @@ private:
         for (std::uint32_t s = 0; s < 6; ++s) {
             const Site site = Site::box_side(s);
             if (side_twin_[s] != none) {
-                found.sites[found.of_object[objects_.owner(side_twin_[s])].value].push_back(site);
+                found.join(site, found.of_object[objects_.owner(side_twin_[s])]);
                 continue;
             }
             const WorldSide side(scene_.box, s);
@@ -615,8 +611,8 @@ private:
             return *std::get<std::shared_ptr<const ExactForm>>(source);
         };
         objects_.warn(found.sites, problem.warnings);
-        problem.sites = indexed<FormTag>(std::move(found.sites));
-        problem.objects = indexed<FormTag>(std::move(found.objects));
+        problem.sites = std::move(found.sites);
+        problem.objects = std::move(found.objects);
         return problem;
     }
 
@@ -819,20 +815,19 @@ private:
         FormSites found(n);
         std::vector<std::array<Exact, 6>> rays;  // of rational heights, and whose they are
         std::vector<FormId> ray_forms;
-        const auto add = [&](Site site, Object canonical, RadialForm f) {
+        const auto add = [&](Site site, const Object& canonical, RadialForm f) {
             // With balls C is quadratic in y and no other rational height's is.
             if (!f.has_root() && !std::holds_alternative<Sphere>(canonical)) {
                 const std::array<Exact, 6> ray{f.c[0], f.c[1], f.c[2], f.b0, f.b[0], f.b[2]};
                 for (std::size_t k = 0; k < rays.size(); ++k) {
                     if (compare_rays(ray, rays[k]) != 0) continue;
-                    found.sites[ray_forms[k].value].push_back(site);
-                    if (site.is_object()) found.of_object[site.index] = ray_forms[k];
+                    found.join(site, ray_forms[k]);
                     return;
                 }
                 rays.push_back(ray);
                 ray_forms.push_back(FormId{static_cast<std::uint32_t>(found.sites.size())});
             }
-            found.add(site, std::move(canonical));
+            found.add(site, canonical);
             problem.family.radial.push_back(std::move(f));
         };
         for (std::uint32_t i = 0; i < n; ++i) {
@@ -859,8 +854,8 @@ private:
         problem.stretch = stretch_;
         problem.family.chart = RadialChart::HalfAngle;
         objects_.warn(found.sites, problem.warnings);
-        problem.sites = indexed<FormTag>(std::move(found.sites));
-        problem.objects = indexed<FormTag>(std::move(found.objects));
+        problem.sites = std::move(found.sites);
+        problem.objects = std::move(found.objects);
         return problem;
     }
 

@@ -106,31 +106,51 @@ Vec3 nearest_direction(const Nearness& n) {
 // Room enough: edges within 16 of the origin.
 constexpr double wide = 1.0 / 16;
 
+// Less room than this is not told from rounding errors.
+constexpr double narrow = 0x1p-20;
+
+struct Pole {
+    Vec3 direction;
+    double room;
+};
+
 // Pattern search: five directions a step away, half the step when none of them is better. Steps that are not
 // larger than the room gain little more.
-Vec3 widest_pole(const PoleJudge& judge, Vec3 pole, double& room) {
-    room = judge.radius(pole);
+Pole widened(const PoleJudge& judge, const Vec3& start) {
+    Pole pole{start, judge.radius(start)};
     int trials = 0;
-    for (double step = room > 1e-3 ? 4 * room : 0.5; room < wide && step > room && step > 0x1p-20;) {
+    for (double step = pole.room > 1e-3 ? 4 * pole.room : 0.5;
+         pole.room < wide && step > pole.room && step > narrow;) {
         Eigen::Index least = 0;
-        pole.cwiseAbs().minCoeff(&least);
-        const Vec3 e1 = Vec3::Unit(least).cross(pole).normalized(), e2 = pole.cross(e1);
-        Vec3 best = pole;
-        double best_room = room;
+        pole.direction.cwiseAbs().minCoeff(&least);
+        const Vec3 e1 = Vec3::Unit(least).cross(pole.direction).normalized(), e2 = pole.direction.cross(e1);
+        Pole best = pole;
         for (int k = 0; k < 5; ++k) {
             // Turned a little every time: a symmetrical scene has edges in special directions.
             const double angle = 2 * std::numbers::pi * k / 5 + ++trials;
-            const Vec3 trial = (pole + step * (std::cos(angle) * e1 + std::sin(angle) * e2)).normalized();
-            const double trial_room = judge.radius(trial);
-            if (trial_room <= best_room) continue;
-            best = trial;
-            best_room = trial_room;
+            const Vec3 trial =
+                (pole.direction + step * (std::cos(angle) * e1 + std::sin(angle) * e2)).normalized();
+            if (const double room = judge.radius(trial); room > best.room) best = {trial, room};
         }
-        if (best_room < 1.25 * room || best_room == 0) step /= 2;
+        if (!(best.room > 1.25 * pole.room)) step /= 2;
         pole = best;
-        room = best_room;
     }
     return pole;
+}
+
+Pole widest_pole(const Nearness& nearness) {
+    const PoleJudge judge(nearness);
+    Pole best = widened(judge, nearest_direction(nearness));
+    // Where the nearest objects are all but equal over a whole cap of directions, look elsewhere: on a spiral
+    // around the sphere, by the golden angle.
+    constexpr int starts = 32;
+    for (int k = 0; best.room <= narrow && k < starts; ++k) {
+        const double z = (2 * k + 1.0) / starts - 1, r = std::sqrt(1 - z * z);
+        const double angle = 2 * std::numbers::pi * std::numbers::phi * k;
+        const Pole pole = widened(judge, Vec3(r * std::cos(angle), r * std::sin(angle), z));
+        if (pole.room > best.room) best = pole;
+    }
+    return best;
 }
 
 // The rotation of an integer quaternion (w, x, y, z), times its squared norm; common factors cancelled.
@@ -151,11 +171,10 @@ IntegerRotation rotation(const Eigen::Vector4d& q) {
 }  // namespace
 
 std::optional<IntegerRotation> chart_rotation(const Nearness& nearness) {
-    double room = 0;
-    const Vec3 pole = widest_pole(PoleJudge(nearness), nearest_direction(nearness), room);
+    const Pole pole = widest_pole(nearness);
     // The pole is the chart's -z axis: turn e_z to t = -pole, about e_z x t when that is less than a right
     // angle, otherwise about the x axis by a half turn first.
-    const Vec3 t = -pole;
+    const Vec3 t = -pole.direction;
     const Eigen::Vector4d turn = t.z() >= 0 ? Eigen::Vector4d(1 + t.z(), -t.y(), t.x(), 0)
                                             : Eigen::Vector4d(-t.y(), 1 - t.z(), 0, t.x());
     // The rounded pole may use a quarter of the room. Integers of 25 bits leave products of two in range.
@@ -163,7 +182,7 @@ std::optional<IntegerRotation> chart_rotation(const Nearness& nearness) {
         const Eigen::Vector4d q =
             (turn * (std::ldexp(1.0, bits) / turn.cwiseAbs().maxCoeff())).array().round();
         const IntegerRotation r = rotation(q);
-        if ((r.matrix.col(2) / r.norm - t).norm() <= 0.25 * std::min(room, 1.0)) return r;
+        if ((r.matrix.col(2) / r.norm - t).norm() <= 0.25 * std::min(pole.room, 1.0)) return r;
     }
     return std::nullopt;
 }
