@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <variant>
 
 #include "../core/errors.hpp"
 #include "../core/exact.hpp"
+#include "base_problem.hpp"
 #include "exact_space.hpp"
 #include "message.hpp"
 #include "solids.hpp"
@@ -24,20 +23,10 @@ namespace {
 
 using Kind = InputError::Kind;
 
-// A double's relative error bound only holds above the subnormals; forms stay well clear of them.
-constexpr double smallest_coefficient = 1e-250;
-
 // The square of an axis' slope against the base is a coefficient of the height.
 constexpr double smallest_slope = 1e-125;
 
-double nearest(const Exact& value) { return value.enclosure().mid(); }
-
 // ---- Frame ------------------------------------------------------------------------------------------
-
-// A rotation in doubles is off by a few units of 2^-53. Components of the unit normal below that are noise
-// (a cosine of pi/2), and taking them at their word would lean the box's sides over the base by as
-// much: they are rounded to zero together with the rest of the frame.
-constexpr double frame_rounding = 0x1p-51;
 
 BaseFrame canonical_frame(const Plane& base, const Box& box) {
     BaseFrame frame;
@@ -72,26 +61,6 @@ BaseFrame canonical_frame(const Plane& base, const Box& box) {
 }
 
 // ---- Base region ------------------------------------------------------------------------------------
-
-// m.p <= k inside, canonical coordinates.
-struct BoxSide {
-    Vec3 m;
-    double k;
-    std::uint32_t index;
-};
-
-std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame) {
-    std::array<BoxSide, 6> sides;
-    for (std::uint32_t s = 0; s < 6; ++s) {
-        const Eigen::Index axis = s / 2;
-        const Vec3 m = frame.rotation.col(axis);
-        if (s % 2 == 0)
-            sides[s] = {-m, frame.origin[axis] - box.min[axis], s};
-        else
-            sides[s] = {m, box.max[axis] - frame.origin[axis], s};
-    }
-    return sides;
-}
 
 // A point (x / d, y / d), d > 0.
 struct ExactPoint {
@@ -318,13 +287,8 @@ private:
 
 // ---- Forms ------------------------------------------------------------------------------------------
 
-struct Ball {
-    double cx, cy, cz, rho;
-
-    friend bool operator==(const Ball&, const Ball&) = default;
-    Exact behind() const { return Exact(cz) - rho; }  // height of the lowest point
-    Exact width() const { return Exact(cz) + rho; }   // beta
-};
+Exact behind(const Ball& s) { return Exact(s.cz) - s.rho; }  // height of the lowest point
+Exact width(const Ball& s) { return Exact(s.cz) + s.rho; }   // beta
 
 // Each of the four operations below is one rounding of exact operands or two of rounded ones: e has a
 // relative error of 3u, w of u.
@@ -340,7 +304,7 @@ CircularForm ball_form(const Ball& s) {
 
 ExactForm exact_ball_form(const Ball& s) {
     const Exact cx(s.cx), cy(s.cy);
-    return {1.0, -2.0 * cx, -2.0 * cy, cx * cx + cy * cy + s.behind() * s.width(), 2.0 * s.width()};
+    return {1.0, -2.0 * cx, -2.0 * cy, cx * cx + cy * cy + behind(s) * width(s), 2.0 * width(s)};
 }
 
 // (A x + B y + C) / W, of a plane or a box side.
@@ -354,55 +318,6 @@ LinearForm plane_form(const Vec3& n, const Exact& d) {
     if (!(n.z() > 0)) return {n.x(), n.y(), d, Exact(length) - n.z()};
     const Exact factor = Exact(length) + n.z();
     return {factor * n.x(), factor * n.y(), factor * d, xy};
-}
-
-// Total order of vectors up to positive factors: the first non-zero component's place and sign, then
-// the others' ratios to it.
-int compare_rays(const LinearForm& p, const LinearForm& q) {
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        const Sign sp = p[i].sign(), sq = q[i].sign();
-        if (sp != sq) return sp < sq ? -1 : 1;
-        if (sp == Sign::Zero) continue;
-        for (std::size_t j = i + 1; j < p.size(); ++j) {
-            const Sign s = (p[j] * q[i] - q[j] * p[i]).sign() * sp;
-            if (s != Sign::Zero) return static_cast<int>(s);
-        }
-        return 0;
-    }
-    return 0;
-}
-
-// For each vector the first one that is a positive multiple of it.
-std::vector<std::uint32_t> first_equal(const std::vector<LinearForm>& rays) {
-    std::vector<std::uint32_t> order(rays.size()), first(rays.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t i, std::uint32_t j) { return compare_rays(rays[i], rays[j]) < 0; });
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const bool same = i > 0 && compare_rays(rays[order[i - 1]], rays[order[i]]) == 0;
-        first[order[i]] = same ? first[order[i - 1]] : order[i];
-    }
-    return first;
-}
-
-// For each ball the first one equal to it; open addressing, linear in the number of balls.
-std::vector<std::uint32_t> first_equal(const std::vector<Ball>& balls) {
-    constexpr std::uint32_t none = UINT32_MAX;
-    std::vector<std::uint32_t> table(std::bit_ceil(2 * balls.size() + 1), none), first(balls.size());
-    const std::size_t mask = table.size() - 1;
-    for (std::uint32_t i = 0; i < balls.size(); ++i) {
-        std::uint64_t hash = 0;
-        for (const double x : {balls[i].cx, balls[i].cy, balls[i].cz, balls[i].rho}) {
-            // x + 0 makes -0 hash like 0. The rest is a multiply-xorshift mixing step.
-            hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15u;
-            hash ^= hash >> 32;
-        }
-        std::size_t slot = hash & mask;
-        while (table[slot] != none && !(balls[table[slot]] == balls[i])) slot = (slot + 1) & mask;
-        if (table[slot] == none) table[slot] = i;
-        first[i] = table[slot];
-    }
-    return first;
 }
 
 // What the exact coefficients of a form are computed from.
@@ -465,7 +380,7 @@ private:
         const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
         if (!(ball.cz > ball.rho) && !(ball.cz < -ball.rho)) {
             // The sphere meets the base plane in a disk of squared radius (rho - cz)(rho + cz) >= 0.
-            const Sign depth = region_.reach(ball.cx, ball.cy, -(ball.behind() * ball.width()));
+            const Sign depth = region_.reach(ball.cx, ball.cy, -(behind(ball) * width(ball)));
             if (depth != Sign::Negative) fail_touching(i, depth, region_.nearest_point(c.head<2>()));
         }
         if (!(ball.cz > -ball.rho)) {
@@ -507,12 +422,7 @@ private:
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const Vec3 p = frame_.to_canonical(cylinder.point);
-        // A power of two brings the axis to [1/2, 1): its length drops out of the height, and products of
-        // four lengths and four axis components stay in range.
-        int exponent = 0;
-        std::frexp(cylinder.axis.cwiseAbs().maxCoeff(), &exponent);
-        Vec3 a = frame_.rotation *
-                 Vec3(cylinder.axis.unaryExpr([&](double x) { return std::ldexp(x, -exponent); }));
+        Vec3 a = frame_.rotation * scaled_axis(cylinder.axis);
         if (!frame_.is_axis_parallel())
             for (double& component : a)
                 if (std::abs(component) < frame_rounding) component = 0;
@@ -691,16 +601,6 @@ private:
                 if (first == object) sites.push_back(Site::object(twin));
             sites_.push_back(sites);
         }
-    }
-
-    // A base plane in the middle of a packing leaves half of it behind: name a few, count the rest.
-    static std::string listed(const std::vector<std::string>& items) {
-        constexpr std::size_t named = 8;
-        std::string text;
-        for (std::size_t i = 0; i < std::min(named, items.size()); ++i)
-            text += (i > 0 ? ", " : "") + items[i];
-        if (items.size() > named) text += " and " + std::to_string(items.size() - named) + " more";
-        return text;
     }
 
     void warn() {
