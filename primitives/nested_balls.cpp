@@ -11,8 +11,8 @@ namespace {
 constexpr std::uint32_t none = UINT32_MAX;
 constexpr std::uint32_t leaf_size = 8;
 
-// Squares and their sums of doubles are off by less than 8 u, relatively, and by DBL_MIN where they leave the
-// range.
+// Squares and their sums of differences of doubles are off by less than 8 u, relatively, and by DBL_MIN where
+// they leave the range.
 constexpr double tolerance = 8 * DBL_EPSILON;
 bool certainly_less(double p, double q) { return p * (1 + tolerance) + DBL_MIN < q; }
 
@@ -119,11 +119,29 @@ private:
     std::vector<Node> nodes_;
 };
 
+// Of a few balls the tree costs more than pairs do whose centres are near each other along x.
+std::vector<std::uint32_t> enclosing_by_sweep(std::span<const Ball> balls, double largest_gap) {
+    std::vector<std::uint32_t> result(balls.size(), none), order(balls.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, {}, [&](std::uint32_t i) { return balls[i].cx; });
+    const double reach = largest_gap * (1 + tolerance);
+    for (std::size_t i = 0; i < order.size(); ++i)
+        for (std::size_t k = i + 1; k < order.size(); ++k) {
+            const Ball &p = balls[order[i]], &q = balls[order[k]];
+            if (q.cx - p.cx > reach) break;
+            if (is_inside(p, q)) result[order[i]] = order[k];
+            if (is_inside(q, p)) result[order[k]] = order[i];
+        }
+    return result;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> enclosing_balls(std::span<const Ball> balls) {
+    constexpr std::size_t few = 128;
     const auto [smallest, largest] = std::ranges::minmax_element(balls, {}, &Ball::rho);
     if (balls.empty() || smallest->rho == largest->rho) return std::vector(balls.size(), none);
+    if (balls.size() <= few) return enclosing_by_sweep(balls, largest->rho - smallest->rho);
     return BallTree(balls).enclosing();
 }
 

@@ -342,8 +342,8 @@ struct BallDifferences {
           delta(ball.rho, radius) {}
 
     // |c|^2 - delta^2
-    CompensatedSum power() const {
-        CompensatedSum C;
+    CompensatedSum<> power() const {
+        CompensatedSum<> C;
         for (const Difference& x : c) C.add_square(1, x);
         C.add_square(-1, delta);
         return C;
@@ -353,38 +353,43 @@ struct BallDifferences {
 // SphereFrame::form() in compensated sums, where they suffice.
 class FastForms {
 public:
-    explicit FastForms(const SphereFrame& frame) : frame_(frame), norm_(frame.rotation.norm) {
-        for (int j = 0; j < 3; ++j)
-            for (int k = 0; k < 3; ++k) column_[j][k] = frame.rotation.matrix(k, j);
+    explicit FastForms(const SphereFrame& frame)
+        : frame_(frame), norm_(frame.rotation.norm), delta_(Four(0, 0, -norm_.value, norm_.value)) {
+        for (int k = 0; k < 3; ++k) {
+            const auto row = frame.rotation.matrix.row(k);
+            row_.emplace_back(Four(row[0], row[1], row[2], row[2]));
+        }
     }
 
-    std::optional<CircularForm> form(const Ball& ball) const {
+    // `power` is that of the ball's differences.
+    std::optional<CircularForm> form(const Ball& ball, const CompensatedSum<>& power) const {
         const BallDifferences d(ball, frame_.center, frame_.radius);
-        std::array<CompensatedSum, 3> P;
-        for (int j = 0; j < 3; ++j)
-            for (int k = 0; k < 3; ++k) P[j].add(column_[j][k], d.c[k]);
-        CompensatedSum K = P[2], C = P[2];
-        K.add(-norm_, d.delta);
-        C.add(norm_, d.delta);
-        const auto k = K.value(), x = P[0].value(), y = P[1].value(), c = C.value(),
-                   w = d.power().times(norm_).value();
-        if (!k || !x || !y || !c || !w) return std::nullopt;
-        return scaled_form(*k, -2 * *x, -2 * *y, -*c, 0.5 * *w);
+        // P0, P1, K and -C side by side.
+        CompensatedSum<Four> sums;
+        for (int k = 0; k < 3; ++k) sums.add(row_[k], d.c[k]);
+        sums.add(delta_, d.delta);
+        const auto f = sums.value();
+        const auto w = power.times(norm_).value();
+        if (!f || !w) return std::nullopt;
+        return scaled_form((*f)[2], -2 * (*f)[0], -2 * (*f)[1], -(*f)[3], 0.5 * *w);
     }
 
     std::optional<CircularForm> form(const WorldSide& side) const {
-        CompensatedSum distance;
-        distance.add(Difference(side.bound, frame_.center[side.axis]));
-        const auto w = distance.times(norm_).value();
+        CompensatedSum<> distance;
+        distance.add(norm_, Difference(side.bound, frame_.center[side.axis]));
+        const auto w = distance.value();
         if (!w) return std::nullopt;
         const Vec3 P = side.sign * frame_.rotation.matrix.row(side.axis).transpose();
         return scaled_form(P.z(), -2 * P.x(), -2 * P.y(), -P.z(), side.sign * *w);
     }
 
 private:
+    using Four = Eigen::Array4d;
+
     const SphereFrame& frame_;
-    Halves norm_;
-    std::array<std::array<Halves, 3>, 3> column_;
+    Halves<> norm_;
+    Halves<Four> delta_;
+    std::vector<Halves<Four>> row_;
 };
 
 // ---- Sphere base: the problem -----------------------------------------------------------------------
@@ -408,6 +413,11 @@ public:
     }
 
 private:
+    // C of a ball.
+    struct Power {
+        CompensatedSum<> sum;
+        double rounded;
+    };
     using FormSource = std::variant<Ball, WorldSide, std::shared_ptr<const ExactForm>>;
 
     void check_box() const {
@@ -427,7 +437,8 @@ private:
 
     void add(std::uint32_t i, const Sphere& sphere) {
         const Ball ball{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
-        auto C = BallDifferences(ball, frame_->center, frame_->radius).power().value();
+        const CompensatedSum<> power = BallDifferences(ball, frame_->center, frame_->radius).power();
+        auto C = power.value();
         if (!C) C = 2 * nearest(frame_->height(ball).w);
         if (!(*C > 0)) {
             const bool same = ball.rho == frame_->radius && sphere.center == frame_->center;
@@ -437,7 +448,7 @@ private:
                                                        : "lies in the base");
         }
         objects_.balls.add(ball, i);
-        powers_.push_back(*C);
+        powers_.push_back({power, *C});
     }
 
     void add(std::uint32_t i, const Plane& plane) {
@@ -490,7 +501,8 @@ private:
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             const Ball& ball = objects_.balls.items[i];
             const double size = ball.rho - frame_->radius;
-            if (powers_[i] > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i])) continue;
+            if (powers_[i].rounded > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
+                continue;
             const std::array<Exact, 5> of_ball = ray(frame_->height(ball));
             for (std::size_t k = 0; k < objects_.planes.size(); ++k)
                 if (objects_.is_kept(objects_.planes.objects[k]) &&
@@ -508,7 +520,7 @@ private:
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             if (!objects_.is_kept(objects_.balls.objects[i])) continue;
             const Ball& ball = objects_.balls.items[i];
-            const double scale = 2 / powers_[i];
+            const double scale = 2 / powers_[i].rounded;
             nearness.linear.push_back(
                 {scale * (Vec3(ball.cx, ball.cy, ball.cz) - center), scale * (ball.rho - radius)});
         }
@@ -556,13 +568,15 @@ private:
             forms.push_back(f);
             sources->push_back(std::move(source));
         };
+        std::size_t next_ball = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
+            const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]);
+            const std::size_t k = sphere != nullptr ? next_ball++ : 0;
             if (!objects_.is_kept(i)) continue;
-            if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i])) {
-                const Vec3& c = sphere->center;
-                const Ball ball{c.x(), c.y(), c.z(), sphere->radius};
-                found.add(Site::object(i), Sphere{c - frame_->center, sphere->radius});
-                const auto f = fast.form(ball);
+            if (sphere != nullptr) {
+                const Ball& ball = objects_.balls.items[k];
+                found.add(Site::object(i), Sphere{sphere->center - frame_->center, sphere->radius});
+                const auto f = fast.form(ball, powers_[k].sum);
                 add(f ? *f : rounded(frame_->form(frame_->height(ball))), ball);
             } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
                 found.add(Site::object(i), Plane{plane->point - frame_->center, plane->normal});
@@ -619,7 +633,7 @@ private:
     const Scene& scene_;
     std::shared_ptr<SphereFrame> frame_;
     Objects objects_;
-    std::vector<double> powers_;  // C of the balls, as rounded
+    std::vector<Power> powers_;  // of objects_.balls
     std::array<std::uint32_t, 6> side_twin_{none, none, none, none, none, none};
 };
 

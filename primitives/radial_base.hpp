@@ -60,10 +60,17 @@ struct RadialBaseProblem {
     }
 };
 
-/// Throws InputError as plane_base_problem() does: TouchesBase for a plane that cuts or touches the base, for a ball
-/// or cylinder that contains the base's body or lies in it (of a cylinder base: of the part over its stretch),
-/// EmptyBox where the base does not lie in the box (sphere) or no circle of it does (cylinder). By exact signs.
-/// A ball or cylinder that lies in another one's solid is left out with a warning.
+/// Throws InputError as plane_base_problem() does, by exact signs:
+///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a ball or
+///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of its
+///                circles), lies in it, or runs through it near its centre or axis;
+///   EmptyBox     the base sphere reaches beyond a side of the box (touching it from within is fine: clearance is 0
+///                there), a base of radius 0 lies on a side, or no stretch of the base cylinder is in the box;
+///   OutOfRange   a height's coefficients leave the double range.
+/// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
+/// objects are all but equal.
+/// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a plane; over a
+/// cylinder balls out of sight beyond the ends of the stretch.
 /// Pre: validate(scene) has passed; the base is a sphere or a cylinder.
 RadialBaseProblem radial_base_problem(const Scene& scene);
 

@@ -1,4 +1,4 @@
-/// How cylinders lie among other solids, in canonical coordinates over a plane base, by exact signs.
+/// How cylinders lie among other solids, all given by doubles in one frame, by exact signs.
 ///
 /// An object that lies in another one's solid is never nearer than that one, at best as near. Such ties may
 /// run along whole curves of the base (a ball that fills a stretch of a cylinder, a cylinder that

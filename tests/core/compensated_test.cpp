@@ -2,10 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
 
 #include "../../core/exact.hpp"
 #include "test_support.hpp"
@@ -42,7 +43,7 @@ TEST_CASE("difference: high and low add up to it exactly") {
         const double a = unit(rng), b = std::ldexp(unit(rng), static_cast<int>(rng() % 120) - 60);
         const Difference d(a, b);
         CHECK(Exact(d.high.value) + d.low == Exact(a) - b);
-        CHECK(std::abs(d.low) <= u * std::abs(d.value()));
+        CHECK(std::abs(d.low) <= u * std::abs(d.high.value));
     }
 }
 
@@ -51,10 +52,10 @@ TEST_CASE("compensated sum: within 1.01 u, or no answer where too much cancels")
     std::uniform_real_distribution<double> unit(-1, 1);
     int answered = 0, refused = 0;
     for (int i = 0; i < 4000; ++i) {
-        // Eight terms: products, squares of differences, differences; the last cancels the others down to a part
-        // of 2^-bits.
+        // Eight terms: products, squares of differences, differences; the last cancels the others down to a
+        // part of 2^-bits.
         const int bits = static_cast<int>(rng() % 80);
-        CompensatedSum sum;
+        CompensatedSum<> sum;
         Exact exact;
         for (int k = 0; k < 5; ++k) {
             const double x = unit(rng), a = unit(rng), b = unit(rng);
@@ -66,14 +67,14 @@ TEST_CASE("compensated sum: within 1.01 u, or no answer where too much cancels")
                 sum.add_square(k == 1 ? 1 : -1, d);
                 exact += (k == 1 ? 1.0 : -1.0) * (Exact(a) - b) * (Exact(a) - b);
             } else {
-                sum.add(d);
-                exact += Exact(a) - b;
+                sum.add(Halves<>(-1), d);
+                exact -= Exact(a) - b;
             }
         }
         const double rest = std::ldexp(unit(rng), -bits), head = exact.enclosure().mid(),
                      tail = (exact - head).enclosure().mid();
         for (const double x : {-head, -tail, rest}) {
-            sum.add(Halves(1), Halves(x));
+            sum.add(Halves<>(1), Halves<>(x));
             exact += x;
         }
         const double factor = std::round(0x1p50 * unit(rng));
@@ -85,7 +86,30 @@ TEST_CASE("compensated sum: within 1.01 u, or no answer where too much cancels")
     }
     CHECK(answered > 1000);
     CHECK(refused > 1000);
-    CompensatedSum zero;
-    zero.add(Halves(0), Halves(3));
+    CompensatedSum<> zero;
+    zero.add(Halves<>(0), Halves<>(3));
     CHECK(zero.value() == 0.0);
+}
+
+TEST_CASE("compensated sum: several at once are as one by one") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 200; ++i) {
+        CompensatedSum<Eigen::Array4d> sums;
+        std::array<CompensatedSum<>, 4> each;
+        for (int k = 0; k < 4; ++k) {
+            const Eigen::Array4d x(unit(rng), unit(rng), unit(rng), unit(rng));
+            const Difference d(unit(rng), unit(rng));
+            sums.add(Halves(x), d);
+            for (int j = 0; j < 4; ++j) each[j].add(Halves<>(x[j]), d);
+        }
+        const auto values = sums.times(Halves<>(3)).value();
+        REQUIRE(values);
+        for (int j = 0; j < 4; ++j) CHECK((*values)[j] == each[j].times(Halves<>(3)).value());
+    }
+    // One that cancels spoils the answer.
+    CompensatedSum<Eigen::Array4d> sums;
+    sums.add(Halves<Eigen::Array4d>(Eigen::Array4d(1, 2, 3, 4)), Halves<>(1));
+    sums.add(Halves<Eigen::Array4d>(Eigen::Array4d(1, 2, -3, 4)), Halves<>(1));
+    CHECK(!sums.value());
 }

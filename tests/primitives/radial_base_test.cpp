@@ -583,7 +583,7 @@ TEST_CASE("nested balls: as comparing all pairs exactly tells") {
     Random r;
     for (int round = 0; round < 60; ++round) {
         std::vector<Ball> balls;
-        const int count = 1 + static_cast<int>(r.rng() % 120);
+        const int count = 1 + static_cast<int>(r.rng() % 400);
         const double scale = r.pick({1e-30, 1, 1e30});
         for (int i = 0; i < count; ++i) {
             // Multiples of 1/4: many touch from within; one ulp more or less decides.
