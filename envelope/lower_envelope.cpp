@@ -32,8 +32,11 @@ using Jet = CircleKernel::Jet;
 
 // Measured on random scenes (bench_envelope): pieces of fewer candidates spend more on seams, larger ones more
 // on comparing faces with forms that lose there.
-constexpr std::size_t piece_candidates = 64;
-constexpr std::size_t quartering_candidates = 16;
+struct Sizes {
+    std::size_t piece;       // candidates that are merged without splitting further
+    std::size_t quartering;  // more of them are culled in quarters before
+};
+constexpr Sizes region_sizes{64, 16}, sphere_sizes{32, 4};
 // Splitting on although the candidates hardly get fewer: this often in a row, then the piece is taken as it is.
 constexpr int most_stalled_splits = 8;
 // Pieces with more competitors than this are not plain: looking closer is a waste.
@@ -101,6 +104,7 @@ public:
 
     // Pre: the region's rim, and all beyond it, belongs to one form.
     MinimizationDiagram over_sphere() {
+        sizes_ = sphere_sizes;
         patchwork_.drop_rim(solve_all(root_, 1.0));
         MinimizationDiagram result = finish();
         result.region = {};
@@ -188,7 +192,7 @@ private:
         std::vector<FormId> candidates;
         cull(piece.rect, inherited, [&](std::size_t i) { candidates.push_back(inherited[i]); });
         stalled = 8 * candidates.size() > 7 * inherited.size() ? stalled + 1 : 0;
-        if (candidates.size() > piece_candidates && stalled <= most_stalled_splits) {
+        if (candidates.size() > sizes_.piece && stalled <= most_stalled_splits) {
             if (const auto halves = split(piece)) {
                 const Patchwork::Index a = solve(halves->first, candidates, share * split_ratio, stalled);
                 const Patchwork::Index b = solve(halves->second, candidates, share * (1 - split_ratio), stalled);
@@ -372,7 +376,7 @@ private:
 
     Patchwork::Index conquer(const Piece& piece, std::vector<FormId>& candidates, double share) {
         const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1, y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
-        if (candidates.size() > quartering_candidates) cull_in_quarters(piece.rect, candidates);
+        if (candidates.size() > sizes_.quartering) cull_in_quarters(piece.rect, candidates);
         // Low ones first: most of the others then lose at once.
         order_.clear();
         for (const FormId f : candidates) order_.emplace_back(CircleKernel::jet(forms_[f], x, y).v, f);
@@ -426,6 +430,7 @@ private:
     WorkDiagram work_;
     const Piece root_;
     MixedAnalysis analysis_;
+    Sizes sizes_ = region_sizes;
     std::size_t small_pieces_ = 0;
     double done_ = 0;
     // Working space.
