@@ -823,6 +823,32 @@ private:
                 {a.x, Exact(), a.z}};
     }
 
+    // The chart is turned about the axis, u = chart n / W, by an angle that no input favours: a symmetric scene's
+    // trisectors would run along the seams of the chart. Its half angle has the tangent turn_sine / turn_cosine.
+    static constexpr double turn_sine = 773, turn_cosine = 2048;
+    static constexpr double turn_norm = turn_cosine * turn_cosine + turn_sine * turn_sine;
+
+    // turn_norm times the rotation.
+    static Eigen::Matrix3d chart() {
+        const double c = turn_cosine * turn_cosine - turn_sine * turn_sine, s = 2 * turn_cosine * turn_sine;
+        Eigen::Matrix3d m;
+        m << c, 0, s, 0, turn_norm, 0, -s, 0, c;
+        return m;
+    }
+
+    // The form in the turned chart, its equation times turn_norm^2 to be free of denominators.
+    static RadialForm turned(const RadialForm& f) {
+        const Eigen::Matrix3d m = chart();
+        const Exact norm = turn_norm;
+        const auto turn = [&](const std::array<Exact, 3>& v) {
+            return std::array<Exact, 3>{m(0, 0) * v[0] + m(2, 0) * v[2], Exact(), m(0, 2) * v[0] + m(2, 2) * v[2]};
+        };
+        RadialForm out{f.c, norm * norm * f.b0, norm * f.slope, turn(f.b), turn(f.a)};
+        for (Exact& c : out.c) c = norm * norm * c;
+        for (Exact& b : out.b) b = norm * b;
+        return out;
+    }
+
     RadialBaseProblem make_problem() {
         RadialBaseProblem problem;
         const std::size_t n = scene_.objects.size();
@@ -842,7 +868,7 @@ private:
                 ray_forms.push_back(FormId{static_cast<std::uint32_t>(found.sites.size())});
             }
             found.add(site, canonical);
-            problem.family.radial.push_back(std::move(f));
+            problem.family.radial.push_back(turned(f));
         };
         for (std::uint32_t i = 0; i < n; ++i) {
             if (!objects_.is_kept(i)) continue;
@@ -867,6 +893,7 @@ private:
         problem.radius = radius_;
         problem.stretch = stretch_;
         problem.family.chart = RadialChart::HalfAngle;
+        problem.chart = chart() / turn_norm;
         objects_.warn(found.sites, problem.warnings);
         problem.sites = std::move(found.sites);
         problem.objects = std::move(found.objects);
@@ -898,7 +925,7 @@ Vec3 RadialBaseProblem::normal(const Vec2& p) const {
     }
     const bool front = p.x() <= 1;
     const double x = front ? p.x() : p.x() - 2, w = front ? 1 + x * x : -(1 + x * x);
-    return {2 * x / w, 0, (1 - x * x) / w};
+    return chart * Vec3(2 * x / w, 0, (1 - x * x) / w);
 }
 
 Vec2 RadialBaseProblem::chart_point(const Vec3& normal, double y) const {
@@ -907,8 +934,9 @@ Vec2 RadialBaseProblem::chart_point(const Vec3& normal, double y) const {
         if (v.z() >= 0) return v.head<2>() / (1 + v.z());
         return v.head<2>() * (1 - v.z()) / v.head<2>().squaredNorm();
     }
-    // The tangent of half the angle about (0, 0, 1) or (0, 0, -1); (-1, 0, 0) is x = -1, not 3.
-    const double s = normal.x(), c = normal.z();
+    // The tangent of half the angle about (0, 0, 1) or (0, 0, -1) of the chart; (-1, 0, 0) is x = -1, not 3.
+    const Vec3 v = chart.transpose() * normal;
+    const double s = v.x(), c = v.z();
     const double x = c >= 0 ? s / (1 + c) : 2 - s / (1 - c);
     return {x < 3 ? x : -1, y};
 }

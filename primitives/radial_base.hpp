@@ -39,7 +39,7 @@ struct RadialBaseProblem {
     /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch all of whose
     /// circles lie in the box; rounded inwards.
     std::array<double, 2> stretch{0, 0};
-    /// Sphere: u = chart n / W. A rational rotation, exact in the forms, rounded here.
+    /// u = chart n / W. A rational rotation (of a cylinder about its axis), exact in the forms, rounded here.
     Eigen::Matrix3d chart = Eigen::Matrix3d::Identity();
     FormFamily family;
     /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward normal.
