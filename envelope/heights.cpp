@@ -78,6 +78,7 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         prepared_.push_back(p);
     }
     if (family.radial.empty()) return;
+    for (Place& p : places_) p.normals = RadialNormals<Interval>(family.chart, p.x, p.y);
     radial_.reserve(family.size());
     wide_radial_.resize(family.size());
     for (const CircularForm& f : family.forms) radial_.emplace_back(Interval(f.k), ball(f.a), ball(f.b), ball(f.e), ball(f.w));
@@ -85,15 +86,17 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         radial_.emplace_back(f, family.chart, [](const Exact& v) { return v.enclosure(); });
 }
 
+const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
+    const auto same = [](Interval a, Interval b) { return a.lower() == b.lower() && a.upper() == b.upper(); };
+    if (same(x, places_[0].x) && same(y, places_[0].y)) return places_[0].normals;
+    std::swap(places_[0], places_[1]);
+    if (!same(x, places_[0].x) || !same(y, places_[0].y)) places_[0] = {x, y, RadialNormals<Interval>(family_.chart, x, y)};
+    return places_[0].normals;
+}
+
 template <int order>
 RadialJet<Interval> Heights::radial_jet(FormId f, Interval x, Interval y) const {
-    if (x.lower() != last_x_.lower() || x.upper() != last_x_.upper() || y.lower() != last_y_.lower() ||
-        y.upper() != last_y_.upper()) {
-        last_x_ = x;
-        last_y_ = y;
-        normals_ = RadialNormals<Interval>(family_.chart, x, y);
-    }
-    return radial_[f.value].jet<order>(normals_);
+    return radial_[f.value].jet<order>(normals(x, y));
 }
 
 template <int order>

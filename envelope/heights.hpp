@@ -82,9 +82,13 @@ private:
     mutable std::vector<std::unique_ptr<WidePrepared>> wide_;  // made when asked for
     std::vector<RadialHeight<Interval>> radial_;               // of all forms over curved bases
     mutable std::vector<std::unique_ptr<RadialHeight<Wide>>> wide_radial_;
-    // Those of the last box: most boxes are asked about once for each form.
-    mutable Interval last_x_, last_y_;
-    mutable RadialNormals<Interval> normals_;
+    // Those of the last two boxes: forms are asked one after the other about a box and its middle.
+    struct Place {
+        Interval x, y;
+        RadialNormals<Interval> normals;
+    };
+    mutable std::array<Place, 2> places_;
+    const RadialNormals<Interval>& normals(Interval x, Interval y) const;
 };
 
 }  // namespace vcell
