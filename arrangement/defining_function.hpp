@@ -15,6 +15,9 @@
 
 namespace vcell {
 
+/// Below this share of the scale of the coordinates a coincidence is assumed.
+inline constexpr double assumed_width = 0x1p-200;
+
 /// A value with first, and with first and second derivatives in x and y.
 template <class T>
 using Jet1 = Jet<T, 2>;

@@ -10,9 +10,6 @@ namespace vcell {
 
 namespace {
 
-// Below this share of the scale of the coordinates a coincidence is assumed.
-constexpr double assumed_width = 0x1p-200;
-
 template <class T>
 bool excludes_zero(const T& t) {
     return t.lower() > 0 || t.upper() < 0;
@@ -126,28 +123,22 @@ MixedCurveId CurveArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
 }
 
 MixedCurveId CurveArcs::add_traced(const TracedCurve& curve, std::optional<Label> label) {
-    const std::vector<TracedPiece> pieces = cut_traced_curve(curve);
+    const TracedPieces cut = cut_traced_curve(curve);
+    for (const Eigen::Vector2d& p : cut.assumed) assume(p.x(), p.y());
     const MixedCurveId c = curves_.push_back({Curve::Kind::Traced, {}, {}, {}, {}, nullptr});
     if (label) curves_[c].labels.push_back(*label);
-    std::map<std::shared_ptr<const TracedTurn>, Point> turns;
-    for (const TracedPiece& piece : pieces) {
-        const auto graph = std::make_shared<const MonotoneGraph>(piece.graph);
-        const auto end = [&](const TracedEnd& e) {
-            if (const auto* turn = std::get_if<std::shared_ptr<const TracedTurn>>(&e)) {
-                const auto [found, is_new] = turns.try_emplace(*turn);
-                if (is_new) {
-                    const auto [x, y] = (*turn)->enclosure<Interval>();
-                    found->second = add_point(
-                        {x, y, [turn = *turn] { return turn->enclosure<Wide>(); }, nullptr, {}, {}});
-                }
-                return found->second;
-            }
-            const double x = std::get<double>(e);
-            const auto refine = [graph, x] { return std::pair(Wide(x), graph->y(Wide(x))); };
-            return add_point({Interval(x), graph->y(Interval(x)), refine, nullptr, {}, {}});
-        };
-        const Point left = end(piece.left), right = end(piece.right);
-        add_branch(c, graph, left, right);
+    std::map<std::shared_ptr<const TracedPlace>, Point> points;
+    const auto point_at = [&](const std::shared_ptr<const TracedPlace>& place) {
+        const auto [found, is_new] = points.try_emplace(place);
+        if (is_new) {
+            const auto [x, y] = place->enclosure<Interval>();
+            found->second = add_point({x, y, [place] { return place->enclosure<Wide>(); }, nullptr, {}, {}});
+        }
+        return found->second;
+    };
+    for (const TracedPiece& piece : cut.pieces) {
+        const Point left = point_at(piece.left), right = point_at(piece.right);
+        add_branch(c, std::make_shared<const MonotoneGraph>(piece.graph), left, right);
     }
     return c;
 }
@@ -705,8 +696,8 @@ private:
         const T range(l.x.upper(), r.x.lower());
         std::optional<Point> p = known_between(range);
         if (!p) {
-            const Interval x = in_doubles(enclose_crossing<T>(*f_, *g_, range, r.sign));
-            const Interval y = clamped(f_->y(x), g_->y(x));
+            const T tight = enclose_crossing<T>(*f_, *g_, range, r.sign);
+            const Interval x = in_doubles(tight), y = in_doubles(clamped(f_->y(tight), g_->y(tight)));
             const auto refine = [f = f_, g = g_, start = Wide(range), right = r.sign] {
                 const Wide fine = enclose_crossing<Wide>(*f, *g, start, right);
                 return std::pair(fine, clamped(f->y(fine), g->y(fine)));

@@ -5,9 +5,9 @@
 /// them the difference has no zero, or is strictly monotone. All other answers follow from the zeros of each
 /// pair and from the differences' signs between them, so they do not contradict each other.
 ///
-/// Signs climb the ladder: bands of fitted splines (counted by_double: a double with a proven bound), double
-/// intervals, exact numbers among lines and circles, 320-bit intervals. Differences below 2^-200 of the scale
-/// of the arcs' coordinates, and what 320 bits cannot tell, are assumed to be zero and counted.
+/// Signs climb the ladder: bands about traced curves (counted by_double: a double with a proven bound),
+/// double intervals, exact numbers among lines and circles, 320-bit intervals. Differences below 2^-200 of
+/// the scale of the arcs' coordinates, and what 320 bits cannot tell, are assumed to be zero and counted.
 ///
 /// Identity is combinatorial first. A point knows the pieces on which it lies, from its origin and from what
 /// has been decided. A curve may be labelled as {f = g} for a pair of functions: a point on {i = j} and {i =
@@ -26,6 +26,7 @@
 #include "../core/ids.hpp"
 #include "arc_geometry.hpp"
 #include "monotone_graph.hpp"
+#include "traced_curve.hpp"
 
 namespace vcell {
 
@@ -147,8 +148,6 @@ private:
 
     Point add_point(PointData data);
     Point add_exact_point(ExactPoint p);
-    Point add_turn(const std::shared_ptr<const TracedTurn>& turn);
-    Point add_point_of(MixedBranchId b, double x);
     MixedBranchId add_branch(MixedCurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
                              Point right);
     static Point representative(Classes& classes, Point p);

@@ -2,7 +2,7 @@
 ///
 /// All decisions on curves of mixed kinds rest on these evaluations: whatever a curve is given by
 /// (coefficients, control points, a defining function), an enclosure of y and of the direction of travel over
-/// any interval of x is all that the arrangement asks of it. Fitted splines appear as filters only:
+/// any interval of x is all that the arrangement asks of it. Bands about traced curves are filters only:
 /// rough_y().
 #pragma once
 
@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "../core/bernstein.hpp"
-#include "../core/bspline.hpp"
 #include "../core/circular_form.hpp"
 #include "defining_function.hpp"
+#include "traced_place.hpp"
 
 namespace vcell {
 
@@ -103,49 +103,18 @@ private:
     T parameter(const T& x) const;
 };
 
-/// The place of a traced curve with x = h(y) where it turns back in x, or where it meets y = const.
-/// Refined once, when asked for.
-class TracedTurn {
-public:
-    /// Within the box, g_x has no zero, and g_y has one along the curve, where it changes its sign.
-    TracedTurn(std::shared_ptr<const DefiningFunction> g, Interval box_x, Interval box_y);
-    /// The place where the curve meets y.
-    TracedTurn(std::shared_ptr<const DefiningFunction> g, Interval box_x, double y);
-    template <class T>
-    std::pair<T, T> enclosure() const;
-
-private:
-    template <class T>
-    std::pair<T, T> compute() const;
-
-    std::shared_ptr<const DefiningFunction> g_;
-    Interval box_x_, box_y_;  // box_y_ is a point where the curve is cut at y
-    std::pair<Interval, Interval> rough_;
-    mutable std::optional<std::pair<Wide, Wide>> fine_;
-};
-
-/// A curve {g = 0} that has been traced: a fitted spline and the radius of a band about it.
-///
-/// Of {g = 0} the band holds exactly one simple arc, which runs along the spline from end to end (a closed
-/// spline, whose ends are equal: one simple closed curve). g is smooth with non-zero gradient on it. The
-/// spline says only where to look: every piece of the curve is proved anew from g.
-struct TracedCurve {
-    RationalCurve2 spline;
-    double band = 0;  ///< chart units
-    std::shared_ptr<const DefiningFunction> g;
-};
-
-/// Part of a traced curve: a row of cells from left to right.
+/// Part of a traced curve: a row of cells from left to right, each beginning where the one before ends.
 struct TracedGraph {
-    /// Over x in [x0, x1] the graph lies within `y`, and there the sign of g is -above below and `above`
-    /// above it.
+    /// In the box the zeros of g are this part of the curve alone. Right above a point of it g has the sign
+    /// `above`, right below -above, and so on up to the ends of the box. Of a steep cell only the part of the
+    /// box above and below between the heights of its ends counts.
     struct Cell {
-        double x0, x1;
-        Interval y;
+        Interval box_x, y;
         Sign above;
-        std::shared_ptr<const TracedTurn> lower_end,
-            upper_end;  ///< where one of the ends of y is that of a turn
-        // The band: y is within `band` of y0 + slope (x - x0).
+        Sign rising = Sign::Zero;  ///< of a steep cell, where y is monotone in x; Zero: a flat one
+        std::shared_ptr<const TracedPlace> left, right;
+        // The band: y is within `band` of y0 + slope (x - x0) for x in [x0, x1].
+        double x0 = 0, x1 = 0;  // the ends' x or, where these are no doubles, around them
         double y0 = 0, slope = 0, band = 0;
     };
     std::shared_ptr<const DefiningFunction> g;
@@ -158,27 +127,12 @@ struct TracedGraph {
     /// By the bands alone, without g.
     Interval rough_y(const Interval& x) const;
     /// Is every point of {g = 0} in the box x * y sure to be one of the graph?
-    bool holds_alone(const Interval& x, const Interval& y) const;
+    bool holds_alone(Interval x, Interval y) const;
 
 private:
     template <class T>
     T y_in(const Cell& cell, const T& x) const;
 };
-
-/// An end of a piece of a traced curve: where it meets that x, or that turn.
-using TracedEnd = std::variant<double, std::shared_ptr<const TracedTurn>>;
-
-/// Part of a traced curve from one turn or end to the next, and its ends; equal pointers: the same place.
-struct TracedPiece {
-    TracedGraph graph;
-    TracedEnd left, right;
-};
-
-/// The x-monotone pieces of a traced curve, in its direction. Turns are found with proof: within a box where
-/// g_x has no zero, the derivative of g_y along the curve has none either, and g_y changes its sign. Throws
-/// InputError (Unsupported) where the band is too wide to tell how the curve runs in it, and where the curve
-/// has a vertical inflection.
-std::vector<TracedPiece> cut_traced_curve(const TracedCurve& curve);
 
 /// Any of them.
 class MonotoneGraph {
