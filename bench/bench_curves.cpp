@@ -22,6 +22,7 @@
 #include "../core/cylinder_form.hpp"
 #include "../core/solver/curve_fit.hpp"
 #include "../core/solver/polynomial.hpp"
+#include "median.hpp"
 
 namespace vcell::bench {
 namespace {
@@ -144,11 +145,6 @@ double seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 struct Row {
     std::vector<double> time, solve, parts, tubes, spans;
 };
-
-double median(std::vector<double> v) {
-    std::nth_element(v.begin(), v.begin() + v.size() / 2, v.end());
-    return v[v.size() / 2];
-}
 
 // Measures one triple into the rows of both tolerances; false: a wrong result. No trisector: no entry.
 template <class First, class Second>

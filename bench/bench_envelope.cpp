@@ -13,24 +13,19 @@
 // within a family; run one family a process (--benchmark_filter=random) when memory matters.
 //
 // Every size is checked once, after its measurement; a wrong diagram is an error and the exit status 1.
-#include <benchmark/benchmark.h>
-
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <functional>
-#include <iostream>
 #include <optional>
 #include <string>
 
+#include "bench_main.hpp"
 #include "diagram_check.hpp"
 
 namespace vcell::bench {
 namespace {
 
 constexpr int samples = 300;
-bool failed = false;
 
 // From Linux's /proc, 0 elsewhere. getrusage's ru_maxrss would begin with the size of the program that
 // started this one.
@@ -73,11 +68,7 @@ void measure(benchmark::State& state, Family& family) {
     const double peak = peak_megabytes();
     if (!family.checked) {
         const std::string fault = find_fault(family.scene, *diagram, samples);
-        if (!fault.empty()) {
-            failed = true;
-            state.SkipWithError(fault.c_str());
-            return;
-        }
+        if (!fault.empty()) return fail(state, fault);
         family.checked = true;
     }
 
@@ -132,33 +123,8 @@ void register_families(std::uint32_t max_n) {
 }  // namespace vcell::bench
 
 int main(int argc, char** argv) {
-    std::uint32_t max_n = 10'000;
-    constexpr char option[] = "--max_n=";
-    int kept = 1;
-    for (int i = 1; i < argc; ++i) {
-        if (std::strncmp(argv[i], option, sizeof(option) - 1) == 0)
-            max_n = static_cast<std::uint32_t>(std::strtoul(argv[i] + sizeof(option) - 1, nullptr, 10));
-        else
-            argv[kept++] = argv[i];
-    }
-    argc = kept;
-    if (max_n < 100) {
-        std::cerr << "bench_envelope: --max_n must be a number from 100 up\n";
-        return 1;
-    }
-
-    vcell::bench::register_families(max_n);
-    benchmark::Initialize(&argc, argv);
-    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-#ifdef __clang__
-    benchmark::AddCustomContext("compiler", __VERSION__);
-#else
-    benchmark::AddCustomContext("compiler", "GCC " __VERSION__);
-#endif
-#ifndef NDEBUG
-    benchmark::AddCustomContext("asserts", "on: times mean nothing");
-#endif
-    benchmark::RunSpecifiedBenchmarks();
-    benchmark::Shutdown();
-    return vcell::bench::failed ? 1 : 0;
+    const auto max_n = vcell::bench::take_max_n(argc, argv, 10'000, 100);
+    if (!max_n) return 1;
+    vcell::bench::register_families(*max_n);
+    return vcell::bench::run_benchmarks(argc, argv);
 }

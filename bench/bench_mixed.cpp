@@ -18,14 +18,9 @@
 //
 // Cells are checked by check_cell(), trisectors at points of their splines; a wrong one is an error and the
 // exit status 1.
-#include <benchmark/benchmark.h>
-
 #include <algorithm>
-#include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <optional>
 #include <string>
@@ -35,17 +30,11 @@
 #include "../envelope/voronoi_cell.hpp"
 #include "../io/check.hpp"
 #include "../io/scene_file.hpp"
+#include "bench_main.hpp"
 #include "mixed_scene.hpp"
 
 namespace vcell::bench {
 namespace {
-
-bool failed = false;
-
-void fail(benchmark::State& state, const std::string& what) {
-    failed = true;
-    state.SkipWithError(what.c_str());
-}
 
 void count(benchmark::State& state, const char* name, double value) {
     state.counters[name] = benchmark::Counter(value);
@@ -241,33 +230,8 @@ void register_all(std::uint32_t max_n) {
 }  // namespace vcell::bench
 
 int main(int argc, char** argv) {
-    std::uint32_t max_n = 2000;
-    constexpr char option[] = "--max_n=";
-    int kept = 1;
-    for (int i = 1; i < argc; ++i) {
-        if (std::strncmp(argv[i], option, sizeof(option) - 1) == 0)
-            max_n = static_cast<std::uint32_t>(std::strtoul(argv[i] + sizeof(option) - 1, nullptr, 10));
-        else
-            argv[kept++] = argv[i];
-    }
-    argc = kept;
-    if (max_n < 50) {
-        std::cerr << "bench_mixed: --max_n must be a number from 50 up\n";
-        return 1;
-    }
-
-    vcell::bench::register_all(max_n);
-    benchmark::Initialize(&argc, argv);
-    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-#ifdef __clang__
-    benchmark::AddCustomContext("compiler", __VERSION__);
-#else
-    benchmark::AddCustomContext("compiler", "GCC " __VERSION__);
-#endif
-#ifndef NDEBUG
-    benchmark::AddCustomContext("asserts", "on: times mean nothing");
-#endif
-    benchmark::RunSpecifiedBenchmarks();
-    benchmark::Shutdown();
-    return vcell::bench::failed ? 1 : 0;
+    const auto max_n = vcell::bench::take_max_n(argc, argv, 2000, 50);
+    if (!max_n) return 1;
+    vcell::bench::register_all(*max_n);
+    return vcell::bench::run_benchmarks(argc, argv);
 }

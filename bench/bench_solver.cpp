@@ -11,8 +11,6 @@
 //
 // Every root is checked against the distance functions, and the arc's roots against the scene's; a wrong
 // one is an error and the exit status 1.
-#include <benchmark/benchmark.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,12 +21,12 @@
 #include <vector>
 
 #include "../core/solver/solver.hpp"
+#include "bench_main.hpp"
 
 namespace vcell::bench {
 namespace {
 
 constexpr int systems_per_family = 400;
-bool failed = false;
 
 struct Case {
     VertexSystem system;
@@ -136,11 +134,8 @@ void run(benchmark::State& state, const std::vector<Case>& cases, bool roots_exp
         undecided += !found[i].undecided.empty();
         wide += found[i].wide_boxes > 0;
         sum += least[i];
-        if (!right(cases[i], found[i]) || (roots_expected && found[i].unique.empty())) {
-            state.SkipWithError("a root is wrong, missing or undecided");
-            failed = true;
-            return;
-        }
+        if (!right(cases[i], found[i]) || (roots_expected && found[i].unique.empty()))
+            return fail(state, "a root is wrong, missing or undecided");
     }
     std::sort(least.begin(), least.end());
     const double n = static_cast<double>(cases.size());
@@ -175,8 +170,5 @@ int main(int argc, char** argv) {
             run(state, arc_cases(kinds), true);
         });
     }
-    benchmark::Initialize(&argc, argv);
-    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-    benchmark::RunSpecifiedBenchmarks();
-    return failed ? 1 : 0;
+    return run_benchmarks(argc, argv);
 }

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "diagram_check.hpp"
+#include "median.hpp"
 
 namespace {
 
@@ -25,12 +26,6 @@ double cpu_milliseconds() {
     timespec t{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
-double median(std::vector<double> v) {
-    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-    std::nth_element(v.begin(), middle, v.end());
-    return *middle;
 }
 
 void run(const std::string& path, int reps) {

@@ -130,7 +130,8 @@ private:
             const Span span = hermite(from, to, stretch);
             // The error grows with the fourth power of the length.
             constexpr double caution = 0.9;
-            const double ratio = caution * std::pow(tolerance_ / std::max(span.error, 1e-300), 0.25);
+            constexpr double no_error = std::numeric_limits<double>::min();  // no division by zero
+            const double ratio = caution * std::pow(tolerance_ / std::max(span.error, no_error), 0.25);
             if (span.error == unproved && advance <= shortest) {
                 spans_.push_back(last ? span : hermite(from, b, stretch));
                 error_ = unproved;

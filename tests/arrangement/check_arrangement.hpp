@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,16 @@ void check_location(G& g, const Arrangement<G>& a, const std::vector<typename G:
 inline long component_count(const Dcel& d) {
     return static_cast<long>(d.vertex_count()) - static_cast<long>(d.edge_count()) +
            static_cast<long>(d.face_count()) - 1;
+}
+
+/// Sizes of an arrangement.
+struct Counts {
+    std::size_t vertices = 0, edges = 0;
+    long components = 0;
+    friend bool operator==(const Counts&, const Counts&) = default;
+};
+inline std::ostream& operator<<(std::ostream& out, const Counts& c) {
+    return out << "V " << c.vertices << " E " << c.edges << " C " << c.components;
 }
 
 /// Equal topology, element by element. Arrangements of equal geometry have it whatever their history:

@@ -75,15 +75,6 @@ public:
     std::vector<Arc> pieces;
 };
 
-struct Counts {
-    std::size_t vertices = 0, edges = 0;
-    long components = 0;
-    friend bool operator==(const Counts&, const Counts&) = default;
-};
-std::ostream& operator<<(std::ostream& out, const Counts& c) {
-    return out << "V " << c.vertices << " E " << c.edges << " C " << c.components;
-}
-
 /// Counts by all pairs in floating point. Contacts are decided on integers; different points of curves with
 /// small integer data are further apart than the tolerance. Pre: circles differ; segments do not overlap.
 Counts brute_force(const std::vector<Circle>& circles, const std::vector<Segment>& segments) {

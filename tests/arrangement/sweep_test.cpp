@@ -18,15 +18,6 @@ using Point = SegmentGeometry::Point;
 
 namespace {
 
-struct Counts {
-    std::size_t vertices = 0, edges = 0;
-    long components = 0;
-    friend bool operator==(const Counts&, const Counts&) = default;
-};
-std::ostream& operator<<(std::ostream& out, const Counts& c) {
-    return out << "V " << c.vertices << " E " << c.edges << " C " << c.components;
-}
-
 Counts counts(const Dcel& d) { return {d.vertex_count(), d.edge_count(), component_count(d)}; }
 
 /// The counts by comparing all pairs in rational numbers, without sweep or Dcel.

@@ -6,21 +6,13 @@
 #include <cmath>
 #include <random>
 
+#include "reference.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
 using Kind = BisectorKind;
 
 namespace {
-
-// Signed for balls and cylinders (negative inside), unsigned for planes.
-double distance(const Object& object, const Vec3& p) {
-    if (const auto* s = std::get_if<Sphere>(&object)) return (p - s->center).norm() - s->radius;
-    if (const auto* c = std::get_if<Cylinder>(&object))
-        return (p - c->point).cross(c->axis).norm() / c->axis.norm() - c->radius;
-    const auto& plane = std::get<Plane>(object);
-    return std::abs(plane.normal.normalized().dot(p - plane.point));
-}
 
 // |f(p)| over the sum of its terms' magnitudes.
 double residual(const Polynomial3& f, const Vec3& p) {

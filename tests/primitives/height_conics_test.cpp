@@ -2,13 +2,12 @@
 
 #include <doctest/doctest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <random>
 
+#include "reference.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
-using Real = boost::multiprecision::cpp_bin_float_100;
 
 namespace {
 
@@ -32,16 +31,6 @@ FormFamily family_of(const std::vector<Ball>& balls, const std::vector<ExactForm
     family.exact = [exact](FormId f) { return exact[f.value]; };
     family.cylinders = std::move(cylinders);
     return family;
-}
-
-Real real(const Exact& v) {
-    Real sum = 0;
-    for (Exact rest = v; rest.sign() != Sign::Zero;) {
-        const double part = rest.enclosure().mid();
-        sum += part;
-        rest -= part;
-    }
-    return sum;
 }
 
 Real height(const FormFamily& family, FormId f, const Real& x, const Real& y) {

@@ -3,18 +3,17 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <random>
 
 #include "../../core/errors.hpp"
+#include "reference.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
 using Kind = InputError::Kind;
-using Real = boost::multiprecision::cpp_bin_float_100;
 
 namespace {
 
@@ -38,16 +37,6 @@ InputError error_of(const Scene& scene) {
     }
     FAIL("the scene was accepted");
     std::abort();
-}
-
-Real real(const Exact& v) {
-    Real sum = 0;
-    for (Exact rest = v; rest.sign() != Sign::Zero;) {
-        const double part = rest.enclosure().mid();
-        sum += part;
-        rest -= part;
-    }
-    return sum;
 }
 
 // Distance of a canonical point from an object in canonical coordinates, 100 digits.
