@@ -36,8 +36,11 @@ public:
     double upper() const { return hi_; }
     /// A point within, for bounded intervals.
     double mid() const { return std::midpoint(lo_, hi_); }
-    /// Upper bound of half the width.
-    double radius() const { return up(0.5 * up(hi_ - lo_)); }
+    /// Upper bound of the distance of a member from mid(): of two adjacent doubles mid() is one, and half the
+    /// width would miss the other.
+    double radius() const { return up(std::max(hi_ - mid(), mid() - lo_)); }
+    /// Upper bound of the width.
+    double width() const { return up(hi_ - lo_); }
     double magnitude() const { return std::max(std::abs(lo_), std::abs(hi_)); }
     bool contains(double v) const { return lo_ <= v && v <= hi_; }
 

@@ -33,12 +33,8 @@ constexpr std::size_t most_compared_in_pairs = 16;
 
 bool is_point(Interval i) { return i.lower() == i.upper(); }
 
-// Bounds the distance of all points of a box from its middle. Interval::radius() would not do: of two adjacent doubles the
-// middle rounds to one.
-double reach(Interval x, Interval y) {
-    const auto along = [](Interval i) { return std::max(i.upper() - i.mid(), i.mid() - i.lower()); };
-    return Interval::up(std::hypot(Interval::up(along(x)), Interval::up(along(y))));
-}
+// Bounds the distance of all points of a box from its middle.
+double reach(Interval x, Interval y) { return Interval::up(std::hypot(x.radius(), y.radius())); }
 
 // Removes what is certainly above another one: v at the middle, slopes times half the extent on both sides.
 template <class Item, class Above>

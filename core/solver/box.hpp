@@ -79,7 +79,7 @@ std::array<T, N> hull(const std::array<T, N>& a, const std::array<T, N>& b) {
 template <std::size_t N>
 double width(const std::array<Interval, N>& box) {
     double w = 0;
-    for (const Interval& side : box) w = std::max(w, 2 * side.radius());
+    for (const Interval& side : box) w = std::max(w, side.width());
     return w;
 }
 

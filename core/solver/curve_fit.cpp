@@ -103,9 +103,9 @@ private:
         double offset = 0;
         if constexpr (mapped) {
             const auto image = maps_(joint);
-            for (int m = 0; m < M; ++m) offset = up_sum(offset, 2 * image[N + m].radius());
+            for (int m = 0; m < M; ++m) offset = up_sum(offset, image[N + m].width());
         } else {
-            for (int m = 0; m < M; ++m) offset = up_sum(offset, 2 * joint[m].radius());
+            for (int m = 0; m < M; ++m) offset = up_sum(offset, joint[m].width());
         }
         return knot(mid(joint), offset);
     }

@@ -84,7 +84,7 @@ std::optional<IntervalBox<N>> prove_near(const Steps& steps, std::array<T, N> x,
             widest = std::max(widest, radius);
             box[i] = box[i] + Interval(-radius, radius);
         }
-        if (!(widest <= 2 * cube[0].radius())) break;
+        if (!(widest <= cube[0].width())) break;
         const Step<T, N> s = steps.step(converted<T>(box));
         if (s.empty) break;
         if (!s.unique()) continue;

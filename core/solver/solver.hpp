@@ -90,7 +90,7 @@ std::vector<std::vector<std::size_t>> clusters(const std::vector<IntervalBox<N>>
     for (const auto& box : boxes) all = hull(all, box);
     int axis = 0;
     for (int i = 1; i < N; ++i)
-        if (all[i].radius() > all[axis].radius()) axis = i;
+        if (all[i].width() > all[axis].width()) axis = i;
     std::vector<std::size_t> order(boxes.size()), parent(boxes.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) order[i] = parent[i] = i;
     std::sort(order.begin(), order.end(),
@@ -159,7 +159,7 @@ Solutions<N> solve(const Steps& steps, const MakeWide& make_wide, const Interval
     if (open.empty()) return result;
 
     double scale = 0;
-    for (const Interval& side : domain) scale = std::max(scale, 2 * side.radius());
+    for (const Interval& side : domain) scale = std::max(scale, side.width());
     for (const auto& group : clusters<N>(open)) {
         Undecided<N> cluster;
         cluster.hull = open[group.front()];

@@ -200,8 +200,16 @@ TEST_CASE("interval: results of unbounded operands still enclose") {
     }
 }
 
-TEST_CASE("interval: ball, hull, radius and mid bound what they name") {
+TEST_CASE("interval: ball, hull, radius, width and mid bound what they name") {
     std::mt19937_64 rng(test_seed());
+    const auto check_sizes = [](const Interval& a) {
+        const auto [lo, hi] = bounds(a);
+        const Rational mid(a.mid());
+        CHECK(at_least(a.radius(), hi - mid));
+        CHECK(at_least(a.radius(), mid - lo));
+        CHECK(at_least(a.width(), hi - lo));
+        CHECK(a.contains(a.mid()));
+    };
     for (int i = 0; i < 2'000; ++i) {
         const double centre = hostile_double(rng), radius = std::abs(hostile_double(rng));
         INFO("centre = ", centre, " radius = ", radius);
@@ -209,9 +217,8 @@ TEST_CASE("interval: ball, hull, radius and mid bound what they name") {
         CHECK(encloses(b, Rational(centre) - Rational(radius)));
         CHECK(encloses(b, Rational(centre) + Rational(radius)));
         const Interval a = hostile_interval(rng);
-        const auto [lo, hi] = bounds(a);
-        CHECK(at_least(a.radius(), (hi - lo) / 2));
-        CHECK(a.contains(a.mid()));
+        check_sizes(a);
+        check_sizes(hull(Interval(centre), std::nextafter(centre, 0.0)));
         CHECK(a.magnitude() == std::max(std::abs(a.lower()), std::abs(a.upper())));
         const Interval h = hull(a, b);
         CHECK(h.lower() == std::min(a.lower(), b.lower()));
