@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <functional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "../arrangement/dcel.hpp"
 #include "../core/circular_form.hpp"
+#include "../core/errors.hpp"
 #include "../core/sign.hpp"
 
 namespace vcell {
@@ -31,6 +34,16 @@ struct Assumption {
     Eigen::Vector2d place;      ///< chart coordinates
     double width;               ///< what was not resolved is no wider than this
     std::vector<FormId> forms;  ///< those that may meet there
+};
+
+/// Forms that seem to tie along a curve, which no number of pieces decides.
+struct TieError : UndecidedError {
+    explicit TieError(Assumption tie)
+        : UndecidedError("forms seem to tie along a curve around (" + std::to_string(tie.place.x()) + ", " +
+                         std::to_string(tie.place.y()) + ") of the chart"),
+          tie(std::move(tie)) {}
+
+    Assumption tie;  ///< what was met where it was given up
 };
 
 /// Every vertex, edge and face carries as label all functions that attain the minimum there.
@@ -135,6 +148,7 @@ struct EnvelopeOptions {
 
 /// The lower envelope of the forms over the region, exact.
 /// Pre: no two forms are the same function (merge duplicates first); the region is not empty.
+/// Throws TieError where forms tie along a curve without crossing.
 /// Without forms: one face without label.
 MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region,
                                    const EnvelopeOptions& options = {});

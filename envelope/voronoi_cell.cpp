@@ -25,15 +25,15 @@ private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// "objects 1, 2, 5: taken to meet in one point over (x, y, z), not told apart within w".
-std::string message(const Assumption& a, const PlaneBaseProblem& problem) {
+// "objects 1, 2, 5: <what> (x, y, z), not told apart within w".
+std::string message(const Assumption& a, const char* what, const PlaneBaseProblem& problem) {
     std::string sites;
     for (const FormId f : a.forms)
         for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
     const Vec3 p = problem.frame.to_world({a.place.x(), a.place.y(), 0});
     char place[128];
     std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(), a.width);
-    return "objects " + sites + ": taken to meet in one point over " + place;
+    return "objects " + sites + ": " + what + " " + place;
 }
 
 }  // namespace
@@ -53,7 +53,13 @@ Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     for (const RegionSide& side : problem.region) region.sides.push_back({side.a, side.b, side.c});
     EnvelopeOptions envelope_options;
     if (options.progress) envelope_options.progress = [&](double fraction) { report("envelope", fraction); };
-    const MinimizationDiagram diagram = lower_envelope(problem.family, region, envelope_options);
+    const MinimizationDiagram diagram = [&] {
+        try {
+            return lower_envelope(problem.family, region, envelope_options);
+        } catch (const TieError& e) {
+            throw UndecidedError(message(e.tie, "seem to be equally near along a curve around", problem));
+        }
+    }();
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
@@ -63,7 +69,8 @@ Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();
-    for (const Assumption& a : diagram.assumptions) problem.warnings.push_back(message(a, problem));
+    for (const Assumption& a : diagram.assumptions)
+        problem.warnings.push_back(message(a, "taken to meet in one point over", problem));
     cell.report.warnings = std::move(problem.warnings);
     return cell;
 }
