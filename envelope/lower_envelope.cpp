@@ -12,9 +12,7 @@
 // without a competing cylinder are left to exact merging.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
-#include <string>
 #include <utility>
 
 #include "../core/errors.hpp"
@@ -80,12 +78,6 @@ Piece make_piece(std::vector<PieceSide> sides) {
     }
     p.sides = std::move(sides);
     return p;
-}
-
-std::string to_text(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
 }
 
 class EnvelopeBuilder {
@@ -279,7 +271,7 @@ private:
         for (std::size_t i = 0; i < n; ++i) {
             auto labels = analysis_.label_side(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], first[i], last[i],
                                                candidates, Patchwork::is_seam(piece.sides[i].id));
-            if (!labels) throw UndecidedError("forms tie along side " + std::to_string(i) + " of the base region");
+            if (!labels) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
             out.labels.push_back(*std::move(labels));
         }
         return out;
@@ -291,25 +283,25 @@ private:
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             return solve(part.piece, candidates, share, 0);
         const bool at_floor = extent(r) <= MixedAnalysis::floor_width * extent(root_.rect);
-        if (candidates.size() <= most_competitors || at_floor) {
+        if (candidates.size() <= most_competitors || extent(r) <= MixedAnalysis::tie_width * extent(root_.rect)) {
             if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties}, candidates)) {
                 done_ += share;
                 if (options_.progress) options_.progress(done_);
                 return patchwork_.add(*resolved, analysis_.heights());
             }
         }
-        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > most_small_pieces)) throw undecided(r);
+        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > most_small_pieces))
+            throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);
-        if (!halves) throw undecided(r);
+        if (!halves) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
         const Patchwork::Index a = solve_labelled(halves->first, candidates, 0.5 * share);
         const Patchwork::Index b = solve_labelled(halves->second, candidates, 0.5 * share);
         return patchwork_.glue(a, b, halves->seam);
     }
 
-    static UndecidedError undecided(const Rect& r) {
-        return UndecidedError("which objects are nearest around (" + to_text(0.5 * r.x0 + 0.5 * r.x1) + ", " +
-                              to_text(0.5 * r.y0 + 0.5 * r.y1) + ") of the base could not be decided (within " +
-                              to_text(extent(r)) + "): they seem to tie along a curve");
+    static Assumption all_of(const Rect& r, std::vector<FormId> forms) {
+        std::ranges::sort(forms);
+        return {{0.5 * r.x0 + 0.5 * r.x1, 0.5 * r.y0 + 0.5 * r.y1}, extent(r), std::move(forms)};
     }
 
     struct LabelledHalves {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
+#include <tuple>
 
 #include "../core/errors.hpp"
 #include "../primitives/height_conics.hpp"
@@ -28,6 +28,17 @@ std::array<T, 2> intersection(const PieceSide& s, const PieceSide& t) {
 }
 
 bool axis_parallel(const PieceSide& s) { return (s.a == 0 && std::abs(s.b) == 1) || (s.b == 0 && std::abs(s.a) == 1); }
+
+// Are the numbers equal to 200 bits of `scale`?
+bool agree(const Wide& a, const Wide& b, const Wide& scale) {
+    return (a - b).magnitude_exponent() < scale.magnitude_exponent() + assumed_exponent;
+}
+
+// The double nearest to a coordinate known to some 2^-240 of the extent: simple ones near zero too.
+double nearest_double(const Wide& coordinate, double extent) {
+    const double grid = std::ldexp(1.0, std::ilogb(extent) + assumed_exponent / 2);
+    return std::round(coordinate.approximation() / grid) * grid + 0.0;  // no negative zero
+}
 
 constexpr std::size_t most_compared_in_pairs = 16;
 
@@ -117,6 +128,13 @@ struct MixedAnalysis::Line {
         const auto p = wide_at(Wide(m));
         return heights.value(f, p[0], p[1]);
     }
+    // A height and its derivative along the side, with many digits.
+    std::array<Wide, 2> sharp_jet(const Heights& heights, FormId f, const Wide& s) const {
+        const auto p = wide_at(s);
+        const HeightJet<Wide> j = heights.jet(f, p[0], p[1]);
+        const Wide rise = by_x ? -Wide(side.a) / Wide(side.b) : -Wide(side.b) / Wide(side.a);
+        return {j.v, by_x ? j.gx + rise * j.gy : j.gy + rise * j.gx};
+    }
     // The derivative of a height along the side with respect to s.
     Interval along(const HeightJet<Interval>& j) const { return by_x ? j.gx + slope * j.gy : j.gy + slope * j.gx; }
     // And its second derivative.
@@ -125,9 +143,16 @@ struct MixedAnalysis::Line {
     }
 };
 
+// A point of the rim may be met from its side and from inside: it is listed once.
 void MixedAnalysis::assume(const Vector2d& place, double width, std::vector<FormId> forms) {
-    ++decisions_.assumed;
     std::ranges::sort(forms);
+    for (Assumption& known : assumptions_) {
+        const double same = known.width + width + 4 * std::numeric_limits<double>::epsilon() * place.norm();
+        if (known.forms != forms || (known.place - place).norm() > same) continue;
+        known.width = std::max(known.width, width);
+        return;
+    }
+    ++decisions_.assumed;
     assumptions_.push_back({place, width, std::move(forms)});
 }
 
@@ -333,8 +358,16 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     }
     std::vector<FormId> left;
     for (const Item& i : items) left.push_back(i.form);
+    if (!is_seam && s1 - s0 < sharp_width * extent_)
+        if (const auto tie = find_tie(line, s0, l0, s1, l1, left)) {
+            out.push_back(*tie);
+            return true;
+        }
     if (s1 - s0 <= side_floor_width * extent_ || m <= s0 || m >= s1) {
-        if (is_seam) return false;
+        if (is_seam) {
+            obstacle_ = Assumption{{middle[0].mid(), middle[1].mid()}, s1 - s0, left};
+            return false;
+        }
         RimTransition t{l0, l1, {middle[0].mid(), middle[1].mid()}, reach(range[0], range[1]), left};
         assume(t.point, s1 - s0, left);
         out.push_back(std::move(t));
@@ -344,11 +377,96 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         const double s = s0 + ratio * (s1 - s0);
         const std::vector<FormId> lowest = lowest_at(line, s, left);
         if (lowest.size() != 1 && ratio != 0.41234) continue;
-        if (lowest.size() != 1) break;
+        if (lowest.size() != 1) {
+            const IntervalPoint p = line.at(Interval(s));
+            const Assumption tie{{p[0].mid(), p[1].mid()}, s1 - s0, lowest};
+            if (!is_seam) throw TieError(tie);
+            obstacle_ = tie;
+            return false;
+        }
         return descend(line, s0, l0, s, lowest[0], left, is_seam, out) &&
                descend(line, s, lowest[0], s1, l1, left, is_seam, out);
     }
-    return false;
+    throw InternalError("a side was not divided");
+}
+
+// One point of a stretch of a side in which all of the forms tie. Any two of them differ by D = D' (s - p) or, where
+// the derivatives agree in p too, D'' (s - p)^2 / 2, D' and D'' somewhere on the stretch: if these keep their signs,
+// so does D on both sides of p.
+std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
+                                                     std::span<const FormId> forms) {
+    const std::size_t n = forms.size();
+    const double m = Interval(s0, s1).mid();
+    const IntervalPoint range = line.at(Interval(s0, s1));
+    const auto slope = [&](std::size_t i, std::size_t j) {
+        return line.difference(heights_, forms[i], forms[j], m, s0, s1)[1];
+    };
+    const auto bend = [&](std::size_t i, std::size_t j) {
+        return line.bend(heights_.curvature(forms[i], range[0], range[1])) -
+               line.bend(heights_.curvature(forms[j], range[0], range[1]));
+    };
+    std::size_t a = 0, b = 1;
+    bool touching = false;
+    for (std::size_t i = 0; i < n && !touching; ++i)
+        for (std::size_t j = i + 1; j < n && !touching; ++j) {
+            touching = !slope(i, j).sign();
+            if (touching) std::tie(a, b) = std::pair(i, j);
+        }
+    // A zero of D, or of D', of this pair: in doubles first, as few stretches hold a tie.
+    const double inverse = 1 / (touching ? bend(a, b) : slope(a, b)).mid();
+    if (!std::isfinite(inverse)) return std::nullopt;
+    double near = m;
+    for (int i = 0; i < 8; ++i) {
+        const IntervalPoint at = line.at(Interval(near));
+        const HeightJet<Interval> f = heights_.jet(forms[a], at[0], at[1]), g = heights_.jet(forms[b], at[0], at[1]);
+        near = std::clamp(near - inverse * (touching ? line.along(f) - line.along(g) : f.v - g.v).mid(), s0, s1);
+    }
+    const IntervalPoint about = line.at(Interval(near));
+    if (possibly_lowest(forms, [&](FormId f) { return heights_.value(f, about[0], about[1]); }).size() < n)
+        return std::nullopt;
+    Wide p(near);
+    const int enough = Wide(extent_).magnitude_exponent() + assumed_exponent - 40;
+    for (int i = 0;; ++i) {
+        const auto f = line.sharp_jet(heights_, forms[a], p), g = line.sharp_jet(heights_, forms[b], p);
+        const Wide step = Wide(inverse) * (touching ? f[1] - g[1] : f[0] - g[0]);
+        if (step.magnitude_exponent() < enough) break;
+        if (i == 20) return std::nullopt;
+        p = (p - step).mid();
+    }
+    const double s = nearest_double(p, extent_);
+    if (s < s0 || s > s1) return std::nullopt;
+
+    RimTransition tie{{}, {}, {}, 0, {forms.begin(), forms.end()}};
+    const IntervalPoint rounded = line.at(Interval(s));
+    const bool exact = is_point(rounded[0]) && is_point(rounded[1]) &&
+                       exactly_lowest(heights_, rounded[0].mid(), rounded[1].mid(), forms, decisions_).size() == n;
+    if (exact) p = Wide(s);
+    std::vector<std::array<Wide, 2>> jets;
+    for (const FormId f : forms) jets.push_back(line.sharp_jet(heights_, f, p));
+    std::vector<bool> lowest_before(n, true), lowest_after(n, true);
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) {
+            if (!exact && !agree(jets[i][0], jets[j][0], jets[i][0])) return std::nullopt;
+            auto after = slope(i, j).sign(), before = after ? std::optional(-*after) : after;
+            if (!after) {
+                if (!agree(jets[i][1], jets[j][1], Wide(1.0))) return std::nullopt;
+                before = after = bend(i, j).sign();
+            }
+            if (!after || *after == Sign::Zero) return std::nullopt;
+            lowest_before[*before == Sign::Negative ? j : i] = false;
+            lowest_after[*after == Sign::Negative ? j : i] = false;
+        }
+    tie.before = forms[std::ranges::find(lowest_before, true) - lowest_before.begin()];
+    tie.after = forms[std::ranges::find(lowest_after, true) - lowest_after.begin()];
+    if (s == s0) tie.before = tie.after;  // a corner
+    if (s == s1) tie.after = tie.before;
+    if (tie.before != l0 || tie.after != l1) return std::nullopt;
+    const IntervalPoint place = exact ? rounded : line.at(p.enclosure());
+    tie.point = {place[0].mid(), place[1].mid()};
+    tie.error = reach(place[0], place[1]);
+    if (!exact || touching)
+        assume(tie.point, std::ldexp(extent_, touching ? assumed_exponent / 2 : assumed_exponent), tie.ties);
+    return tie;
 }
 
 std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
@@ -360,6 +478,11 @@ std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const
     SideLabels labels{ascending ? first : last, {}};
     if (!descend(line, s0, labels.first, s1, ascending ? last : first, candidates, is_seam, labels.transitions))
         return std::nullopt;
+    // What ties in a corner is the corner's.
+    std::erase_if(labels.transitions, [&](const RimTransition& t) {
+        const double s = t.point[line.by_x ? 0 : 1];
+        return t.before == t.after && (p.contains(s) || q.contains(s));
+    });
     if (is_seam) {
         // Certainly between the corners, and apart from each other.
         double after = ascending ? p.upper() : q.upper();
@@ -381,8 +504,7 @@ FormId MixedAnalysis::label_beside(const PieceSide& side, const IntervalPoint& f
         const std::vector<FormId> lowest = lowest_at(line, p + part * (q - p), candidates);
         if (lowest.size() == 1) return lowest[0];
     }
-    throw UndecidedError("forms tie all along a side of the base region from (" + std::to_string(from[0].mid()) + ", " +
-                         std::to_string(from[1].mid()) + ") on");
+    throw TieError({{from[0].mid(), from[1].mid()}, std::abs(q - p), {candidates.begin(), candidates.end()}});
 }
 
 // --- Roots of two equations ----------------------------------------------------------------------------------
@@ -473,7 +595,7 @@ struct MixedAnalysis::Work {
     std::vector<Spread> rivals;
     std::vector<Change> changes;
     std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
-    std::optional<std::size_t> knot;  // the change at a vertex of the rim in which more than two forms meet
+    std::optional<std::uint32_t> knot;           // a vertex of the rim in which more forms meet than change there
     double width = 0;
 
     Vector2d middle() const {
@@ -483,6 +605,25 @@ struct MixedAnalysis::Work {
         std::vector<FormId> all;
         for (const Spread& s : rivals) all.push_back(s.form);
         return all;
+    }
+    // Is a disk certainly inside?
+    bool surrounds(const Vector2d& p, double radius) const {
+        const Interval x = Interval::ball(p.x(), radius), y = Interval::ball(p.y(), radius);
+        return std::ranges::all_of(boundary.sides, [&](const PieceSide& s) {
+            return (Interval(s.a) * x + Interval(s.b) * y + Interval(s.c)).sign() == Sign::Positive;
+        });
+    }
+    // The sides that arrive at and leave a vertex of the rim.
+    std::array<const PieceSide*, 2> sides_at(std::uint32_t v) const {
+        const auto side = [&](std::size_t edge) {
+            return &*std::ranges::find(boundary.sides, piece.rim[edge].side, &PieceSide::id);
+        };
+        return {side((v + piece.rim.size() - 1) % piece.rim.size()), side(v)};
+    }
+    void clear_inside() {
+        piece.arcs.clear();
+        piece.vertices.resize(piece.rim.size());
+        piece.leaving.assign(piece.rim.size(), {});
     }
     const Spread* find(FormId f) const {
         const auto it = std::ranges::find(rivals, f, &Spread::form);
@@ -523,7 +664,7 @@ struct MixedAnalysis::Work {
         const Spread *a = find(left), *b = find(right);
         if (a && b)
             if (const auto d = direction(*a, *b)) across = *d;
-        piece.arcs.push_back({from, to, left, right, across});
+        piece.arcs.push_back({from, to, left, right, across, {}});
         return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
     }
     // Between two places on the rim.
@@ -531,6 +672,19 @@ struct MixedAnalysis::Work {
         const std::uint32_t h = add_arc(from.vertex, to.vertex, from.before, from.after);
         piece.leaving[from.vertex].push_back(h);
         piece.leaving[to.vertex].push_back(h + 1);
+    }
+    // The changes counter-clockwise from a vertex of the rim on, without its own.
+    std::vector<Change> changes_after(std::uint32_t v) const {
+        std::vector<Change> all;
+        for (const Change& c : changes)
+            if (c.vertex > v) all.push_back(c);
+        for (const Change& c : changes)
+            if (c.vertex < v) all.push_back(c);
+        return all;
+    }
+    // From all other changes to a vertex of the rim.
+    void join_all_on_rim(std::uint32_t v) {
+        for (const Change& c : changes_after(v)) join(c, {v, c.after, c.before});
     }
     // From every change to one inner vertex.
     void join_all_to(const MixedPiece::Vertex& center) {
@@ -563,10 +717,11 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
     bool plain = is_plain(work);
     if (!plain) {
         bend(work.piece.box, work.rivals);
+        if (work.width < sharp_width * extent_) cull_sharply(work);
         plain = is_plain(work);
     }
-    const bool near_node = !plain && work.rivals.size() == 2 && work.width <= node_width * extent_;
-    if (!plain && !near_node && !at_floor) return std::nullopt;
+    const bool near_tie = !plain && work.rivals.size() > 1 && work.width <= tie_width * extent_;
+    if (!plain && !near_tie && !at_floor) return std::nullopt;
     ++decisions_.by_interval;
 
     MixedPiece& piece = work.piece;
@@ -574,9 +729,8 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
     const auto add_rim = [&](const Vector2d& p, double error, FormId before, FormId after, std::span<const FormId> ties) {
         const auto v = static_cast<std::uint32_t>(piece.vertices.size());
         piece.vertices.push_back({p, error, after, {ties.begin(), ties.end()}});
-        if (before == after) return;
-        if (ties.size() > 2) work.knot = work.changes.size();
-        work.changes.push_back({v, before, after});
+        if (ties.size() > (before == after ? 1 : 2)) work.knot = v;
+        if (before != after) work.changes.push_back({v, before, after});
     };
     for (std::size_t i = 0; i < sides; ++i) {
         const SideLabels& labels = boundary.labels[i];
@@ -595,7 +749,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
     piece.leaving.resize(piece.vertices.size());
 
     const std::size_t assumed_before = assumptions_.size();
-    const bool joined = (plain && join_changes(work)) || (near_node && join_at_node(work));
+    const bool joined = (plain && join_changes(work)) || (near_tie && (join_at_tie(work) || join_at_saddle(work)));
     if (!joined) {
         // What was assumed on the way will be asked again.
         decisions_.assumed -= assumptions_.size() - assumed_before;
@@ -604,6 +758,28 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
         join_at_center(work);
     }
     return std::move(work.piece);
+}
+
+// As cull(), with values that doubles do not tell apart.
+void MixedAnalysis::cull_sharply(Work& work) {
+    struct Item {
+        const Spread* spread;
+        Wide v;
+    };
+    const auto& box = work.piece.box;
+    const Vector2d m = work.middle();
+    const Interval rx(Interval::up(std::max(box[1] - m.x(), m.x() - box[0]))),
+        ry(Interval::up(std::max(box[3] - m.y(), m.y() - box[2])));
+    std::vector<Item> items;
+    for (const Spread& s : work.rivals) items.push_back({&s, heights_.value(s.form, Wide(m.x()), Wide(m.y()))});
+    drop_dominated(items, [&](const Item& a, const Item& b) {
+        const auto [gx, gy] = Work::gradient(*a.spread, *b.spread);
+        return ((a.v - b.v).enclosure() - gx.magnitude() * rx - gy.magnitude() * ry).lower() > 0;
+    });
+    decisions_.by_multiprecision += work.rivals.size() - items.size();
+    std::vector<Spread> kept;
+    for (const Item& i : items) kept.push_back(*i.spread);
+    work.rivals = std::move(kept);
 }
 
 bool MixedAnalysis::is_plain(const Work& work) const {
@@ -623,10 +799,10 @@ bool MixedAnalysis::is_plain(const Work& work) const {
 bool MixedAnalysis::join_changes(Work& work) {
     const std::vector<Change>& changes = work.changes;
     const std::size_t n = work.rivals.size();
-    if (work.knot) {  // all others end there
-        const Change& center = changes[*work.knot];
-        for (std::size_t k = 1; k < changes.size(); ++k) work.join(changes[(*work.knot + k) % changes.size()], center);
-        return true;
+    if (work.knot) {
+        const AtKnot ends = ends_at_knot(work);
+        if (ends == AtKnot::All) work.join_all_on_rim(*work.knot);
+        if (ends != AtKnot::None) return ends == AtKnot::All;
     }
     if (n <= 3) {
         if (changes.empty()) return true;
@@ -648,6 +824,24 @@ bool MixedAnalysis::join_changes(Work& work) {
         }
     }
     return join_all(work);
+}
+
+// What ends in the knot? Where the label changes all arcs do, as three forms are equal there only. Where it does not, the
+// one trisector that is met touches the side, and passes through the piece if its other form falls faster towards the
+// inside; at a corner that form is higher along both sides, so between them too.
+MixedAnalysis::AtKnot MixedAnalysis::ends_at_knot(const Work& work) {
+    const std::uint32_t v = *work.knot;
+    const auto [arriving, leaving] = work.sides_at(v);
+    const FormId f = work.piece.rim[v].label;
+    if (work.piece.rim[(v + work.piece.rim.size() - 1) % work.piece.rim.size()].label != f) return AtKnot::All;
+    if (arriving != leaving) return AtKnot::None;
+    const std::vector<FormId>& ties = work.piece.vertices[v].ties;
+    const Spread *lowest = work.find(f), *other = work.find(ties[0] == f ? ties[1] : ties[0]);
+    if (work.rivals.size() != 2 || ties.size() != 2 || !lowest || !other) return AtKnot::Unknown;
+    const auto [gx, gy] = Work::gradient(*other, *lowest);
+    const auto inward = (Interval(leaving->a) * gx + Interval(leaving->b) * gy).sign();
+    if (inward == Sign::Positive) return AtKnot::None;
+    return inward == Sign::Negative && work.matched_pair() ? AtKnot::All : AtKnot::Unknown;
 }
 
 // Every trisector is a graph over the line across its direction, and its visible stretches begin and end, in turn,
@@ -690,7 +884,7 @@ bool MixedAnalysis::join_all(Work& work) {
                 if (!visible) continue;
                 if (v.forms.size() > 3) {
                     v.vertex.ties = v.forms;
-                    assume(v.vertex.point, std::ldexp(extent_, assumed_exponent), v.forms);
+                    if (!settle_tie(v.vertex, forms)) assume(v.vertex.point, std::ldexp(extent_, assumed_exponent), v.forms);
                 }
                 std::size_t a = present[0];
                 const auto is_hull_edge = [&](std::size_t p, std::size_t q) {
@@ -847,6 +1041,18 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece:
     return box;
 }
 
+// Do all forms that tie in a vertex as far as digits tell do so exactly, in a point in doubles? As there is only one point
+// in which three of them do, it is the vertex then.
+bool MixedAnalysis::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
+    const auto box = sharp_vertex(v, forms);
+    if (!box) return false;
+    const Vector2d p(nearest_double((*box)[0], extent_), nearest_double((*box)[1], extent_));
+    if (exactly_lowest(heights_, p.x(), p.y(), v.ties, decisions_).size() < v.ties.size()) return false;
+    v.point = p;
+    v.error = 0;
+    return true;
+}
+
 // other - forms at their common point; Zero where 200 bits do not tell them apart.
 std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other) {
     const Interval X = Interval::ball(v.point.x(), v.error), Y = Interval::ball(v.point.y(), v.error);
@@ -864,15 +1070,140 @@ std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, s
     return std::nullopt;
 }
 
-// Is the pair's trisector the union of two plane sections that certainly cross near the saddle? Upright planes are
-// lines here: they cross where they meet. Otherwise, where the planes are equally high their projection is a line; if the height of f minus that of the planes changes sign along it,
-// both sections pass through a point of it, transversally, and nothing but the saddle can be that point.
-bool MixedAnalysis::is_crossing_of_planes(const Work& work, const Vector2d& saddle) const {
-    const FormId f = work.rivals[0].form, g = work.rivals[1].form;
-    if (!heights_.family().radial.empty() || (heights_.family().is_circular(f) && heights_.family().is_circular(g))) return false;
-    const auto planes = height_planes(heights_.family(), f, g);
-    if (planes.size() != 2) return false;
+// --- Around a point in which all competitors tie ---------------------------------------------------------------
+
+struct MixedAnalysis::Apex {
+    Vector2d point;
+    double error;
+    std::optional<std::uint32_t> rim;  // the vertex of the rim that it is
+    std::vector<std::vector<TiedDifference>> differences;
+    bool decided;  // that all tie: by exact arithmetic, or when the rim was labelled
+};
+
+// Where gradients of competitors may agree it is a zero of their difference; else where three of them are equal; in any case
+// all of them must be equal there, and pairs whose gradients are not certainly different must have equal ones.
+std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
+    const std::vector<Spread>& r = work.rivals;
+    const std::size_t n = r.size();
+    Apex apex{{}, 0, {}, {}, false};
+    apex.differences.resize(n, std::vector<TiedDifference>(n));
+    std::vector<std::array<std::size_t, 2>> touching;
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) {
+            apex.differences[i][j].gradient = Work::gradient(r[i], r[j]);
+            if (!Work::direction(r[i], r[j])) touching.push_back({i, j});
+        }
+    if (work.knot) {
+        const MixedPiece::Vertex& v = work.piece.vertices[*work.knot];
+        if (v.ties.size() < n) return std::nullopt;
+        apex.point = v.point;
+        apex.error = v.error;
+        apex.rim = work.knot;
+        apex.decided = touching.empty();
+        if (touching.empty()) return apex;
+    }
+
+    std::optional<Root> root;
+    std::array<FormId, 3> triple;
+    if (!touching.empty()) {
+        const FormId f = r[touching[0][0]].form, g = r[touching[0][1]].form;
+        root = root_near([&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); },
+                         work.knot ? apex.point : work.middle());
+    } else {
+        if (n < 4) return std::nullopt;  // then they tie in one point at most, and the piece will be plain
+        triple = {r[0].form, r[1].form, r[2].form};
+        root = root_near([&](Interval x, Interval y) { return equal_heights(heights_, triple, x, y); }, work.middle());
+    }
+    if (!root) return std::nullopt;
+    if (work.knot) {
+        if (!((root->point - apex.point).norm() <= 2 * (root->error + apex.error))) return std::nullopt;
+    } else {
+        apex.point = root->point;
+        apex.error = root->error;
+        if (!work.surrounds(apex.point, apex.error)) return std::nullopt;
+    }
+    const Interval X = Interval::ball(root->point.x(), root->error), Y = Interval::ball(root->point.y(), root->error);
+    const Interval lowest = heights_.value(r[0].form, X, Y);
+    for (std::size_t i = 1; i < n; ++i)
+        if ((heights_.value(r[i].form, X, Y) - lowest).sign()) return std::nullopt;
+
+    if (touching.empty()) {
+        MixedPiece::Vertex v{apex.point, apex.error, triple[0], work.forms()};
+        for (std::size_t i = 3; i < n; ++i)
+            if (sign_at_vertex(v, triple, r[i].form) != Sign::Zero) return std::nullopt;
+        apex.decided = settle_tie(v, triple);
+        apex.point = v.point;
+        apex.error = v.error;
+        return apex;
+    }
+    const auto c = sharp_critical_point(r[touching[0][0]].form, r[touching[0][1]].form, root->point);
+    if (!c) return std::nullopt;
+    std::vector<HeightJet<Wide>> jets;
+    for (const Spread& s : r) jets.push_back(heights_.jet(s.form, (*c)[0], (*c)[1]));
+    for (std::size_t i = 1; i < n; ++i)
+        if (!agree(jets[0].v, jets[i].v, jets[0].v)) return std::nullopt;
+    if (work.knot)
+        for (const PieceSide* side : work.sides_at(*work.knot))
+            if (!agree(Wide(side->a) * (*c)[0] + Wide(side->b) * (*c)[1], -Wide(side->c), Wide(extent_)))
+                return std::nullopt;
+    const Interval bx(work.piece.box[0], work.piece.box[1]), by(work.piece.box[2], work.piece.box[3]);
+    for (const auto& [i, j] : touching) {
+        if (!agree(jets[i].gx, jets[j].gx, Wide(1.0)) || !agree(jets[i].gy, jets[j].gy, Wide(1.0))) return std::nullopt;
+        const HeightCurvature<Interval> p = heights_.curvature(r[i].form, bx, by), q = heights_.curvature(r[j].form, bx, by);
+        apex.differences[i][j].curvature = {p.xx - q.xx, p.xy - q.xy, p.yy - q.yy};
+    }
+    if (!work.knot) {
+        const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
+        apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
+        apex.point = rounded;
+    }
+    apex.decided = !work.knot && 2 * touching.size() == n * (n - 1) && is_tie_of_planes(work, apex);
+    return apex;
+}
+
+// Where grad f = grad g, with many digits.
+std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_critical_point(FormId f, FormId g, const Vector2d& start) const {
+    const Eigen::Matrix2d inverse =
+        vcell::middle(equal_gradients(heights_, f, g, Interval(start.x()), Interval(start.y()))).inverse();
+    std::array<Wide, 2> c{Wide(start.x()), Wide(start.y())};
+    const int enough = Wide(extent_).magnitude_exponent() + assumed_exponent - 40;
+    for (int i = 0; i < 20; ++i) {
+        const HeightJet<Wide> a = heights_.jet(f, c[0], c[1]), b = heights_.jet(g, c[0], c[1]);
+        const Wide gx = a.gx - b.gx, gy = a.gy - b.gy;
+        const Wide dx = Wide(inverse(0, 0)) * gx + Wide(inverse(0, 1)) * gy,
+                   dy = Wide(inverse(1, 0)) * gx + Wide(inverse(1, 1)) * gy;
+        if (std::max(dx.magnitude_exponent(), dy.magnitude_exponent()) < enough) return c;
+        c = {(c[0] - dx).mid(), (c[1] - dy).mid()};
+    }
+    return std::nullopt;
+}
+
+// Every trisector is the union of two plane sections, and all these planes have a line in common. If it is upright,
+// all forms are equal and have equal gradients where it stands. Otherwise, if the height of a form minus that of the line
+// changes sign along it, near the apex, then all forms are equal in a point of it, and sections cross there
+// transversally: the gradients agree. The first trisector has one such point in the piece, the apex.
+bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
+    const std::vector<Spread>& r = work.rivals;
+    if (!heights_.family().radial.empty()) return false;
+    const HeightCurvature<Interval>& bend = *apex.differences[0][1].curvature;
+    if (!(bend.xx * bend.yy - square(bend.xy)).sign()) return false;
+    std::vector<std::array<Exact, 4>> planes;
+    for (std::size_t i = 1; i < r.size(); ++i) {
+        if (heights_.family().is_circular(r[0].form) && heights_.family().is_circular(r[i].form)) return false;
+        const auto two = height_planes(heights_.family(), r[0].form, r[i].form);
+        if (two.size() != 2) return false;
+        planes.insert(planes.end(), two.begin(), two.end());
+    }
     const auto &p = planes[0], &q = planes[1], &raised = p[2].sign() != Sign::Zero ? p : q;
+    for (std::size_t k = 2; k < planes.size(); ++k) {
+        const auto dependent = [&](int i, int j, int l) {
+            const auto& o = planes[k];
+            return (o[i] * (p[j] * q[l] - p[l] * q[j]) - o[j] * (p[i] * q[l] - p[l] * q[i]) +
+                    o[l] * (p[i] * q[j] - p[j] * q[i]))
+                       .sign() == Sign::Zero;
+        };
+        if (!dependent(0, 1, 2) || !dependent(0, 1, 3) || !dependent(0, 2, 3) || !dependent(1, 2, 3)) return false;
+    }
     const auto inside = [&](const Interval& x, const Interval& y) {
         return std::ranges::all_of(work.boundary.sides, [&](const PieceSide& side) {
             return (side.a * x + side.b * y + Interval(side.c)).sign() == Sign::Positive;
@@ -885,26 +1216,144 @@ bool MixedAnalysis::is_crossing_of_planes(const Work& work, const Vector2d& sadd
     const auto eliminate = [&](int k) { return (q[2] * p[k] - p[2] * q[k]).enclosure(); };
     const Interval a = eliminate(0), b = eliminate(1), c = eliminate(3);
     const bool by_x = a.magnitude() <= b.magnitude();
-    const auto above = [&](double s) {  // f - plane on the line
+    const auto above = [&](double s) {  // the form less the line
         const Interval other = by_x ? -(a * Interval(s) + c) / b : -(b * Interval(s) + c) / a;
         const Interval x = by_x ? Interval(s) : other, y = by_x ? other : Interval(s);
         if (!inside(x, y)) return std::optional<Sign>();
-        return (heights_.value(f, x, y) + (raised[0].enclosure() * x + raised[1].enclosure() * y + raised[3].enclosure()) /
-                                              raised[2].enclosure()).sign();
+        return (heights_.value(r[0].form, x, y) +
+                (raised[0].enclosure() * x + raised[1].enclosure() * y + raised[3].enclosure()) / raised[2].enclosure())
+            .sign();
     };
     for (double step = 0.5 * work.width; step > 0x1p-10 * work.width; step *= 0.5) {
-        const double s = saddle[by_x ? 0 : 1];
+        const double s = apex.point[by_x ? 0 : 1];
         const auto before = above(s - step), after = above(s + step);
         if (before && after) return *before == -*after && *before != Sign::Zero;
     }
     return false;
 }
 
+// A convex piece shows the directions around the apex once each, in their order: when its rim has as many changes as the
+// fan has arms, each arm ends in one of them.
+bool MixedAnalysis::join_at_tie(Work& work) {
+    const auto apex = find_apex(work);
+    if (!apex) return false;
+    std::vector<Vector2d> corners;
+    if (apex->rim) {
+        const auto sides = work.sides_at(*apex->rim);
+        corners.emplace_back(sides[1]->b, -sides[1]->a);
+        if (sides[0] == sides[1]) corners.emplace_back(sides[1]->a, sides[1]->b);
+        corners.emplace_back(-sides[0]->b, sides[0]->a);
+    } else {  // a square in a position that input does not favour
+        corners = {{1, 0.29}, {-0.29, 1}, {-1, -0.29}, {0.29, -1}, {1, 0.29}};
+    }
+    const std::vector<FormId> forms = work.forms();
+    const auto fan = find_fan(forms, apex->differences, corners);
+    if (!fan) return false;
+    const std::vector<Change> changes = apex->rim ? work.changes_after(*apex->rim) : work.changes;
+    const std::vector<FanArm>& arms = fan->arms;
+    const std::size_t n = arms.size();
+    if (changes.size() != n) return false;
+    const auto matches = [&](const Change& c, const FanArm& arm) {
+        const MixedPiece::Vertex& v = work.piece.vertices[c.vertex];
+        const Vector2d d = v.point - apex->point;
+        const double doubt = 2 * (v.error + apex->error);
+        const auto turn = [](const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
+        return c.before == arm.right && c.after == arm.left && turn(arm.from, d) > doubt * arm.from.norm() &&
+               turn(d, arm.to) > doubt * arm.to.norm();
+    };
+    std::size_t shift = 0;
+    while (shift < n && !matches(changes[0], arms[shift])) ++shift;
+    if (shift == n && n > 0) return false;
+    for (std::size_t k = 0; k < n; ++k)
+        if (!matches(changes[k], arms[(k + shift) % n])) return false;
+
+    if (apex->rim) {
+        if (work.piece.rim[*apex->rim].label != fan->first) return false;
+        work.join_all_on_rim(*apex->rim);
+    } else {
+        work.join_all_to({apex->point, apex->error, forms[0], forms});
+    }
+    for (std::size_t k = 0; k < n; ++k)
+        if (!divide_arm(work, work.piece.arcs[k], *apex, arms[(k + shift) % n])) {
+            work.clear_inside();
+            return false;
+        }
+    if (apex->decided)
+        ++decisions_.by_exact;
+    else
+        assume(apex->point, std::ldexp(extent_, assumed_exponent / 2), forms);
+    return true;
+}
+
+// Boxes this wide, relative to their coordinates, still hold a thousand doubles.
+constexpr double rounding_width = 0x1p-40;
+
+// No direction is across the arc all over a piece that contains a point in which the gradients agree. Closer and closer to
+// the apex the arc is divided into stretches in whose boxes one is.
+bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const {
+    const Spread *f = work.find(arc.left), *g = work.find(arc.right);
+    if (Work::direction(*f, *g)) return true;
+    const Vector2d along = arm.to - arm.from;
+    const auto turn = [](const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
+    const auto corner = [&](double t, const Vector2d& d) { return Vector2d(apex.point + t * d); };
+    // The part of the sector between two lines across it.
+    const auto box_between = [&](double t0, double t1) {
+        std::array<double, 4> box{infinity, -infinity, infinity, -infinity};
+        for (const Vector2d& p : {corner(t0, arm.from), corner(t0, arm.to), corner(t1, arm.from), corner(t1, arm.to)}) {
+            const double doubt = apex.error + 4 * std::numeric_limits<double>::epsilon() * p.norm();
+            box = {std::min(box[0], p.x() - doubt), std::max(box[1], p.x() + doubt), std::min(box[2], p.y() - doubt),
+                   std::max(box[3], p.y() + doubt)};
+        }
+        return box;
+    };
+    const MixedPiece::Vertex& start = work.piece.vertices[arc.from];
+    double t = turn(start.point - apex.point, along) / turn(arm.from, along) * (1 + 0x1p-20) + start.error;
+    const double scale = std::max(arm.from.norm(), arm.to.norm());
+    const double last = std::max(chord_width * extent_, rounding_width * apex.point.norm()) / scale;
+    std::vector<MinimizationDiagram::ArcPiece> pieces;
+    while (t > last) {
+        std::optional<MinimizationDiagram::ArcPiece> piece;
+        double next = 0;
+        for (const double ratio : {0.25, 0.5, 0.75}) {
+            next = ratio * t;
+            const auto box = box_between(t, next);
+            const auto [gx, gy] = heights_.gradient_difference(arc.left, arc.right, {box[0], box[1]}, {box[2], box[3]});
+            const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
+            const Interval across = Interval(along.x()) * gx + Interval(along.y()) * gy;
+            if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0) || !(across.lower() > 0))
+                continue;
+            // The arc's left form is lower where the line starts.
+            const auto difference = [&](const Vector2d& p) {
+                const Interval x(p.x()), y(p.y());
+                return heights_.value(arc.left, x, y) - heights_.value(arc.right, x, y);
+            };
+            double lo = 0, hi = 1;
+            for (int i = 0; i < 50; ++i) {
+                const double s = 0.5 * (lo + hi);
+                (difference(corner(next, arm.from + s * along)).mid() < 0 ? lo : hi) = s;
+            }
+            const Vector2d p = corner(next, arm.from + lo * along);
+            const double error = (Interval(difference(p).magnitude() * along.norm()) / Interval(across.lower())).upper();
+            piece = {p, Interval::up(error + 4 * std::numeric_limits<double>::epsilon() * p.norm()), d, box};
+            break;
+        }
+        if (!piece && t * scale > node_width * extent_) return false;
+        if (!piece) break;
+        pieces.push_back(*piece);
+        t = next;
+    }
+    const auto box = box_between(t, 0);
+    pieces.push_back({work.piece.vertices[arc.to].point, work.piece.vertices[arc.to].error, arc.direction, box});
+    arc.pieces = std::move(pieces);
+    return true;
+}
+
 // Two forms whose difference has a saddle's curvature all over the piece: its level set has no closed component, so
 // without a change there is no arc and two changes are the ends of one. With four, let c be the saddle. If
 // the difference is not zero there, its sign persists along the line through c in which it curves away from
 // zero; that line joins two stretches of the rim and cuts the other two off.
-bool MixedAnalysis::join_at_node(Work& work) {
+bool MixedAnalysis::join_at_saddle(Work& work) {
+    if (work.rivals.size() != 2 || work.width > node_width * extent_) return false;
     const FormId f = work.rivals[0].form, g = work.rivals[1].form;
     const Interval X(work.piece.box[0], work.piece.box[1]), Y(work.piece.box[2], work.piece.box[3]);
     const HeightCurvature<Interval> p = heights_.curvature(f, X, Y), q = heights_.curvature(g, X, Y);
@@ -919,10 +1368,7 @@ bool MixedAnalysis::join_at_node(Work& work) {
     if (changes.size() != 4) return false;
     const auto saddle = root_near([&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); }, work.middle());
     if (!saddle) return false;
-    for (const PieceSide& s : work.boundary.sides) {
-        const Interval x = Interval::ball(saddle->point.x(), saddle->error), y = Interval::ball(saddle->point.y(), saddle->error);
-        if ((Interval(s.a) * x + Interval(s.b) * y + Interval(s.c)).sign() != Sign::Positive) return false;
-    }
+    if (!work.surrounds(saddle->point, saddle->error)) return false;
 
     // The saddle's value with many digits.
     Eigen::Matrix2d curvature;
@@ -937,14 +1383,6 @@ bool MixedAnalysis::join_at_node(Work& work) {
         value = a.v - b.v;
         slope = gx.enclosure().magnitude() + gy.enclosure().magnitude();
         if (value.sign() && value.enclosure().magnitude() > 4 * slope * work.width) break;
-        if (value.magnitude_exponent() < a.v.magnitude_exponent() + assumed_exponent) {
-            work.join_all_to({saddle->point, saddle->error, f, {f, g}});
-            if (is_crossing_of_planes(work, saddle->point))
-                ++decisions_.by_exact;
-            else
-                assume(saddle->point, std::ldexp(extent_, assumed_exponent / 2), {f, g});
-            return true;
-        }
         c = {(c[0] - Wide(inverse(0, 0)) * gx - Wide(inverse(0, 1)) * gy).mid(),
              (c[1] - Wide(inverse(1, 0)) * gx - Wide(inverse(1, 1)) * gy).mid()};
     }
@@ -974,10 +1412,7 @@ bool MixedAnalysis::join_at_node(Work& work) {
 }
 
 void MixedAnalysis::join_at_center(Work& work) {
-    work.piece.arcs.clear();
-    const std::size_t rim = work.piece.rim.size();
-    work.piece.vertices.resize(rim);
-    work.piece.leaving.assign(rim, {});
+    work.clear_inside();
     assume(work.middle(), work.width, work.forms());
     if (work.changes.empty()) return;
     if (work.matched_pair() && work.rivals.size() == 2)

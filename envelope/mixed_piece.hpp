@@ -14,8 +14,11 @@
 /// pieces are split. Along a side everything is one-dimensional: the same argument with slopes.
 ///
 /// Two heights have equal gradients where the objects touch from inside (equal cylinders with crossing axes): the
-/// trisector has a node there and no piece around it is plain. When the piece is small and the difference has a
-/// saddle all over it, the curves cross if the saddle's value is zero, and otherwise avoid each other.
+/// trisector has a node there and no piece around it is plain. If all competitors of a small piece tie in such a
+/// point, or more than three of them in any point, the diagram is a fan around it (tie_fan.hpp), decided once it
+/// is known that they tie: exactly where all trisectors split into planes, or in a point in doubles, and else
+/// to 2^-200, listed as assumed. A saddle whose value is not zero keeps two curves apart. Along the region's
+/// sides the same holds in one dimension.
 ///
 /// Coincidences below 2^-200, and what is left of pieces narrower than `floor_width` of the region, are taken for
 /// points, counted in Decisions::assumed, and listed.
@@ -29,6 +32,7 @@
 
 #include "heights.hpp"
 #include "minimization_diagram.hpp"
+#include "tie_fan.hpp"
 
 namespace vcell {
 
@@ -85,6 +89,8 @@ struct MixedPiece {
         std::uint32_t from, to;
         FormId left, right;
         Eigen::Vector2d direction;
+        /// Stretches from one end to the other, if one direction and the piece's box will not do for all.
+        std::vector<MinimizationDiagram::ArcPiece> pieces;
     };
     std::vector<Vertex> vertices;
     std::vector<RimEdge> rim;
@@ -100,8 +106,13 @@ public:
     /// Narrower than this part of the region's extent a piece that is not plain counts as a point. Heights of
     /// competitors in it differ by about its square, beyond the digits of a double.
     static constexpr double floor_width = 0x1p-34;
-    /// Pieces around a node are not split further than this: there an arc's direction is only that across its chord.
+    /// Pieces narrower than this may be taken for a fan around a point in which all competitors tie.
+    static constexpr double tie_width = 0x1p-8;
+    /// Two trisectors that avoid each other are told apart in pieces of this width or less: there an arc's direction is
+    /// only that across its chord.
     static constexpr double node_width = 0x1p-22;
+    /// Nearer than this to a point where gradients agree rounding hides how a trisector runs; so it is not divided further.
+    static constexpr double chord_width = 0x1p-26;
     /// As floor_width, along a side, where no more than one direction has to be told apart.
     static constexpr double side_floor_width = 0x1p-44;
 
@@ -110,6 +121,8 @@ public:
     const Heights& heights() const { return heights_; }
     Decisions& decisions() { return decisions_; }
     std::vector<Assumption>& assumptions() { return assumptions_; }
+    /// The tie that the last seam was given up for.
+    const std::optional<Assumption>& obstacle() const { return obstacle_; }
 
     /// The candidates that may be lowest somewhere in the rectangle.
     std::vector<FormId> cull(const std::array<double, 4>& box, std::span<const FormId> candidates);
@@ -118,10 +131,10 @@ public:
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
 
     /// The labels along a side between two corners, from `first` to `last`. Seams must be crossed cleanly: none
-    /// if forms tie on one otherwise than by crossing at a slope.
+    /// if forms tie on one otherwise than by crossing at a slope. Throws TieError if they tie along another side.
     std::optional<SideLabels> label_side(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
                                          FormId first, FormId last, std::vector<FormId> candidates, bool is_seam);
-    /// The label right after the corner `from`, where several forms tie.
+    /// The label right after the corner `from`, where several forms tie. Throws TieError if they do all along.
     FormId label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
                         std::span<const FormId> candidates);
 
@@ -148,18 +161,29 @@ private:
                  bool is_seam, std::vector<RimTransition>& out);
     std::vector<FormId> lowest_at(const Line& line, double s, std::span<const FormId> candidates);
     RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after);
+    std::optional<RimTransition> find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
+                                          std::span<const FormId> forms);
     struct Change;
     struct Work;
+    void cull_sharply(Work& work);
     bool is_plain(const Work& work) const;
     bool join_changes(Work& work);
-    bool join_at_node(Work& work);
-    bool is_crossing_of_planes(const Work& work, const Eigen::Vector2d& saddle) const;
+    enum class AtKnot { None, All, Unknown };
+    static AtKnot ends_at_knot(const Work& work);
+    struct Apex;
+    std::optional<Apex> find_apex(const Work& work);
+    std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g, const Eigen::Vector2d& start) const;
+    bool is_tie_of_planes(const Work& work, const Apex& apex) const;
+    bool join_at_tie(Work& work);
+    bool divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const;
+    bool join_at_saddle(Work& work);
     bool join_all(Work& work);
     bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);
     void join_at_center(Work& work);
     enum class Inside { No, Yes, Unknown };
     Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);
     std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other);
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
 
@@ -167,6 +191,7 @@ private:
     double extent_;
     Decisions decisions_;
     std::vector<Assumption> assumptions_;
+    std::optional<Assumption> obstacle_;
     std::vector<Spread> spreads_;  // of the forms that the last cull() left
 };
 

@@ -139,7 +139,12 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
         if (!family_.is_circular(a.left) || !family_.is_circular(a.right)) {
             const MixedPiece::Vertex &p = piece.vertices[a.from], &q = piece.vertices[a.to];
             e.links = static_cast<Index>(links_.size());
-            links_.push_back({{p.point, q.point, p.error, q.error, a.direction, piece.box}});
+            std::vector<Link>& links = links_.emplace_back();
+            for (const auto& s : a.pieces) {
+                const Link before = links.empty() ? Link{{}, p.point, 0, p.error, {}, {}} : links.back();
+                links.push_back({before.to, s.end, before.to_error, s.error, s.direction, s.box});
+            }
+            if (links.empty()) links.push_back({p.point, q.point, p.error, q.error, a.direction, piece.box});
         }
         half_edges_.push_back({none, none, first_vertex + a.from, none});
         half_edges_.push_back({none, none, first_vertex + a.to, none});
@@ -149,6 +154,7 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
     for (Index i = 0; i < rim; ++i) around[i].push_back(2 * (first_edge + (i + rim - 1) % rim) + 1);
     for (Index v = 0; v < around.size(); ++v) {
         const std::vector<Index>& out = around[v];
+        if (out.empty()) continue;
         vertices_[first_vertex + v].out = out.front();
         for (std::size_t k = 0; k < out.size(); ++k) link(twin(out[k]), out[(k + out.size() - 1) % out.size()]);
     }
@@ -161,6 +167,12 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
             if (left_of(g) != faces_[f].site) throw InternalError("labels differ around a face of a piece");
             half_edges_[g].face = f;
         }
+    }
+    // A vertex without edges is one of a piece without arcs.
+    for (Index v = rim; v < around.size(); ++v) {
+        if (!around[v].empty()) continue;
+        vertices_[first_vertex + v].isolated_in = static_cast<Index>(faces_.size() - 1);
+        isolated_.push_back(first_vertex + v);
     }
     return 2 * first_edge + 1;
 }
