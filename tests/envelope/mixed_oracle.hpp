@@ -384,7 +384,7 @@ private:
         const auto label = d_.label(v);
         for (std::size_t i = 0; i < label.size(); ++i)
             for (std::size_t j = 0; j < i; ++j) curves.push_back({label[i].value, label[j].value});
-        Real widest("1e-7");
+        Real widest = 0;
         std::optional<std::pair<Curve, Curve>> best;
         std::vector<std::array<Real, 3>> values;
         for (const Curve& c : curves) values.push_back(value(c, start));
@@ -394,12 +394,20 @@ private:
                     widest = s;
                     best = {curves[i], curves[j]};
                 }
-        if (best)
-            return newton(start, [&](const Point<Real>& p) {
-                return std::pair(value(best->first, p), value(best->second, p));
-            });
-        const auto difference = std::ranges::find_if(curves, [](const Curve& c) { return c.g != SIZE_MAX; });
-        if (difference == curves.end()) return std::nullopt;
+        if (best)  // fails, by far too slow, if these touch but for the error of the start
+            if (const auto p = newton(start, [&](const Point<Real>& q) {
+                    return std::pair(value(best->first, q), value(best->second, q));
+                }))
+                return p;
+        std::optional<Curve> difference;  // of the smallest gradient
+        Real least = 0;
+        for (std::size_t i = 0; i < curves.size(); ++i) {
+            const Real norm = values[i][1] * values[i][1] + values[i][2] * values[i][2];
+            if (curves[i].g == SIZE_MAX || (difference && norm >= least)) continue;
+            difference = curves[i];
+            least = norm;
+        }
+        if (!difference) return std::nullopt;
         const Real h = Real(size_) * Real("1e-30");
         if (d_.sides(v).empty())
             return newton(start, [&](const Point<Real>& p) {

@@ -209,6 +209,9 @@ inline Scene regulus(const std::string& name, const std::vector<std::array<doubl
 
 inline const std::vector<std::array<double, 2>> four_ways{{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 
+inline const std::vector<std::array<double, 2>> eight_ways{{1, 0}, {0, 1}, {1, 1},  {1, -1},
+                                                           {1, 2}, {2, 1}, {-1, 2}, {2, -1}};
+
 inline std::vector<Scene> degenerate_scenes() {
     std::vector<Scene> all;
     const auto scene = [&](const std::string& name) -> Scene& {
@@ -230,6 +233,47 @@ inline std::vector<Scene> degenerate_scenes() {
         .cylinder(0, 0, 1, 1, 0, 0, 0.25)
         .cylinder(0, 0, 1, 0, 1, 0, 0.25)
         .cylinder(0, 0, 1, 1, 1, 0, 0.25);
+    {
+        Scene& s = scene("eight equal cylinders through one point");
+        for (const auto& [x, y] : eight_ways) s.cylinder(0.125, 0.25, 1, x, y, 0, 0.25);
+    }
+    scene("three equal tilted cylinders through one point")
+        .cylinder(0.125, 0.25, 1, 1, 0.25, 0.125, 0.25)
+        .cylinder(0.125, 0.25, 1, -0.25, 1, 0.125, 0.25)
+        .cylinder(0.125, 0.25, 1, 0.75, 1.25, 0.25, 0.25);
+    scene("a larger ball in the node of two cylinders")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .cylinder(0, 0, 1, 0, 1, 0, 0.25)
+        .ball(0, 0, 1.25, 0.5);
+    scene("a smaller ball in the node of two cylinders")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .cylinder(0, 0, 1, 0, 1, 0, 0.25)
+        .ball(0, 0, 0.875, 0.125);
+    scene("a plane through the node of two cylinders")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .cylinder(0, 0, 1, 0, 1, 0, 0.25)
+        .wall(0.5, 0, 0.375);
+    scene("a ball in a cylinder, touching its bottom")
+        .cylinder(0, 0, 1, 1, 0, 0, 0.25)
+        .ball(0, 0, 0.875, 0.125);
+    scene("three equal cylinders cross over the rim")
+        .cylinder(2, 0.5, 1, 1, 0, 0, 0.25)
+        .cylinder(2, 0.5, 1, 0, 1, 0, 0.25)
+        .cylinder(2, 0.5, 1, 1, 1, 0, 0.25);
+    scene("three equal cylinders cross over a corner")
+        .cylinder(2, 2, 1, 1, 0, 0, 0.25)
+        .cylinder(2, 2, 1, 0, 1, 0, 0.25)
+        .cylinder(2, 2, 1, 1, 1, 0, 0.25);
+    scene("equal cylinders cross over an oblique rim")
+        .cylinder(0.5, 0.5, 1, 1, 0, 0, 0.25)
+        .cylinder(0.5, 0.5, 1, 1, 2, 0, 0.25)
+        .region.sides = {{0, 1, 1}, {-1, -1, 1}, {1, 0, 1}};
+    scene("a trisector touches the rim from inside")
+        .cylinder(4, 0, 0.75, 0, 1, 0, 0.25)
+        .ball(0, 0, 3.75, 0.25);
+    scene("a trisector touches the rim from outside")
+        .cylinder(0, 0, 0.75, 0, 1, 0, 0.25)
+        .ball(4, 0, 3.75, 0.25);
     scene("a grid of four equal cylinders")
         .cylinder(0, 0.5, 1, 1, 0, 0, 0.25)
         .cylinder(0, -0.5, 1, 1, 0, 0, 0.25)

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/heights.hpp"
 #include "../test_support.hpp"
 #include "mixed_oracle.hpp"
 #include "mixed_scenes.hpp"
@@ -287,6 +288,118 @@ TEST_CASE("mixed envelope: an exact coincidence is one vertex, assumed once at m
             CHECK(there(a.place, a.width));
             CHECK(a.width < 1e-25);
             CHECK(a.forms.size() == forms);
+        }
+    }
+}
+
+TEST_CASE("mixed envelope: where many forms tie there is one vertex, with its edges and faces around it") {
+    // Forms in the label, edges around it (those of the rim included), and faces of the whole diagram.
+    // `decided`: exactly.
+    struct Case {
+        std::string name;
+        double x, y;
+        std::size_t forms, edges, faces;
+        bool decided = false;
+    };
+    std::vector<Case> cases{
+        {"two equal cylinders that cross", 0, 0, 2, 4, 4, true},
+        {"three equal cylinders through one point", 0, 0, 3, 6, 6},
+        {"three equal cylinders through one point, in rational directions", 0, 0, 3, 6, 6, true},
+        {"eight equal cylinders through one point", 0.125, 0.25, 8, 16, 16},
+        {"a larger ball in the node of two cylinders", 0, 0, 3, 4, 4},
+        {"a smaller ball in the node of two cylinders", 0, 0, 3, 4, 4},
+        {"a plane through the node of two cylinders", 0, 0, 3, 4, 6},
+        {"a ball in a cylinder, touching its bottom", 0, 0, 2, 0, 1},
+        {"equal cylinders cross over the rim", 2, 0.5, 2, 4, 3},
+        {"equal cylinders cross over a corner", 2, 2, 2, 3, 2},
+        {"three equal cylinders cross over the rim", 2, 0.5, 3, 5, 4},
+        {"three equal cylinders cross over a corner", 2, 2, 3, 4, 3},
+        {"equal cylinders cross over an oblique rim", 0.5, 0.5, 2, 4, 3},
+        {"a trisector touches the rim from inside", 2, 0, 2, 4, 3},
+        {"a trisector touches the rim from outside", 2, 0, 2, 2, 1},
+        {"a vertex on the rim", 2, 0, 3, 4, 3, true},
+        {"a grid of four equal cylinders", 0, 0, 4, 4, 12, true},
+        {"four cylinders on a regulus", 0, 0, 4, 4, 8, true},
+    };
+    std::vector<Scene> scenes = degenerate_scenes();
+    scenes.push_back({.name = cases[2].name, .circular = {}, .cylinders = {}});
+    scenes.back()
+        .cylinder(0, 0, 1, 4, 3, 0, 0.25)
+        .cylinder(0, 0, 1, 0, 1, 0, 0.25)
+        .cylinder(0, 0, 1, 3, 4, 0, 0.25);
+    std::mt19937_64 rng(test_seed());
+    for (const auto& [name, x, y, forms, edges, faces, decided] : cases) {
+        CAPTURE(name);
+        const Scene& scene = *std::ranges::find(scenes, name, &Scene::name);
+        const MinimizationDiagram d = judge(scene, rng, {.samples = 200});
+        const auto there = [&](const Eigen::Vector2d& p, double error) {
+            return std::hypot(p.x() - x, p.y() - y) <= error + 1e-15;
+        };
+        int found = 0;
+        for (const VertexId v : d.vertices.ids()) {
+            if (!there(d.vertices[v].point, std::max(d.vertices[v].error, 1e-6))) continue;
+            ++found;
+            CHECK(there(d.vertices[v].point, d.vertices[v].error));
+            CHECK(d.vertices[v].error < 1e-12);
+            CHECK(d.label(v).size() == forms);
+            std::size_t around = 0;
+            if (const HalfEdgeId first = d.dcel.outgoing(v); first.valid()) {
+                HalfEdgeId h = first;
+                do {
+                    ++around;
+                    h = d.dcel.next_around_origin(h);
+                } while (h != first);
+            }
+            CHECK(around == edges);
+        }
+        CHECK(found == 1);
+        CHECK(d.face_forms.size() - 1 == faces);
+        CHECK(d.assumptions.size() == (decided ? 0 : 1));
+        for (const Assumption& a : d.assumptions) {
+            CHECK(there(a.place, a.width));
+            CHECK(a.width < 1e-25);
+            CHECK(a.forms.size() == forms);
+        }
+        invariances(scene, rng);
+    }
+}
+
+TEST_CASE("mixed envelope: arcs are divided into pieces up to where all forms tie") {
+    for (const Scene& scene : degenerate_scenes()) {
+        if (scene.name.find("node") == std::string::npos && scene.name.find("bottom") == std::string::npos)
+            continue;
+        CAPTURE(scene.name);
+        const MinimizationDiagram d = envelope(scene);
+        const FormFamily family = scene.family();
+        const Heights heights(family);
+        for (const EdgeId e : d.edges.ids()) {
+            const auto pieces = d.pieces(e);
+            for (std::size_t i = 0; i < pieces.size(); ++i) {
+                const auto& [x0, x1, y0, y1] = pieces[i].box;
+                const double width = std::max(x1 - x0, y1 - y0);
+                if (width < 4 * 0x1p-25) continue;
+                const auto [gx, gy] =
+                    heights.gradient_difference(d.edges[e].left, d.edges[e].right, {x0, x1}, {y0, y1});
+                CHECK((Interval(pieces[i].direction.x()) * gx + Interval(pieces[i].direction.y()) * gy)
+                          .lower() > 0);
+            }
+        }
+    }
+}
+
+TEST_CASE("mixed envelope: forms that tie along a curve are named, and the place") {
+    Scene ball{.name = "a ball of a cylinder's radius on its axis", .circular = {}, .cylinders = {}};
+    ball.ball(1, 1.5, 0.25, 0.125).ball(0.5, -1, 1, 0.25).cylinder(0, -1, 1, 1, 0, 0, 0.25);
+    Scene rim{.name = "a tie along the rim", .circular = {}, .cylinders = {}};
+    rim.ball(-1, -1, 0.25, 0.125).cylinder(2, 0.5, 1, 1, 1, 0, 0.25).cylinder(2, 0.5, 1, 1, -1, 0, 0.25);
+    for (const auto& [scene, x] : {std::pair{ball, 0.5}, {rim, 2.0}}) {
+        CAPTURE(scene.name);
+        try {
+            envelope(scene);
+            FAIL("was decided");
+        } catch (const TieError& e) {
+            CHECK(e.tie.forms == std::vector{FormId{1}, FormId{2}});
+            CHECK(e.tie.place.x() == doctest::Approx(x).epsilon(1e-3));
         }
     }
 }
