@@ -206,7 +206,8 @@ public:
             "Prints for each point a line \"site clearance inside\": the site that owns the ray through the\n"
             "point along the base's normal (the first of those that tie), the height of the cell's boundary\n"
             "on that ray, and true if the point lies in the cell, false if not. A ray from outside the base\n"
-            "region has no owner: \"- - false\".");
+            "region has no owner: \"- - false\". The centre of a base sphere, or a point on a base cylinder's\n"
+            "axis, has no ray: \"- - true\".");
     }
 
     bool chosen() const { return command_.parsed(); }
@@ -215,15 +216,8 @@ public:
         if (scene_.path == "-" && points_ == "-")
             throw UsageError("query: scene and points cannot both come from standard input");
         const Scene scene = scene_.read();
-        const PlaneBaseProblem problem = plane_base_problem(scene);
-        for (const std::string& w : problem.warnings) warn(w);
-        std::string answers;
-        for (const Vec3& p : read_points()) {
-            if (const auto a = query_point(problem, p))
-                answers += fmt::format("{} {} {}\n", to_string(a->site), a->clearance, a->inside);
-            else
-                answers += "- - false\n";
-        }
+        const std::string answers = std::holds_alternative<Plane>(scene.base) ? answer(plane_base_problem(scene))
+                                                                              : answer(radial_base_problem(scene));
         OutputFile out("-");
         out.stream() << answers;
         out.commit();
@@ -231,6 +225,20 @@ public:
     }
 
 private:
+    template <class Problem>
+    std::string answer(const Problem& problem) const {
+        for (const std::string& w : problem.warnings) warn(w);
+        std::string answers;
+        for (const Vec3& p : read_points()) {
+            const auto a = query_point(problem, p);
+            if (a && a->site)
+                answers += fmt::format("{} {} {}\n", to_string(*a->site), a->clearance, a->inside);
+            else
+                answers += fmt::format("- - {}\n", a && a->inside);
+        }
+        return answers;
+    }
+
     std::vector<Vec3> read_points() const try {
         const std::string text = read_file(points_);
         std::vector<Vec3> points;

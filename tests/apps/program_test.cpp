@@ -258,6 +258,27 @@ TEST_CASE("program: query answers point by point") {
     CHECK(leaning.ends_with(" false\n"));
 }
 
+TEST_CASE("program: query answers over curved bases") {
+    Workplace w;
+    // Equal balls: their bisector is the plane x = 3.
+    w.write("ball.json", R"({"vcell":1,"base":{"sphere":{"center":[1,2,3],"radius":1}},
+        "objects":[{"sphere":{"center":[5,2,3],"radius":1}}],"box":{"min":[-3,-2,-1],"max":[5,6,7]}})");
+    CHECK(w.run("query ball.json", "3 2 3\n3.0001 2 3\n1 2 3\n1 2 6.75\n1 2 8\n1.5 2 3\n").out ==
+          "0 1 true\n0 1 false\n- - true\nbox:+z 3 true\nbox:+z 3 false\n0 1 true\n");
+    // The ball at x = 2 takes its half of the base's body.
+    w.write("overlap.json", R"({"vcell":1,"base":{"sphere":{"center":[0,0,0],"radius":2}},
+        "objects":[{"sphere":{"center":[2,0,0],"radius":2}}],"box":{"min":[-8,-8,-8],"max":[8,8,8]}})");
+    CHECK(w.run("query overlap.json", "0.75 0.5 0\n1.25 0.5 0\n").out.find("0 -0.79") == 0);
+    CHECK(w.run("query overlap.json", "0.75 0.5 0\n").out.ends_with(" true\n"));
+    CHECK(w.run("query overlap.json", "1.25 0.5 0\n").out.ends_with(" false\n"));
+    w.write("tube.json", R"({"vcell":1,"base":{"cylinder":{"point":[0,0,0],"axis":[0,0,2],"radius":1}},
+        "objects":[{"cylinder":{"point":[4,0,0],"axis":[0,0,1],"radius":1}},
+                   {"cylinder":{"point":[0,4,0],"axis":[3,0,0],"radius":1}}],
+        "box":{"min":[-10,-10,-10],"max":[10,10,10]}})");
+    CHECK(w.run("query tube.json", "2 0 5\n2.001 0 5\n0 0 5\n0 0 11\n-2 0 0\n-10.5 0 0\n0 2 0\n0 2.001 0\n").out ==
+          "0 1 true\n0 1 false\n- - true\n- - false\nbox:-x 9 true\nbox:-x 9 false\n1 1 true\n1 1 false\n");
+}
+
 TEST_CASE("program: query names a bad line") {
     Workplace w;
     const std::string scene = example("figure1.json");
