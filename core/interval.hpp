@@ -114,6 +114,11 @@ private:
         return x < 0 ? -largest : x;
     }
     static Interval from_candidates(double p, double q, double r, double s) {
+        const double sum = (p + q) + (r + s);
+        if (std::abs(sum) <= std::numeric_limits<double>::max()) {  // all four are finite
+            const double lo = std::min(std::min(p, q), std::min(r, s)), hi = std::max(std::max(p, q), std::max(r, s));
+            return {lo - slack(lo), hi + slack(hi)};
+        }
         if (p != p || q != q || r != r || s != s) return whole();
         return {down(std::min(std::min(p, q), std::min(r, s))), up(std::max(std::max(p, q), std::max(r, s)))};
     }
