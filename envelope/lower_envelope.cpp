@@ -545,9 +545,62 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
     return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options).over_sphere();
 }
 
+namespace {
+
+// The unit of y over a cylinder. x is an angle's: pieces are square where a step of y is about as long as a step of
+// x at the cell's distance from the axis. Four times that distance needs the fewest pieces on scenes of all kinds.
+// A power of two, so that nothing is rounded.
+double axial_unit(const FormFamily& family, double y0, double y1) {
+    constexpr int along = 4, around = 4;
+    const Heights heights(family);
+    std::vector<double> distances;
+    for (int i = 0; i < along; ++i)
+        for (int j = 0; j < around; ++j) {
+            const double y = y0 + (y1 - y0) * (i + 0.5) / along, x = j - 0.5;
+            double lowest = 0;
+            for (std::uint32_t f = 0; f < family.size(); ++f)
+                lowest = std::min(lowest, heights.value(FormId{f}, Interval(x), Interval(y)).mid());
+            distances.push_back(-1 / lowest);
+        }
+    const auto median = distances.begin() + distances.size() / 2;
+    std::ranges::nth_element(distances, median);
+    return std::isfinite(*median) ? std::ldexp(4.0, std::ilogb(*median)) : 1;
+}
+
+}  // namespace
+
 MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double y0, double y1,
                                                const EnvelopeOptions& options) {
-    return EnvelopeBuilder(family, ConvexRegion::rectangle(-1, y0, 3, y1), options).over_cylinder();
+    const double unit = axial_unit(family, y0, y1);
+    const long exponent = std::ilogb(unit);
+    FormFamily scaled = family;
+    for (RadialForm& f : scaled.radial) {
+        f.c[1] = f.c[1].scaled(exponent);
+        f.c[2] = f.c[2].scaled(2 * exponent);
+        f.slope = f.slope.scaled(exponent);
+    }
+    MinimizationDiagram out = EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options).over_cylinder();
+    out.region = ConvexRegion::rectangle(-1, y0, 3, y1);
+    out.radial = family.radial;
+    const double most = std::max(1.0, unit);
+    for (MinimizationDiagram::Vertex& v : out.vertices) {
+        v.point.y() *= unit;
+        v.error *= most;
+    }
+    for (MinimizationDiagram::ArcPiece& p : out.pieces_) {
+        p.end.y() *= unit;
+        p.error *= most;
+        // Where the derivative along (dx, dy) of the scaled chart is positive, so is that along (dx, unit dy).
+        p.direction.y() *= unit;
+        p.direction.normalize();
+        p.box[2] *= unit;
+        p.box[3] *= unit;
+    }
+    for (Assumption& a : out.assumptions) {
+        a.place.y() *= unit;
+        a.width *= most;
+    }
+    return out;
 }
 
 FormId lowest_form(const FormFamily& family, double x, double y) {
