@@ -372,12 +372,19 @@ TEST_CASE("radial base: chart points and normals are each other's inverse") {
         CHECK(p.x() < 3);
         CHECK((tube.normal(p) - w).norm() < 8 * u);
     }
-    const Vec3 side = tube.chart.col(0), back = -tube.chart.col(2);
-    CHECK(tube.normal({1, 0}).isApprox(side));
-    CHECK(tube.normal({std::nextafter(1, 2), 0}).isApprox(side));
-    CHECK(tube.normal({2, 0}).isApprox(back));
+    const Eigen::Matrix3d& m = tube.chart;
+    CHECK((m * m.transpose() - Eigen::Matrix3d::Identity()).norm() < 4 * u);
+    CHECK(m.row(1) == Vec3::UnitY().transpose());
+    CHECK(tube.normal({0, 0}).isApprox(m * Vec3(0, 0, 1)));
+    CHECK(tube.normal({1, 0}).isApprox(m * Vec3(1, 0, 0)));
+    CHECK(tube.normal({std::nextafter(1, 2), 0}).isApprox(m * Vec3(1, 0, 0)));
+    CHECK(tube.normal({2, 0}).isApprox(m * Vec3(0, 0, -1)));
     CHECK(tube.normal({3, 0}).isApprox(tube.normal({-1, 0})));
-    CHECK(tube.normal(tube.chart_point(-side, 0)).isApprox(-side));
+    for (const double nearly : {-1e-300, -1e-17, 0.0, 1e-17}) {
+        const double x = tube.chart_point(m * Vec3(-1, 0, nearly), 0).x();
+        CHECK(x >= -1);
+        CHECK(x < 3);
+    }
     // Near the pole and far beyond any square of it.
     CHECK(sphere.normal({1e200, -1e200}).norm() == doctest::Approx(1).epsilon(1e-15));
 }
