@@ -17,6 +17,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -515,28 +516,23 @@ private:
             return 1 / around_.distance(left, wrapped(mx + k * dx), my + k * dy) -
                    1 / around_.distance(right, wrapped(mx + k * dx), my + k * dy);
         };
-        const auto inside = [&](Fast k) {
-            const Fast x = mx + k * dx, y = my + k * dy;
-            return piece.box[0] <= x && x <= piece.box[1] && piece.box[2] <= y && y <= piece.box[3];
-        };
+        // How far the box of the piece reaches: its sides are measured in different units.
+        const Fast sign = lead(0) > 0 ? 1 : -1;
+        Fast reach = HUGE_VALL;
+        for (const auto& [from, d, lower, upper] : {std::tuple{mx, sign * dx, piece.box[0], piece.box[1]},
+                                                    std::tuple{my, sign * dy, piece.box[2], piece.box[3]}})
+            if (d != 0) reach = std::min(reach, ((d > 0 ? upper : lower) - from) / d);
+        reach *= 1 + 1e-9L;  // ends may lie on the box
         // The height of left less that of right grows along the direction.
-        Fast low = 0, high = 0;
-        if (lead(0) > 0) {
-            for (high = chord / 16; inside(high) && lead(high) > 0;) high *= 2;
-            if (lead(high) > 0) {
-                complain(to_string(e) + " " + place(mx, my) + ": its forms do not tie beside it");
-                return std::nullopt;
-            }
-        } else {
-            for (low = -chord / 16; inside(low) && lead(low) < 0;) low *= 2;
-            if (lead(low) < 0) {
-                complain(to_string(e) + " " + place(mx, my) + ": its forms do not tie beside it");
-                return std::nullopt;
-            }
+        Fast low = 0, high = 0, &end = sign > 0 ? high : low;
+        for (end = sign * reach / 1024; std::abs(end) < reach && sign * lead(end) > 0;) end *= 2;
+        if (sign * lead(end) > 0) {
+            complain(to_string(e) + " " + place(mx, my) + ": its forms do not tie beside it");
+            return std::nullopt;
         }
         while (true) {
             const Fast middle = (low + high) / 2;
-            if (!(low < middle && middle < high) || high - low < 1e-17L * chord)
+            if (!(low < middle && middle < high) || high - low < 1e-17L * reach)
                 return node(mx + middle * dx, my + middle * dy, a.s);
             (lead(middle) > 0 ? low : high) = middle;
         }

@@ -154,6 +154,21 @@ TEST_CASE("diagram over a sphere: agrees with brute force at every scale and dis
     }
 }
 
+TEST_CASE(
+    "diagram over a cylinder: agrees with brute force at every scale, tilt and distance from the origin") {
+    std::mt19937_64 rng(test_seed());
+    RandomScenes random(rng);
+    for (int judged = 0; judged < 12 * rounds();) {
+        Scene s = random.over_cylinder();
+        random.add(s, random.count(1, 6), random.count(0, 2), judged % 3 == 0 ? 2 : 0);
+        const double factor = std::pow(10, random.uniform(-6, 6));
+        const auto t = somewhere(s, random, factor, judged % 4 < 2 ? 0 : std::pow(10, random.uniform(0, 3)));
+        if (!t) continue;
+        CHECK(judge(*t, rng).diagram.decisions.assumed == 0);
+        ++judged;
+    }
+}
+
 TEST_CASE("diagram over a cylinder: agrees with brute force for every tilt of the base") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
