@@ -1,0 +1,269 @@
+#include "radial_patch.hpp"
+
+#include <Eigen/Geometry>
+
+#include "../core/exact.hpp"
+#include "../primitives/bisector.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector4d;
+using Polynomial = std::array<double, 3>;  // ascending powers
+
+constexpr Polynomial one{1, 0, 0}, linear{0, 1, 0}, square{0, 0, 1};
+constexpr Polynomial angle_weight{1, 0, 1}, angle_cos{1, 0, -1}, angle_sin{0, 2, 0};
+
+Vector4d vector(const Vec3& p) { return {p.x(), p.y(), p.z(), 0}; }
+const Vector4d weight(0, 0, 0, 1);
+
+Vec3 across_y(const Vec3& p) { return {p.x(), 0, p.z()}; }
+
+// Of a cylinder over a cylinder base: v is taken to be nearly constant on lines of the surface where
+// the axes' distance squared, less delta^2, is less than this part of the squared distance of the axis beside
+// the face. There S_v is 1 / singular times as long as elsewhere at most.
+constexpr double singular = 1.0 / 64;
+
+// Does the cylinder's axis meet the base's, exactly? Pre: they are not parallel.
+bool is_crossing(const Cylinder& c) {
+    return Exact(c.axis.x()) * Exact(c.point.z()) == Exact(c.axis.z()) * Exact(c.point.x());
+}
+
+// A unit vector across the unit vector `axis`, as near to `towards` as can be.
+Vec3 across(const Vec3& axis, const Vec3& towards) {
+    const Vec3 x = towards - axis * axis.dot(towards);
+    return x.norm() > 0x1p-20 * towards.norm() ? Vec3(x.normalized()) : axis.unitOrthogonal();
+}
+
+}  // namespace
+
+RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
+                         bool wide) {
+    coefficients_.fill(Vector4d::Zero());
+    const Object& object = problem.objects[form];
+    if (const auto* plane = std::get_if<Plane>(&object)) {
+        // Away from the base.
+        Vec3 normal = plane->normal.normalized();
+        if (normal.dot(plane->point - Vec3(0, y, 0)) < 0) normal = -normal;
+        const double offset = normal.dot(plane->point);
+        if (!problem.sites[form].front().is_object())
+            set_plane(plane->point, normal);
+        else if (problem.is_sphere)
+            set_paraboloid(offset, normal, problem.radius);
+        else
+            set_about_base(middle, across_y(normal), 1, {offset + problem.radius, -normal.y(), 0});
+    } else if (const auto* sphere = std::get_if<Sphere>(&object)) {
+        const Vec3& c = sphere->center;
+        const double delta = sphere->radius - problem.radius, near = across_y(c).norm();
+        if (!problem.is_sphere)
+            set_about_base(middle, 2 * across_y(c), 2 * delta,
+                           {(near - delta) * (near + delta) + c.y() * c.y(), -2 * c.y(), 1});
+        else if (delta == 0)
+            set_plane(0.5 * c, c.normalized());
+        else
+            set_stereographic(c, delta, middle, wide);
+    } else {
+        const auto& cylinder = std::get<Cylinder>(object);
+        if (problem.is_sphere)
+            set_about_object(cylinder, cylinder.radius - problem.radius);
+        else
+            set_about_axes(cylinder, problem.radius, middle, y, wide);
+    }
+}
+
+void RadialPatch::set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin) {
+    kind_ = kind;
+    axes_ = {x, y, x.cross(y)};
+    origin_ = origin;
+    // The tangent of half the angle between q and an axis is the component across over |q| plus that along
+    // it.
+    projection_ = {{vector(x), vector(y), Vector4d::Zero()}, {-x.dot(origin), -y.dot(origin), 1}};
+    if (kind == Kind::Planar) return;
+    projection_.rows[2] = vector(axes_[2]) + weight;
+    projection_.constants.z() = 0;
+}
+
+void RadialPatch::add(const Polynomial& f, const Polynomial& g, const Vector4d& h) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) coefficients_[3 * i + j] += f[i] * g[j] * h;
+}
+
+void RadialPatch::set_plane(const Vec3& point, const Vec3& normal) {
+    const Vec3 x = normal.unitOrthogonal(), origin = point.dot(normal) * normal;
+    set_axes(Kind::Planar, x, normal.cross(x), origin);
+    add(one, one, vector(origin) + weight);
+    add(linear, one, vector(axes_[0]));
+    add(one, linear, vector(axes_[1]));
+}
+
+// With h the distance from the plane: |S| = R0 + h and |S|^2 = (d - h)^2 + u^2 + v^2.
+void RadialPatch::set_paraboloid(double distance, const Vec3& normal, double radius) {
+    set_plane(distance * normal, normal);
+    degree_ = {2, 2};
+    const double before = 0.5 / (radius + distance);
+    const Vector4d back = -vector(normal);
+    add(one, one, 0.5 * (distance - radius) * back);
+    add(square, one, before * back);
+    add(one, square, before * back);
+}
+
+void RadialPatch::set_stereographic(const Vec3& c, double delta, const Vec3& middle, bool wide) {
+    degree_ = {2, 2};
+    const double length = c.norm(), squared = (length - delta) * (length + delta);
+    const Vec3 z = c / length, x = across(z, middle);
+    if (wide) {
+        // The pole at the angle acos(-delta / |c|) from c, on the other side of `middle`.
+        const double cosine = -delta / length, sine = std::sqrt(squared) / length;
+        const Vec3 opposite = sine * x - cosine * z, u_axis = sine * z + cosine * x;
+        set_axes(Kind::Stereographic, u_axis, opposite.cross(u_axis), Vec3::Zero());
+        add(one, one, 2 * delta * weight);
+        add(linear, one, 2 * std::sqrt(squared) * weight);
+    } else {
+        set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
+        add(one, one, (length + delta) * weight);
+        add(square, one, (delta - length) * weight);
+        add(one, square, (delta - length) * weight);
+    }
+    const Vector4d pole = 0.5 * squared * vector(axes_[2]);
+    add(linear, one, squared * vector(axes_[0]));
+    add(one, linear, squared * vector(axes_[1]));
+    add(one, one, pole);
+    add(square, one, -pole);
+    add(one, square, -pole);
+}
+
+// S = c + v d + t n / W with |S| = t - delta.
+void RadialPatch::set_about_object(const Cylinder& cylinder, double delta) {
+    degree_ = {2, 2};
+    const Vec3 d = cylinder.axis.normalized(), c = cylinder.point - cylinder.point.dot(d) * d;
+    const double length = c.norm(), squared = (length - delta) * (length + delta);
+    const Vec3 outward = c / length;
+    // The base lies on this side: d leaves the cell's inside on the left.
+    set_axes(Kind::AboutObject, -outward, d.cross(outward), c);
+    along_ = d;
+    const Polynomial w{length - delta, 0, -(length + delta)}, half{0.5 * squared, 0, 0.5};
+    add(w, one, vector(c) + weight);
+    add(w, linear, vector(d));
+    add(angle_cos, half, vector(axes_[0]));
+    add(angle_sin, half, vector(axes_[1]));
+}
+
+// t = C(y) W / w with w = b.n + b0 W.
+void RadialPatch::set_about_base(const Vec3& middle, const Vec3& b, double b0, const Polynomial& C) {
+    degree_ = {2, C[2] == 0 ? 1 : 2};
+    const Vec3 x = across(Vec3::UnitY(), middle);
+    set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
+    along_ = Vec3::UnitY();
+    const Polynomial w{b0 + b.dot(axes_[0]), 2 * b.dot(axes_[1]), b0 - b.dot(axes_[0])};
+    add(w, one, weight);
+    add(w, linear, vector(Vec3::UnitY()));
+    add(angle_cos, C, vector(axes_[0]));
+    add(angle_sin, C, vector(axes_[1]));
+}
+
+void RadialPatch::set_about_axes(const Cylinder& cylinder, double radius, const Vec3& middle, double y,
+                                 bool wide) {
+    const double delta = cylinder.radius - radius;
+    Vec3 d = cylinder.axis.normalized();
+    const Vec3 a = cylinder.point + d * d.dot(Vec3(0, y, 0) - cylinder.point), near = across_y(a);
+    const double sine = across_y(d).norm();
+    if (sine == 0) {
+        if (delta == 0) return set_plane(0.5 * near, near.normalized());
+        return set_about_base(middle, 2 * near, 2 * delta, {near.squaredNorm() - delta * delta, 0, 0});
+    }
+    // Which sign of d? Where the lines v = const lie on the surface, or nearly, it has to be right for this
+    // half of the base. Otherwise the one in which 1 + d_y is larger.
+    const Vec3 d_across = across_y(d) / sine;
+    const double apart = near.cross(d_across).norm();
+    const double crossing = a.y() - near.dot(d_across) / sine * d.y(), side = y < crossing ? -1 : 1;
+    const double beyond = sine * (y - crossing);
+    const bool is_singular = wide || (apart - delta) * (apart + delta) < singular * beyond * beyond;
+    if (is_singular ? side * d.dot(middle) < 0 : d.y() < 0) d = -d;
+    if (is_singular) half_ = side * across_y(d);
+    if (delta == 0 && is_crossing(cylinder))
+        return set_plane(Vec3(0, crossing, 0), (side * (d - Vec3::UnitY())).normalized());
+
+    degree_ = {2, 2};
+    const Vec3 x = across(Vec3::UnitY(), middle);
+    set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
+    const double scale = d.y() > 0 ? 1 / (1 + d.y()) : (1 - d.y()) / (sine * sine);
+    along_ = scale * (d + Vec3::UnitY());
+    along_start_ = -along_.dot(a);
+    // w = q.n + delta W, t = C W / (2 w) and y w = (start + v) w - C n.d' / (2 (1 + d_y)).
+    const double start = a.y() + scale * a.dot(across_y(d));
+    const Polynomial half_C{0.5 * (near.norm() - delta) * (near.norm() + delta), near.dot(d),
+                            0.5 * sine * sine};
+    const auto normal_times = [&](const Vec3& p) -> Polynomial {
+        const double along_x = p.dot(axes_[0]);
+        return {along_x, 2 * p.dot(axes_[1]), -along_x};
+    };
+    Polynomial w = normal_times(near);
+    w[0] += delta;
+    w[2] += delta;
+    const Polynomial turn = normal_times(d);
+    const Vector4d y_axis = vector(Vec3::UnitY());
+    add(w, one, weight);
+    add(turn, linear, weight);
+    add(w, {start, 1, 0}, y_axis);
+    add(turn, {0, start, 1}, y_axis);
+    add(turn, half_C, -scale * y_axis);
+    add(angle_cos, half_C, vector(axes_[0]));
+    add(angle_sin, half_C, vector(axes_[1]));
+}
+
+// Blossoms: x -> (x + x') / 2, x^2 -> x x'.
+std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
+                                                const std::array<double, 2>& v,
+                                                const BaseFrame& frame) const {
+    const auto blossom = [](const std::array<double, 2>& range, int i, int n) -> Polynomial {
+        const double a = range[n == 1 ? i : i > 1], b = range[n == 1 ? i : i > 0];
+        return {1, 0.5 * a + 0.5 * b, a * b};
+    };
+    const auto [m, n] = degree_;
+    RationalPatch surface{m, n, u, v, {}};
+    surface.points.reserve((m + 1) * (n + 1));
+    double scale = 1;
+    for (int i = 0; i <= m; ++i) {
+        const Polynomial f = blossom(u, i, m);
+        for (int j = 0; j <= n; ++j) {
+            const Polynomial g = blossom(v, j, n);
+            Vector4d h = Vector4d::Zero();
+            for (int k = 0; k <= m; ++k)
+                for (int l = 0; l <= n; ++l) h += f[k] * g[l] * coefficient(k, l);
+            if (!(h.w() > 0)) return std::nullopt;
+            if (i == 0 && j == 0) scale = 1 / h.w();
+            const Vec3 world = frame.to_world(h.head<3>() / h.w());
+            surface.points.push_back({world.x(), world.y(), world.z(), scale * h.w()});
+        }
+    }
+    return surface;
+}
+
+bool is_flat(const RadialBaseProblem& problem, FormId form) {
+    if (!problem.sites[form].front().is_object()) return true;
+    const Object& object = problem.objects[form];
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return problem.is_sphere && sphere->radius == problem.radius;
+    const auto* cylinder = std::get_if<Cylinder>(&object);
+    if (cylinder == nullptr || problem.is_sphere || cylinder->radius != problem.radius) return false;
+    const bool is_parallel = cylinder->axis.x() == 0 && cylinder->axis.z() == 0;
+    return is_parallel || is_crossing(*cylinder);
+}
+
+std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
+    if (!problem.sites[form].front().is_object()) return "box";
+    const Object& object = problem.objects[form];
+    if (!problem.is_sphere) {
+        if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
+        return to_string(bisector(Cylinder{Vec3::Zero(), Vec3::UnitY(), problem.radius}, object).kind);
+    }
+    // Of bisectors over a sphere base only what keeps the object outside.
+    if (object.index() == 0) return to_string(BisectorKind::Paraboloid);
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return to_string(sphere->radius == problem.radius ? BisectorKind::Plane : BisectorKind::Hyperboloid);
+    return to_string(std::get<Cylinder>(object).radius == problem.radius ? BisectorKind::ParabolicCylinder
+                                                                         : BisectorKind::Quartic);
+}
+
+}  // namespace vcell
