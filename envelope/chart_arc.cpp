@@ -137,7 +137,17 @@ void ChartArcs::add_circular_arc(EdgeId e, double turn) {
         half = 0.5 * exact_turn(e, turn);
         doubt = 16 * u;
     }
-    if (2 * half > largest_turn) return add_around_center(e, circle(edge.left, edge.right), 2 * half * turn);
+    if (2 * half > largest_turn) {
+        if (std::sin(half) < 0.5) return add_around_center(e, circle(edge.left, edge.right), 2 * half * turn);
+        // Seen from the centre, left of the chord where the arc turns left by less than a half turn, it is 2
+        // half wide.
+        const double to_center = 0.5 * turn / std::tan(half);
+        const Vector2d center = 0.5 * (p.point + q.point) + to_center * Vector2d(-chord.y(), chord.x());
+        add_around_center(e, {center, 0.5 * chord.norm() / std::sin(half)}, 2 * half * turn);
+        // The centre moves by no more than chord / (2 sin^2) times the angle.
+        errors_[e] += 4 * chord.norm() * doubt;
+        return;
+    }
     spans_.push_back({p.point, q.point, half * turn});
     // The end points' own errors, the tangents' (at most half a chord times their angle), rounding.
     errors_[e] = p.error + q.error + chord.norm() * doubt + 4 * u * (p.point.norm() + q.point.norm());
@@ -160,12 +170,12 @@ double ChartArcs::exact_turn(EdgeId e, double turn) {
     return is_major_arc(e, c) ? 2 * std::numbers::pi - minor : minor;
 }
 
-// Sign of K in f - g = K |p|^2 + ...; only two spheres leave it open: K = 1/w_f - 1/w_g.
+// Sign of K in f - g = K |p|^2 + ...; open where both have a quadratic part: K = k_f/w_f - k_g/w_g.
 Sign ChartArcs::curvature_sign(FormId f, FormId g) {
     const CircularForm &F = diagram_.forms[f], &G = diagram_.forms[g];
     if (F.k == 0 || G.k == 0) return sign_of(F.k - G.k);
     const double difference = F.k * G.w - G.k * F.w;
-    if (std::abs(difference) > 16 * u * (F.k * G.w + G.k * F.w)) {
+    if (std::abs(difference) > 16 * u * (std::abs(F.k) * G.w + std::abs(G.k) * F.w)) {
         ++decisions_.by_double;
         return sign_of(difference);
     }
