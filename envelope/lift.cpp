@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "chart_arc.hpp"
+#include "joined_spans.hpp"
 #include "measures.hpp"
 #include "mixed_arc.hpp"
 
@@ -14,53 +15,8 @@ namespace vcell {
 namespace {
 
 using Eigen::Vector2d;
-using Range = std::array<double, 2>;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
-
-// Knots of `spans` Bezier pieces of one degree, joined: full and clamped on [0, 1].
-std::vector<double> joined_knots(int degree, std::size_t spans) {
-    std::vector<double> knots(degree + 1, 0.0);
-    for (std::size_t i = 1; i < spans; ++i)
-        knots.insert(knots.end(), degree, static_cast<double>(i) / static_cast<double>(spans));
-    knots.insert(knots.end(), degree + 1, 1.0);
-    return knots;
-}
-
-// Extends a range by one coordinate of a rational quadratic with controls a, b, c and weights 1, w, 1.
-// In s = 1 - t: N = a s^2 + 2 w b s t + c t^2, D likewise with ones; N' D - N D' is a multiple of
-// w (b - a) s^2 + (c - a) s t + w (c - b) t^2, which has a root inside only if b lies outside [a, c]; its
-// outer coefficients then differ in sign and exactly one root t : s is positive.
-void extend(Range& range, double a, double b, double c, double w) {
-    range[0] = std::min({range[0], a, c});
-    range[1] = std::max({range[1], a, c});
-    if (std::min(a, c) <= b && b <= std::max(a, c)) return;
-    const double p = w * (b - a), q = c - a, r = w * (c - b);
-    const double h = -0.5 * (q + std::copysign(std::sqrt(q * q - 4 * p * r), q));
-    const double ratio = std::max(h / r, p / h), s = 1 / (1 + ratio), t = ratio * s;
-    const double value = (a * s * s + 2 * w * b * s * t + c * t * t) / (s * s + 2 * w * s * t + t * t);
-    range[0] = std::min(range[0], value);
-    range[1] = std::max(range[1], value);
-}
-
-// Extends a range by a polynomial with the given Bezier coefficients, to rounding: halves where the
-// coefficients reach beyond what its ends have reached.
-void extend_by_polynomial(Range& range, std::span<const double> coefficients, int halvings = 52) {
-    range[0] = std::min({range[0], coefficients.front(), coefficients.back()});
-    range[1] = std::max({range[1], coefficients.front(), coefficients.back()});
-    const auto [low, high] = std::ranges::minmax(coefficients);
-    const double slack = 4 * u * std::max(std::abs(low), std::abs(high));
-    if ((low >= range[0] - slack && high <= range[1] + slack) || halvings == 0) return;
-    std::array<double, MixedSpan::largest_degree + 1> left, right;
-    std::ranges::copy(coefficients, right.begin());
-    const std::size_t n = coefficients.size() - 1;
-    for (std::size_t level = 0; level <= n; ++level) {
-        left[level] = right[0];
-        for (std::size_t i = 0; i < n - level; ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
-    }
-    extend_by_polynomial(range, {left.data(), n + 1}, halvings - 1);
-    extend_by_polynomial(range, {right.data(), n + 1}, halvings - 1);
-}
 
 class Lifter {
 public:
@@ -100,11 +56,6 @@ private:
                            8 * u * (canonical.norm() + problem_.frame.origin.norm());
             cell_.vertices.push_back(std::move(vertex));
         }
-    }
-
-    static void sort_unique(std::vector<Site>& sites) {
-        std::sort(sites.begin(), sites.end());
-        sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
     }
 
     Site main_site(FormId f) const { return problem_.sites[f].front(); }

@@ -1,0 +1,69 @@
+/// Bezier spans joined to curves, and how far they reach: what the lifts over all bases share.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace vcell {
+
+using Range = std::array<double, 2>;  ///< {least, greatest}
+constexpr Range empty_range{std::numeric_limits<double>::infinity(),
+                            -std::numeric_limits<double>::infinity()};
+
+/// Knots of `spans` Bezier pieces of one degree, joined: full, clamped and uniform on [0, 1].
+inline std::vector<double> joined_knots(int degree, std::size_t spans) {
+    std::vector<double> knots;
+    knots.reserve(degree * (spans + 1) + 2);
+    knots.insert(knots.end(), degree + 1, 0.0);
+    for (std::size_t i = 1; i < spans; ++i)
+        knots.insert(knots.end(), degree, static_cast<double>(i) / static_cast<double>(spans));
+    knots.insert(knots.end(), degree + 1, 1.0);
+    return knots;
+}
+
+/// Extends a range by one coordinate of a rational quadratic with controls a, b, c and weights 1, w, 1.
+// In s = 1 - t: N = a s^2 + 2 w b s t + c t^2, D likewise with ones; N' D - N D' is a multiple of
+// w (b - a) s^2 + (c - a) s t + w (c - b) t^2, which has a root inside only if b lies outside [a, c]; its
+// outer coefficients then differ in sign and exactly one root t : s is positive.
+inline void extend(Range& range, double a, double b, double c, double w) {
+    range[0] = std::min({range[0], a, c});
+    range[1] = std::max({range[1], a, c});
+    if (std::min(a, c) <= b && b <= std::max(a, c)) return;
+    const double p = w * (b - a), q = c - a, r = w * (c - b);
+    const double h = -0.5 * (q + std::copysign(std::sqrt(q * q - 4 * p * r), q));
+    const double ratio = std::max(h / r, p / h), s = 1 / (1 + ratio), t = ratio * s;
+    const double value = (a * s * s + 2 * w * b * s * t + c * t * t) / (s * s + 2 * w * s * t + t * t);
+    range[0] = std::min(range[0], value);
+    range[1] = std::max(range[1], value);
+}
+
+/// Extends a range by a polynomial with the given Bezier coefficients (degree at most 5), to rounding: halves
+/// where the coefficients reach beyond what its ends have reached.
+inline void extend_by_polynomial(Range& range, std::span<const double> coefficients, int halvings = 52) {
+    range[0] = std::min({range[0], coefficients.front(), coefficients.back()});
+    range[1] = std::max({range[1], coefficients.front(), coefficients.back()});
+    const auto [low, high] = std::ranges::minmax(coefficients);
+    const double slack = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(low), std::abs(high));
+    if ((low >= range[0] - slack && high <= range[1] + slack) || halvings == 0) return;
+    std::array<double, 6> left, right;
+    std::ranges::copy(coefficients, right.begin());
+    const std::size_t n = coefficients.size() - 1;
+    for (std::size_t level = 0; level <= n; ++level) {
+        left[level] = right[0];
+        for (std::size_t i = 0; i < n - level; ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
+    }
+    extend_by_polynomial(range, {left.data(), n + 1}, halvings - 1);
+    extend_by_polynomial(range, {right.data(), n + 1}, halvings - 1);
+}
+
+template <class T>
+void sort_unique(std::vector<T>& items) {
+    std::sort(items.begin(), items.end());
+    items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
+}  // namespace vcell
