@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "bounded_sum.hpp"
 #include "cylinder_patch.hpp"
 #include "mixed_integrals.hpp"
 #include "quadrature.hpp"
@@ -20,21 +21,6 @@ constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 // Rounding of one boundary term, in units of u times its magnitude: some thirty operations from a form's
 // coefficients (4u each) to the term, doubled.
 constexpr double term_rounding = 128 * u;
-
-// A sum with Neumaier's compensation, so that a million faces cost no digits, and a bound on the error of
-// what was added.
-struct BoundedSum {
-    double sum = 0, compensation = 0, error = 0;
-
-    void add(double term, double term_error = 0) {
-        const double t = sum + term;
-        compensation += std::abs(sum) >= std::abs(term) ? (sum - t) + term : (term - t) + sum;
-        sum = t;
-        error += term_error;
-    }
-    double value() const { return sum + compensation; }
-    double bound() const { return error + 4 * u * std::abs(value()); }
-};
 
 // ---- Integrals over a face by Green's theorem -------------------------------------------------------
 
@@ -230,7 +216,7 @@ public:
         // The base region is cut out by the box, so the cell always ends at its sides.
         m.touches_box = true;
         m.min_clearance = min_clearance_;
-        rank_neighbors();
+        rank_neighbors(cell_);
     }
 
 private:
@@ -397,29 +383,6 @@ private:
             box_area_.add(face.area);
     }
 
-    void rank_neighbors() {
-        struct Share {
-            std::uint32_t object;
-            double area;
-        };
-        std::vector<Share> shares;
-        for (const CellFace& face : cell_.faces)
-            if (face.site.is_object()) shares.push_back({face.site.index, face.area});
-        std::sort(shares.begin(), shares.end(),
-                  [](const Share& a, const Share& b) { return a.object < b.object; });
-        std::size_t objects = 0;
-        for (const Share& share : shares) {
-            if (objects > 0 && shares[objects - 1].object == share.object)
-                shares[objects - 1].area += share.area;
-            else
-                shares[objects++] = share;
-        }
-        shares.resize(objects);
-        std::stable_sort(shares.begin(), shares.end(),
-                         [](const Share& a, const Share& b) { return a.area > b.area; });
-        for (const Share& share : shares) cell_.neighbors.push_back(share.object);
-    }
-
     const PlaneBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const ChartArcs& arcs_;
@@ -432,6 +395,29 @@ private:
 };
 
 }  // namespace
+
+void rank_neighbors(Cell& cell) {
+    struct Share {
+        std::uint32_t object;
+        double area;
+    };
+    std::vector<Share> shares;
+    for (const CellFace& face : cell.faces)
+        if (face.site.is_object()) shares.push_back({face.site.index, face.area});
+    std::sort(shares.begin(), shares.end(),
+              [](const Share& a, const Share& b) { return a.object < b.object; });
+    std::size_t objects = 0;
+    for (const Share& share : shares) {
+        if (objects > 0 && shares[objects - 1].object == share.object)
+            shares[objects - 1].area += share.area;
+        else
+            shares[objects++] = share;
+    }
+    shares.resize(objects);
+    std::stable_sort(shares.begin(), shares.end(),
+                     [](const Share& a, const Share& b) { return a.area > b.area; });
+    for (const Share& share : shares) cell.neighbors.push_back(share.object);
+}
 
 void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
              const MixedArcs& mixed, Cell& cell) {

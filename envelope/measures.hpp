@@ -18,4 +18,7 @@ namespace vcell {
 void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
              const MixedArcs& mixed, Cell& cell);
 
+/// Fills in neighbors from the areas of the faces.
+void rank_neighbors(Cell& cell);
+
 }  // namespace vcell

@@ -6,114 +6,22 @@
 #include <limits>
 
 #include "chart_arc.hpp"
-#include "complex_ball.hpp"
-#include "quadrature.hpp"
+#include "span_integrals.hpp"
 
 namespace vcell {
 
 namespace {
 
 using Eigen::Vector2d;
-using Eigen::Vector4d;
+using span_integrals::integrate;
+using span_integrals::PowerSpan;
+using span_integrals::SpanPoint;
+using span_integrals::term_rounding;
 using std::sqrt;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
-// Rounding of one value of an integrand, in units of u times what enters it: some sixty operations, doubled.
-constexpr double term_rounding = 128 * u;
-
-// Position and derivative on a span.
-template <class T>
-struct SpanPoint {
-    T x, y, z, x1, y1, z1;
-};
-
-// A span over [-1, 1] in powers of its parameter, homogeneous.
-class PowerSpan {
-public:
-    explicit PowerSpan(const MixedSpan& span) : degree_(span.degree) {
-        std::array<Vector4d, MixedSpan::largest_degree + 1> b;
-        for (int k = 0; k <= degree_; ++k) {
-            const Vector4d& p = span.points[k];
-            b[k] << p.w() * p.head<3>(), p.w();
-        }
-        // De Casteljau at the middle leaves the right half's points, whose k-th differences times a binomial
-        // are the coefficients.
-        for (int level = 1; level <= degree_; ++level)
-            for (int k = 0; k + level <= degree_; ++k) b[k] = 0.5 * (b[k] + b[k + 1]);
-        double binomial = 1;
-        for (int k = 0; k <= degree_; ++k) {
-            a_[k] = binomial * b[0];
-            for (int i = 0; i + k < degree_; ++i) b[i] = b[i + 1] - b[i];
-            binomial *= static_cast<double>(degree_ - k) / (k + 1);
-        }
-    }
-
-    // One half, over [-1, 1] again: t -> (t -+ 1) / 2.
-    PowerSpan half(int side) const {
-        PowerSpan result = *this;
-        const double shift = side == 0 ? -1 : 1;
-        for (int k = 0; k < degree_; ++k)  // Taylor shift by Horner's scheme
-            for (int i = degree_ - 1; i >= k; --i) result.a_[i] += 0.5 * shift * result.a_[i + 1];
-        double scale = 1;
-        for (int k = 0; k <= degree_; ++k, scale *= 0.5) result.a_[k] *= scale;
-        return result;
-    }
-
-    template <class T>
-    SpanPoint<T> at(const T& t) const {
-        std::array<T, 4> p, d;
-        for (int i = 0; i < 4; ++i) {
-            p[i] = T(a_[degree_][i]);
-            d[i] = T(0.0);
-            for (int k = degree_ - 1; k >= 0; --k) {
-                d[i] = d[i] * t + p[i];
-                p[i] = p[i] * t + T(a_[k][i]);
-            }
-        }
-        const T w = T(1.0) / p[3];
-        const T x = p[0] * w, y = p[1] * w, z = p[2] * w;
-        return {x, y, z, (d[0] - x * d[3]) * w, (d[1] - y * d[3]) * w, (d[2] - z * d[3]) * w};
-    }
-
-private:
-    int degree_;
-    std::array<Vector4d, MixedSpan::largest_degree + 1> a_;
-};
-
-// An integrand offers N values at a SpanPoint of any number type, and at one of doubles their sizes: the sums
-// of the absolute values of their terms.
-template <std::size_t N, class Integrand>
-void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum,
-               int halvings = 40) {
-    // The bound may exceed the integrand's size by this factor: 4e-21 of it is next to nothing.
-    constexpr double largest_growth = 1e4, ellipse = 2.4;
-    const auto bounds = integrand(span.at(ComplexBall(0.0, ellipse)));
-    std::array<double, N> value{}, size{};
-    const quadrature::Rule& rule = quadrature::rule();
-    for (int i = 0; i < quadrature::points / 2; ++i) {
-        for (const double t : {-rule.x[i], rule.x[i]}) {
-            const SpanPoint<double> p = span.at(t);
-            const std::array<double, N> f = integrand(p), s = integrand.sizes(p);
-            for (std::size_t k = 0; k < N; ++k) {
-                value[k] += rule.weight[i] * f[k];
-                size[k] += rule.weight[i] * s[k];
-            }
-        }
-    }
-    bool good = true;
-    for (std::size_t k = 0; k < N; ++k)
-        good = good && bounds[k].magnitude() <= largest_growth * size[k] + std::numeric_limits<double>::min();
-    if (!good && halvings > 0) {
-        for (const int side : {0, 1}) integrate(span.half(side), integrand, sum, halvings - 1);
-        return;
-    }
-    for (std::size_t k = 0; k < N; ++k) {
-        // Where halving ended without a bound, the whole part.
-        const double truncation = good ? 2 * quadrature::truncation * bounds[k].magnitude() : 2 * size[k];
-        sum[k] += {value[k], truncation + term_rounding * size[k]};
-    }
-}
+PowerSpan power_span(const MixedSpan& span) { return PowerSpan({span.points.data(), span.degree + 1u}); }
 
 // ---- Circular forms: the fields of measures.cpp -----------------------------------------------------
 
@@ -222,7 +130,7 @@ struct CylinderIntegrand {
 template <class Integrand>
 FaceIntegrals integrals(const Integrand& integrand, const MixedSpan& span) {
     std::array<Integral, 3> sum{};
-    integrate(PowerSpan(span), integrand, sum);
+    integrate(power_span(span), integrand, sum);
     return {sum[0], sum[1], sum[2]};
 }
 
@@ -258,14 +166,14 @@ FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span) 
 
 double space_length(const MixedSpan& span) {
     std::array<Integral, 1> sum{};
-    integrate(PowerSpan(span), LengthIntegrand{}, sum);
+    integrate(power_span(span), LengthIntegrand{}, sum);
     return sum[0].value;
 }
 
 double wall_area(const MixedSpan& span) {
     const Vector2d chord = (span.points[span.degree] - span.points[0]).head<2>();
     std::array<Integral, 1> sum{};
-    integrate(PowerSpan(span), WallIntegrand{chord.normalized()}, sum);
+    integrate(power_span(span), WallIntegrand{chord.normalized()}, sum);
     return sum[0].value;
 }
 

@@ -5,27 +5,14 @@
 ///
 ///     dx dy = mu (1 + eps^2 v^2 / 4) du dv,   f + rho = mu Z(v),   dA = mu |D(v)| du dv,   mu = 1 + eps u.
 ///
-/// Their antiderivatives in u turn the integrals into boundary integrals dv (Green). Along the boundary they
-/// are integrated by Gauss-Legendre quadrature with the bound of quadrature.hpp, its M from the integrand's
-/// value on the disk |t| <= 2.4 around the span [-1, 1], which contains the ellipse. Spans whose bound is
-/// infinite or poor are halved.
+/// Their antiderivatives in u turn the integrals into boundary integrals dv (Green), for span_integrals.hpp.
 #pragma once
 
 #include "cylinder_patch.hpp"
+#include "span_integrals.hpp"
 #include "spline_fit.hpp"
 
 namespace vcell {
-
-/// A value and a bound of its error: truncation and rounding.
-struct Integral {
-    double value = 0, error = 0;
-
-    Integral& operator+=(const Integral& o) {
-        value += o.value;
-        error += o.error;
-        return *this;
-    }
-};
 
 /// The share of a boundary span, in its own direction, with the face on its left.
 struct FaceIntegrals {

@@ -14,30 +14,34 @@
 
 namespace vcell::quadrature {
 
-inline constexpr int points = 16;
+inline constexpr int points = 16;  ///< of the rule where none is chosen
 inline constexpr double truncation = 4e-21;    ///< error bound over the integrand's bound M
 inline constexpr double required_reach = 2.5;  ///< half lengths
 
 /// Positive abscissae and their weights; the rule is symmetric.
-struct Rule {
-    std::array<double, points / 2> x, weight;
+template <int n>
+struct RuleOf {
+    static_assert(n % 2 == 0);
+    std::array<double, n / 2> x, weight;
 };
+using Rule = RuleOf<points>;
 
 /// Newton's method on the Legendre polynomial from Chebyshev-like starts; rounding level.
-inline const Rule& rule() {
-    static const Rule value = [] {
-        Rule r;
-        for (int i = 0; i < points / 2; ++i) {
-            double x = std::cos(std::numbers::pi * (i + 0.75) / (points + 0.5)), derivative = 0;
+template <int n = points>
+const RuleOf<n>& rule() {
+    static const RuleOf<n> value = [] {
+        RuleOf<n> r;
+        for (int i = 0; i < n / 2; ++i) {
+            double x = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5)), derivative = 0;
             for (int iteration = 0; iteration < 8; ++iteration) {
                 // (k + 1) P_(k+1) = (2k + 1) x P_k - k P_(k-1),  (x^2 - 1) P_n' = n (x P_n - P_(n-1)).
                 double previous = 1, p = x;
-                for (int k = 1; k < points; ++k) {
+                for (int k = 1; k < n; ++k) {
                     const double next = ((2 * k + 1) * x * p - k * previous) / (k + 1);
                     previous = p;
                     p = next;
                 }
-                derivative = points * (x * p - previous) / (x * x - 1);
+                derivative = n * (x * p - previous) / (x * x - 1);
                 x -= p / derivative;
             }
             r.x[i] = x;

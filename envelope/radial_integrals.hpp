@@ -1,0 +1,188 @@
+/// Measures over sphere and cylinder bases as integrals along the edges.
+///
+/// Over a face seen along the base's normals, with t the distance from the base's centre or axis, volume (the
+/// base's body included) and area are integrals over solid angles, or over angle and height on a cylinder:
+///
+///     sphere    dV = t^3 / 3 d omega,         cylinder    dV = t^2 / 2 d theta dy
+///
+/// Each has an antiderivative in one coordinate, which makes it an integral along the boundary (Green,
+/// Stokes). With delta = rho - R0, p the curve, u its direction from the centre or w from the axis:
+///
+/// *Spheres, planes, sides of the box over a sphere.* The bisector is a surface of revolution about the unit
+/// vector b through the centre. With d1 its least distance from the base's centre, d2 = d1 + delta that from
+/// the object's, c = d1 + d2 and z = b.u the integrals over z from the axis on are, since t (delta + c z) = 2
+/// d1 d2,
+///
+///     V = closed integral of  c (t + d1) / (12 (t + d2))  b.(p x dp),
+///     S = closed integral of  c / (2 sqrt(d1 d2) (t + d2)) M(t)  b.(p x dp),
+///
+/// M(t) the mean of sqrt(x (x + delta)) over d1 <= x <= t. Flat bisectors have delta = 0: both are multiples
+/// of the shoelace formula. Planes are the limit of d2 to infinity.
+///
+/// *Cylinders over a sphere.* In cylindrical coordinates (alpha, v, r) about the object's axis, c the foot of
+/// the base's centre, v counted from there along the unit vector d, K = |c|^2 - delta^2:
+///
+///     r = (K + v^2) / (2 q(alpha)),   q = |c| cos alpha - delta,   dV = r (r - delta) / 3 d alpha dv,
+///     dS = (K + v^2) / (2 q^2) sqrt(E^2 + v^2) d alpha dv,         E^2 = |c|^2 + delta^2 - 2 |c| delta cos
+///     alpha,
+///
+/// alpha = 0 towards the base: elementary in v.
+///
+/// *Over a cylinder, unless axes are skew.* t = C(y) / (2 beta(w)), so with beta' the derivative by the angle
+///
+///     dV = C^2 / (8 beta^2) d theta dy,   dS = C / (2 beta^2) sqrt(beta^2 + beta'^2 + C'^2 / 4) d theta dy,
+///
+/// elementary in y: C is linear, or (y - c_y)^2 plus a constant.
+///
+/// *Skew cylinders*: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The integrals over y are found by
+/// quadrature, in parts that keep clear of the singularities of t.
+///
+/// Points of curves that are not exact are taken along their rays to each bisector. So an error of the curve
+/// changes a face's volume, but the sum of those on its two sides only to second order.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <variant>
+
+#include "../primitives/radial_base.hpp"
+#include "mixed_integrals.hpp"
+#include "span_integrals.hpp"
+
+namespace vcell {
+
+namespace radial_integrals {
+
+/// A curve's direction from the base's centre or axis, its derivative, and the height on a cylinder.
+template <class T>
+struct Ray {
+    std::array<T, 3> u, du;
+    T y;
+};
+
+/// What a boundary element with the face on its left adds to the face's volume and area.
+template <class T>
+struct Share {
+    T volume, area;
+};
+
+/// Spheres, planes and walls over a sphere.
+struct RoundFace {
+    enum class Shape { Flat, Paraboloid, Hyperboloid };
+    Shape shape;
+    Vec3 axis;                ///< b
+    double d1, d2, c, delta;  ///< of a paraboloid d1 only
+    /// t = k / (e0 + e1 z)
+    double k, e0, e1;
+
+    RoundFace(const RadialBaseProblem& problem, FormId form);
+    double least_distance() const { return d1; }
+    double volume_factor(double t) const;  ///< of b.(p x dp)
+    double area_factor(double t) const;
+    /// Bound on how the volume changes, to first order, where a stretch of a curve with t <= far leaves its
+    /// place: times its length and the distance.
+    double volume_slope(double far) const;
+    template <class T>
+    T distance(const Ray<T>& ray) const;
+    template <class T>
+    Share<T> share(const Ray<T>& ray) const;
+    Share<double> size(const Ray<double>& ray) const;
+};
+
+/// Cylinders over a sphere.
+struct TubeFace {
+    Vec3 axis, foot;          ///< d, c
+    double length, delta, K;  ///< length: |c|
+
+    TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder);
+    double least_distance() const { return 0.5 * (length - delta); }
+    template <class T>
+    T distance(const Ray<T>& ray) const;
+    template <class T>
+    Share<T> share(const Ray<T>& ray) const;
+    Share<double> size(const Ray<double>& ray) const;
+};
+
+/// Everything but skew cylinders over a cylinder.
+struct TurnedFace {
+    Vec3 b;
+    double b0;
+    /// C = K + slope v + [is_round] v^2, v = y - start. Round: slope = 0.
+    double start, K, slope;
+    bool is_round;
+    double least;
+
+    TurnedFace(const RadialBaseProblem& problem, FormId form, double y);
+    double least_distance() const { return least; }
+    template <class T>
+    T distance(const Ray<T>& ray) const;
+    template <class T>
+    Share<T> share(const Ray<T>& ray) const;
+    Share<double> size(const Ray<double>& ray) const;
+};
+
+/// Skew cylinders over a cylinder.
+struct SkewFace {
+    Vec3 axis, point;  ///< d, the axis's point nearest to the origin
+    double delta, start;
+    double least;
+
+    SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, double y);
+    double least_distance() const { return least; }
+    double distance(const Ray<double>& ray) const;
+    Share<double> share(const Ray<double>& ray) const;
+    /// Not bounded.
+    Share<ComplexBall> share(const Ray<ComplexBall>&) const;
+    Share<double> size(const Ray<double>& ray) const;
+};
+
+}  // namespace radial_integrals
+
+/// A face, to be measured along its edges.
+using RadialFace = std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace,
+                                radial_integrals::TurnedFace, radial_integrals::SkewFace>;
+
+/// `y`: a height of the face (cylinder base); integrals over heights start there.
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, double y);
+
+/// The bisector's least distance from the base's centre or axis, where that is a minimum inside the base's
+/// stretch; infinite if there is none.
+double least_distance(const RadialFace& face);
+
+/// What an edge's span adds to its two faces, to the length and to the flat end of a cylinder's cell.
+struct RadialIntegrals {
+    struct Side {
+        Integral volume, area;
+    };
+    std::array<Side, 2>
+        sides;  ///< left, right; each for the face on its left of the span in its own direction
+    Integral length;
+    Integral end_area;                                                           ///< t^2 / 2 d theta
+    std::array<double, 2> distance{std::numeric_limits<double>::infinity(), 0};  ///< range of t
+
+    RadialIntegrals& operator+=(const RadialIntegrals& o);
+};
+
+/// Of a rational quadratic over a sphere base that lies on both bisectors; control points (p w, w),
+/// canonical. Pre: both sides are RoundFaces. Error: truncation as proven in quadrature.hpp on ellipses of
+/// several sizes; rounding to first order, doubled.
+void add_conic(const std::array<Eigen::Vector4d, 3>& points, const RadialFace& left, const RadialFace& right,
+               RadialIntegrals& sum);
+/// Of a segment between flat bisectors over a sphere base.
+void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const RadialFace& right,
+                 RadialIntegrals& sum);
+/// Of any curve (control points (p, w)) that is nearly on both bisectors. No right side: a rim.
+/// Error: as for span_integrals.hpp; rounding to first order, doubled.
+void add_span(std::span<const Eigen::Vector4d> points, bool is_sphere, const RadialFace& left,
+              const RadialFace* right, RadialIntegrals& sum);
+
+/// How far the rays' points on the bisectors are from the curve (`from_curve`) and from each other
+/// (`apart`), the largest at some points of the span. No right side: apart is from the curve, too.
+struct RadialGap {
+    double from_curve = 0, apart = 0;
+};
+RadialGap gap(std::span<const Eigen::Vector4d> points, bool is_sphere, const RadialFace& left,
+              const RadialFace* right);
+
+}  // namespace vcell

@@ -1,0 +1,182 @@
+#include "radial_measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "bounded_sum.hpp"
+#include "measures.hpp"
+#include "radial_integrals.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector4d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+constexpr std::uint32_t no_face = UINT32_MAX;
+
+class RadialMeasurer {
+public:
+    RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, Cell& cell)
+        : problem_(problem), diagram_(diagram), cell_(cell), areas_(cell.faces.size()) {}
+
+    void run() {
+        add_faces();
+        for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
+        Measures& m = cell_.measures;
+        for (std::size_t i = 0; i < areas_.size(); ++i) {
+            // A face thinner than the spacing of doubles may come out below zero by its rounding.
+            const double area = std::max(0.0, areas_[i].value());
+            cell_.faces[i].area = area;
+            if (cell_.faces[i].site.is_object())
+                area_.add(area, areas_[i].bound());
+            else
+                box_area_.add(area);
+        }
+        const double radius = problem_.radius, pi = std::numbers::pi;
+        if (problem_.is_sphere) {
+            m.base_area = 4 * pi * radius * radius;
+            m.body_volume = m.base_area * radius / 3;
+        } else {
+            const double length = problem_.stretch[1] - problem_.stretch[0];
+            m.base_area = 2 * pi * radius * length;
+            m.body_volume = pi * radius * radius * length;
+            box_area_.add(-2 * pi * radius * radius);
+        }
+        m.volume = volume_.value();
+        m.volume_error = volume_.bound();
+        m.area = area_.value();
+        m.area_error = area_.bound();
+        m.box_area = box_area_.value();
+        m.min_clearance = distance_[0] - radius;
+        m.max_clearance = distance_[1] - radius;
+        // A cylinder's stretch ends at the box.
+        m.touches_box = !problem_.is_sphere || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
+            return !f.site.is_object();
+        });
+        rank_neighbors(cell_);
+    }
+
+private:
+    bool is_smooth(EdgeId e) const {
+        return problem_.is_sphere && cell_.edges[e.value].kind != CurveKind::Spline;
+    }
+
+    // Over a cylinder the integrals of a face start at a height between those where its edges start.
+    void add_faces() {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        std::vector<std::array<double, 2>> heights(diagram_.dcel.face_count(), {infinity, -infinity});
+        if (!problem_.is_sphere)
+            for (const EdgeId e : diagram_.edges.ids()) {
+                const double y =
+                    problem_.frame.to_canonical(cell_.edges[e.value].curve.points.front().head<3>()).y();
+                for (const unsigned side : {0u, 1u}) {
+                    auto& [least, greatest] = heights[diagram_.dcel.face(Dcel::half_edge(e, side)).value];
+                    least = std::min(least, y);
+                    greatest = std::max(greatest, y);
+                }
+            }
+        cell_faces_.resize(diagram_.dcel.face_count(), no_face);
+        faces_.reserve(cell_.faces.size());
+        for (const FaceId f : diagram_.face_forms.ids()) {
+            const FormId form = diagram_.face_forms[f];
+            if (!form.valid()) continue;
+            cell_faces_[f.value] = static_cast<std::uint32_t>(faces_.size());
+            const auto& [least, greatest] = heights[f.value];
+            faces_.push_back(make_radial_face(problem_, form, 0.5 * (least + greatest)));
+            // The least of all forms' least distances is that of one which is nearest there. Elsewhere
+            // the smallest distance is on an edge.
+            distance_[0] = std::min(distance_[0], least_distance(faces_.back()));
+        }
+    }
+
+    std::uint32_t face(EdgeId e, unsigned side) const {
+        return cell_faces_[diagram_.dcel.face(Dcel::half_edge(e, side)).value];
+    }
+
+    void measure_edge(EdgeId e) {
+        CellEdge& edge = cell_.edges[e.value];
+        const RationalCurve3& curve = edge.curve;
+        points_.clear();
+        for (const Vector4d& p : curve.points) {
+            const Vec3 canonical = problem_.frame.to_canonical(p.head<3>());
+            points_.push_back({canonical.x(), canonical.y(), canonical.z(), p.w()});
+        }
+        const std::uint32_t left = face(e, 0), right = face(e, 1);
+        const RadialFace* right_face = right != no_face ? &faces_[right] : nullptr;
+        RadialIntegrals sum;
+        RadialGap gaps;
+        for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
+            const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
+            if (!is_smooth(e)) {
+                add_span(span, problem_.is_sphere, faces_[left], right_face, sum);
+                const RadialGap g = gap(span, problem_.is_sphere, faces_[left], right_face);
+                gaps = {std::max(gaps.from_curve, g.from_curve), std::max(gaps.apart, g.apart)};
+            } else if (curve.degree == 1) {
+                add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
+            } else {
+                std::array<Vector4d, 3> p;
+                for (int k : {0, 1, 2}) p[k] << span[k].w() * span[k].head<3>(), span[k].w();
+                add_conic(p, faces_[left], faces_[right], sum);
+            }
+        }
+        edge.length = sum.length.value;
+        distance_ = {std::min(distance_[0], sum.distance[0]), std::max(distance_[1], sum.distance[1])};
+        add_side(left, sum.sides[0], 1);
+        if (right != no_face) {
+            add_side(right, sum.sides[1], -1);
+        } else {
+            // The rim at the lower end runs about the axis counter-clockwise.
+            box_area_.add(std::abs(sum.end_area.value));
+        }
+        add_position_error(edge, left, right, sum, gaps, is_smooth(e));
+    }
+
+    void add_side(std::uint32_t face, const RadialIntegrals::Side& side, double sign) {
+        volume_.add(sign * side.volume.value, side.volume.error);
+        areas_[face].add(sign * side.area.value, side.area.error);
+    }
+
+    // What an edge that is off by `error` changes: strips of its length. Of a conic the integrand's own
+    // derivative across the strip counts; elsewhere the gap between the two bisectors, which closes towards
+    // the true edge. Both doubled, and to first order.
+    void add_position_error(const CellEdge& edge, std::uint32_t left, std::uint32_t right,
+                            const RadialIntegrals& sum, const RadialGap& gaps, bool is_smooth) {
+        double error = edge.error + 4 * u * (sum.distance[1] + problem_.frame.origin.norm());
+        for (const std::uint32_t v : edge.vertices)
+            error = std::max(error, edge.error + cell_.vertices[v].error);
+        const double length = 2 * sum.length.value;
+        if (is_smooth) {
+            for (const std::uint32_t side : {left, right})
+                volume_.add(
+                    0, length * error *
+                           std::get<radial_integrals::RoundFace>(faces_[side]).volume_slope(sum.distance[1]));
+        } else {
+            volume_.add(0, length * (error + gaps.from_curve) * gaps.apart);
+        }
+        for (const std::uint32_t side : {left, right})
+            if (side != no_face) areas_[side].add(0, length * (error + gaps.from_curve));
+    }
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    Cell& cell_;
+    std::vector<RadialFace> faces_;          // of the cell
+    std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
+    std::vector<BoundedSum> areas_;
+    BoundedSum volume_, area_, box_area_;
+    std::vector<Vector4d> points_;  // of one edge, canonical
+    std::array<double, 2> distance_{std::numeric_limits<double>::infinity(), 0};
+};
+
+}  // namespace
+
+void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, Cell& cell) {
+    RadialMeasurer(problem, diagram, cell).run();
+}
+
+}  // namespace vcell

@@ -1,0 +1,23 @@
+/// Measures of a lifted cell over a sphere or cylinder base.
+#pragma once
+
+#include "../primitives/radial_base.hpp"
+#include "cell.hpp"
+#include "minimization_diagram.hpp"
+
+namespace vcell {
+
+/// Fills in face areas, edge lengths, neighbors and all measures of a cell that is otherwise lifted: its
+/// edges have the diagram's numbers and space curves made of Bezier spans, and face i is the i-th face of the
+/// diagram that has a form.
+///
+/// Over a cylinder base the cell is what lies over the base's stretch: flat ends in the planes across the
+/// axis close it. box_area has the ends' rings around the base in it.
+///
+/// volume_error and area_error bound truncation (radial_integrals.hpp), rounding (first order, doubled) and
+/// the effect of the errors of vertices and edges; beside edges that are no conics the last is an estimate
+/// from points of the edge, doubled, and so is the truncation beside faces of a cylinder skew to a cylinder
+/// base (two rules' difference). Lengths are at rounding level.
+void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, Cell& cell);
+
+}  // namespace vcell

@@ -1,0 +1,172 @@
+/// Integrals along rational Bezier spans, with proven bounds of the truncation.
+///
+/// Gauss-Legendre quadrature with the bound of quadrature.hpp, its M from the integrand's value on the disk
+/// |t| <= 2.4 around the span [-1, 1], which contains the ellipse. Spans whose bound is infinite or poor are
+/// halved.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "complex_ball.hpp"
+#include "quadrature.hpp"
+
+namespace vcell {
+
+/// A value and a bound of its error: truncation and rounding.
+struct Integral {
+    double value = 0, error = 0;
+
+    Integral& operator+=(const Integral& o) {
+        value += o.value;
+        error += o.error;
+        return *this;
+    }
+};
+
+namespace span_integrals {
+
+/// Rounding of one value of an integrand, as a part of what enters it: some sixty operations, doubled.
+inline constexpr double term_rounding = 64 * std::numeric_limits<double>::epsilon();
+
+/// Position and derivative on a span.
+template <class T>
+struct SpanPoint {
+    T x, y, z, x1, y1, z1;
+};
+
+/// A Bezier span over [-1, 1] in powers of its parameter, homogeneous.
+class PowerSpan {
+public:
+    static constexpr int largest_degree = 5;
+
+    /// Control points (x, y, z, w), w divided out.
+    explicit PowerSpan(std::span<const Eigen::Vector4d> points)
+        : degree_(static_cast<int>(points.size()) - 1) {
+        std::array<Eigen::Vector4d, largest_degree + 1> b;
+        for (int k = 0; k <= degree_; ++k) {
+            const Eigen::Vector4d& p = points[k];
+            b[k] << p.w() * p.head<3>(), p.w();
+        }
+        // De Casteljau at the middle leaves the right half's points, whose k-th differences times a binomial
+        // are the coefficients.
+        for (int level = 1; level <= degree_; ++level)
+            for (int k = 0; k + level <= degree_; ++k) b[k] = 0.5 * (b[k] + b[k + 1]);
+        double binomial = 1;
+        for (int k = 0; k <= degree_; ++k) {
+            a_[k] = binomial * b[0];
+            for (int i = 0; i + k < degree_; ++i) b[i] = b[i + 1] - b[i];
+            binomial *= static_cast<double>(degree_ - k) / (k + 1);
+        }
+    }
+
+    /// One half, over [-1, 1] again: t -> (t -+ 1) / 2.
+    PowerSpan half(int side) const {
+        PowerSpan result = *this;
+        const double shift = side == 0 ? -1 : 1;
+        for (int k = 0; k < degree_; ++k)  // Taylor shift by Horner's scheme
+            for (int i = degree_ - 1; i >= k; --i) result.a_[i] += 0.5 * shift * result.a_[i + 1];
+        double scale = 1;
+        for (int k = 0; k <= degree_; ++k, scale *= 0.5) result.a_[k] *= scale;
+        return result;
+    }
+
+    template <class T>
+    SpanPoint<T> at(const T& t) const {
+        std::array<T, 4> p, d;
+        for (int i = 0; i < 4; ++i) {
+            p[i] = T(a_[degree_][i]);
+            d[i] = T(0.0);
+            for (int k = degree_ - 1; k >= 0; --k) {
+                d[i] = d[i] * t + p[i];
+                p[i] = p[i] * t + T(a_[k][i]);
+            }
+        }
+        const T w = T(1.0) / p[3];
+        const T x = p[0] * w, y = p[1] * w, z = p[2] * w;
+        return {x, y, z, (d[0] - x * d[3]) * w, (d[1] - y * d[3]) * w, (d[2] - z * d[3]) * w};
+    }
+
+private:
+    int degree_;
+    std::array<Eigen::Vector4d, largest_degree + 1> a_;
+};
+
+/// Adds an integrand's integrals along a span. It offers N values at a SpanPoint of any number type, and at
+/// one of doubles their sizes: the sums of the absolute values of their terms.
+template <std::size_t N, class Integrand>
+void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum,
+               int halvings = 40) {
+    // The bound may exceed the integrand's size by this factor: 4e-21 of it is next to nothing.
+    constexpr double largest_growth = 1e4, ellipse = 2.4;
+    const auto bounds = integrand(span.at(ComplexBall(0.0, ellipse)));
+    std::array<double, N> value{}, size{};
+    const quadrature::Rule& rule = quadrature::rule();
+    for (int i = 0; i < quadrature::points / 2; ++i) {
+        for (const double t : {-rule.x[i], rule.x[i]}) {
+            const SpanPoint<double> p = span.at(t);
+            const std::array<double, N> f = integrand(p), s = integrand.sizes(p);
+            for (std::size_t k = 0; k < N; ++k) {
+                value[k] += rule.weight[i] * f[k];
+                size[k] += rule.weight[i] * s[k];
+            }
+        }
+    }
+    bool good = true;
+    for (std::size_t k = 0; k < N; ++k)
+        good = good && bounds[k].magnitude() <= largest_growth * size[k] + std::numeric_limits<double>::min();
+    if (!good && halvings > 0) {
+        for (const int side : {0, 1}) integrate(span.half(side), integrand, sum, halvings - 1);
+        return;
+    }
+    for (std::size_t k = 0; k < N; ++k) {
+        // Where halving ended without a bound, the whole part.
+        const double truncation = good ? 2 * quadrature::truncation * bounds[k].magnitude() : 2 * size[k];
+        sum[k] += {value[k], truncation + term_rounding * size[k]};
+    }
+}
+
+/// The same for integrands that are dear, or cannot be bounded: with six points, and their difference from
+/// four. Error: not proven. As both rules converge geometrically, ten times the difference to the power 3/2
+/// (as parts of the size); halved until that is next to rounding.
+template <std::size_t N, class Integrand>
+void integrate_estimated(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum,
+                         int halvings = 12) {
+    constexpr double largest_difference = 1e-9;
+    std::array<double, N> fine{}, coarse{}, size{};
+    const auto apply = [&](const auto& rule, auto&& add) {
+        for (std::size_t i = 0; i < rule.x.size(); ++i)
+            for (const double t : {-rule.x[i], rule.x[i]}) add(span.at(t), rule.weight[i]);
+    };
+    apply(quadrature::rule<6>(), [&](const SpanPoint<double>& p, double weight) {
+        const std::array<double, N> f = integrand(p), s = integrand.sizes(p);
+        for (std::size_t k = 0; k < N; ++k) {
+            fine[k] += weight * f[k];
+            size[k] += weight * s[k];
+        }
+    });
+    apply(quadrature::rule<4>(), [&](const SpanPoint<double>& p, double weight) {
+        const std::array<double, N> f = integrand(p);
+        for (std::size_t k = 0; k < N; ++k) coarse[k] += weight * f[k];
+    });
+    bool good = true;
+    for (std::size_t k = 0; k < N; ++k)
+        good = good && std::abs(fine[k] - coarse[k]) <= largest_difference * size[k];
+    if (!good && halvings > 0) {
+        for (const int side : {0, 1}) integrate_estimated(span.half(side), integrand, sum, halvings - 1);
+        return;
+    }
+    for (std::size_t k = 0; k < N; ++k) {
+        const double difference = std::abs(fine[k] - coarse[k]);
+        const double truncation =
+            good && size[k] > 0 ? 10 * difference * std::sqrt(difference / size[k]) : difference;
+        sum[k] += {fine[k], truncation + term_rounding * size[k]};
+    }
+}
+
+}  // namespace span_integrals
+
+}  // namespace vcell
