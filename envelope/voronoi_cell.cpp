@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "../primitives/plane_base.hpp"
+#include "../primitives/radial_base.hpp"
 #include "lift.hpp"
 #include "minimization_diagram.hpp"
+#include "radial_lift.hpp"
 
 namespace vcell {
 
@@ -25,37 +27,51 @@ private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+// The base point over a chart point, canonical.
+Vec3 base_point(const PlaneBaseProblem&, const Vec2& p) { return {p.x(), p.y(), 0}; }
+Vec3 base_point(const RadialBaseProblem& problem, const Vec2& p) { return problem.point(p, problem.radius); }
+
+MinimizationDiagram diagram_of(const PlaneBaseProblem& problem, const EnvelopeOptions& options) {
+    ConvexRegion region;
+    for (const RegionSide& side : problem.region) region.sides.push_back({side.a, side.b, side.c});
+    return lower_envelope(problem.family, region, options);
+}
+
+MinimizationDiagram diagram_of(const RadialBaseProblem& problem, const EnvelopeOptions& options) {
+    if (problem.is_sphere) return lower_envelope_on_sphere(problem.family, options);
+    return lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1], options);
+}
+
 // "objects 1, 2, 5: <what> (x, y, z), not told apart within w".
-std::string message(const Assumption& a, const char* what, const PlaneBaseProblem& problem) {
+template <class Problem>
+std::string message(const Assumption& a, const char* what, const Problem& problem) {
     std::string sites;
     for (const FormId f : a.forms)
         for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
-    const Vec3 p = problem.frame.to_world({a.place.x(), a.place.y(), 0});
+    const Vec3 p = problem.frame.to_world(base_point(problem, a.place));
     char place[128];
     std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(), a.width);
     return "objects " + sites + ": " + what + " " + place;
 }
 
-}  // namespace
-
-Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
+// From the scene's heights, made by make_problem(), to its cell.
+template <class MakeProblem>
+Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem make_problem) {
     const auto report = [&](const char* stage, double fraction) {
         if (options.progress) options.progress(stage, fraction);
     };
     Stopwatch watch;
     report("bisectors", 0);
     validate(scene);
-    PlaneBaseProblem problem = plane_base_problem(scene);
+    auto problem = make_problem(scene);
     report("bisectors", 1);
     const double seconds_bisectors = watch.lap();
 
-    ConvexRegion region;
-    for (const RegionSide& side : problem.region) region.sides.push_back({side.a, side.b, side.c});
     EnvelopeOptions envelope_options;
     if (options.progress) envelope_options.progress = [&](double fraction) { report("envelope", fraction); };
     const MinimizationDiagram diagram = [&] {
         try {
-            return lower_envelope(problem.family, region, envelope_options);
+            return diagram_of(problem, envelope_options);
         } catch (const TieError& e) {
             throw UndecidedError(message(e.tie, "seem to be equally near along a curve around", problem));
         }
@@ -73,6 +89,13 @@ Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
         problem.warnings.push_back(message(a, "taken to meet in one point over", problem));
     cell.report.warnings = std::move(problem.warnings);
     return cell;
+}
+
+}  // namespace
+
+Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
+    if (std::holds_alternative<Plane>(scene.base)) return cell_over_base(scene, options, plane_base_problem);
+    return cell_over_base(scene, options, radial_base_problem);
 }
 
 }  // namespace vcell

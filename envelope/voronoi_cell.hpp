@@ -15,7 +15,7 @@ struct CellOptions {
 };
 
 /// The Voronoi cell of the scene's base among its objects, inside the box.
-/// Throws InputError as validate() and plane_base_problem() do.
+/// Throws InputError as validate(), plane_base_problem() and radial_base_problem() do.
 Cell voronoi_cell(const Scene& scene, const CellOptions& options = {});
 
 }  // namespace vcell

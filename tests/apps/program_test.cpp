@@ -194,7 +194,8 @@ TEST_CASE("program: bad scenes are status 2, named, and leave nothing") {
     CHECK(complaint(bad).find("vcell: objects[1].sphere: cuts the base region at (") == 0);
     bad = scene;
     bad["base"] = {{"sphere", {{"center", {0, 0, 0}}, {"radius", 0.5}}}};
-    CHECK(complaint(bad) == "vcell: base.sphere: only planes are bases in this version\n");
+    CHECK(complaint(bad) ==
+          "vcell: box: does not contain the base sphere (base.sphere): it reaches beyond side box:-z\n");
     bad = scene;
     bad["box"]["max"][2] = -1;
     CHECK(complaint(bad).find("vcell: box.min[2]: must be < ") == 0);
@@ -218,8 +219,12 @@ TEST_CASE("program: plain balls") {
     CHECK(w.run("measure balls.xyzr --base-plane 0 0 0 0 0 1").status == 0);
     CHECK(w.run("measure balls.xyzr").err ==
           "vcell: --base-plane: missing: an x y z r file does not say what its base is\n");
-    CHECK(w.run("measure balls.xyzr --base 0").err ==
-          "vcell: base.sphere: only planes are bases in this version\n");
+    const Outcome ball = w.run("compute balls.xyzr --base 0 -o -");
+    CHECK(ball.status == 0);
+    const json ball_cell = json::parse(ball.out);
+    CHECK(ball_cell.at("faces").size() == 1 + 6);
+    CHECK(ball_cell.at("neighbors") == json{0});
+    CHECK(ball_cell.at("scene").at("objects").at(0).at("name") == "1");
     CHECK(w.run("measure balls.xyzr --base 7").status == 2);
     CHECK(w.run("measure " + example("figure1.json") + " --base 0").status == 2);
 }

@@ -1,0 +1,1080 @@
+#include "radial_lift.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "../core/errors.hpp"
+#include "../primitives/exact_space.hpp"
+#include "chart_arc.hpp"
+#include "face_cut.hpp"
+#include "joined_spans.hpp"
+#include "radial_measures.hpp"
+#include "radial_patch.hpp"
+#include "space_spline.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector4d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+// Middle weights of conics, in space and in both faces' parameters, against the geometric mean of those at
+// the ends: from here on control points stay close to their curves. An arc of a circle of 145 degrees has it.
+constexpr double least_weight = 0.3;
+
+// A homogeneous conic through (p, t), canonical, t the distance from the base's centre: the weights are 1,
+// `weight`, 1, and `middle` is the middle control point times its weight.
+struct ConicSpan {
+    Vector4d from, middle, to;
+    double weight;
+
+    // Reparametrised so that the ends' weights are 1 again.
+    std::array<ConicSpan, 2> halves() const {
+        const double w = std::sqrt(0.5 * (1 + weight));
+        const Vector4d half_way = (from + 2 * middle + to) / (4 * w * w);
+        return {{{from, (from + middle) / (2 * w), half_way, w}, {half_way, (middle + to) / (2 * w), to, w}}};
+    }
+};
+
+// A trim's control points (u w, v w, w).
+struct TrimSpan {
+    Eigen::Vector3d from, middle, to;
+
+    // The parameters are quotients of linear functions of (p, t).
+    TrimSpan(const RadialPatch& patch, const ConicSpan& s) {
+        const RadialPatch::Projection& map = patch.projection();
+        from = map(s.from, 1);
+        middle = map(s.middle, s.weight);
+        to = map(s.to, 1);
+        if (patch.kind() == RadialPatch::Kind::Stereographic) settle_weights(patch.axes()[2], s);
+    }
+    double weight() const { return middle.z() / std::sqrt(from.z() * to.z()); }
+
+private:
+    // The weight is t + z with z along the patch's third axis, which cancels near the pole. But a curve on
+    // the cone x^2 + y^2 + z^2 = t^2 has x0^2 + y0^2 = (t0 + z0) (t0 - z0) at its ends, and the middle
+    // control point on the tangents there: x0 x1 + y0 y1 = ((t0 + z0) (t1 - z1) + (t0 - z0) (t1 + z1)) / 2.
+    void settle_weights(const Vec3& axis, const ConicSpan& s) {
+        const auto other = [&](const Vector4d& x) { return x.w() - axis.dot(x.head<3>()); };
+        const double from_other = other(s.from), to_other = other(s.to);
+        if (from.z() >= from_other && to.z() >= to_other) return;
+        if (from.z() < from_other) from.z() = from.head<2>().squaredNorm() / from_other;
+        if (to.z() < to_other) to.z() = to.head<2>().squaredNorm() / to_other;
+        const bool at_start = from_other > to_other;
+        const Eigen::Vector3d& end = at_start ? from : to;
+        middle.z() = (2 * end.head<2>().dot(middle.head<2>()) - end.z() * other(s.middle)) /
+                     (at_start ? from_other : to_other);
+    }
+};
+
+// ---- Kinds of conics --------------------------------------------------------------------------------
+
+// A circular form over a sphere base, seen from the centre: where it is met at the distance t in p,
+// b.p + b0 t = k (t Q = W, times a positive factor). `square` is b.b - b0^2.
+template <class Vector, class T>
+struct Functional {
+    Vector b;
+    T b0, square, k;
+};
+
+bool is_wall(const RadialBaseProblem& problem, FormId f) { return !problem.sites[f].front().is_object(); }
+
+// Away from the base.
+Plane facing(const Plane& plane) {
+    return {plane.point, plane.normal.dot(plane.point) < 0 ? Vec3(-plane.normal) : plane.normal};
+}
+
+Functional<Vec3, double> functional(const RadialBaseProblem& problem, FormId f) {
+    if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
+        const double delta = sphere->radius - problem.radius, length = sphere->center.norm();
+        const double square = (length - delta) * (length + delta);
+        return {sphere->center, delta, square, 0.5 * square};
+    }
+    const Plane plane = facing(std::get<Plane>(problem.objects[f]));
+    const double k = plane.normal.dot(plane.point), length = plane.normal.norm();
+    if (is_wall(problem, f)) return {plane.normal, 0, length * length, k};
+    return {plane.normal, length, 0, k + problem.radius * length};
+}
+
+Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem, FormId f) {
+    if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
+        const ExactVector c(sphere->center);
+        const Exact delta = Exact(sphere->radius) - Exact(problem.radius), square = dot(c, c) - delta * delta;
+        return {c, delta, square, square.scaled(-1)};
+    }
+    const Plane plane = facing(std::get<Plane>(problem.objects[f]));
+    const ExactVector n(plane.normal);
+    const Exact k = dot(n, ExactVector(plane.point)), square = dot(n, n);
+    if (is_wall(problem, f)) return {n, 0.0, square, k};
+    const Exact length(rounded_sqrt(square));
+    return {n, length, 0.0, k + length * Exact(problem.radius)};
+}
+
+// The plane in which a sphere's and a plane's or two such heights agree, and what it cuts from the bisector.
+// In homogeneous coordinates the cone |n| = W lifts to the curve by p = n / Q; the plane {Q_f = Q_g} of its
+// points meets infinity, Q_f = 0, in a line, and that line meets the cone in two points, in one, or in none
+// as the Gram determinant of (b_f, b0_f) and (b_g, b0_g) in the cone's metric is positive, zero or negative.
+class ConicKind {
+public:
+    ConicKind(const RadialBaseProblem& problem, Decisions& decisions)
+        : problem_(problem), decisions_(decisions) {}
+
+    CurveKind operator()(FormId f, FormId g) {
+        // b0 = 0: the bisector is a plane.
+        if (is_flat(problem_, f) && is_flat(problem_, g)) return CurveKind::Line;
+        // The plane lies across the axis of both bisectors, which are surfaces of revolution.
+        const Approximate p = functional(problem_, f), q = functional(problem_, g);
+        if (are_parallel(f, g, p.b, q.b)) return CurveKind::Circle;
+        const Sign sign = gram_sign(f, g, p, q);
+        return sign == Sign::Positive   ? CurveKind::Hyperbola
+               : sign == Sign::Negative ? CurveKind::Ellipse
+                                        : CurveKind::Parabola;
+    }
+
+private:
+    using Approximate = Functional<Vec3, double>;
+
+    bool are_parallel(FormId f, FormId g, const Vec3& p, const Vec3& q) {
+        if (p.cross(q).cwiseAbs().maxCoeff() > 4 * u * p.norm() * q.norm()) {
+            ++decisions_.by_double;
+            return false;
+        }
+        ++decisions_.by_exact;
+        return cross(exact_functional(problem_, f).b, exact_functional(problem_, g).b).is_zero();
+    }
+
+    Sign gram_sign(FormId f, FormId g, const Approximate& p, const Approximate& q) {
+        const double inner = p.b.dot(q.b) - p.b0 * q.b0;
+        const double determinant = p.square * q.square - inner * inner;
+        // No term of `inner` or of a square exceeds the product of these lengths; each carries four roundings
+        // or fewer, as does its sum, and the determinant as many again.
+        const double scale = (p.b.squaredNorm() + p.b0 * p.b0) * (q.b.squaredNorm() + q.b0 * q.b0);
+        if (std::abs(determinant) > 64 * u * scale) {
+            ++decisions_.by_double;
+            return sign_of(determinant);
+        }
+        ++decisions_.by_exact;
+        const auto P = exact_functional(problem_, f), R = exact_functional(problem_, g);
+        const Exact exact_inner = dot(P.b, R.b) - P.b0 * R.b0;
+        return (P.square * R.square - exact_inner * exact_inner).sign();
+    }
+
+    const RadialBaseProblem& problem_;
+    Decisions& decisions_;
+};
+
+// ---- Points on bisectors ----------------------------------------------------------------------------
+
+// Where a bisector runs out to infinity, a point's direction tells its distance badly, and rounding in the
+// chart moves curves off their bisectors by far more than rounding in space. So points (p, t) are moved to
+// where their functionals say, by the least that does.
+class Hyperplane {
+public:
+    Hyperplane(const RadialBaseProblem& problem, FormId f) {
+        const Functional<Vec3, double> g = functional(problem, f);
+        const double scale = 1 / std::sqrt(g.b.squaredNorm() + g.b0 * g.b0);
+        normal_ << scale * g.b, scale * g.b0;
+        k_ = scale * g.k;
+    }
+    const Vector4d& normal() const { return normal_; }
+    // Of a homogeneous point of that weight.
+    double residual(const Vector4d& x, double weight) const { return normal_.dot(x) - weight * k_; }
+
+private:
+    Vector4d normal_;  // unit
+    double k_;
+};
+
+// To the common points of both. Where they are all but parallel, to those of the first.
+Vector4d moved(const Vector4d& x, double weight, const std::array<Hyperplane, 2>& planes) {
+    const auto& [p, q] = planes;
+    const double a = p.residual(x, weight), b = q.residual(x, weight), inner = p.normal().dot(q.normal());
+    const double determinant = 1 - inner * inner;
+    if (determinant < 0x1p-30) return x - a * p.normal();
+    return x - ((a - inner * b) * p.normal() + (b - inner * a) * q.normal()) / determinant;
+}
+
+// The same, and to the cone |p| = t.
+Vector4d moved_on_cone(const Vector4d& x, const std::array<Hyperplane, 2>& planes) {
+    const Vector4d y = moved(x, 1, planes);
+    // On along the line in both hyperplanes that changes |p| - t most.
+    const double length = y.head<3>().norm();
+    const Vector4d slope(y.x() / length, y.y() / length, y.z() / length, -1);
+    const Vector4d along = moved(slope, 0, planes);
+    const double change = slope.dot(along);
+    return change > 0x1p-30 ? Vector4d(y - (length - y.w()) / change * along) : y;
+}
+
+// To three hyperplanes and the cone: a step of Newton's method. May fail with numbers that are not finite.
+Vector4d moved_to_meet(const Vector4d& x, const std::array<Hyperplane, 3>& planes) {
+    Eigen::Matrix4d rows;
+    Vector4d residual;
+    for (int i = 0; i < 3; ++i) {
+        rows.row(i) = planes[i].normal();
+        residual[i] = planes[i].residual(x, 1);
+    }
+    const double length = x.head<3>().norm();
+    rows.row(3) << x.head<3>().transpose() / length, -1;
+    residual[3] = length - x.w();
+    return x - rows.partialPivLu().solve(residual);
+}
+
+// ---- The lift ---------------------------------------------------------------------------------------
+
+class RadialLifter {
+public:
+    RadialLifter(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
+        : problem_(problem), diagram_(diagram), tolerance_(tolerance), arcs_(problem.family, diagram) {}
+
+    Cell lift() {
+        add_vertices();
+        add_kinds();
+        add_arcs();
+        add_patches();
+        halve_for_trims();
+        add_edges();
+        add_faces();
+        measure(problem_, diagram_, cell_);
+        cell_.report.decisions = diagram_.decisions;
+        cell_.report.decisions += arcs_.decisions();
+        cell_.report.decisions += decisions_;
+        return std::move(cell_);
+    }
+
+private:
+    static constexpr Range no_range = empty_range;
+    using Rectangle = std::array<Range, 2>;
+
+    Site main_site(FormId f) const { return problem_.sites[f].front(); }
+    // The rims of a cylinder's chart are sides 0 and 2.
+    static Site end_site(std::uint32_t side) { return Site::end(side == 0 ? 0 : 1); }
+    VertexId start(EdgeId e) const { return diagram_.dcel.origin(Dcel::half_edge(e)); }
+    VertexId end(EdgeId e) const { return diagram_.dcel.target(Dcel::half_edge(e)); }
+    bool is_line(EdgeId e) const { return kinds_[e] == CurveKind::Line; }
+    bool is_spline(EdgeId e) const { return kinds_[e] == CurveKind::Spline; }
+    std::span<const ConicSpan> spans(EdgeId e) const {
+        return {conics_.data() + conic_offsets_[e.value], conics_.data() + conic_offsets_[e.value + 1]};
+    }
+
+    // At a chart distance of e from p, W = 1 + |p|^2 (half angles: 1 + x^2) differs by at most dW = (2 |p| +
+    // e) e, the unit normal by 2 e / sqrt(W W') [the stereographic chord], and t = W / -f by the factors of W
+    // and of f.
+    double vertex_error(const MinimizationDiagram::Vertex& v, double t) const {
+        const double e = v.error, x = v.point.x();
+        const double reach = problem_.is_sphere ? v.point.norm() : std::abs(x > 1 ? x - 2 : x);
+        const double W = 1 + reach * reach, dW = (2 * reach + e) * e;
+        const double turn = 2 * e / std::sqrt(W * std::max(1.0, W - dW)), along = problem_.is_sphere ? 0 : e;
+        const double room = -v.height - v.height_error;
+        const double stretch =
+            room > 0 ? (dW / W * -v.height + v.height_error) / room : std::numeric_limits<double>::infinity();
+        // Normal, point, motion back: a handful of roundings each.
+        return t * (turn + stretch) + along +
+               16 * u * (t + std::abs(v.point.y()) + problem_.frame.origin.norm());
+    }
+
+    // (p, t) of a vertex and a bound on its distance from the true one.
+    Vector4d vertex_point(VertexId v, double& error) const {
+        const MinimizationDiagram::Vertex& from = diagram_.vertices[v];
+        const double t = problem_.distance(from.point, from.height);
+        const Vec3 p = problem_.point(from.point, t);
+        const Vector4d x(p.x(), p.y(), p.z(), t);
+        error = vertex_error(from, t);
+        if (error <= 64 * u * (t + problem_.frame.origin.norm())) return x;
+        const std::span<const FormId> forms = diagram_.label(v);
+        for (int i = 0; i < 3; ++i)
+            if (!diagram_.is_circular(forms[i])) return x;
+        const auto plane = [&](int i) { return Hyperplane(problem_, forms[i]); };
+        const Vector4d moved = moved_to_meet(x, {plane(0), plane(1), plane(2)});
+        const double move = (moved - x).norm();
+        if (!(move <= error)) return x;
+        error += move;
+        return moved;
+    }
+
+    void add_vertices() {
+        cell_.vertices.reserve(diagram_.vertices.size());
+        points_.reserve(diagram_.vertices.size());
+        for (const VertexId v : diagram_.vertices.ids()) {
+            CellVertex vertex;
+            const Vector4d x = vertex_point(v, vertex.error);
+            points_.push_back(x);
+            vertex.point = problem_.frame.to_world(x.head<3>());
+            vertex.radius = x.w() - problem_.radius;
+            vertex.sites.reserve(diagram_.label(v).size());
+            for (const FormId f : diagram_.label(v))
+                vertex.sites.insert(vertex.sites.end(), problem_.sites[f].begin(), problem_.sites[f].end());
+            for (const std::uint32_t side : diagram_.sides(v)) vertex.sites.push_back(end_site(side));
+            sort_unique(vertex.sites);
+            cell_.vertices.push_back(std::move(vertex));
+        }
+    }
+
+    void add_kinds() {
+        ConicKind kind(problem_, decisions_);
+        kinds_.reserve(diagram_.edges.size());
+        for (const MinimizationDiagram::Edge& e : diagram_.edges) {
+            const bool is_conic =
+                diagram_.is_circular(e.left) && !e.on_rim() && diagram_.is_circular(e.right);
+            kinds_.push_back(is_conic                            ? kind(e.left, e.right)
+                             : !problem_.is_sphere && is_line(e) ? CurveKind::Line
+                                                                 : CurveKind::Spline);
+        }
+        if (!problem_.family.is_all_circular()) {
+            splines_.resize(diagram_.edges.size());
+            errors_.resize(diagram_.edges.size());
+        }
+    }
+
+    // Over a cylinder: of two planes, and of bisectors that are parallel to the axis.
+    bool is_line(const MinimizationDiagram::Edge& e) const {
+        if (e.on_rim()) return is_flat(problem_, e.left);
+        return (is_flat(problem_, e.left) && is_flat(problem_, e.right)) ||
+               (is_along_axis(e.left) && is_along_axis(e.right));
+    }
+    bool is_along_axis(FormId f) const {
+        const RadialForm& form = problem_.family.radial_form(f);
+        return form.c[1].sign() == Sign::Zero && form.c[2].sign() == Sign::Zero &&
+               form.slope.sign() == Sign::Zero;
+    }
+
+    // ---- Arcs ----
+
+    // (n, W) of a chart point with |p|^2 = L in homogeneous coordinates (p, L, w).
+    Vector4d lifted(const Vector2d& p, double L, double w) const {
+        const Vec3 n = problem_.chart * Vec3(2 * p.x(), 2 * p.y(), w - L);
+        return {n.x(), n.y(), n.z(), w + L};
+    }
+
+    // The height is linear in (p, L, w), too: its negative.
+    static double root(const CircularForm& f, const Vector2d& p, double L, double w) {
+        return -(f.k * L + f.a * p.x() + f.b * p.y() + f.e * w) / f.w;
+    }
+
+    // On a circle |p|^2 is a linear function of p plus a constant, on a line it is quadratic. Either way its
+    // polar form, half the derivative along the tangent in the arc's ends, is the coefficient of the middle
+    // control point m: p0.(2 m - p0) = p2.(2 m - p2).
+    void add_arcs() {
+        conics_.reserve(2 * diagram_.edges.size());
+        conic_offsets_.reserve(diagram_.edges.size() + 1);
+        conic_offsets_.push_back(0);
+        for (const EdgeId e : diagram_.edges.ids()) {
+            if (!is_line(e) && !is_spline(e)) add_arc(e);
+            conic_offsets_.push_back(static_cast<std::uint32_t>(conics_.size()));
+        }
+    }
+
+    void add_arc(EdgeId e) {
+        // The form that is evaluated with less cancellation.
+        const auto magnitude = [](const CircularForm& f) {
+            return (std::abs(f.k) + std::abs(f.a) + std::abs(f.b) + std::abs(f.e)) / f.w;
+        };
+        const CircularForm *f = &diagram_.forms[diagram_.edges[e].left],
+                           *g = &diagram_.forms[diagram_.edges[e].right];
+        if (magnitude(*g) < magnitude(*f)) std::swap(f, g);
+        const std::array planes{Hyperplane(problem_, diagram_.edges[e].left),
+                                Hyperplane(problem_, diagram_.edges[e].right)};
+        const std::span<const ArcSpan> arcs = arcs_.spans(e);
+        const auto end_point = [&](const Vector2d& p) -> Vector4d {
+            const double L = p.squaredNorm();
+            return moved_on_cone(lifted(p, L, 1) / root(*f, p, L, 1), planes);
+        };
+        Vector4d from = start(e).valid() ? points_[start(e)] : end_point(arcs.front().from);
+        const Vector4d last = end(e).valid() ? points_[end(e)] : from;
+        for (std::size_t i = 0; i < arcs.size(); ++i) {
+            const ArcSpan& arc = arcs[i];
+            const Vector4d to = i + 1 == arcs.size() ? last : end_point(arc.to);
+            const double w = arc.weight();
+            const Vector2d m = arc.middle();
+            const double L = 0.5 * w * (arc.from.dot(2 * m - arc.from) + arc.to.dot(2 * m - arc.to));
+            // W / t = Q: that the weights at the ends become 1.
+            const double scale =
+                std::sqrt(from.w() / (1 + arc.from.squaredNorm()) * to.w() / (1 + arc.to.squaredNorm()));
+            const double weight = scale * root(*f, w * m, L, w);
+            add_halves({from, moved(scale * lifted(w * m, L, w), weight, planes), to, weight}, {}, conics_);
+            from = to;
+        }
+    }
+
+    // Appends a span, halved until its weights in space and in the given parameters are large enough.
+    static void add_halves(const ConicSpan& span, std::span<const RadialPatch* const> patches,
+                           std::vector<ConicSpan>& spans, int halvings = 40) {
+        const auto is_small = [&](const RadialPatch* patch) {
+            return !(TrimSpan(*patch, span).weight() >= least_weight);
+        };
+        if (halvings > 0 && (!(span.weight >= least_weight) || std::ranges::any_of(patches, is_small))) {
+            for (const ConicSpan& half : span.halves()) add_halves(half, patches, spans, halvings - 1);
+            return;
+        }
+        spans.push_back(span);
+    }
+
+    // ---- Patches ----
+
+    // Calls use(edge, reversed) around a component.
+    template <class Use>
+    void around(CcbId ccb, Use use) const {
+        const HalfEdgeId start = diagram_.dcel.start(ccb);
+        HalfEdgeId h = start;
+        do {
+            use(Dcel::edge(h), h != Dcel::half_edge(Dcel::edge(h)));
+            h = diagram_.dcel.next(h);
+        } while (h != start);
+    }
+
+    static void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span,
+                               int halvings = 40) {
+        const TrimSpan trim(patch, span);
+        const double weight = trim.weight();
+        if (!(weight >= least_weight) && halvings > 0) {
+            for (const ConicSpan& half : span.halves()) extend_by_span(box, patch, half, halvings - 1);
+            return;
+        }
+        for (int i = 0; i < 2; ++i)
+            extend(box[i], trim.from[i] / trim.from.z(), trim.middle[i] / trim.middle.z(),
+                   trim.to[i] / trim.to.z(), weight);
+    }
+
+    // Bezier coefficients of u or v on the left of a spline's span or, reversed, on its right.
+    static std::array<double, 6> trim_row(const SpaceSpan& span, bool reversed, int coordinate) {
+        std::array<double, 6> row;
+        for (int k = 0; k < 6; ++k) row[k] = span.points(4 + 2 * reversed + coordinate, k);
+        return row;
+    }
+
+    Rectangle bounds(CcbId ccb, const RadialPatch& patch) const {
+        Rectangle box{no_range, no_range};
+        around(ccb, [&](EdgeId e, bool reversed) {
+            if (is_spline(e)) {
+                for (const SpaceSpan& span : splines_[e])
+                    for (int i = 0; i < 2; ++i) extend_by_polynomial(box[i], trim_row(span, reversed, i));
+            } else if (is_line(e)) {
+                for (const VertexId v : {start(e), end(e)}) {
+                    const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
+                    for (int i = 0; i < 2; ++i)
+                        box[i] = {std::min(box[i][0], p[i]), std::max(box[i][1], p[i])};
+                }
+            } else {
+                for (const ConicSpan& span : spans(e)) extend_by_span(box, patch, span);
+            }
+        });
+        return box;
+    }
+
+    // The loops' rectangles; the largest is the outer loop's, which contains the others.
+    Rectangle face_bounds(FaceId face, const RadialPatch& patch) {
+        std::vector<CcbId>& ccbs = loops_[face];
+        Rectangle outer{no_range, no_range};
+        const auto extent = [](const Rectangle& r) { return r[0][1] - r[0][0] + (r[1][1] - r[1][0]); };
+        for (std::size_t i = 0; i < ccbs.size(); ++i) {
+            const Rectangle box = bounds(ccbs[i], patch);
+            if (i > 0 && !(extent(box) > extent(outer))) continue;
+            outer = box;
+            std::swap(ccbs[0], ccbs[i]);
+        }
+        widen(outer);
+        return outer;
+    }
+
+    // A face thinner than the spacing of doubles still needs a domain that has two ends.
+    static void widen(Rectangle& box) {
+        for (Range& range : box)
+            if (range[0] == range[1])
+                range[1] = std::nextafter(range[1], std::numeric_limits<double>::infinity());
+    }
+
+    // Somewhere in the face, or among its loops: a unit normal.
+    Vec3 middle(FaceId face) const {
+        Vec3 sum = Vec3::Zero();
+        for (const CcbId ccb : loops_[face])
+            around(ccb, [&](EdgeId e, bool) {
+                for (const ConicSpan& s : spans(e)) sum += s.from.head<3>() / s.from.w();
+                if (start(e).valid()) sum += points_[start(e)].head<3>() / points_[start(e)].w();
+                for (const auto& piece : diagram_.pieces(e)) sum += problem_.normal(piece.end);
+            });
+        return sum.isZero(0) ? Vec3::UnitZ() : sum.normalized();
+    }
+
+    void add_patches() {
+        const std::size_t count = diagram_.dcel.face_count();
+        loops_.resize(count);
+        patches_.resize(count);
+        surfaces_.resize(count);
+        for (const FaceId face : diagram_.face_forms.ids()) {
+            if (!diagram_.face_forms[face].valid()) continue;
+            loops_[face] = diagram_.dcel.inner_ccbs(face);
+            if (const CcbId outer = diagram_.dcel.outer_ccb(face); outer.valid())
+                loops_[face].push_back(outer);
+            if (problem_.is_sphere)
+                patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0);
+            else
+                add_cylinder_patch(face);
+        }
+        std::vector<EdgeId> to_fit;
+        for (const EdgeId e : diagram_.edges.ids())
+            if (is_spline(e)) to_fit.push_back(e);
+        // A spline's trims are fitted to the patches, and whether a patch holds its face is known from the
+        // trims.
+        for (bool is_settled = false; !is_settled;) {
+            for (const EdgeId e : to_fit) fit(e);
+            to_fit.clear();
+            is_settled = true;
+            seams_ = 0;
+            for (const FaceId face : diagram_.face_forms.ids()) {
+                if (!diagram_.face_forms[face].valid() || add_surface(face)) continue;
+                is_settled = false;
+                change_patch(face);
+                for (const CcbId ccb : loops_[face])
+                    around(ccb, [&](EdgeId e, bool) {
+                        if (is_spline(e)) to_fit.push_back(e);
+                    });
+            }
+            sort_unique(to_fit);
+        }
+    }
+
+    bool add_surface(FaceId face) {
+        if (is_cut(face)) return add_cut_surfaces(face);
+        const auto [box_u, box_v] = face_bounds(face, patches_[face]);
+        std::optional<RationalPatch> surface = patches_[face].patch(box_u, box_v, problem_.frame);
+        if (surface) surfaces_[face] = std::move(*surface);
+        return surface.has_value();
+    }
+
+    // After a patch with a weight that is not positive.
+    void change_patch(FaceId face) {
+        if (!problem_.is_sphere) return cut_finer(face);
+        if (!wide_.empty() && wide_[face])
+            throw InternalError("lift: no patch holds face " + std::to_string(face.value));
+        wide_.resize(patches_.size());
+        wide_[face] = true;
+        patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0, true);
+    }
+
+    // ---- Faces over a cylinder ----
+
+    // The part of the base between two angles of the chart, with a patch of its own.
+    struct Sector {
+        double from, to;
+        RadialPatch patch;
+
+        double reach() const { return std::tan(0.25 * (to - from)); }
+    };
+    // The sectors of a face, once around; whole faces have none.
+    struct Sectors {
+        std::vector<Sector> sectors;
+        std::vector<TrimmedPatch> parts;
+        std::vector<bool> is_too_wide;  // of each sector
+    };
+    // A face that turns further than this has several patches.
+    static constexpr double widest_patch = 4;
+    static constexpr double narrowest_sector = 0x1p-10;
+
+    bool is_cut(FaceId face) const { return !sectors_.empty() && !sectors_[face].sectors.empty(); }
+
+    static double chart_angle(double x) {
+        return x > 1 ? std::numbers::pi + 2 * std::atan(x - 2) : 2 * std::atan(x);
+    }
+    Vec3 direction(double angle) const { return problem_.chart * Vec3(std::sin(angle), 0, std::cos(angle)); }
+
+    // What a face covers: angles in the chart, continuously, and the mean height of its boundary.
+    struct Extent {
+        double from = 0, to = 0, y = 0;
+        bool is_closed = false;  // all around
+    };
+
+    Extent extent(FaceId face) const {
+        Extent widest;
+        double sum_y = 0;
+        int points = 0;
+        for (const CcbId ccb : loops_[face]) {
+            Extent loop;
+            double angle = 0;
+            bool is_first = true;
+            const auto go_to = [&](const Vec2& p) {
+                const double next = chart_angle(p.x());
+                const double turn = next - angle, whole = 2 * std::numbers::pi;
+                angle = is_first ? next : angle + std::remainder(turn, whole);
+                if (is_first) loop.from = loop.to = angle;
+                is_first = false;
+                loop.from = std::min(loop.from, angle);
+                loop.to = std::max(loop.to, angle);
+                sum_y += p.y();
+                ++points;
+            };
+            const auto point = [&](VertexId v) { return diagram_.vertices[v].point; };
+            double begin = 0;
+            around(ccb, [&](EdgeId e, bool reversed) {
+                const VertexId from = reversed ? end(e) : start(e), to = reversed ? start(e) : end(e);
+                const auto pieces = diagram_.pieces(e);
+                if (is_first) {
+                    if (from.valid())
+                        go_to(point(from));
+                    else if (!pieces.empty())
+                        go_to(pieces.back().end);
+                    begin = angle;
+                }
+                if (const auto& edge = diagram_.edges[e]; edge.on_rim()) {
+                    // The lower rim goes with the angle, the upper one against it, once around at most.
+                    const double sign = edge.side == 0 ? 1 : -1, whole = 2 * std::numbers::pi;
+                    double turn = from == to
+                                      ? whole
+                                      : sign * (chart_angle(point(to).x()) - chart_angle(point(from).x()));
+                    if (turn <= 0) turn += whole;
+                    angle += sign * turn;
+                    is_first = false;
+                    loop.from = std::min(loop.from, angle);
+                    loop.to = std::max(loop.to, angle);
+                    sum_y += problem_.stretch[edge.side == 0 ? 0 : 1];
+                    ++points;
+                    return;
+                }
+                for (std::size_t i = 0; i + 1 < pieces.size(); ++i)
+                    go_to(pieces[reversed ? pieces.size() - 2 - i : i].end);
+                go_to(to.valid() ? point(to) : Vec2(pieces.back().end));
+            });
+            loop.is_closed = std::abs(angle - begin) > std::numbers::pi;
+            if (loop.is_closed || (!widest.is_closed && !(loop.to - loop.from < widest.to - widest.from)))
+                widest = loop;
+        }
+        widest.y = sum_y / std::max(points, 1);
+        return widest;
+    }
+
+    void add_cylinder_patch(FaceId face) {
+        sectors_.resize(patches_.size());
+        const Extent e = extent(face);
+        const double middle = 0.5 * (e.from + e.to);
+        patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], direction(middle), e.y);
+        if (patches_[face].kind() == RadialPatch::Kind::Planar) return;
+        if (patches_[face].half()) {
+            const double off = std::abs(std::remainder(middle - half_angle(face), 2 * std::numbers::pi));
+            if (e.is_closed || off + 0.5 * (e.to - e.from) > 0.5 * std::numbers::pi * (1 + 0x1p-20))
+                cut(face);
+        } else if (e.is_closed || e.to - e.from > widest_patch) {
+            cut(face);
+        }
+    }
+
+    // The middle of the half that a face's patch is for.
+    double half_angle(FaceId face) const {
+        const Vec3 axis = problem_.chart.transpose() * *patches_[face].half();
+        return std::atan2(axis.x(), axis.z());
+    }
+
+    // Into two halves: those that patches are for, if they are for a half.
+    void cut(FaceId face) {
+        constexpr double pi = std::numbers::pi;
+        const double start = patches_[face].half() ? half_angle(face) - 0.5 * pi : clear_angle(face, 2);
+        for (const double from : {start, start + pi})
+            sectors_[face].sectors.push_back(sector(face, from, from + pi));
+    }
+
+    Sector sector(FaceId face, double from, double to) const {
+        const Vec3 middle = direction(0.5 * (from + to));
+        const double y = mean_height(face, from, to);
+        return {
+            from, to,
+            RadialPatch(problem_, diagram_.face_forms[face], middle, y, patches_[face].half().has_value())};
+    }
+
+    // Of the points of a face's boundary over a sector; of all of them where there are none.
+    double mean_height(FaceId face, double from, double to) const {
+        std::array<double, 2> sum{}, count{};
+        const auto add = [&](const Vec2& p) {
+            const double off = chart_angle(p.x()) - 0.5 * (from + to);
+            const bool is_over = std::abs(std::remainder(off, 2 * std::numbers::pi)) <= 0.5 * (to - from);
+            sum[is_over] += p.y();
+            ++count[is_over];
+        };
+        for (const CcbId ccb : loops_[face])
+            around(ccb, [&](EdgeId e, bool) {
+                if (start(e).valid()) add(diagram_.vertices[start(e)].point);
+                for (const auto& piece : diagram_.pieces(e)) add(piece.end);
+            });
+        if (count[1] > 0) return sum[1] / count[1];
+        return count[0] > 0 ? sum[0] / count[0] : 0.5 * (problem_.stretch[0] + problem_.stretch[1]);
+    }
+
+    // After patches whose weights are not positive all over a face's rectangle. Narrower sectors have smaller
+    // ones; and patches that are for a half each keep away from what lies at infinity.
+    void cut_finer(FaceId face) {
+        Sectors& all = sectors_[face];
+        if (!is_cut(face)) {
+            const Extent e = extent(face);
+            const Vec3 middle = direction(0.5 * (e.from + e.to));
+            patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle, e.y, true);
+            return cut(face);
+        }
+        std::vector<Sector> finer;
+        for (std::size_t i = 0; i < all.sectors.size(); ++i) {
+            const auto& [from, to, patch] = all.sectors[i];
+            if (!all.is_too_wide[i]) {
+                finer.push_back(all.sectors[i]);
+                continue;
+            }
+            if (to - from < narrowest_sector)
+                throw InternalError("lift: no patches hold face " + std::to_string(face.value));
+            const double middle = 0.5 * (from + to);
+            finer.push_back(sector(face, from, middle));
+            finer.push_back(sector(face, middle, to));
+        }
+        all.sectors = std::move(finer);
+    }
+
+    // Where the sides of `count` sectors keep furthest from the face's vertices.
+    double clear_angle(FaceId face, std::size_t count) const {
+        const double width = 2 * std::numbers::pi / static_cast<double>(count);
+        std::vector<double> angles;
+        for (const CcbId ccb : loops_[face])
+            around(ccb, [&](EdgeId e, bool) {
+                if (!start(e).valid()) return;
+                const double angle = chart_angle(diagram_.vertices[start(e)].point.x());
+                angles.push_back(angle - width * std::floor(angle / width));
+            });
+        if (angles.empty()) return 0;
+        std::ranges::sort(angles);
+        angles.push_back(angles.front() + width);
+        std::size_t widest = 0;
+        for (std::size_t i = 0; i + 1 < angles.size(); ++i)
+            if (angles[i + 1] - angles[i] > angles[widest + 1] - angles[widest]) widest = i;
+        return 0.5 * (angles[widest] + angles[widest + 1]);
+    }
+
+    // The face's loops as runs of spans within one sector.
+    std::vector<std::vector<BoundaryRun>> boundary_runs(FaceId face) const {
+        std::vector<std::vector<BoundaryRun>> loops;
+        for (const CcbId ccb : loops_[face]) {
+            std::vector<BoundaryRun>& loop = loops.emplace_back();
+            around(ccb, [&](EdgeId e, bool reversed) {
+                if (is_line(e)) {
+                    const Vec3 p = 0.5 * (points_[start(e)] + points_[end(e)]).head<3>();
+                    const std::uint32_t sector = sector_of(face, p);
+                    const RadialPatch& patch = sectors_[face].sectors[sector].patch;
+                    loop.push_back({{e.value, {}, reversed, trim_curve(patch, e, reversed)}, sector});
+                    return;
+                }
+                const std::vector<SpaceSpan>& spans = splines_[e];
+                const std::size_t n = spans.size();
+                const auto sector = [&](std::size_t i) {
+                    return spans[reversed ? n - 1 - i : i].part[reversed];
+                };
+                for (std::size_t first = 0, last; first < n; first = last) {
+                    last = first + 1;
+                    while (last < n && sector(last) == sector(first)) ++last;
+                    loop.push_back(
+                        {{e.value, {}, reversed, spline_trim(e, reversed, first, last)}, sector(first)});
+                }
+            });
+        }
+        return loops;
+    }
+
+    std::uint32_t sector_of(FaceId face, const Vec3& p) const {
+        const std::vector<Sector>& all = sectors_[face].sectors;
+        const auto outside = [&](const Sector& s) { return std::abs(s.patch.parameters(p).x()) - s.reach(); };
+        return static_cast<std::uint32_t>(std::ranges::min_element(all, {}, outside) - all.begin());
+    }
+
+    bool add_cut_surfaces(FaceId face) {
+        Sectors& all = sectors_[face];
+        std::vector<double> reaches;
+        for (const Sector& s : all.sectors) reaches.push_back(s.reach());
+        all.parts.clear();
+        all.is_too_wide.assign(all.sectors.size(), false);
+        const std::uint32_t first_seam = seams_;
+        std::vector<CutPart> parts = cut_face(boundary_runs(face), reaches, seams_);
+        match_seams(all, parts, first_seam);
+        for (CutPart& part : parts) {
+            Rectangle box{no_range, no_range};
+            for (const TrimCurve& trim : part.loops.front()) {
+                const Rectangle bounds = curve_bounds(trim.curve);
+                for (int i = 0; i < 2; ++i)
+                    box[i] = {std::min(box[i][0], bounds[i][0]), std::max(box[i][1], bounds[i][1])};
+            }
+            widen(box);
+            if (auto surface = all.sectors[part.sector].patch.patch(box[0], box[1], problem_.frame))
+                all.parts.push_back({std::move(*surface), std::move(part.loops)});
+            else
+                all.is_too_wide[part.sector] = true;
+        }
+        return std::ranges::find(all.is_too_wide, true) == all.is_too_wide.end();
+    }
+
+    // A generator's conic has v as a rational parameter for either sign of d, so where the signs differ on
+    // the two sides of a seam one v is a quotient of linear functions of the other: a straight piece with a
+    // weight.
+    void match_seams(const Sectors& all, std::vector<CutPart>& parts, std::uint32_t first_seam) const {
+        struct Side {
+            RationalCurve2* curve = nullptr;
+            const RadialPatch* patch = nullptr;
+        };
+        std::vector<std::array<Side, 2>> sides(seams_ - first_seam);  // u > 0, u < 0
+        for (CutPart& part : parts)
+            for (std::vector<TrimCurve>& loop : part.loops)
+                for (TrimCurve& trim : loop)
+                    if (trim.seam)
+                        sides[*trim.seam - first_seam][trim.curve.points[0].x() < 0] = {
+                            &trim.curve, &all.sectors[part.sector].patch};
+        for (const auto& [left, right] : sides) {
+            if (left.patch->along() == right.patch->along()) continue;
+            const Vec2 half_way = 0.5 * (left.curve->points[0] + left.curve->points[1]).head<2>();
+            const double v = right.patch->parameters((*left.patch)(half_way)).y();
+            auto& points = right.curve->points;
+            points[1].z() = (v - points[0].y()) / (points[1].y() - v);
+        }
+    }
+
+    // ---- Edges that are no conics ----
+
+    static PatchCoordinates coordinates(const RadialPatch& patch, double delta) {
+        using Kind = RadialPatch::Kind;
+        const auto& [x, y, z] = patch.axes();
+        if (patch.kind() == Kind::Planar)
+            return {PatchCoordinate::linear(x, patch.origin()), PatchCoordinate::linear(y, patch.origin())};
+        if (patch.kind() == Kind::Stereographic)
+            return {PatchCoordinate::half_angle(patch.origin(), z, x, 0),
+                    PatchCoordinate::half_angle(patch.origin(), z, y, 0)};
+        PatchCoordinate along;
+        along.numerator << patch.along(), 0, patch.along_start();
+        const double reach = patch.kind() == Kind::AboutObject ? delta : 0;
+        return {PatchCoordinate::half_angle(patch.origin(), x, y, reach), along};
+    }
+
+    SpaceSite space_site(HalfEdgeId h, FormId form) const {
+        const FaceId face = diagram_.dcel.face(h);
+        const Object& object = problem_.objects[form];
+        const auto* cylinder = std::get_if<Cylinder>(&object);
+        const double delta = cylinder != nullptr ? cylinder->radius - problem_.radius : 0;
+        SpaceSite site{object, !main_site(form).is_object(), {}};
+        if (!is_cut(face)) {
+            site.parts.push_back({coordinates(patches_[face], delta)});
+            return site;
+        }
+        for (const Sector& s : sectors_[face].sectors)
+            site.parts.push_back({coordinates(s.patch, delta), {-s.reach(), s.reach()}});
+        return site;
+    }
+
+    std::optional<SpaceEnd> space_end(VertexId v) const {
+        if (!v.valid()) return std::nullopt;
+        return SpaceEnd{points_[v].head<3>(), cell_.vertices[v.value].error};
+    }
+
+    void fit(EdgeId e) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        SpaceArc arc{{space_site(Dcel::half_edge(e), edge.left), {}},
+                     space_end(start(e)),
+                     space_end(end(e)),
+                     diagram_.pieces(e)};
+        if (edge.on_rim()) {
+            const bool is_upper = edge.side != 0;
+            arc.sites[1] = {
+                Plane{{0, problem_.stretch[is_upper], 0}, {0, is_upper ? 1.0 : -1.0, 0}}, true, {}};
+        } else {
+            arc.sites[1] = space_site(Dcel::half_edge(e, 1), edge.right);
+        }
+        splines_[e].clear();
+        errors_[e] = fit_space_spline(problem_, arc, tolerance_, splines_[e]);
+    }
+
+    void halve_for_trims() {
+        std::vector<ConicSpan> halved;
+        std::vector<std::uint32_t> offsets{0};
+        halved.reserve(conics_.size());
+        offsets.reserve(conic_offsets_.size());
+        for (const EdgeId e : diagram_.edges.ids()) {
+            const std::array patches{&left_patch(e), &right_patch(e)};
+            for (const ConicSpan& span : spans(e)) add_halves(span, patches, halved);
+            offsets.push_back(static_cast<std::uint32_t>(halved.size()));
+        }
+        conics_ = std::move(halved);
+        conic_offsets_ = std::move(offsets);
+    }
+
+    const RadialPatch& left_patch(EdgeId e) const { return patches_[diagram_.dcel.face(Dcel::half_edge(e))]; }
+    const RadialPatch& right_patch(EdgeId e) const {
+        return patches_[diagram_.dcel.face(Dcel::half_edge(e, 1))];
+    }
+
+    // ---- Output ----
+
+    void add_edges() {
+        cell_.edges.reserve(diagram_.edges.size());
+        for (const EdgeId e : diagram_.edges.ids()) {
+            const MinimizationDiagram::Edge& from = diagram_.edges[e];
+            CellEdge edge;
+            edge.sites = {main_site(from.left), from.on_rim() ? end_site(from.side) : main_site(from.right)};
+            for (const FormId f : diagram_.label(e))
+                for (const Site site : problem_.sites[f])
+                    if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
+            sort_unique(edge.extra_sites);
+            if (start(e).valid()) edge.vertices = {start(e).value, end(e).value};
+            edge.kind = kinds_[e];
+            edge.curve = space_curve(e);
+            // The motion back, as for vertices.
+            if (is_spline(e))
+                edge.error =
+                    std::max(errors_[e].curve, errors_[e].trims) +
+                    16 * u * (edge.curve.points.front().head<3>().norm() + problem_.frame.origin.norm());
+            cell_.edges.push_back(std::move(edge));
+        }
+    }
+
+    RationalCurve3 space_curve(EdgeId e) const {
+        RationalCurve3 curve;
+        const auto add = [&](const Vec3& p, double w) {
+            const Vec3 world = problem_.frame.to_world(p);
+            curve.points.push_back({world.x(), world.y(), world.z(), w});
+        };
+        if (is_line(e)) {
+            curve.degree = 1;
+            curve.knots = joined_knots(1, 1);
+            for (const VertexId v : {start(e), end(e)}) add(points_[v].head<3>(), 1);
+            return curve;
+        }
+        if (is_spline(e)) {
+            const std::vector<SpaceSpan>& pieces = splines_[e];
+            curve.degree = 5;
+            curve.knots = joined_knots(5, pieces.size());
+            curve.points.reserve(5 * pieces.size() + 1);
+            for (const SpaceSpan& span : pieces)
+                for (int k = curve.points.empty() ? 0 : 1; k < 6; ++k) add(span.points.col(k).head<3>(), 1);
+            return curve;
+        }
+        const std::span<const ConicSpan> pieces = spans(e);
+        curve.degree = 2;
+        curve.knots = joined_knots(2, pieces.size());
+        curve.points.reserve(2 * pieces.size() + 1);
+        add(pieces.front().from.head<3>(), 1);
+        for (const ConicSpan& span : pieces) {
+            add(span.middle.head<3>() / span.weight, span.weight);
+            add(span.to.head<3>(), 1);
+        }
+        return curve;
+    }
+
+    // Of the spans first ... last - 1, counted in the direction of the loop; the knots are those of the
+    // whole.
+    RationalCurve2 spline_trim(EdgeId e, bool reversed, std::size_t first, std::size_t last) const {
+        const std::vector<SpaceSpan>& spans = splines_[e];
+        const std::size_t n = spans.size();
+        RationalCurve2 curve;
+        curve.degree = 5;
+        const std::vector<double> knots = joined_knots(5, n);
+        curve.knots.assign(knots.begin() + 5 * first, knots.begin() + 5 * last + 7);
+        curve.knots.front() = curve.knots[1];
+        curve.knots.back() = curve.knots[curve.knots.size() - 2];
+        curve.points.reserve(5 * (last - first) + 1);
+        for (std::size_t i = first; i < last; ++i) {
+            const SpaceSpan& span = spans[reversed ? n - 1 - i : i];
+            const auto x = trim_row(span, reversed, 0), y = trim_row(span, reversed, 1);
+            for (int k = i == first ? 0 : 1; k < 6; ++k) {
+                const int at = reversed ? 5 - k : k;
+                curve.points.push_back({x[at], y[at], 1});
+            }
+        }
+        return curve;
+    }
+
+    // The trim of an edge in the direction of its loop. Joined spans share their end's weight.
+    RationalCurve2 trim_curve(const RadialPatch& patch, EdgeId e, bool reversed) const {
+        RationalCurve2 curve;
+        if (is_line(e)) {
+            curve.degree = 1;
+            curve.knots = joined_knots(1, 1);
+            for (const VertexId v : {start(e), end(e)}) {
+                const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
+                curve.points.push_back({p.x(), p.y(), 1});
+            }
+        } else if (is_spline(e)) {
+            return spline_trim(e, reversed, 0, splines_[e].size());
+        } else {
+            const std::span<const ConicSpan> pieces = spans(e);
+            curve.degree = 2;
+            curve.knots = joined_knots(2, pieces.size());
+            curve.points.reserve(2 * pieces.size() + 1);
+            double scale = 1;
+            const auto add = [&](const Eigen::Vector3d& p) {
+                curve.points.push_back({p.x() / p.z(), p.y() / p.z(), scale * p.z()});
+            };
+            for (std::size_t i = 0; i < pieces.size(); ++i) {
+                const TrimSpan trim(patch, pieces[i]);
+                scale = (i == 0 ? 1 : curve.points.back().z()) / trim.from.z();
+                if (i == 0) add(trim.from);
+                add(trim.middle);
+                add(trim.to);
+            }
+        }
+        // The knots are uniform: only the order changes.
+        if (reversed) std::reverse(curve.points.begin(), curve.points.end());
+        return curve;
+    }
+
+    void add_faces() {
+        cell_.faces.reserve(diagram_.face_forms.size());
+        for (const FaceId id : diagram_.face_forms.ids()) {
+            const FormId form = diagram_.face_forms[id];
+            if (!form.valid()) continue;
+            CellFace face;
+            face.site = main_site(form);
+            face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
+            face.bisector = bisector_name(problem_, form);
+            if (is_cut(id))
+                face.patches = std::move(sectors_[id].parts);
+            else
+                face.patches.push_back(whole_face(id));
+            cell_.faces.push_back(std::move(face));
+        }
+    }
+
+    TrimmedPatch whole_face(FaceId face) {
+        TrimmedPatch trimmed;
+        trimmed.surface = std::move(surfaces_[face]);
+        trimmed.loops.reserve(loops_[face].size());
+        for (const CcbId ccb : loops_[face]) {
+            std::vector<TrimCurve>& loop = trimmed.loops.emplace_back();
+            std::size_t length = 0;
+            around(ccb, [&](EdgeId, bool) { ++length; });
+            loop.reserve(length);
+            around(ccb, [&](EdgeId e, bool reversed) {
+                loop.push_back({e.value, {}, reversed, trim_curve(patches_[face], e, reversed)});
+            });
+        }
+        return trimmed;
+    }
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    const double tolerance_;
+    const ChartArcs arcs_;
+    Decisions decisions_;
+    Cell cell_;
+    IdVector<VertexId, Vector4d> points_;  // (p, t)
+    IdVector<EdgeId, CurveKind> kinds_;
+    std::vector<ConicSpan> conics_;
+    std::vector<std::uint32_t> conic_offsets_;
+    IdVector<EdgeId, std::vector<SpaceSpan>> splines_;
+    IdVector<EdgeId, SpaceFitError> errors_;
+    IdVector<FaceId, std::vector<CcbId>> loops_;  // the outer one first
+    IdVector<FaceId, RadialPatch> patches_;
+    IdVector<FaceId, RationalPatch> surfaces_;
+    IdVector<FaceId, bool> wide_;  // Stereographic with the pole on the circle at infinity
+    IdVector<FaceId, Sectors> sectors_;
+    std::uint32_t seams_ = 0;
+};
+
+}  // namespace
+
+Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance) {
+    return RadialLifter(problem, diagram, tolerance).lift();
+}
+
+}  // namespace vcell

@@ -1,0 +1,22 @@
+/// From the minimization diagram of a sphere or cylinder base to the cell.
+#pragma once
+
+#include "../primitives/radial_base.hpp"
+#include "cell.hpp"
+#include "minimization_diagram.hpp"
+
+namespace vcell {
+
+/// As lift() over a plane base. Face i of the cell is the i-th face of the diagram that has a form; vertices
+/// and edges keep their numbers.
+///
+/// Sphere base: an edge between circular forms is the projective image of a circle's arc on the sphere, a
+/// conic, and the trims on both sides are projective images of the same arc: rational quadratics in one
+/// parameter, exact. Beside planes and sides of the box the patch has the plane's coordinates, (2,2) or
+/// (1,1), polynomial; beside spheres it is the rational biquadratic in a stereographic chart about the face,
+/// whose pole lies outside it. Everything else (faces of cylinders, edges beside them or on a cylinder base)
+/// has patches of the bisector's rational parametrization and splines within `tolerance` (length) of the true
+/// arc. Pre: diagram is the lower envelope of problem.family over the whole base; tolerance > 0.
+Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance);
+
+}  // namespace vcell

@@ -1,0 +1,564 @@
+// Cells of spheres and cylinders, from scenes to patches: curves, loops, names, and the faces against brute
+// force.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "../../envelope/radial_lift.hpp"
+#include "../test_support.hpp"
+#include "cell_checks.hpp"
+
+using namespace vcell;
+using namespace vcell::testing;
+
+namespace {
+
+const Sphere& base_sphere(const Scene& scene) { return std::get<Sphere>(scene.base); }
+
+double height(const Scene& scene, const Vec3& p) { return distance_to(scene.base, p); }
+
+// From the base's centre or axis to p.
+Vec3 outwards(const Scene& scene, const Vec3& p) {
+    if (const auto* sphere = std::get_if<Sphere>(&scene.base)) return p - sphere->center;
+    const auto& [point, axis, radius] = std::get<Cylinder>(scene.base);
+    const Vec3 d = axis.normalized(), m = p - point;
+    return m - m.dot(d) * d;
+}
+
+Cell cell_of(const Scene& scene) {
+    const RadialBaseProblem problem = radial_base_problem(scene);
+    const MinimizationDiagram diagram =
+        problem.is_sphere
+            ? lower_envelope_on_sphere(problem.family)
+            : lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1]);
+    REQUIRE_FALSE(diagram.dcel.find_defect());
+    Cell cell = lift(problem, diagram, 1e-7 * scene.box.diagonal());
+    cell.scene = scene;
+    return cell;
+}
+
+// The distance from the bisector of base and site; from the box side itself. Where a stretch ends no one
+// says.
+double residual(const Scene& scene, Site site, const Vec3& p) {
+    if (site.kind == Site::Kind::End) return 0;
+    return std::abs(distance_to(scene, site, p) - (site.is_object() ? height(scene, p) : 0));
+}
+
+double slack(const Cell& cell, const CellEdge& edge) {
+    double error = 1e-12 * cell.scene.box.diagonal();
+    for (const std::uint32_t v : edge.vertices) error += 4 * cell.vertices[v].error;
+    return error + 2 * edge.error;
+}
+
+// Distance of two points of the surface whose parameters are rounded.
+double parameter_rounding(const RationalPatch& surface, const Vec2& p) {
+    const auto [du, dv] = surface.partials(p.x(), p.y());
+    return 256 * 0x1p-53 * (du.norm() * std::abs(p.x()) + dv.norm() * std::abs(p.y()));
+}
+
+// Trims under their edges; loops closed, the outer one counter-clockwise and the others clockwise, seen from
+// outside. Adds up how much of every edge is used in either direction, and both sides of every seam at three
+// points.
+void check_patch(const Cell& cell, const TrimmedPatch& patch, std::vector<std::array<double, 2>>& uses,
+                 std::map<std::uint32_t, std::vector<std::array<Vec3, 3>>>& seams) {
+    const auto surface = [&](const Vec2& p) { return patch.surface.evaluate(p.x(), p.y()); };
+    for (const auto& point : patch.surface.points) CHECK(point.w() > 0);
+    for (const auto& loop : patch.loops) {
+        double area = 0;
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const TrimCurve& trim = loop[i];
+            const double begin = trim.curve.domain_begin(), end = trim.curve.domain_end();
+            const RationalCurve2& following = loop[(i + 1) % loop.size()].curve;
+            const Vec2 next = following.evaluate(following.domain_begin());
+            CHECK((trim.curve.evaluate(end) - next).norm() <= 1e-6 * (1 + next.norm()));
+            Vec2 last = trim.curve.evaluate(begin);
+            for (int k = 0; k <= 16; ++k) {
+                const double t = std::lerp(begin, end, k / 16.0);
+                const Vec2 p = trim.curve.evaluate(t);
+                area += 0.5 * (last.x() * p.y() - last.y() * p.x());
+                last = p;
+                if (!trim.edge) continue;
+                const CellEdge& edge = cell.edges[*trim.edge];
+                const double gap = (surface(p) - edge.curve.evaluate(trim.reversed ? 1 - t : t)).norm();
+                CHECK(gap <= slack(cell, edge) + parameter_rounding(patch.surface, p));
+            }
+            CHECK(trim.edge.has_value() != trim.seam.has_value());
+            if (trim.edge) {
+                CHECK(trim.curve.degree == cell.edges[*trim.edge].curve.degree);
+                uses[*trim.edge][trim.reversed] += end - begin;
+            } else {
+                seams[*trim.seam].push_back({surface(trim.curve.evaluate(begin)),
+                                             surface(trim.curve.evaluate(0.5 * (begin + end))),
+                                             surface(trim.curve.evaluate(end))});
+            }
+        }
+        CHECK((area > 0) == (&loop == &patch.loops.front()));
+    }
+    const auto& [u0, u1] = patch.surface.domain_u;
+    const auto& [v0, v1] = patch.surface.domain_v;
+    const double u = 0.5 * (u0 + u1), v = 0.5 * (v0 + v1);
+    const auto [du, dv] = patch.surface.partials(u, v);
+    CHECK(du.cross(dv).dot(outwards(cell.scene, surface({u, v}))) > 0);
+}
+
+// Vertices and edges equally far from base and sites, with nothing nearer; trims under their edges; loops
+// closed, the outer one counter-clockwise and the others clockwise; every edge once in each direction.
+void check_cell(const Cell& cell) {
+    const Scene& scene = cell.scene;
+    const double length = scene.box.diagonal();
+    for (const CellVertex& v : cell.vertices) {
+        CHECK(v.sites.size() >= (std::holds_alternative<Sphere>(scene.base) ? 3 : 2));
+        CHECK(v.error < 1e-9 * length);
+        CHECK(std::abs(height(scene, v.point) - v.radius) <= 1e-13 * length);
+        for (const Site site : v.sites) CHECK(residual(scene, site, v.point) <= 1e-13 * length + 2 * v.error);
+        for (const Object& object : scene.objects)
+            CHECK(distance_to(object, v.point) >= v.radius - 1e-13 * length - 2 * v.error);
+    }
+    for (const CellEdge& edge : cell.edges) {
+        const double tolerance = slack(cell, edge);
+        CHECK((edge.error > 0) == (edge.kind == CurveKind::Spline));
+        for (int k = 0; k <= 16; ++k) {
+            const Vec3 p = edge.curve.evaluate(k / 16.0);
+            for (const Site site : edge.sites) CHECK(residual(scene, site, p) <= tolerance);
+            for (const Site site : edge.extra_sites) CHECK(residual(scene, site, p) <= tolerance);
+        }
+        for (const auto& point : edge.curve.points) CHECK(point.w() > 0);
+        if (edge.vertices.empty()) {
+            CHECK((edge.curve.evaluate(0) - edge.curve.evaluate(1)).norm() <= tolerance);
+        } else {
+            CHECK((edge.curve.evaluate(0) - cell.vertices[edge.vertices[0]].point).norm() <= tolerance);
+            CHECK((edge.curve.evaluate(1) - cell.vertices[edge.vertices[1]].point).norm() <= tolerance);
+        }
+        // Of a rational quadratic with 1 at both ends the middle weight tells.
+        if (edge.curve.degree == 2) {
+            for (std::size_t i = 1; i < edge.curve.points.size(); i += 2) {
+                const double w = edge.curve.points[i].w();
+                CHECK(w >= 0.3);
+                if (edge.kind == CurveKind::Hyperbola) CHECK(w > 1 - 1e-12);
+                if (edge.kind == CurveKind::Parabola) CHECK(w == doctest::Approx(1).epsilon(1e-12));
+                if (edge.kind == CurveKind::Ellipse || edge.kind == CurveKind::Circle) CHECK(w < 1 + 1e-12);
+            }
+        }
+        CHECK((edge.curve.degree == 1) == (edge.kind == CurveKind::Line));
+    }
+    std::vector<std::array<double, 2>> uses(cell.edges.size(), {0, 0});
+    std::map<std::uint32_t, std::vector<std::array<Vec3, 3>>> seams;
+    for (const CellFace& face : cell.faces)
+        for (const TrimmedPatch& patch : face.patches) check_patch(cell, patch, uses, seams);
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+        const bool is_rim = cell.edges[i].sites[1].kind == Site::Kind::End;
+        CHECK(uses[i][0] == doctest::Approx(1));
+        CHECK(uses[i][1] == doctest::Approx(is_rim ? 0 : 1));
+    }
+    for (const auto& [number, sides] : seams) {
+        REQUIRE(sides.size() == 2);
+        for (int k = 0; k < 3; ++k) CHECK((sides[0][k] - sides[1][2 - k]).norm() <= 1e-6 * length);
+    }
+}
+
+// Of the sites along the ray in a direction: the nearest, and how much further the next one is (relative).
+struct Nearest {
+    Site site;
+    double gap;
+};
+
+Nearest nearest(const Scene& scene, const Vec3& direction) {
+    const auto& [center, radius] = base_sphere(scene);
+    const double far = 2 * scene.box.diagonal();
+    double best = far, second = far;
+    Site owner;
+    const auto meet = [&](Site site) {
+        // How much nearer the base is falls along the ray: bisection.
+        const auto room = [&](double t) {
+            const Vec3 p = center + t * direction;
+            return distance_to(scene, site, p) - (site.is_object() ? t - radius : 0);
+        };
+        double low = 0, high = far;
+        if (room(high) > 0) return;
+        for (int k = 0; k < 60; ++k) (room(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+        if (low < best) {
+            second = std::exchange(best, low);
+            owner = site;
+        } else {
+            second = std::min(second, low);
+        }
+    };
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i) meet(Site::object(i));
+    for (std::uint32_t side = 0; side < 6; ++side) meet(Site::box_side(side));
+    return {owner, second / best - 1};
+}
+
+// By how often a face's boundary goes round the ray in that direction, less how often round the opposite one:
+// seen from there, in stereographic projection.
+int turns_around(const Cell& cell, const CellFace& face, const Vec3& direction) {
+    const Vec3 x = direction.unitOrthogonal(), y = direction.cross(x),
+               center = base_sphere(cell.scene).center;
+    double angle = 0;
+    for (const auto& loop : face.patches.front().loops)
+        for (const TrimCurve& trim : loop) {
+            constexpr int steps = 200;
+            Vec2 last;
+            for (int k = 0; k <= steps; ++k) {
+                const double t = static_cast<double>(trim.reversed ? steps - k : k) / steps;
+                const Vec3 p = cell.edges[*trim.edge].curve.evaluate(t) - center;
+                const Vec2 q(x.dot(p), y.dot(p));
+                if (k > 0) angle += std::atan2(last.x() * q.y() - last.y() * q.x(), last.dot(q));
+                last = q;
+            }
+        }
+    return static_cast<int>(std::lround(angle / (2 * std::numbers::pi)));
+}
+
+void check_faces_by_rays(const Cell& cell, std::mt19937_64& rng, int rays) {
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < rays; ++i) {
+        const Vec3 direction = Vec3(normal(rng), normal(rng), normal(rng)).normalized();
+        const Nearest ahead = nearest(cell.scene, direction), behind = nearest(cell.scene, -direction);
+        if (ahead.gap < 1e-2 || behind.gap < 1e-2) continue;
+        for (const CellFace& face : cell.faces) {
+            int turns = 0;
+            for (const CellFace& other : cell.faces)
+                if (other.site == face.site) turns += turns_around(cell, other, direction);
+            CHECK(turns == (face.site == ahead.site) - (face.site == behind.site));
+        }
+    }
+}
+
+struct SceneMaker {
+    std::mt19937_64& rng;
+
+    double number(double from, double to) { return std::uniform_real_distribution(from, to)(rng); }
+    Vec3 vector(double size) { return {number(-size, size), number(-size, size), number(-size, size)}; }
+
+    // Balls and planes about a base ball; `extent`: half the box. Neither holds the base.
+    Scene scene(int count, double extent, double plane_share, bool equal_radii) {
+        Scene scene;
+        const Vec3 center = vector(3);
+        const double radius = number(0, 1) < 0.2 ? 0 : number(0.3, 1.5);
+        scene.base = Sphere{center, radius};
+        for (int i = 0; i < count; ++i) {
+            const Vec3 direction = vector(1).normalized();
+            if (number(0, 1) < plane_share) {
+                scene.objects.push_back(
+                    Plane{center + direction * (radius + number(0.1, 4)), direction + vector(0.3)});
+            } else {
+                const double rho = equal_radii ? radius : number(0.1, 1.7);
+                const double nearest = std::abs(rho - radius) + 0.2;
+                scene.objects.push_back(Sphere{center + direction * number(nearest, rho + radius + 2), rho});
+            }
+        }
+        scene.box = {center - extent * Vec3(1, number(0.5, 1), 1),
+                     center + extent * Vec3(1, 1, number(0.5, 1))};
+        return scene;
+    }
+};
+
+Scene centred(double radius, double extent, std::vector<Object> objects) {
+    Scene scene;
+    scene.base = Sphere{Vec3::Zero(), radius};
+    scene.objects = std::move(objects);
+    scene.box = {Vec3::Constant(-extent), Vec3::Constant(extent)};
+    return scene;
+}
+
+std::vector<CurveKind> kinds_between(const Cell& cell, Site a, Site b) {
+    std::vector<CurveKind> kinds;
+    for (const CellEdge& edge : cell.edges)
+        if (edge.sites == std::array{a, b} || edge.sites == std::array{b, a}) kinds.push_back(edge.kind);
+    return kinds;
+}
+
+}  // namespace
+
+TEST_CASE("sphere cell: curves, trims and loops fit together in random scenes") {
+    std::mt19937_64 rng(test_seed());
+    SceneMaker make{rng};
+    for (int i = 0; i < 60; ++i) {
+        const Scene scene = make.scene(1 + i % 15, i % 3 == 0 ? 4 : i % 3 == 1 ? 20 : 100, 0.15, i % 4 == 0);
+        CAPTURE(i);
+        const Cell cell = cell_of(scene);
+        check_cell(cell);
+        check_faces_by_rays(cell, rng, 3);
+    }
+}
+
+TEST_CASE("sphere cell: with cylinders") {
+    std::mt19937_64 rng(test_seed());
+    SceneMaker make{rng};
+    for (int i = 0; i < 6; ++i) {
+        Scene scene = make.scene(4, 12, 0.2, false);
+        const auto& [center, radius] = base_sphere(scene);
+        for (int k = 0; k < 2; ++k) {
+            const Vec3 direction = make.vector(1).normalized();
+            const double rho = make.number(0.1, 1);
+            scene.objects.push_back(Cylinder{center + direction * (radius + rho + make.number(0.2, 1)),
+                                             direction.unitOrthogonal(), rho});
+        }
+        CAPTURE(i);
+        const Cell cell = cell_of(scene);
+        check_cell(cell);
+        check_faces_by_rays(cell, rng, 3);
+    }
+}
+
+TEST_CASE("sphere cell: points on a cube's faces give the cube") {
+    std::vector<Object> points;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-2.0, 2.0}) points.push_back(Sphere{side * Vec3::Unit(axis), 0});
+    const Cell cell = cell_of(centred(0, 5, points));
+    check_cell(cell);
+    CHECK(cell.vertices.size() == 8);
+    REQUIRE(cell.edges.size() == 12);
+    for (const CellEdge& edge : cell.edges) {
+        CHECK(edge.kind == CurveKind::Line);
+        CHECK((edge.curve.evaluate(0) - edge.curve.evaluate(1)).norm() == doctest::Approx(2).epsilon(1e-14));
+    }
+    for (const CellFace& face : cell.faces) {
+        CHECK(face.bisector == "plane");
+        CHECK(face.patches[0].surface.degree_u == 1);
+    }
+}
+
+TEST_CASE("sphere cell: a small ball between two big ones has an edge without vertices") {
+    for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(1, 2, -2)}) {
+        const Vec3 c = 4 * axis / axis.norm();
+        const Cell cell = cell_of(centred(0.5, 40, {Sphere{c, 3.4}, Sphere{-c, 3.4}}));
+        check_cell(cell);
+        const auto between = kinds_between(cell, Site::object(0), Site::object(1));
+        REQUIRE(between.size() == 1);
+        CHECK(between[0] == CurveKind::Circle);
+        REQUIRE(cell.edges.size() == 1);
+        CHECK(cell.edges[0].vertices.empty());
+        REQUIRE(cell.faces.size() == 2);
+    }
+}
+
+TEST_CASE("sphere cell: an island makes a hole") {
+    // A small ball before a plane: its face is an island in the plane's.
+    const Cell cell = cell_of(centred(1, 6, {Plane{{0, 0, 3}, {0, 0, 1}}, Sphere{{0.1, 0, 1.6}, 0.2}}));
+    check_cell(cell);
+    const auto plane = std::ranges::find(cell.faces, Site::object(0), &CellFace::site);
+    REQUIRE(plane != cell.faces.end());
+    CHECK(plane->bisector == "paraboloid");
+    CHECK(plane->patches[0].loops.size() == 2);
+    const auto ball = std::ranges::find(cell.faces, Site::object(1), &CellFace::site);
+    REQUIRE(ball != cell.faces.end());
+    CHECK(ball->bisector == "hyperboloid");
+}
+
+TEST_CASE("sphere cell: conics by their names") {
+    const auto kind = [](std::vector<Object> objects, Site a, Site b) {
+        const Cell cell = cell_of(centred(1, 8, std::move(objects)));
+        check_cell(cell);
+        const auto kinds = kinds_between(cell, a, b);
+        REQUIRE_FALSE(kinds.empty());
+        for (const CurveKind k : kinds) CHECK(k == kinds.front());
+        return kinds.front();
+    };
+    const Site first = Site::object(0), second = Site::object(1);
+    const Site left = Site::box_side(0), front = Site::box_side(2), back = Site::box_side(3);
+    // A paraboloid cut by the box: along its axis, across it, and in between.
+    CHECK(kind({Plane{{3, 0, 0}, {1, 0, 0}}}, first, back) == CurveKind::Parabola);
+    CHECK(kind({Plane{{2, 0, 0}, {1, 0, 0}}}, first, left) == CurveKind::Circle);
+    CHECK(kind({Plane{{2, 0, 0}, {1, 1, 0}}}, first, front) == CurveKind::Ellipse);
+    // A hyperboloid cut along its axis.
+    CHECK(kind({Sphere{{3, 0, 0}, 0.5}}, first, back) == CurveKind::Hyperbola);
+    // Two hyperboloids: |c|^2 is more than, equal to, less than twice delta^2.
+    CHECK(kind({Sphere{{5, 5, 0}, 5.5}, Sphere{{5, -5, 0}, 5.5}}, first, second) == CurveKind::Hyperbola);
+    CHECK(kind({Sphere{{5, 5, 0}, 6}, Sphere{{5, -5, 0}, 6}}, first, second) == CurveKind::Parabola);
+    CHECK(kind({Sphere{{5, 5, 0}, 6.5}, Sphere{{5, -5, 0}, 6.5}}, first, second) == CurveKind::Ellipse);
+    // Bisectors of equal balls are planes.
+    CHECK(kind({Sphere{{3, 0, 0}, 1}, Sphere{{0, 3, 0}, 1}}, first, second) == CurveKind::Line);
+    CHECK(kind({Sphere{{3, 0, 0}, 1}, Sphere{{0, 3, 0}, 0.5}}, first, second) == CurveKind::Hyperbola);
+}
+
+TEST_CASE("sphere cell: faces that reach far have one patch") {
+    // The balls' faces turn almost a half sphere each before the box cuts them.
+    for (const double extent : {10.0, 30.0, 100.0}) {
+        const Cell cell =
+            cell_of(centred(1, extent, {Sphere{{2, 0.3, 0}, 0.4}, Sphere{{-1.5, 0.1, 0.2}, 1.2}}));
+        check_cell(cell);
+        std::mt19937_64 rng(test_seed());
+        check_faces_by_rays(cell, rng, 20);
+    }
+}
+
+namespace {
+
+// Where the generator through a base point crosses the boundary of faces of one site, above that point: odd
+// within.
+struct CylinderChart {
+    Vec3 origin, x, y, z;
+
+    explicit CylinderChart(const Cylinder& base)
+        : origin(base.point), x(base.axis.unitOrthogonal()), y(base.axis.normalized()), z(x.cross(y)) {}
+    Vec3 point(double angle, double height, double t) const {
+        return origin + height * y + t * (std::sin(angle) * x + std::cos(angle) * z);
+    }
+    double height(const Vec3& p) const { return y.dot(p - origin); }
+    double angle(const Vec3& p) const { return std::atan2(x.dot(p - origin), z.dot(p - origin)); }
+};
+
+int crossings_above(const Cell& cell, const CylinderChart& chart, Site site, double angle, double height) {
+    int count = 0;
+    for (const CellFace& face : cell.faces) {
+        if (face.site != site) continue;
+        for (const TrimmedPatch& patch : face.patches)
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& trim : loop) {
+                    if (!trim.edge) continue;  // along a generator
+                    constexpr int steps = 100;
+                    double last = 0, last_height = 0;
+                    for (int k = 0; k <= steps; ++k) {
+                        const double t = std::lerp(trim.curve.domain_begin(), trim.curve.domain_end(),
+                                                   static_cast<double>(k) / steps);
+                        const Vec3 p = cell.edges[*trim.edge].curve.evaluate(trim.reversed ? 1 - t : t);
+                        const double off = std::remainder(chart.angle(p) - angle, 2 * std::numbers::pi);
+                        const double h = chart.height(p);
+                        if (k > 0 && (last > 0) != (off > 0) && std::abs(last - off) < std::numbers::pi &&
+                            last_height + (h - last_height) * last / (last - off) > height)
+                            ++count;
+                        last = off;
+                        last_height = h;
+                    }
+                }
+    }
+    return count;
+}
+
+void check_cylinder_faces(const Cell& cell, std::mt19937_64& rng, int points) {
+    const Scene& scene = cell.scene;
+    const auto& base = std::get<Cylinder>(scene.base);
+    const CylinderChart chart(base);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (const CellEdge& edge : cell.edges)
+        if (edge.sites[1].kind == Site::Kind::End)
+            (edge.sites[1].index == 0 ? low : high) = chart.height(edge.curve.evaluate(0));
+    REQUIRE(low < high);
+    for (int i = 0; i < points; ++i) {
+        const double angle = std::uniform_real_distribution(-std::numbers::pi, std::numbers::pi)(rng);
+        const double y = std::uniform_real_distribution(low, high)(rng);
+        const double far = 2 * scene.box.diagonal();
+        double best = far, second = far;
+        Site owner;
+        const auto meet = [&](Site site) {
+            const auto room = [&](double t) {
+                return distance_to(scene, site, chart.point(angle, y, t)) -
+                       (site.is_object() ? t - base.radius : 0);
+            };
+            double from = 0, to = far;
+            if (room(to) > 0) return;
+            for (int k = 0; k < 60; ++k) (room(0.5 * (from + to)) > 0 ? from : to) = 0.5 * (from + to);
+            if (from < best) {
+                second = std::exchange(best, from);
+                owner = site;
+            } else {
+                second = std::min(second, from);
+            }
+        };
+        for (std::uint32_t k = 0; k < scene.objects.size(); ++k) meet(Site::object(k));
+        for (std::uint32_t side = 0; side < 6; ++side) meet(Site::box_side(side));
+        if (second < 1.01 * best) continue;
+        std::vector<Site> sites;
+        for (const CellFace& face : cell.faces) sites.push_back(face.site);
+        std::ranges::sort(sites);
+        sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+        for (const Site site : sites) {
+            CAPTURE(to_string(site));
+            CAPTURE(to_string(owner));
+            CHECK(crossings_above(cell, chart, site, angle, y) % 2 == (site == owner));
+        }
+    }
+}
+
+Scene about_tube(const Cylinder& tube, double extent, std::vector<Object> objects) {
+    Scene scene;
+    scene.base = tube;
+    scene.objects = std::move(objects);
+    scene.box = {tube.point - Vec3::Constant(extent), tube.point + Vec3::Constant(extent)};
+    return scene;
+}
+
+Cell checked(const Scene& scene, std::uint64_t salt = 0) {
+    std::mt19937_64 rng(test_seed() + salt);
+    const Cell cell = cell_of(scene);
+    check_cell(cell);
+    check_cylinder_faces(cell, rng, 12);
+    return cell;
+}
+
+}  // namespace
+
+TEST_CASE("cylinder cell: a tube alone in its box") {
+    const Cell cell = checked(about_tube({Vec3::Zero(), Vec3::UnitZ(), 1}, 4, {}));
+    CHECK(cell.faces.size() == 4);
+    for (const CellEdge& edge : cell.edges) CHECK(edge.kind == CurveKind::Line);
+    checked(about_tube({Vec3(1, 2, 3), Vec3(1, 2, 2), 0.5}, 6, {}));
+}
+
+TEST_CASE("cylinder cell: objects of each kind") {
+    const Cylinder tube{Vec3::Zero(), Vec3::UnitZ(), 1};
+    checked(about_tube(tube, 5, {Sphere{{3, 0, 1}, 0.5}}));
+    checked(about_tube(tube, 5, {Sphere{{3, 0, 1}, 1}, Sphere{{0, -3, -1}, 1.5}}));
+    checked(about_tube(tube, 5, {Plane{{3, 0, 0}, {1, 0, 0}}}));
+    checked(about_tube(tube, 5, {Cylinder{{3, 0, 0}, {0, 0, 1}, 0.7}}));
+    checked(about_tube(tube, 5, {Cylinder{{3, 0, 0}, {0, 0, 1}, 1}}));
+    checked(about_tube(tube, 5, {Cylinder{{3, 0, 0}, {0, 1, 0.3}, 0.7}}));
+    checked(about_tube(tube, 5, {Cylinder{{3, 0, 0}, {0, 1, 0.3}, 1}}));
+}
+
+TEST_CASE("cylinder cell: faces that go all around are cut along generators") {
+    const Cylinder tube{Vec3::Zero(), Vec3::UnitZ(), 0.5};
+    // A plane across the axis beyond the upper end.
+    const auto wraps = [](const Cell& cell, Site site) {
+        const auto face = std::ranges::find(cell.faces, site, &CellFace::site);
+        REQUIRE(face != cell.faces.end());
+        CHECK(face->patches.size() >= 2);
+        return *face;
+    };
+    CHECK(wraps(checked(about_tube(tube, 4, {Plane{{0, 0, 4.5}, {0.1, 0, 1}}})), Site::object(0)).bisector ==
+          "elliptic cone");
+    CHECK(wraps(checked(about_tube(tube, 4, {Plane{{0, 0, 4.5}, {0, 0, 1}}})), Site::object(0)).bisector ==
+          "circular cone");
+    CHECK(wraps(checked(about_tube(tube, 4, {Sphere{{0.1, 0, 8}, 3.7}})), Site::object(0)).bisector ==
+          "quartic");
+    // Axes that meet beyond the end, radii different: the singular lines of either sign of d lie on one half
+    // each.
+    CHECK(wraps(checked(about_tube(tube, 4, {Cylinder{{0, 0, 6}, {1, 0, 0}, 1.5}})), Site::object(0))
+              .bisector == "quartic");
+    CHECK(wraps(checked(about_tube(tube, 4, {Cylinder{{0, 0.2, 6}, {1, 0, 0.5}, 1.5}})), Site::object(0))
+              .bisector == "quartic");
+}
+
+TEST_CASE("cylinder cell: crossing axes of equal radius have planes for bisectors") {
+    const Cell cell =
+        checked(about_tube({Vec3::Zero(), Vec3::UnitZ(), 0.5}, 4, {Cylinder{{0, 0, 6}, {1, 0, 1}, 0.5}}));
+    for (const CellFace& face : cell.faces)
+        if (face.site.is_object()) CHECK(face.bisector == "plane");
+}
+
+TEST_CASE("cylinder cell: random scenes") {
+    std::mt19937_64 rng(test_seed());
+    SceneMaker make{rng};
+    for (int i = 0; i < 6; ++i) {
+        CAPTURE(i);
+        const Cylinder tube{make.vector(2), make.vector(1), make.number(0.3, 1)};
+        std::vector<Object> objects;
+        const Vec3 axis = tube.axis.normalized();
+        for (int k = 0; k < 5; ++k) {
+            Vec3 side = make.vector(1);
+            side = (side - side.dot(axis) * axis).normalized();
+            const double rho = make.number(0.1, 1.2);
+            const Vec3 at =
+                tube.point + axis * make.number(-3, 3) + side * (tube.radius + rho + make.number(0.2, 2));
+            if (k % 2 == 0)
+                objects.push_back(Cylinder{at, side.cross(make.vector(1)), rho});
+            else
+                objects.push_back(Sphere{at, rho});
+        }
+        checked(about_tube(tube, 6, objects), i);
+    }
+}
