@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <boost/math/quadrature/gauss_kronrod.hpp>
-#include <cfloat>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -14,218 +12,25 @@
 #include <optional>
 #include <random>
 #include <span>
-#include <type_traits>
 #include <utility>
 
-#include "../core/errors.hpp"
 #include "../core/exact.hpp"
+#include "check_curves.hpp"
+#include "check_scene.hpp"
+#include "trims.hpp"
 
 namespace vcell {
 namespace {
 
-/// Relative to the size of the coordinates: a few hundred operations, each rounding once, lie between the
-/// scene and any number of the cell.
-constexpr double kRounding = 512 * 0x1p-53;
+using namespace check;
+
 /// Relative; what a quadrature of the cell's author may have left in a length, which states no error.
 constexpr double kLengthError = 1e-10;
 /// Relative to a face's extent in (u, v): base points this close to its boundary are not asked about.
 constexpr double kNearEdge = 1e-9;
-/// Higher degrees than this are no curve or patch of a cell, and would make evaluation unstable.
-constexpr int kMaxDegree = 31;
-
-// --- Distances --------------------------------------------------------------------------------------
-
-double distance(const Plane& o, const Vec3& p) {
-    return std::abs(o.normal.dot(p - o.point)) / o.normal.norm();
-}
-double distance(const Sphere& o, const Vec3& p) { return (p - o.center).norm() - o.radius; }
-double distance(const Cylinder& o, const Vec3& p) {
-    return o.axis.cross(p - o.point).norm() / o.axis.norm() - o.radius;
-}
-double distance(const Object& o, const Vec3& p) {
-    return std::visit([&](const auto& x) { return distance(x, p); }, o);
-}
-
-/// Size of the numbers that enter the distance, for its rounding.
-double magnitude(const Plane& o) { return o.point.norm(); }
-double magnitude(const Sphere& o) { return o.center.norm() + o.radius; }
-double magnitude(const Cylinder& o) { return o.point.norm() + o.radius; }
-
-// --- Curves and patches -----------------------------------------------------------------------------
-
-/// One polynomial piece of a rational curve, homogeneous: points are (w x, w).
-template <int Dim>
-struct Bezier {
-    using Point = Eigen::Matrix<double, Dim, 1>;
-    using Homogeneous = Eigen::Matrix<double, Dim + 1, 1>;
-
-    double begin = 0, end = 1;
-    std::vector<Homogeneous> points;
-
-    int degree() const { return static_cast<int>(points.size()) - 1; }
-    Point control(std::size_t i) const { return points[i].template head<Dim>() / points[i][Dim]; }
-    double weight(std::size_t i) const { return points[i][Dim]; }
-
-    /// Position and derivative with respect to the curve's parameter at t.
-    std::array<Point, 2> evaluate(double t) const {
-        std::array<Homogeneous, kMaxDegree + 1> b;
-        std::ranges::copy(points, b.begin());
-        const double s = (t - begin) / (end - begin);
-        for (int level = degree(); level > 1; --level)
-            for (int i = 0; i < level; ++i) b[i] = (1 - s) * b[i] + s * b[i + 1];
-        const Homogeneous h = (1 - s) * b[0] + s * b[1];
-        const Homogeneous dh = (b[1] - b[0]) * (degree() / (end - begin));
-        const Point p = h.template head<Dim>() / h[Dim];
-        return {p, (dh.template head<Dim>() - dh[Dim] * p) / h[Dim]};
-    }
-
-    std::array<Bezier, 2> halves() const {
-        std::array<Bezier, 2> h{*this, *this};
-        h[0].end = h[1].begin = 0.5 * (begin + end);
-        std::vector<Homogeneous> b = points;
-        for (int i = 0; i <= degree(); ++i) {
-            h[0].points[i] = b[0];
-            h[1].points[degree() - i] = b[degree() - i];
-            for (int j = 0; j < degree() - i; ++j) b[j] = 0.5 * (b[j] + b[j + 1]);
-        }
-        return h;
-    }
-};
-
-/// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom
-/// at (a, ..., a, b, ..., b) with j times b.
-template <int Dim>
-std::vector<Bezier<Dim>> pieces(const RationalCurve<Dim>& c) {
-    using Homogeneous = typename Bezier<Dim>::Homogeneous;
-    const int d = c.degree;
-    std::vector<Bezier<Dim>> result;
-    for (int k = d; k + d + 1 < static_cast<int>(c.knots.size()); ++k) {
-        const double a = c.knots[k], b = c.knots[k + 1];
-        if (!(a < b)) continue;
-        Bezier<Dim> piece{a, b, {}};
-        for (int j = 0; j <= d; ++j) {
-            std::vector<Homogeneous> level;
-            for (int i = k - d; i <= k; ++i) {
-                Homogeneous h = c.points[i];
-                h.template head<Dim>() *= h[Dim];
-                level.push_back(h);
-            }
-            for (int r = 1; r <= d; ++r) {
-                const double t = r <= j ? b : a;
-                for (int i = d; i >= r; --i) {
-                    const int knot = k - d + i;
-                    const double s = (t - c.knots[knot]) / (c.knots[knot + d - r + 1] - c.knots[knot]);
-                    level[i] = (1 - s) * level[i - 1] + s * level[i];
-                }
-            }
-            piece.points.push_back(level[d]);
-        }
-        result.push_back(std::move(piece));
-    }
-    return result;
-}
-
-template <int Dim>
-typename Bezier<Dim>::Point evaluate(const std::vector<Bezier<Dim>>& curve, double t) {
-    for (const auto& piece : curve)
-        if (t <= piece.end) return piece.evaluate(t)[0];
-    return curve.back().evaluate(t)[0];
-}
-
-struct SurfacePoint {
-    Vec3 p, pu, pv;
-};
-
-/// Bernstein polynomials of degree d at s and their derivatives.
-struct Bernstein {
-    Bernstein(int d, double s) {
-        value[0] = 1;
-        for (int n = 1; n <= d; ++n) {
-            if (n == d)
-                for (int i = 0; i <= d; ++i)
-                    slope[i] = d * ((i > 0 ? value[i - 1] : 0) - (i < d ? value[i] : 0));
-            value[n] = s * value[n - 1];
-            for (int i = n - 1; i > 0; --i) value[i] = (1 - s) * value[i] + s * value[i - 1];
-            value[0] *= 1 - s;
-        }
-    }
-    std::array<double, kMaxDegree + 1> value, slope;
-};
-
-SurfacePoint evaluate(const RationalPatch& s, double u, double v) {
-    const double du = s.domain_u[1] - s.domain_u[0], dv = s.domain_v[1] - s.domain_v[0];
-    const Bernstein bu(s.degree_u, (u - s.domain_u[0]) / du), bv(s.degree_v, (v - s.domain_v[0]) / dv);
-    Eigen::Vector4d h = Eigen::Vector4d::Zero(), hu = h, hv = h;
-    for (int i = 0; i <= s.degree_u; ++i)
-        for (int j = 0; j <= s.degree_v; ++j) {
-            Eigen::Vector4d c = s.points[i * (s.degree_v + 1) + j];
-            c.head<3>() *= c[3];
-            h += bu.value[i] * bv.value[j] * c;
-            hu += bu.slope[i] * bv.value[j] / du * c;
-            hv += bu.value[i] * bv.slope[j] / dv * c;
-        }
-    const Vec3 p = h.head<3>() / h[3];
-    return {p, (hu.head<3>() - hu[3] * p) / h[3], (hv.head<3>() - hv[3] * p) / h[3]};
-}
-
-/// Angle that the curve sweeps as seen from q; none when q is within `near` of it. Where q is outside the
-/// box of the control points, curve and chord turn by the same angle, less than pi.
-std::optional<double> swept(const Bezier<2>& c, const Vec2& q, double near) {
-    Vec2 lo = c.control(0), hi = lo;
-    for (std::size_t i = 1; i < c.points.size(); ++i) {
-        lo = lo.cwiseMin(c.control(i));
-        hi = hi.cwiseMax(c.control(i));
-    }
-    const bool outside = (q.array() < lo.array()).any() || (q.array() > hi.array()).any();
-    if (outside) {
-        const Vec2 a = c.control(0) - q, b = c.control(c.points.size() - 1) - q;
-        if (std::min(a.norm(), b.norm()) < near) return std::nullopt;
-        return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-    }
-    // A box that rounding keeps from shrinking holds q for ever: q lies on the curve as far as doubles tell.
-    const double least = std::max(near, 4 * DBL_EPSILON * std::max(lo.cwiseAbs().maxCoeff(), hi.cwiseAbs().maxCoeff()));
-    if (!((hi - lo).maxCoeff() > least)) return std::nullopt;
-    const auto halves = c.halves();
-    const auto a = swept(halves[0], q, near), b = swept(halves[1], q, near);
-    if (!a || !b) return std::nullopt;
-    return *a + *b;
-}
-
-// --- Quadrature -------------------------------------------------------------------------------------
-
-template <class V>
-struct Integral {
-    V value, error;
-};
-
-/// Adaptive Gauss-Kronrod (7, 15); parts are halved until the two rules agree to 1e-10, or to `floor`,
-/// below which there is only rounding. The error is their difference, which overestimates.
-template <class F, class V = std::invoke_result_t<F, double>>
-Integral<V> integrate(const F& f, double a, double b, const V& floor, int depth = 12) {
-    using Kronrod = boost::math::quadrature::gauss_kronrod<double, 15>;
-    using Gauss = boost::math::quadrature::gauss<double, 7>;
-    const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
-    const V centre = f(middle);
-    V fine = Kronrod::weights()[0] * centre, coarse = Gauss::weights()[0] * centre;
-    V size = Kronrod::weights()[0] * centre.abs();
-    for (std::size_t i = 1; i < Kronrod::abscissa().size(); ++i) {
-        const double x = half * Kronrod::abscissa()[i];
-        const V left = f(middle - x), right = f(middle + x);
-        fine += Kronrod::weights()[i] * (left + right);
-        size += Kronrod::weights()[i] * (left.abs() + right.abs());
-        if (i % 2 == 0) coarse += Gauss::weights()[i / 2] * (left + right);
-    }
-    const V error = (fine - coarse).abs();
-    if (depth == 0 || (error <= 1e-10 * size || std::abs(half) * error <= floor).all())
-        return {half * fine, std::abs(half) * error};
-    const auto l = integrate(f, a, middle, floor, depth - 1), r = integrate(f, middle, b, floor, depth - 1);
-    return {l.value + r.value, l.error + r.error};
-}
-
-using Scalar = Eigen::Array<double, 1, 1>;
-using Triple = Eigen::Array3d;  // volume, area, base area
-
-// --- The judge --------------------------------------------------------------------------------------
+/// Relative to an edge's parameters: trimming curves that share a place of it were rounded on their way
+/// there.
+constexpr double kPlaceRounding = 1e-12;
 
 std::string vertex_path(std::size_t i) { return fmt::format("vertices[{}]", i); }
 std::string edge_path(std::size_t i) { return fmt::format("edges[{}]", i); }
@@ -244,27 +49,7 @@ bool contains(const std::vector<Site>& sites, const Site& s) {
 class Judge {
 public:
     Judge(const Cell& cell, const CheckOptions& options)
-        : cell_(cell), scene_(cell.scene), options_(options) {
-        const auto* plane = std::get_if<Plane>(&scene_.base);
-        if (!plane)
-            throw InputError(InputError::Kind::Unsupported, InputError::no_object, "scene.base",
-                             "only the cells of planes can be checked");
-        origin_ = plane->point;
-        normal_ = plane->normal.normalized();
-        e1_ = normal_.unitOrthogonal();
-        e2_ = normal_.cross(e1_);
-        scale_ =
-            std::max({scene_.box.min.norm(), scene_.box.max.norm(), origin_.norm()}) + scene_.box.diagonal();
-        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
-            const Object& o = scene_.objects[i];
-            const double size = std::visit([](const auto& x) { return magnitude(x); }, o);
-            object_rounding_.push_back(kRounding * (scale_ + size));
-            if (const auto* sphere = std::get_if<Sphere>(&o))
-                spheres_.add(i, *sphere, object_rounding_.back());
-            else
-                others_.push_back(i);
-        }
-    }
+        : cell_(cell), scene_(cell.scene), options_(options), geometry_(cell.scene) {}
 
     std::vector<Finding> run() {
         check_vertex_structure();
@@ -293,124 +78,36 @@ private:
         findings_.push_back({std::move(where), std::move(what)});
     }
 
-    // --- Base, box and objects ----------------------------------------------------------------------
-
-    double rounding() const { return kRounding * scale_; }
-    double height(const Vec3& p) const { return normal_.dot(p - origin_); }
-    Vec3 foot(const Vec3& p) const { return p - height(p) * normal_; }
-    Vec2 chart(const Vec3& p) const { return {e1_.dot(p - origin_), e2_.dot(p - origin_)}; }
-    Vec3 from_chart(const Vec2& q) const { return origin_ + q.x() * e1_ + q.y() * e2_; }
-
-    /// How far p lies inside a side of the box.
-    double inside_side(std::uint32_t side, const Vec3& p) const {
-        const int axis = static_cast<int>(side / 2);
-        return side % 2 ? scene_.box.max[axis] - p[axis] : p[axis] - scene_.box.min[axis];
-    }
-    double inside_box(const Vec3& p) const {
-        double d = inside_side(0, p);
-        for (std::uint32_t s = 1; s < 6; ++s) d = std::min(d, inside_side(s, p));
-        return d;
-    }
-    double site_rounding(const Site& s) const {
-        return s.is_object() ? object_rounding_[s.index] : rounding();
-    }
-
-    /// How much farther than r the site is from p: 0 where it bounds the cell at clearance r.
-    double excess(const Site& s, const Vec3& p, double r) const {
-        return s.is_object() ? distance(scene_.objects[s.index], p) - r : inside_side(s.index, p);
-    }
-
-    /// Some object closer to p than r, by more than slack and rounding. The one loop over all objects for
-    /// every point that is judged: blocks of spheres by squared distances first, which vectorise.
-    std::optional<std::uint32_t> nearer(const Vec3& p, double r, double slack) const {
-        const double reach = r - slack;
-        constexpr std::size_t kBlock = 256;
-        for (std::size_t begin = 0; begin < spheres_.object.size(); begin += kBlock) {
-            const std::size_t end = std::min(begin + kBlock, spheres_.object.size());
-            int hits = 0;
-            for (std::size_t i = begin; i < end; ++i) {
-                const double dx = p.x() - spheres_.x[i], dy = p.y() - spheres_.y[i],
-                             dz = p.z() - spheres_.z[i];
-                const double limit = std::max(0.0, reach + spheres_.reduced_radius[i]);
-                hits += dx * dx + dy * dy + dz * dz < limit * limit;
-            }
-            for (std::size_t i = begin; hits > 0 && i < end; ++i)
-                if (is_nearer(spheres_.object[i], p, reach)) return spheres_.object[i];
-        }
-        for (const std::uint32_t i : others_)
-            if (is_nearer(i, p, reach)) return i;
-        return std::nullopt;
-    }
-    bool is_nearer(std::uint32_t i, const Vec3& p, double reach) const {
-        return distance(scene_.objects[i], p) < reach - object_rounding_[i];
-    }
+    double rounding() const { return geometry_.rounding(); }
+    double height(const Vec3& p) const { return geometry_.height(p); }
 
     /// What contradicts that p, stated with an error, bounds the cell by the given sites; nothing if fine.
     std::optional<std::string> contradiction(const Vec3& p, double error, std::span<const Site> sites) const {
         const double r = height(p);
         for (const Site& s : sites) {
-            const double e = excess(s, p, r);
+            const double e = geometry_.excess(s, p, r);
             // Moving p by `error` changes both distances by that much.
-            if (std::abs(e) > 2 * error + site_rounding(s))
+            if (std::abs(e) > 2 * error + geometry_.site_rounding(s))
                 return fmt::format("{} is {:.3g} {} than the base", title(s), std::abs(e),
                                    e > 0 ? "farther" : "nearer");
         }
-        if (r < -error - rounding()) return fmt::format("lies {:.3g} below the base", -r);
-        if (const double out = -inside_box(p); out > error + rounding())
+        if (r < geometry_.least_height() - error - rounding())
+            return fmt::format("lies {:.3g} below the base", -r);
+        if (const double out = -geometry_.inside_box(p); out > error + rounding())
             return fmt::format("lies {:.3g} outside the box", out);
-        if (const auto i = nearer(p, r, 2 * error))
+        if (const auto i = geometry_.nearer(p, r - 2 * error))
             return fmt::format("object {} is {:.3g} nearer than the base", *i,
-                               r - distance(scene_.objects[*i], p));
+                               r - geometry_.distance_to(*i, p));
         return std::nullopt;
-    }
-
-    /// Clearance of the cell above a base point, by brute force: where the ray leaves the box, shortened by
-    /// bisection at each object met before. d_i - t never grows along the ray, so its sign decides.
-    double brute_height(const Vec3& f) const {
-        double t = HUGE_VAL;
-        for (std::uint32_t s = 0; s < 6; ++s) {
-            const int axis = static_cast<int>(s / 2);
-            const double speed = s % 2 ? normal_[axis] : -normal_[axis];
-            if (speed > 0) t = std::min(t, std::max(0.0, inside_side(s, f)) / speed);
-        }
-        for (const Object& o : scene_.objects) {
-            if (distance(o, f + t * normal_) >= t) continue;
-            double lo = 0, hi = t;
-            for (double m = 0.5 * hi; lo < m && m < hi; m = 0.5 * (lo + hi))
-                (distance(o, f + m * normal_) < m ? hi : lo) = m;
-            t = hi;
-        }
-        return t;
-    }
-
-    /// The base region: a large square about the box's shadow, cut by the six sides.
-    std::vector<Vec2> region() const {
-        const Vec2 c = chart(0.5 * (scene_.box.min + scene_.box.max));
-        const double m = scene_.box.diagonal();
-        std::vector<Vec2> polygon{c + Vec2(-m, -m), c + Vec2(m, -m), c + Vec2(m, m), c + Vec2(-m, m)};
-        for (std::uint32_t s = 0; s < 6; ++s) {
-            std::vector<Vec2> kept;
-            for (std::size_t i = 0; i < polygon.size(); ++i) {
-                const Vec2 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-                const double dp = inside_side(s, from_chart(p)), dq = inside_side(s, from_chart(q));
-                if (dp >= 0) kept.push_back(p);
-                if ((dp >= 0) != (dq >= 0)) kept.push_back(p + dp / (dp - dq) * (q - p));
-            }
-            polygon = std::move(kept);
-        }
-        return polygon;
     }
 
     // --- Structure ----------------------------------------------------------------------------------
 
-    bool exists(const Site& s) const {
-        return s.kind == Site::Kind::Object ? s.index < scene_.objects.size()
-                                            : s.kind == Site::Kind::BoxSide && s.index < 6;
-    }
     void check_sites_exist(const std::string& where, std::span<const Site> sites) {
         for (const Site& s : sites)
-            if (!exists(s))
-                note(where, fmt::format("names {}, which is no object or side of the box", to_string(s)));
+            if (!geometry_.exists(s))
+                note(where, fmt::format("names {}, which is no object, side of the box or end of the stretch",
+                                        to_string(s)));
     }
     void check_amount(const std::string& where, double v) {
         if (!(v >= 0) || std::isinf(v)) note(where, fmt::format("is {}, must be finite and not negative", v));
@@ -523,26 +220,35 @@ private:
         const RationalPatch* surface;
         std::vector<std::vector<Trim>> loops;
         Vec2 lo, hi;            // of the trimmed region, in (u, v)
-        Vec2 foot_lo, foot_hi;  // of its feet, in the chart
+        Vec2 foot_lo, foot_hi;  // plane base: of its feet, in the chart
         double control_size;    // largest coordinate of a control point
+        struct GridPoint {
+            Vec2 uv;
+            SurfacePoint surface;
+        };
+        std::vector<GridPoint> grid;  // rows of the rectangle lo, hi: where searches start
     };
+    /// One side of an edge: the face there, which may take several patches to run all along it.
     struct Use {
         std::size_t face;
         bool reversed;
+        double begin, end;  // of the edge's parameters
     };
 
     void prepare() {
         for (const CellEdge& e : cell_.edges) edge_pieces_.push_back(pieces(e.curve));
         uses_.resize(cell_.edges.size());
-        rim_side_.resize(cell_.edges.size());
+        rim_.resize(cell_.edges.size());
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
             for (std::size_t p = 0; p < cell_.faces[f].patches.size(); ++p) prepare_patch(f, p);
+        for (std::size_t e = 0; e < uses_.size(); ++e) join_uses(e);
     }
 
     void prepare_patch(std::size_t f, std::size_t p) {
         const TrimmedPatch& trimmed = cell_.faces[f].patches[p];
         const Vec2 infinite = Vec2::Constant(HUGE_VAL);
-        Patch patch{f, p, &trimmed.surface, {}, infinite, -infinite, infinite, -infinite, scale_};
+        Patch patch{f,        p,         &trimmed.surface,  {}, infinite, -infinite,
+                    infinite, -infinite, geometry_.scale(), {}};
         for (const auto& c : trimmed.surface.points)
             patch.control_size = std::max(patch.control_size, c.head<3>().cwiseAbs().maxCoeff());
         for (const auto& loop : trimmed.loops) {
@@ -559,16 +265,63 @@ private:
                     patch.foot_hi = infinite;
                     continue;
                 }
-                uses_[*trim.edge].push_back({f, trim.reversed});
+                uses_[*trim.edge].push_back(use(f, trim));
+                if (!geometry_.is_plane()) continue;
                 for (const auto& piece : edge_pieces_[*trim.edge])
                     for (std::size_t i = 0; i < piece.points.size(); ++i) {
-                        const Vec2 q = chart(piece.control(i));
+                        const Vec2 q = geometry_.chart(piece.control(i));
                         patch.foot_lo = patch.foot_lo.cwiseMin(q);
                         patch.foot_hi = patch.foot_hi.cwiseMax(q);
                     }
             }
         }
+        // Control points may lie far beyond the domain, the curves do not.
+        const Vec2 domain_lo(trimmed.surface.domain_u[0], trimmed.surface.domain_v[0]),
+            domain_hi(trimmed.surface.domain_u[1], trimmed.surface.domain_v[1]);
+        patch.lo = patch.lo.cwiseMax(domain_lo);
+        patch.hi = patch.hi.cwiseMin(domain_hi);
+        if ((patch.lo.array() > patch.hi.array()).any()) {
+            note(patch_path(f, p) + ".loops", "lie outside the patch's domain");
+            patch.lo = domain_lo;
+            patch.hi = domain_hi;
+        }
+        for (int i = 0; i <= kGrid; ++i)
+            for (int j = 0; j <= kGrid; ++j) {
+                const Vec2 s(i / double(kGrid), j / double(kGrid));
+                const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
+                patch.grid.push_back({uv, lift(patch, uv)});
+            }
         patches_.push_back(std::move(patch));
+    }
+
+    Use use(std::size_t face, const TrimCurve& trim) const {
+        const RationalCurve3& curve = cell_.edges[*trim.edge].curve;
+        const double a = edge_parameter(trim, curve, trim.curve.domain_begin());
+        const double b = edge_parameter(trim, curve, trim.curve.domain_end());
+        return {face, trim.reversed, std::min(a, b), std::max(a, b)};
+    }
+
+    /// Uses that follow each other on one side and in one face become one.
+    void join_uses(std::size_t e) {
+        std::vector<Use>& uses = uses_[e];
+        const RationalCurve3& curve = cell_.edges[e].curve;
+        const double near = kPlaceRounding * (curve.domain_end() - curve.domain_begin());
+        std::ranges::sort(uses, {}, [](const Use& use) { return std::pair(use.reversed, use.begin); });
+        std::vector<Use> joined;
+        for (const Use& use : uses) {
+            const bool goes_on = !joined.empty() && joined.back().reversed == use.reversed &&
+                                 joined.back().face == use.face &&
+                                 std::abs(joined.back().end - use.begin) <= near;
+            if (goes_on)
+                joined.back().end = use.end;
+            else
+                joined.push_back(use);
+        }
+        uses = std::move(joined);
+        for (const Use& use : uses)
+            if (use.begin > curve.domain_begin() + near || use.end < curve.domain_end() - near)
+                note(edge_path(e),
+                     fmt::format("face {} uses it from {} to {} only", use.face, use.begin, use.end));
     }
 
     /// Rounding of a surface point: that of its control points, and of (u, v) times the slopes.
@@ -593,8 +346,8 @@ private:
                                                uses[0].face, uses[1].face));
             if (uses.size() != 1) continue;
             const Site& outer = sites[!uses[0].reversed];
-            if (outer.kind == Site::Kind::BoxSide && over_rim(e, outer.index))
-                rim_side_[e] = outer.index;
+            if (over_rim(e, outer))
+                rim_[e] = outer;
             else
                 note(edge_path(e),
                      fmt::format("used by face {} only, and not over the rim of the base region",
@@ -630,11 +383,11 @@ private:
             }
     }
 
-    bool over_rim(std::size_t e, std::uint32_t side) const {
+    bool over_rim(std::size_t e, const Site& site) const {
         return std::ranges::all_of(edge_pieces_[e], [&](const auto& piece) {
             for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0}) {
                 const Vec3 p = piece.evaluate(piece.begin + s * (piece.end - piece.begin))[0];
-                if (std::abs(inside_side(side, foot(p))) > full_error(e) + rounding()) return false;
+                if (geometry_.distance_from_rim(site, p) > full_error(e) + rounding()) return false;
             }
             return true;
         });
@@ -694,9 +447,13 @@ private:
 
     std::optional<std::uint32_t> end_vertex(const Trim& trim, bool at_end) const {
         if (!trim.curve->edge) return std::nullopt;
-        const auto& ends = cell_.edges[*trim.curve->edge].vertices;
-        if (ends.empty()) return std::nullopt;
-        return ends[at_end != trim.curve->reversed];
+        const CellEdge& edge = cell_.edges[*trim.curve->edge];
+        if (edge.vertices.empty()) return std::nullopt;
+        const double t = edge_parameter(*trim.curve, edge.curve, at_end ? trim.end() : trim.begin());
+        const double near = kPlaceRounding * (edge.curve.domain_end() - edge.curve.domain_begin());
+        if (std::abs(t - edge.curve.domain_begin()) <= near) return edge.vertices[0];
+        if (std::abs(t - edge.curve.domain_end()) <= near) return edge.vertices[1];
+        return std::nullopt;
     }
 
     void check_head_to_tail(const Patch& patch, const std::vector<Trim>& loop, const std::string& where) {
@@ -752,8 +509,9 @@ private:
         }
     }
 
-    /// V - E + F = 1 + C over the base region's subdivision, with its outside as a face and one vertex
-    /// granted to each closed edge; and as many boundary loops as components.
+    /// V - E + F = 1 + C over the base region's subdivision, with one vertex granted to each closed edge, and
+    /// what lies beyond a rim as a face (one of a plane, two of a cylinder, none of a sphere); and as many
+    /// boundary loops as components.
     void check_euler() {
         std::vector<std::size_t> parent(cell_.vertices.size());
         std::iota(parent.begin(), parent.end(), std::size_t{0});
@@ -777,11 +535,12 @@ private:
             isolated += !has_edges[v];
         }
         const long v = static_cast<long>(parent.size()) + closed, e = static_cast<long>(cell_.edges.size());
-        const long f = static_cast<long>(cell_.faces.size()) + 1;
+        const long outside = geometry_.is_plane() ? 1 : geometry_.is_cylinder() ? 2 : 0;
+        const long f = static_cast<long>(cell_.faces.size()) + outside;
         if (v - e + f != 1 + components)
             note("faces",
                  fmt::format(
-                     "Euler's relation: V {} - E {} + F {} (with the outside, and a vertex for each of "
+                     "Euler's relation: V {} - E {} + F {} (with what is outside, and a vertex for each of "
                      "{} closed edges) is {}, C = {} components ask for {}",
                      v, e, f, closed, v - e + f, components, 1 + components));
         if (std::ranges::any_of(cell_.faces, [](const CellFace& face) { return face.patches.size() > 1; }))
@@ -801,11 +560,8 @@ private:
                 note(vertex_path(i) + ".radius",
                      fmt::format("is {}, the base is {} away", v.radius, height(v.point)));
             std::vector<Site> attained;
-            for (const Site& s : v.sites) {
-                const bool over_side =
-                    !s.is_object() && std::abs(inside_side(s.index, foot(v.point))) <= v.error + rounding();
-                if (!over_side) attained.push_back(s);
-            }
+            for (const Site& s : v.sites)
+                if (geometry_.distance_from_rim(s, v.point) > v.error + rounding()) attained.push_back(s);
             if (const auto what = contradiction(v.point, v.error, attained)) note(vertex_path(i), *what);
         }
     }
@@ -848,7 +604,7 @@ private:
     void check_edge_points(std::size_t i) {
         const double error = full_error(i);
         std::vector<Site> attained = label(i);
-        if (rim_side_[i]) std::erase(attained, Site::box_side(*rim_side_[i]));
+        if (rim_[i]) std::erase(attained, *rim_[i]);
         constexpr int kSteps = 8;  // per piece
         for (const auto& piece : edge_pieces_[i])
             for (int k = 0; k < kSteps; ++k) {
@@ -880,13 +636,22 @@ private:
         return s.is_object() ? std::get_if<Sphere>(&scene_.objects[s.index]) : nullptr;
     }
 
-    /// [HE, Lemmas 1-3] over a plane: planes and box sides have linear heights, spheres paraboloids about
-    /// the base's normal. Empty: no opinion. Where only exact arithmetic on the canonical scene could tell
-    /// a kind from its limit, both.
+    /// Empty: no opinion. Where only exact arithmetic on the canonical scene could tell a kind from its
+    /// limit, both.
     std::vector<CurveKind> possible_kinds(std::size_t i) const {
+        if (geometry_.is_plane()) return kinds_over_plane(i);
+        if (geometry_.is_sphere()) return kinds_over_sphere(cell_.edges[i].sites);
+        const auto is_flat = [](const Site& s) { return !s.is_object(); };
+        return std::ranges::all_of(cell_.edges[i].sites, is_flat) ? std::vector{CurveKind::Line}
+                                                                  : std::vector<CurveKind>{};
+    }
+
+    /// [HE, Lemmas 1-3] Planes and box sides have linear heights, spheres paraboloids about the base's
+    /// normal.
+    std::vector<CurveKind> kinds_over_plane(std::size_t i) const {
         using enum CurveKind;
         const auto& sites = cell_.edges[i].sites;
-        if (rim_side_[i]) {
+        if (rim_[i]) {
             const Site& owner = sites[uses_[i][0].reversed];
             return is_linear(owner)   ? std::vector{Line}
                    : as_sphere(owner) ? std::vector{Parabola}
@@ -895,10 +660,11 @@ private:
         if (is_linear(sites[0]) && is_linear(sites[1])) return {Line};
         const Sphere *a = as_sphere(sites[0]), *b = as_sphere(sites[1]);
         if ((!a && !is_linear(sites[0])) || (!b && !is_linear(sites[1]))) return {};
+        const auto& base = std::get<Plane>(scene_.base);
         int axis = 0;
-        normal_.cwiseAbs().maxCoeff(&axis);
+        base.normal.cwiseAbs().maxCoeff(&axis);
         const int x = (axis + 1) % 3, y = (axis + 2) % 3;
-        const bool aligned = normal_[x] == 0 && normal_[y] == 0;
+        const bool aligned = base.normal[x] == 0 && base.normal[y] == 0;
         if (!a || !b) {
             if (!aligned) return {Ellipse, Circle};
             const Site& linear = a ? sites[1] : sites[0];
@@ -909,13 +675,33 @@ private:
             return {horizontal ? Circle : Ellipse};
         }
         // Equal sums of height and radius: the paraboloids are congruent and meet over a line.
-        const double za = a->center[axis] - origin_[axis], zb = b->center[axis] - origin_[axis];
-        if (!aligned || Exact(a->center[axis]) - Exact(origin_[axis]) != Exact(za) ||
-            Exact(b->center[axis]) - Exact(origin_[axis]) != Exact(zb))
+        const double za = a->center[axis] - base.point[axis], zb = b->center[axis] - base.point[axis];
+        if (!aligned || Exact(a->center[axis]) - Exact(base.point[axis]) != Exact(za) ||
+            Exact(b->center[axis]) - Exact(base.point[axis]) != Exact(zb))
             return {Parabola, Ellipse, Circle};
-        const Exact up(normal_[axis] > 0 ? 1.0 : -1.0);
+        const Exact up(base.normal[axis] > 0 ? 1.0 : -1.0);
         if (up * Exact(za) + Exact(a->radius) == up * Exact(zb) + Exact(b->radius)) return {Parabola};
         return {a->center[x] == b->center[x] && a->center[y] == b->center[y] ? Circle : Ellipse};
+    }
+
+    /// Bisectors with planes and spheres are planes, or surfaces of revolution with the base's centre as
+    /// focus: two of them meet in a plane, in a circle if they share the axis.
+    std::vector<CurveKind> kinds_over_sphere(const std::array<Site, 2>& sites) const {
+        using enum CurveKind;
+        const auto& base = std::get<Sphere>(scene_.base);
+        const auto is_flat = [&](const Site& s) {
+            return !s.is_object() || (as_sphere(s) && as_sphere(s)->radius == base.radius);
+        };
+        const auto axis = [&](const Site& s) -> Vec3 {
+            if (!s.is_object()) return Vec3::Unit(static_cast<int>(s.index / 2));
+            if (const Sphere* sphere = as_sphere(s)) return (sphere->center - base.center).normalized();
+            return std::get<Plane>(scene_.objects[s.index]).normal.normalized();
+        };
+        if (is_flat(sites[0]) && is_flat(sites[1])) return {Line};
+        for (const Site& s : sites)
+            if (!is_linear(s) && !as_sphere(s)) return {};
+        if (axis(sites[0]).cross(axis(sites[1])).norm() > kRounding) return {Ellipse, Parabola, Hyperbola};
+        return {Circle, Ellipse};
     }
 
     /// Can a piece with these control points be of that kind, up to rounding? [Farin02, 12.4]: w1^2 / (w0 w2)
@@ -941,7 +727,7 @@ private:
                 return k > 1 - kRounding;
             case CurveKind::Circle:
                 return std::abs(left - right) <= rounding() &&
-                       std::abs(k - cosine * cosine) <= kRounding * (1 + scale_ / left);
+                       std::abs(k - cosine * cosine) <= kRounding * (1 + geometry_.scale() / left);
             default:
                 return k < 1 + kRounding;
         }
@@ -961,11 +747,13 @@ private:
     }
 
     void check_faces() {
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
-            if (const std::string name = bisector_name(cell_.faces[f].site); cell_.faces[f].bisector != name)
-                note(face_path(f) + ".bisector",
-                     fmt::format("is \"{}\", of a plane and {} it is \"{}\"", cell_.faces[f].bisector,
-                                 title(cell_.faces[f].site), name));
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
+            const CellFace& face = cell_.faces[f];
+            const auto names = geometry_.bisector_names(face.site);
+            if (std::ranges::find(names, face.bisector) == names.end())
+                note(face_path(f) + ".bisector", fmt::format("is \"{}\", of the base and {} it is \"{}\"",
+                                                             face.bisector, title(face.site), names[0]));
+        }
         for (const Patch& patch : patches_) {
             check_patch_points(patch);
             for (std::size_t l = 0; l < patch.loops.size(); ++l)
@@ -974,16 +762,6 @@ private:
                         check_trim(patch, patch.loops[l][t],
                                    fmt::format("{}[{}]", loop_path(patch.face, patch.index, l), t));
         }
-    }
-
-    std::string bisector_name(const Site& s) const {
-        if (!s.is_object()) return "box";
-        const Object& o = scene_.objects[s.index];
-        if (std::holds_alternative<Plane>(o)) return "plane";
-        if (std::holds_alternative<Sphere>(o)) return "paraboloid";
-        // The points whose distance from a line equals that from the plane shifted by the radius.
-        const bool parallel = std::abs(normal_.dot(std::get<Cylinder>(o).axis.normalized())) <= kRounding;
-        return parallel ? "parabolic cylinder" : "elliptic cone";
     }
 
     /// Is uv inside the loops? None: too near to them.
@@ -1012,7 +790,8 @@ private:
             if (!inside(patch, uv).value_or(false)) continue;
             ++found;
             const SurfacePoint x = lift(patch, uv);
-            if (normal_.dot(x.pu.cross(x.pv)) <= 0) return note(where, "du x dv points towards the base");
+            if (geometry_.up(x.p).dot(x.pu.cross(x.pv)) <= 0)
+                return note(where, "du x dv points towards the base");
             const Site& site = cell_.faces[patch.face].site;
             std::vector<Site> sites = cell_.faces[patch.face].extra_sites;
             sites.insert(sites.begin(), site);
@@ -1024,13 +803,13 @@ private:
     void check_trim(const Patch& patch, const Trim& trim, const std::string& where) {
         const std::size_t e = *trim.curve->edge;
         const auto& curve = edge_pieces_[e];
-        const double begin = curve.front().begin, end = curve.back().end;
         constexpr int kSteps = 12;
         for (int k = 0; k <= kSteps; ++k) {
             const double s = static_cast<double>(k) / kSteps;
-            const Vec2 uv = evaluate(trim.pieces, trim.begin() + s * (trim.end() - trim.begin()));
+            const double t = trim.begin() + s * (trim.end() - trim.begin());
+            const Vec2 uv = evaluate(trim.pieces, t);
             const SurfacePoint x = lift(patch, uv);
-            const Vec3 p = evaluate(curve, begin + (trim.curve->reversed ? 1 - s : s) * (end - begin));
+            const Vec3 p = evaluate(curve, edge_parameter(*trim.curve, cell_.edges[e].curve, t));
             if (const double gap = (x.p - p).norm(); gap > 2 * full_error(e) + surface_rounding(patch, x, uv))
                 return note(
                     where,
@@ -1040,59 +819,70 @@ private:
 
     // --- Completeness -------------------------------------------------------------------------------
 
-    /// The (u, v) whose surface point stands over chart point q: Newton, exact in one step where the patch
-    /// is the graph over its own parameters.
-    std::optional<Vec2> parameters(const Patch& patch, const Vec2& q) const {
-        Vec2 uv = 0.5 * (patch.lo + patch.hi);
-        for (int k = 0; k < 50; ++k) {
-            const SurfacePoint x = lift(patch, uv);
-            Eigen::Matrix2d jacobian;
-            jacobian << e1_.dot(x.pu), e1_.dot(x.pv), e2_.dot(x.pu), e2_.dot(x.pv);
-            const Vec2 step = jacobian.inverse() * (q - chart(x.p));
+    /// The (u, v) whose surface point is on a ray: Newton from the points of the patch's grid that are least
+    /// aside. None where the ray misses the rectangle of the patch's loops, as far as that tells.
+    std::optional<Vec2> parameters(const Patch& patch, const Ray& ray) const {
+        std::vector<std::pair<double, Vec2>> starts;
+        for (const auto& point : patch.grid)
+            if (const auto aside = geometry_.aside(ray, point.surface))
+                starts.push_back({aside->value.norm(), point.uv});
+        constexpr std::size_t kStarts = 4;
+        const std::size_t count = std::min(kStarts, starts.size());
+        std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(count), starts.end(),
+                          [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (std::size_t i = 0; i < count; ++i)
+            if (const auto uv = newton(patch, ray, starts[i].second)) return uv;
+        return std::nullopt;
+    }
+
+    /// Damped: patches that reach far out turn fast in some part of their rectangle.
+    std::optional<Vec2> newton(const Patch& patch, const Ray& ray, Vec2 uv) const {
+        const Vec2 extent = patch.hi - patch.lo;
+        auto aside = geometry_.aside(ray, lift(patch, uv));
+        for (int k = 0; aside && k < 50; ++k) {
+            const Vec2 step = aside->derivative.inverse() * aside->value;
             if (!step.allFinite()) return std::nullopt;
-            uv += step;
-            if (step.norm() <= kNearEdge * 1e-2 * (patch.hi - patch.lo).norm()) return uv;
+            if (step.norm() <= kNearEdge * 1e-2 * extent.norm()) return uv - step;
+            constexpr double kLeast = 1e-3;
+            double damping = 1;
+            for (; damping > kLeast; damping *= 0.5) {
+                const Vec2 next = uv - damping * step;
+                if ((next - patch.lo).minCoeff() < -extent.norm() ||
+                    (patch.hi - next).minCoeff() < -extent.norm())
+                    continue;
+                const auto there = geometry_.aside(ray, lift(patch, next));
+                if (!there || !(there->value.norm() < aside->value.norm())) continue;
+                uv = next;
+                aside = there;
+                break;
+            }
+            // Not even a short step gets nearer: there is no such point, or only rounding left.
+            if (damping <= kLeast)
+                return step.norm() <= kNearEdge * extent.norm() ? std::optional(uv) : std::nullopt;
         }
         return std::nullopt;
     }
 
     void check_samples() {
-        const std::vector<Vec2> polygon = region();
-        if (polygon.size() < 3) return note("scene.box", "misses the base plane");
-        Vec2 lo = polygon[0], hi = polygon[0];
-        for (const Vec2& p : polygon) {
-            lo = lo.cwiseMin(p);
-            hi = hi.cwiseMax(p);
-        }
         std::mt19937_64 rng(options_.seed);
-        std::uniform_real_distribution<double> unit(0, 1);
-        const std::uint32_t tries = 20 * options_.samples;  // the polygon may be a sliver of its bounds
-        for (std::uint32_t k = 0, asked = 0; k < tries && asked < options_.samples; ++k) {
-            const Vec2 q = lo + Vec2(unit(rng), unit(rng)).cwiseProduct(hi - lo);
-            if (!within(polygon, q, kNearEdge * scene_.box.diagonal())) continue;
-            ++asked;
-            if (!check_sample(q)) return;
+        for (std::uint32_t k = 0; k < options_.samples; ++k) {
+            const auto ray = geometry_.random_ray(rng, kNearEdge * scene_.box.diagonal());
+            if (!ray) return note("scene.box", "holds none of the base");
+            if (!check_sample(*ray)) return;
         }
-    }
-
-    /// Is q inside a convex counter-clockwise polygon, at least `margin` from each side?
-    static bool within(const std::vector<Vec2>& polygon, const Vec2& q, double margin) {
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const Vec2 d = polygon[(i + 1) % polygon.size()] - polygon[i], r = q - polygon[i];
-            if (d.x() * r.y() - d.y() * r.x() < margin * d.norm()) return false;
-        }
-        return true;
     }
 
     /// False after a finding that would only repeat itself.
-    bool check_sample(const Vec2& q) {
+    bool check_sample(const Ray& ray) {
         std::vector<const Patch*> found;
         SurfacePoint surface{};
         Vec2 uv;
+        const Vec2 q = geometry_.chart(ray.foot);
         for (const Patch& patch : patches_) {
-            if ((q.array() < patch.foot_lo.array()).any() || (q.array() > patch.foot_hi.array()).any())
+            if (geometry_.is_plane() &&
+                ((q.array() < patch.foot_lo.array()).any() || (q.array() > patch.foot_hi.array()).any()))
                 continue;
-            const auto at = parameters(patch, q);
+            const auto at = parameters(patch, ray);
             if (!at) continue;
             const auto in = inside(patch, *at);
             if (!in) return true;
@@ -1101,12 +891,12 @@ private:
             uv = *at;
             surface = lift(patch, uv);
         }
-        const Vec3 f = from_chart(q);
-        const double t = brute_height(f);
-        const Vec3 top = f + t * normal_;
+        const double t = geometry_.brute_height(ray);
+        const Vec3 top = ray.at(t), &f = ray.foot;
         const std::string point = fmt::format("base point ({}, {}, {})", f.x(), f.y(), f.z());
         if (found.empty()) {
-            note("faces", fmt::format("{}, owned by {}, lies under no face", point, title(owner(top, t))));
+            note("faces",
+                 fmt::format("{}, owned by {}, lies under no face", point, title(geometry_.owner(ray, t))));
             return false;
         }
         if (found.size() > 1) {
@@ -1115,9 +905,9 @@ private:
         }
         const Site& site = cell_.faces[found[0]->face].site;
         const double slack = surface_rounding(*found[0], surface, uv);
-        if (std::abs(excess(site, top, t)) > slack + site_rounding(site)) {
-            note(face_path(found[0]->face),
-                 fmt::format("{} belongs to {}, not to {}", point, title(owner(top, t)), title(site)));
+        if (std::abs(geometry_.excess(site, top, t)) > slack + geometry_.site_rounding(site)) {
+            note(face_path(found[0]->face), fmt::format("{} belongs to {}, not to {}", point,
+                                                        title(geometry_.owner(ray, t)), title(site)));
             return true;
         }
         if (const auto what = contradiction(surface.p, slack, std::span(&site, 1)))
@@ -1125,34 +915,14 @@ private:
         return true;
     }
 
-    /// Who bounds the cell at p, above a base point at clearance r.
-    Site owner(const Vec3& p, double r) const {
-        Site best = Site::box_side(0);
-        double least = HUGE_VAL;
-        for (std::uint32_t s = 0; s < 6; ++s)
-            if (inside_side(s, p) < least && (s % 2 ? normal_[s / 2] : -normal_[s / 2]) > 0) {
-                best = Site::box_side(s);
-                least = inside_side(s, p);
-            }
-        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
-            if (const double e = distance(scene_.objects[i], p) - r; e < least) {
-                best = Site::object(i);
-                least = e;
-            }
-        return best;
-    }
-
     // --- Measures -----------------------------------------------------------------------------------
 
-    /// Volume below, area of and base area below a trimmed patch. Green's theorem: the integral over the
-    /// region is that of I(u, v) dv along the loops, I the integral of the density from a fixed u.
+    /// The integral of SceneGeometry::densities() over a trimmed patch. Green's theorem: the integral over
+    /// the region is that of I(u, v) dv along the loops, I the integral of the density from a fixed u.
     Integral<Triple> integrate_patch(const Patch& patch) const {
         const double u0 = 0.5 * (patch.lo.x() + patch.hi.x());
-        const auto density = [&](double u, double v) {
-            const SurfacePoint s = lift(patch, {u, v});
-            const Vec3 across = s.pu.cross(s.pv);
-            const double shadow = normal_.dot(across);
-            return Triple(height(s.p) * shadow, across.norm(), shadow);
+        const auto density = [&](double u, double v) -> Triple {
+            return geometry_.densities(lift(patch, {u, v}));
         };
         const Vec2 extent = patch.hi - patch.lo;
         Triple most = Triple::Zero();
@@ -1191,11 +961,11 @@ private:
                  fmt::format("is {}, integration gives {} (tolerance {:.3g})", stated, found, tolerance));
     }
 
-    /// Between a piece of a rim edge and the base.
-    double wall_area(const Bezier<3>& piece) const {
+    /// The cell's side along a piece of a rim edge.
+    double side_area(const Bezier<3>& piece) const {
         const auto density = [&](double t) {
             const auto [p, d] = piece.evaluate(t);
-            return Scalar(height(p) * (d - normal_.dot(d) * normal_).norm());
+            return Scalar(geometry_.side_area_density(p, d));
         };
         const Scalar floor(rounding() * scene_.box.diagonal());
         return integrate(density, piece.begin, piece.end, floor).value[0];
@@ -1205,7 +975,7 @@ private:
         const Measures& m = cell_.measures;
         check_amount("measures.volume_error", m.volume_error);
         check_amount("measures.area_error", m.area_error);
-        double volume = 0, area = 0, box_area = 0, shadow = 0;
+        double volume = 0, area = 0, box_area = -geometry_.body_end_area(), shadow = 0;
         double edge_errors = 0;  // area between the stated and the true edges
         for (std::size_t e = 0; e < cell_.edges.size(); ++e)
             edge_errors += cell_.edges[e].length * full_error(e);
@@ -1225,13 +995,14 @@ private:
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
             compare(face_path(f) + ".area", cell_.faces[f].area, face_areas[f], slack + face_errors[f]);
         compare("measures.area", m.area, area, slack + error[1]);
-        // The walls of the cell stand over the rim, on the box.
+        // Over the rim of a plane the cell has walls; at those of a cylinder it ends in rings around the
+        // body.
         bool touches =
             std::ranges::any_of(cell_.faces, [](const CellFace& f) { return !f.site.is_object(); });
         for (std::size_t e = 0; e < edge_pieces_.size(); ++e) {
-            if (!rim_side_[e]) continue;
+            if (!rim_[e]) continue;
             touches = true;
-            for (const auto& piece : edge_pieces_[e]) box_area += wall_area(piece);
+            for (const auto& piece : edge_pieces_[e]) box_area += side_area(piece);
         }
         compare("measures.box_area", m.box_area, box_area, slack + error[1] + kLengthError * box_area);
         if (m.touches_box != touches)
@@ -1239,22 +1010,21 @@ private:
         compare("measures.volume", m.volume, volume,
                 m.volume_error + error[0] + (area_rounding + 2 * edge_errors) * scene_.box.diagonal());
 
-        double polygon_area = 0;
-        const std::vector<Vec2> polygon = region();
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const Vec2 p = polygon[i] - polygon[0], q = polygon[(i + 1) % polygon.size()] - polygon[0];
-            polygon_area += 0.5 * (p.x() * q.y() - p.y() * q.x());
-        }
-        compare("measures.base_area", m.base_area, polygon_area, area_rounding);
-        if (std::abs(shadow - polygon_area) > area_rounding + error[2] + 2 * edge_errors)
-            note("faces",
-                 fmt::format("stand over an area of {}, the base region has {}", shadow, polygon_area));
-        if (m.body_volume != 0)
-            note("measures.body_volume", fmt::format("is {}, a plane has none", m.body_volume));
+        const double base_area = geometry_.base_area();
+        compare("measures.base_area", m.base_area, base_area, area_rounding);
+        double lowest = HUGE_VAL;
+        for (const Patch& patch : patches_)
+            for (const auto& point : patch.grid) lowest = std::min(lowest, height(point.surface.p));
+        const double whole = geometry_.shadow();
+        if (std::abs(shadow - whole) > geometry_.shadow(area_rounding + 2 * edge_errors, lowest) + error[2])
+            note("faces", fmt::format("stand over an area of {}, the base has {}{}", shadow, whole,
+                                      geometry_.is_plane() ? "" : " where its radius is 1"));
+        compare("measures.body_volume", m.body_volume, geometry_.body_volume(),
+                area_rounding * scene_.box.diagonal());
     }
 
-    /// Least and greatest height on the vertices, along the edges and, for the least, at a stationary point
-    /// within a face: over a plane base every bisector is a convex height.
+    /// Least and greatest height on the vertices, along the edges, and at a stationary point within a face.
+    /// No bisector's height has a greatest value inside.
     void check_clearances() {
         double least = HUGE_VAL, greatest = -HUGE_VAL, error = rounding();
         const auto meet = [&](double h) {
@@ -1303,19 +1073,29 @@ private:
         return lowest;
     }
 
-    /// The height where it is stationary, if inside the loops. Newton with differences of the gradient.
+    /// The height where it is stationary, if inside the loops: Newton from the lowest point of the grid that
+    /// is inside, with differences of the gradient.
     std::optional<double> stationary_height(const Patch& patch) const {
         const Vec2 extent = patch.hi - patch.lo;
         const auto gradient = [&](const Vec2& uv) {
             const SurfacePoint s = lift(patch, uv);
-            return Vec2(normal_.dot(s.pu), normal_.dot(s.pv));
+            const Vec3 up = geometry_.up(s.p);
+            return Vec2(up.dot(s.pu), up.dot(s.pv));
         };
         Vec2 uv = 0.5 * (patch.lo + patch.hi);
+        double lowest = HUGE_VAL;
+        for (const auto& point : patch.grid)
+            if (const double h = height(point.surface.p);
+                h < lowest && inside(patch, point.uv).value_or(false)) {
+                lowest = h;
+                uv = point.uv;
+            }
         for (int k = 0; k < 20; ++k) {
+            constexpr double kStep = 1e-4;  // of the extent: errors of its square against rounding
             Eigen::Matrix2d hessian;
             for (int i = 0; i < 2; ++i) {
-                const Vec2 h = Vec2::Unit(i) * (0.25 * extent[i]);
-                hessian.col(i) = (gradient(uv + h) - gradient(uv - h)) / (0.5 * extent[i]);
+                const Vec2 h = Vec2::Unit(i) * (kStep * extent[i]);
+                hessian.col(i) = (gradient(uv + h) - gradient(uv - h)) / (2 * kStep * extent[i]);
             }
             const Vec2 step = hessian.inverse() * gradient(uv);
             if (!step.allFinite()) return std::nullopt;
@@ -1357,27 +1137,15 @@ private:
         check_amount("report.seconds.patches", cell_.report.seconds_patches);
     }
 
+    static constexpr int kGrid = 8;
+
     const Cell& cell_;
     const Scene& scene_;
     CheckOptions options_;
-    Vec3 origin_, normal_, e1_, e2_;
-    double scale_ = 0;
-    std::vector<double> object_rounding_;
-    struct Spheres {
-        std::vector<double> x, y, z, reduced_radius;  // the radius less rounding
-        std::vector<std::uint32_t> object;
-        void add(std::uint32_t i, const Sphere& s, double rounding) {
-            x.push_back(s.center.x());
-            y.push_back(s.center.y());
-            z.push_back(s.center.z());
-            reduced_radius.push_back(s.radius - rounding);
-            object.push_back(i);
-        }
-    } spheres_;
-    std::vector<std::uint32_t> others_;  // objects that are no spheres
+    SceneGeometry geometry_;
     std::vector<std::vector<Bezier<3>>> edge_pieces_;
-    std::vector<std::vector<Use>> uses_;                  // by edge
-    std::vector<std::optional<std::uint32_t>> rim_side_;  // by edge: the side it runs over
+    std::vector<std::vector<Use>> uses_;    // by edge
+    std::vector<std::optional<Site>> rim_;  // by edge: what it runs over the rim towards
     std::vector<Patch> patches_;
     std::vector<Finding> findings_;
 };

@@ -4,7 +4,7 @@
 /// with plain distance functions and bisection, curves and patches are evaluated and integrated by code
 /// of this module alone. Verified are
 ///   - structure: indices, knots, weights, labels, each edge used once from either side, loops closed and
-///     turning the right way, seams in pairs, Euler's relation;
+///     turning the right way, seams in pairs, Euler's relation (on the disk, the sphere or the annulus);
 ///   - geometry: vertices, edges and patches equally far from the base and from their sites, nothing
 ///     nearer, inside the box; trimming curves lie on the edges; kinds and names;
 ///   - completeness: sampled base points lie in exactly one face, that of the nearest site;
@@ -33,7 +33,7 @@ struct CheckOptions {
 };
 
 /// All that is wrong with the cell; empty: nothing found. Geometry is judged only where the structure
-/// allows. Throws InputError (Unsupported) when the base is not a plane.
+/// allows.
 std::vector<Finding> check_cell(const Cell& cell, const CheckOptions& options = {});
 
 }  // namespace vcell

@@ -7,8 +7,8 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
-#include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check.hpp"
 #include "../../io/scene_file.hpp"
@@ -174,6 +174,28 @@ Cell two_spheres() {
     return cell;
 }
 
+/// two_spheres() with the left face cut along x = -1/2, which cuts edges 0 and 4 in their middles.
+Cell two_patches() {
+    Cell cell = two_spheres();
+    const Height left{1, -0.5, 15.0 / 16, 2.5};
+    const auto part = [](std::uint32_t e, double begin, double end, const Vec2& p, const Vec2& q) {
+        TrimCurve trim{e, {}, false, segment(p, q)};
+        for (double& k : trim.curve.knots) k = begin + k * (end - begin);
+        return trim;
+    };
+    const auto seam = [](const Vec2& p, const Vec2& q) { return TrimCurve{{}, 3, false, segment(p, q)}; };
+    const Vec2 south(-0.5, -1), north(-0.5, 1);
+    const auto& loop = cell.faces[0].patches[0].loops[0];  // edges 0, 6, 4, 5
+    const TrimmedPatch west{
+        left.patch(-1, -0.5, -1, 1),
+        {{part(0, 0, 0.5, {-1, -1}, south), seam(south, north), part(4, 0.5, 1, north, {-1, 1}), loop[3]}}};
+    const TrimmedPatch east{
+        left.patch(-0.5, 0, -1, 1),
+        {{part(0, 0.5, 1, south, {0, -1}), loop[1], part(4, 0, 0.5, {0, 1}, north), seam(north, south)}}};
+    cell.faces[0].patches = {west, east};
+    return cell;
+}
+
 /// A sphere below a horizontal plane: an island with a closed edge and no vertex, in a face with a hole.
 Cell island() {
     Cell cell;
@@ -233,6 +255,28 @@ Scene random_scene(std::mt19937_64& rng, int spheres, int planes, bool tilted) {
     return s;
 }
 
+/// Objects around a base of about its size in the middle of the box; none cuts or holds it.
+Scene scene_around(std::mt19937_64& rng, const Object& base, int spheres, int planes, int cylinders) {
+    std::uniform_real_distribution<double> u(-1, 1);
+    Scene s;
+    s.base = base;
+    s.box = {{-2, -2, -2}, {2, 2, 2}};
+    const auto direction = [&] { return Vec3(u(rng), u(rng), u(rng)).normalized(); };
+    for (int i = 0; i < spheres; ++i) {
+        const double radius = 0.2 * (1.2 + u(rng));
+        s.objects.push_back(Sphere{(1.3 + radius + 0.4 * u(rng)) * direction(), radius});
+    }
+    for (int i = 0; i < planes; ++i) {
+        const Vec3 n = direction();
+        s.objects.push_back(Plane{1.4 * n, -n});
+    }
+    for (int i = 0; i < cylinders; ++i) {
+        const Vec3 n = direction();
+        s.objects.push_back(Cylinder{1.5 * n, n.cross(direction()), 0.2});
+    }
+    return s;
+}
+
 std::string listing(const std::vector<Finding>& findings) {
     std::string s;
     for (const Finding& f : findings) s += f.where + ": " + f.what + "\n";
@@ -267,7 +311,20 @@ void expect_named(const Cell& good, const Damage& damage) {
 
 TEST_CASE("check_cell: finds nothing wrong with cells built by hand") {
     expect_clean(two_spheres());
+    expect_clean(two_patches());
     expect_clean(island());
+}
+
+TEST_CASE("check_cell: finds nothing wrong with computed cells of spheres") {
+    std::mt19937_64 rng(test_seed());
+    for (const auto& [spheres, planes, cylinders] :
+         {std::array{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {12, 1, 0}, {4, 1, 2}}) {
+        CAPTURE(spheres);
+        CAPTURE(planes);
+        CAPTURE(cylinders);
+        expect_clean(
+            voronoi_cell(scene_around(rng, Sphere{{0.3, -0.2, 0.1}, 0.5}, spheres, planes, cylinders)));
+    }
 }
 
 TEST_CASE("check_cell: finds nothing wrong with computed cells") {
@@ -427,10 +484,140 @@ TEST_CASE("check_cell: names damage to a computed cell of many faces") {
     for (const Damage& d : damages) expect_named(good, d);
 }
 
-TEST_CASE("check_cell: refuses bases other than planes") {
-    Cell cell = two_spheres();
-    cell.scene.base = Sphere{{0, 0, 0}, 1};
-    CHECK_THROWS_AS(check_cell(cell), InputError);
+TEST_CASE("check_cell: names each damage to a face in two patches") {
+    const auto trim = [](Cell& c, int patch, int i) -> TrimCurve& {
+        return c.faces[0].patches[static_cast<std::size_t>(patch)].loops[0][static_cast<std::size_t>(i)];
+    };
+    const std::vector<Damage> damages{
+        {"a seam of one side", "faces[0].patches[0].loops[0][1]", [&](Cell& c) { trim(c, 0, 1).seam = 4; }},
+        {"a seam that bends on one side", "faces[0].patches[0].loops[0][1]",
+         [&](Cell& c) { trim(c, 0, 1).curve.points[1].x() += 1e-3; }},
+        {"an edge with a gap between patches", "edges[0]",
+         [&](Cell& c) { trim(c, 1, 0).curve.knots = {0.75, 0.75, 0.75, 1, 1, 1}; }},
+        {"an edge at other parameters", "faces[0].patches[0].loops[0][2]",
+         [&](Cell& c) { trim(c, 0, 2).curve.knots = {0, 0, 0, 0.5, 0.5, 0.5}; }},
+        {"a patch forgotten", "edges[0]", [](Cell& c) { c.faces[0].patches.pop_back(); }},
+    };
+    const Cell good = two_patches();
+    for (const Damage& d : damages) expect_named(good, d);
+}
+
+TEST_CASE("check_cell: names damage to a computed cell of a sphere") {
+    std::mt19937_64 rng(test_seed());
+    const Cell good = voronoi_cell(scene_around(rng, Sphere{{0.3, -0.2, 0.1}, 0.5}, 14, 1, 0));
+    const auto is_owned = [](const Site& s) { return s.is_object(); };
+    const auto found = [&](const auto& items) {
+        return static_cast<std::size_t>(
+            std::ranges::find_if(items,
+                                 [&](const auto& x) { return std::ranges::all_of(x.sites, is_owned); }) -
+            items.begin());
+    };
+    const std::size_t v = found(good.vertices), e = found(good.edges);
+    REQUIRE(v < good.vertices.size());
+    REQUIRE(e < good.edges.size());
+    const std::size_t f = static_cast<std::size_t>(
+        std::ranges::find_if(good.faces, is_owned, &CellFace::site) - good.faces.begin());
+    const std::string vertex = "vertices[" + std::to_string(v) + "]",
+                      edge = "edges[" + std::to_string(e) + "]", face = "faces[" + std::to_string(f) + "]";
+    const auto owner = [f](Cell& c) -> Object& { return c.scene.objects[c.faces[f].site.index]; };
+    const std::vector<Damage> damages{
+        {"a vertex moved", vertex, [&](Cell& c) { c.vertices[v].point.x() += 1e-6; }},
+        {"a wrong clearance", vertex + ".radius", [&](Cell& c) { c.vertices[v].radius += 1e-6; }},
+        {"a vertex lacks a site", vertex + ".sites", [&](Cell& c) { c.vertices[v].sites.pop_back(); }},
+        {"an end that a sphere does not have", vertex + ".sites",
+         [&](Cell& c) { c.vertices[v].sites.push_back(Site::end(0)); }},
+        {"a control point moved", edge + ".curve", [&](Cell& c) { c.edges[e].curve.points[1].x() += 1e-5; }},
+        {"an edge's sites exchanged", edge + ".sites",
+         [&](Cell& c) { std::swap(c.edges[e].sites[0], c.edges[e].sites[1]); }},
+        {"an edge of the wrong kind", edge + ".kind", [&](Cell& c) { c.edges[e].kind = CurveKind::Line; }},
+        {"a wrong length", edge + ".length", [&](Cell& c) { c.edges[e].length *= 1 + 1e-6; }},
+        {"a patch control point moved", face + ".patches[0]",
+         [&](Cell& c) { c.faces[f].patches[0].surface.points[4].head<3>() *= 1 + 1e-5; }},
+        {"a trimming curve moved", face + ".patches[0].loops[0]",
+         [&](Cell& c) { c.faces[f].patches[0].loops[0][0].curve.points[1].x() += 1e-4; }},
+        {"a face of the wrong name", face + ".bisector",
+         [&](Cell& c) { c.faces[f].bisector = "paraboloid?"; }},
+        {"a face forgotten", "faces",
+         [&](Cell& c) { c.faces.erase(c.faces.begin() + static_cast<long>(f)); }},
+        {"an object moved closer", face + ".patches[0]",
+         [&](Cell& c) {
+             if (auto* s = std::get_if<Sphere>(&owner(c))) s->radius += 1e-6;
+             if (auto* p = std::get_if<Plane>(&owner(c))) p->point += 1e-6 * p->normal.normalized();
+         }},
+        {"another base", "vertices[0]", [](Cell& c) { std::get<Sphere>(c.scene.base).radius += 1e-6; }},
+        {"a wrong volume", "measures.volume", [](Cell& c) { c.measures.volume += 1e-6; }},
+        {"a wrong area", "measures.area", [](Cell& c) { c.measures.area -= 1e-6; }},
+        {"a wrong base area", "measures.base_area", [](Cell& c) { c.measures.base_area += 1e-6; }},
+        {"a wrong body", "measures.body_volume", [](Cell& c) { c.measures.body_volume = 0; }},
+        {"a wrong least clearance", "measures.min_clearance",
+         [](Cell& c) { c.measures.min_clearance += 1e-6; }},
+        {"a wrong greatest clearance", "measures.max_clearance",
+         [](Cell& c) { c.measures.max_clearance -= 1e-6; }},
+    };
+    for (const Damage& d : damages) expect_named(good, d);
+}
+
+TEST_CASE("check_cell: finds nothing wrong with computed cells of cylinders") {
+    std::mt19937_64 rng(test_seed());
+    for (const auto& [spheres, planes, cylinders] :
+         {std::array{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {6, 1, 0}, {2, 1, 3}}) {
+        CAPTURE(spheres);
+        CAPTURE(planes);
+        CAPTURE(cylinders);
+        const Cylinder base{{0.1, 0.2, 0}, {0.1, -0.2, 1}, 0.25};
+        Scene scene = scene_around(rng, base, spheres, 0, cylinders);
+        // A plane beside the stretch, whatever the seed.
+        if (planes > 0) scene.objects.push_back(Plane{{1.6, 0, 0}, {1, 0.1, 0.1}});
+        std::erase_if(scene.objects, [&](const Object& o) {
+            const auto* c = std::get_if<Cylinder>(&o);
+            return c && std::abs(base.axis.cross(c->axis).normalized().dot(c->point - base.point)) < 0.6;
+        });
+        expect_clean(voronoi_cell(scene));
+    }
+}
+
+TEST_CASE("check_cell: names damage to a computed cell of a cylinder") {
+    Scene scene;
+    scene.base = Cylinder{{0, 0, 0}, {0, 0, 1}, 0.5};
+    scene.objects = {Sphere{{1.5, 0.25, 0.5}, 0.5}, Cylinder{{-1.25, 0.5, 0}, {0.25, 0.5, 1}, 0.25},
+                     Cylinder{{0, -1.5, -0.5}, {1, 0.125, 0.125}, 0.5}};
+    scene.box = {{-3, -3, -2}, {3, 3, 2}};
+    const Cell good = voronoi_cell(scene);
+    const auto is_rim = [](const CellEdge& e) {
+        return e.sites[0].kind == Site::Kind::End || e.sites[1].kind == Site::Kind::End;
+    };
+    const auto e = static_cast<std::size_t>(std::ranges::find_if(good.edges, is_rim) - good.edges.begin());
+    REQUIRE(e < good.edges.size());
+    const std::string edge = "edges[" + std::to_string(e) + "]";
+    const auto cut = static_cast<std::size_t>(
+        std::ranges::find_if(good.faces, [](const CellFace& f) { return f.patches.size() > 1; }) -
+        good.faces.begin());
+    REQUIRE(cut < good.faces.size());
+    const auto seam_of = [cut](Cell& c) -> TrimCurve& {
+        for (TrimmedPatch& patch : c.faces[cut].patches)
+            for (auto& loop : patch.loops)
+                for (TrimCurve& trim : loop)
+                    if (trim.seam) return trim;
+        throw std::logic_error("a cut face without a seam");
+    };
+    const std::vector<Damage> damages{
+        {"a rim at the other end", edge,
+         [&](Cell& c) {
+             for (Site& s : c.edges[e].sites)
+                 if (s.kind == Site::Kind::End) s.index = 1 - s.index;
+         }},
+        {"a rim moved along the axis", edge,
+         [&](Cell& c) {
+             for (auto& p : c.edges[e].curve.points) p.z() += 1e-5;
+         }},
+        {"a seam moved", "faces[" + std::to_string(cut) + "].patches",
+         [&](Cell& c) { seam_of(c).curve.points[0].y() += 1e-3; }},
+        {"a longer stretch", "measures.base_area", [](Cell& c) { c.scene.box.max.z() += 1e-3; }},
+        {"ends not counted", "measures.box_area", [](Cell& c) { c.measures.box_area -= 1e-3; }},
+        {"a face forgotten", "faces", [](Cell& c) { c.faces.pop_back(); }},
+        {"a wrong volume", "measures.volume", [](Cell& c) { c.measures.volume += 1e-2; }},
+    };
+    for (const Damage& d : damages) expect_named(good, d);
 }
 
 }  // namespace vcell

@@ -1,0 +1,380 @@
+#include "check_scene.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <variant>
+
+namespace vcell::check {
+
+namespace {
+
+double distance(const Plane& o, const Vec3& p) {
+    return std::abs(o.normal.dot(p - o.point)) / o.normal.norm();
+}
+double distance(const Sphere& o, const Vec3& p) { return (p - o.center).norm() - o.radius; }
+double distance(const Cylinder& o, const Vec3& p) {
+    return o.axis.cross(p - o.point).norm() / o.axis.norm() - o.radius;
+}
+double distance(const Object& o, const Vec3& p) {
+    return std::visit([&](const auto& x) { return distance(x, p); }, o);
+}
+
+/// Size of the numbers that enter the distance, for its rounding.
+double magnitude(const Plane& o) { return o.point.norm(); }
+double magnitude(const Sphere& o) { return o.center.norm() + o.radius; }
+double magnitude(const Cylinder& o) { return o.point.norm() + o.radius; }
+
+Vec2 random_point(std::mt19937_64& rng, const Vec2& lo, const Vec2& hi) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const double x = unit(rng), y = unit(rng);
+    return lo + Vec2(x, y).cwiseProduct(hi - lo);
+}
+
+/// Is q inside a convex counter-clockwise polygon, at least `margin` from each side?
+bool within(const std::vector<Vec2>& polygon, const Vec2& q, double margin) {
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vec2 d = polygon[(i + 1) % polygon.size()] - polygon[i], r = q - polygon[i];
+        if (d.x() * r.y() - d.y() * r.x() < margin * d.norm()) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+SceneGeometry::SceneGeometry(const Scene& scene)
+    : scene_(scene),
+      plane_(std::get_if<Plane>(&scene.base)),
+      sphere_(std::get_if<Sphere>(&scene.base)),
+      cylinder_(std::get_if<Cylinder>(&scene.base)) {
+    normal_ = Vec3::UnitZ();
+    if (plane_) {
+        origin_ = plane_->point;
+        normal_ = plane_->normal.normalized();
+    } else if (sphere_) {
+        origin_ = sphere_->center;
+        radius_ = sphere_->radius;
+    } else {
+        origin_ = cylinder_->point;
+        normal_ = cylinder_->axis.normalized();
+        radius_ = cylinder_->radius;
+    }
+    across_[0] = normal_.unitOrthogonal();
+    across_[1] = normal_.cross(across_[0]);
+    scale_ = std::max({scene.box.min.norm(), scene.box.max.norm(), origin_.norm() + radius_}) +
+             scene.box.diagonal();
+    if (plane_) find_region();
+    if (cylinder_) find_stretch();
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& o = scene.objects[i];
+        const double size = std::visit([](const auto& x) { return magnitude(x); }, o);
+        object_rounding_.push_back(kRounding * (scale_ + size));
+        if (const auto* s = std::get_if<Sphere>(&o)) {
+            spheres_.x.push_back(s->center.x());
+            spheres_.y.push_back(s->center.y());
+            spheres_.z.push_back(s->center.z());
+            spheres_.reduced_radius.push_back(s->radius - object_rounding_.back());
+            spheres_.object.push_back(i);
+        } else {
+            others_.push_back(i);
+        }
+    }
+}
+
+// --- The base ------------------------------------------------------------------------------------------
+
+Vec3 SceneGeometry::from_axis(const Vec3& p) const {
+    const Vec3 q = p - origin_;
+    return sphere_ ? q : Vec3(q - normal_.dot(q) * normal_);
+}
+
+double SceneGeometry::height(const Vec3& p) const {
+    return plane_ ? normal_.dot(p - origin_) : from_axis(p).norm() - radius_;
+}
+
+Vec3 SceneGeometry::up(const Vec3& p) const { return plane_ ? normal_ : from_axis(p).normalized(); }
+
+Ray SceneGeometry::ray(const Vec3& p) const {
+    const Vec3 direction = up(p), foot = p - height(p) * direction;
+    const Vec3 side = cylinder_ ? normal_ : direction.unitOrthogonal();
+    return {foot, direction, {side, direction.cross(side)}, plane_ ? 0 : -radius_};
+}
+
+std::optional<Ray> SceneGeometry::random_ray(std::mt19937_64& rng, double margin) const {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const double turn = 2 * std::numbers::pi * unit(rng);
+    const Vec3 around = std::cos(turn) * across_[0] + std::sin(turn) * across_[1];
+    if (sphere_) {
+        // Archimedes: a uniform height on the axis gives a uniform point of the sphere.
+        const double z = 2 * unit(rng) - 1;
+        return ray(origin_ + z * normal_ + std::sqrt(1 - z * z) * around);
+    }
+    if (cylinder_) {
+        const double length = stretch_[1] - stretch_[0];
+        if (!(length > 2 * margin)) return std::nullopt;
+        return ray(origin_ + (stretch_[0] + margin + unit(rng) * (length - 2 * margin)) * normal_ + around);
+    }
+    if (region_.size() < 3) return std::nullopt;
+    Vec2 lo = region_[0], hi = region_[0];
+    for (const Vec2& p : region_) {
+        lo = lo.cwiseMin(p);
+        hi = hi.cwiseMax(p);
+    }
+    for (int tries = 0; tries < 100; ++tries) {  // the polygon may be a sliver of its bounds
+        const Vec2 q = random_point(rng, lo, hi);
+        if (within(region_, q, margin)) return ray(origin_ + q.x() * across_[0] + q.y() * across_[1]);
+    }
+    return std::nullopt;
+}
+
+double SceneGeometry::base_area() const {
+    constexpr double pi = std::numbers::pi;
+    if (sphere_) return 4 * pi * radius_ * radius_;
+    if (cylinder_) return 2 * pi * radius_ * (stretch_[1] - stretch_[0]);
+    double area = 0;
+    for (std::size_t i = 0; i < region_.size(); ++i) {
+        const Vec2 p = region_[i] - region_[0], q = region_[(i + 1) % region_.size()] - region_[0];
+        area += 0.5 * (p.x() * q.y() - p.y() * q.x());
+    }
+    return area;
+}
+
+double SceneGeometry::body_volume() const { return plane_ ? 0 : base_area() * radius_ / (sphere_ ? 3 : 2); }
+
+double SceneGeometry::body_end_area() const {
+    return cylinder_ ? 2 * std::numbers::pi * radius_ * radius_ : 0;
+}
+
+double SceneGeometry::shadow() const {
+    constexpr double pi = std::numbers::pi;
+    return plane_ ? base_area() : sphere_ ? 4 * pi : 2 * pi * (stretch_[1] - stretch_[0]);
+}
+
+double SceneGeometry::shadow(double area, double height) const {
+    const double t = std::max(radius_ + height, rounding());
+    return plane_ ? area : sphere_ ? area / (t * t) : area / t;
+}
+
+// Cones from the centre, wedges from the axis, columns from the plane.
+Triple SceneGeometry::densities(const SurfacePoint& s) const {
+    const Vec3 across = s.pu.cross(s.pv);
+    if (plane_) return {height(s.p) * normal_.dot(across), across.norm(), normal_.dot(across)};
+    const Vec3 q = from_axis(s.p);
+    const double flow = q.dot(across), square = q.squaredNorm();
+    return sphere_ ? Triple(flow / 3, across.norm(), flow / (square * std::sqrt(square)))
+                   : Triple(flow / 2, across.norm(), flow / square);
+}
+
+double SceneGeometry::side_area_density(const Vec3& p, const Vec3& dp) const {
+    if (plane_) return height(p) * (dp - normal_.dot(dp) * normal_).norm();
+    return 0.5 * std::abs(normal_.dot(from_axis(p).cross(dp)));
+}
+
+double SceneGeometry::distance_from_rim(const Site& s, const Vec3& p) const {
+    if (plane_ && s.kind == Site::Kind::BoxSide)
+        return std::abs(inside_side(s.index, p - height(p) * normal_));
+    if (cylinder_ && s.kind == Site::Kind::End) return std::abs(inside_end(s.index, p));
+    return HUGE_VAL;
+}
+
+std::optional<SceneGeometry::Aside> SceneGeometry::aside(const Ray& ray, const SurfacePoint& s) const {
+    Aside result;
+    const Vec3 q = s.p - ray.at(ray.start);
+    const double ahead = plane_ ? 1 : ray.direction.dot(q);
+    if (!(ahead > 0)) return std::nullopt;
+    for (int i = 0; i < 2; ++i) {
+        // Along a cylinder's axis a length, otherwise the tangent of an angle.
+        const bool is_length = plane_ || (cylinder_ && i == 0);
+        const double divisor = is_length ? 1 : ahead;
+        const auto derivative = [&](const Vec3& d) {
+            const double turn = is_length ? 0 : result.value[i] * ray.direction.dot(d);
+            return (ray.across[i].dot(d) - turn) / divisor;
+        };
+        result.value[i] = ray.across[i].dot(q) / divisor;
+        result.derivative.row(i) << derivative(s.pu), derivative(s.pv);
+    }
+    return result;
+}
+
+/// A large square about the box's shadow, cut by the six sides.
+void SceneGeometry::find_region() {
+    const Vec2 c = chart(0.5 * (scene_.box.min + scene_.box.max));
+    const double m = scene_.box.diagonal();
+    region_ = {c + Vec2(-m, -m), c + Vec2(m, -m), c + Vec2(m, m), c + Vec2(-m, m)};
+    for (std::uint32_t s = 0; s < 6; ++s) {
+        const auto inside = [&](const Vec2& q) {
+            return inside_side(s, origin_ + q.x() * across_[0] + q.y() * across_[1]);
+        };
+        std::vector<Vec2> kept;
+        for (std::size_t i = 0; i < region_.size(); ++i) {
+            const Vec2 &p = region_[i], &q = region_[(i + 1) % region_.size()];
+            const double dp = inside(p), dq = inside(q);
+            if (dp >= 0) kept.push_back(p);
+            if ((dp >= 0) != (dq >= 0)) kept.push_back(p + dp / (dp - dq) * (q - p));
+        }
+        region_ = std::move(kept);
+    }
+}
+
+/// A circle about the axis reaches as far towards a side as its radius times the sine of their angle.
+void SceneGeometry::find_stretch() {
+    stretch_ = {-HUGE_VAL, HUGE_VAL};
+    for (std::uint32_t s = 0; s < 6; ++s) {
+        const double along = speed(s, normal_);
+        const double room = inside_side(s, origin_) - radius_ * std::sqrt(std::max(0.0, 1 - along * along));
+        if (along > 0) stretch_[1] = std::min(stretch_[1], room / along);
+        if (along < 0) stretch_[0] = std::max(stretch_[0], room / along);
+    }
+}
+
+// --- Sites ---------------------------------------------------------------------------------------------
+
+double SceneGeometry::inside_side(std::uint32_t side, const Vec3& p) const {
+    const int axis = static_cast<int>(side / 2);
+    return side % 2 ? scene_.box.max[axis] - p[axis] : p[axis] - scene_.box.min[axis];
+}
+
+double SceneGeometry::speed(std::uint32_t side, const Vec3& direction) const {
+    return side % 2 ? direction[side / 2] : -direction[side / 2];
+}
+
+double SceneGeometry::inside_end(std::uint32_t end, const Vec3& p) const {
+    const double y = normal_.dot(p - origin_);
+    return end == 0 ? y - stretch_[0] : stretch_[1] - y;
+}
+
+double SceneGeometry::inside_box(const Vec3& p) const {
+    double d = inside_side(0, p);
+    for (std::uint32_t s = 1; s < 6; ++s) d = std::min(d, inside_side(s, p));
+    return d;
+}
+
+bool SceneGeometry::exists(const Site& s) const {
+    switch (s.kind) {
+        case Site::Kind::Object:
+            return s.index < scene_.objects.size();
+        case Site::Kind::BoxSide:
+            return s.index < 6;
+        case Site::Kind::End:
+            return is_cylinder() && s.index < 2;
+        default:
+            return false;
+    }
+}
+
+double SceneGeometry::distance_to(std::uint32_t object, const Vec3& p) const {
+    return distance(scene_.objects[object], p);
+}
+
+double SceneGeometry::excess(const Site& s, const Vec3& p, double r) const {
+    if (s.is_object()) return distance_to(s.index, p) - r;
+    return s.kind == Site::Kind::End ? inside_end(s.index, p) : inside_side(s.index, p);
+}
+
+// The one loop over all objects for every point that is judged: blocks of spheres by squared distances first,
+// which vectorise.
+std::optional<std::uint32_t> SceneGeometry::nearer(const Vec3& p, double reach) const {
+    constexpr std::size_t kBlock = 256;
+    for (std::size_t begin = 0; begin < spheres_.object.size(); begin += kBlock) {
+        const std::size_t end = std::min(begin + kBlock, spheres_.object.size());
+        int hits = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const double dx = p.x() - spheres_.x[i], dy = p.y() - spheres_.y[i], dz = p.z() - spheres_.z[i];
+            const double limit = std::max(0.0, reach + spheres_.reduced_radius[i]);
+            hits += dx * dx + dy * dy + dz * dz < limit * limit;
+        }
+        for (std::size_t i = begin; hits > 0 && i < end; ++i)
+            if (is_nearer(spheres_.object[i], p, reach)) return spheres_.object[i];
+    }
+    for (const std::uint32_t i : others_)
+        if (is_nearer(i, p, reach)) return i;
+    return std::nullopt;
+}
+
+bool SceneGeometry::is_nearer(std::uint32_t i, const Vec3& p, double reach) const {
+    return distance_to(i, p) < reach - object_rounding_[i];
+}
+
+// Where the ray leaves the box, shortened by bisection at each object met before. d_i - t never grows along
+// the ray, so its sign decides.
+double SceneGeometry::brute_height(const Ray& ray) const {
+    double t = HUGE_VAL;
+    for (std::uint32_t s = 0; s < 6; ++s)
+        if (const double v = speed(s, ray.direction); v > 0)
+            t = std::min(t, std::max(0.0, inside_side(s, ray.foot)) / v);
+    for (const Object& o : scene_.objects) {
+        if (distance(o, ray.at(t)) >= t) continue;
+        double lo = ray.start, hi = t;
+        for (double m = 0.5 * (lo + hi); lo < m && m < hi; m = 0.5 * (lo + hi))
+            (distance(o, ray.at(m)) < m ? hi : lo) = m;
+        t = hi;
+    }
+    return t;
+}
+
+Site SceneGeometry::owner(const Ray& ray, double r) const {
+    const Vec3 p = ray.at(r);
+    Site best = Site::box_side(0);
+    double least = HUGE_VAL;
+    for (std::uint32_t s = 0; s < 6; ++s)
+        if (inside_side(s, p) < least && speed(s, ray.direction) > 0) {
+            best = Site::box_side(s);
+            least = inside_side(s, p);
+        }
+    for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
+        if (const double e = distance_to(i, p) - r; e < least) {
+            best = Site::object(i);
+            least = e;
+        }
+    return best;
+}
+
+// --- Names ---------------------------------------------------------------------------------------------
+
+std::vector<std::string> SceneGeometry::bisector_names(const Site& s) const {
+    if (!s.is_object()) return {"box"};
+    const Object& o = scene_.objects[s.index];
+    return plane_ ? names_about_plane(o) : sphere_ ? names_about_sphere(o) : names_about_cylinder(o);
+}
+
+std::vector<std::string> SceneGeometry::names_about_plane(const Object& o) const {
+    if (std::holds_alternative<Plane>(o)) return {"plane"};
+    if (std::holds_alternative<Sphere>(o)) return {"paraboloid"};
+    // The points whose distance from a line equals that from the plane shifted by the radius.
+    const bool parallel = std::abs(normal_.dot(std::get<Cylinder>(o).axis.normalized())) <= kRounding;
+    return {parallel ? "parabolic cylinder" : "elliptic cone"};
+}
+
+std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) const {
+    if (std::holds_alternative<Plane>(o)) return {"paraboloid"};
+    if (const auto* sphere = std::get_if<Sphere>(&o))
+        return {sphere->radius == radius_ ? "plane" : "hyperboloid"};
+    return {std::get<Cylinder>(o).radius == radius_ ? "parabolic cylinder" : "quartic"};
+}
+
+std::vector<std::string> SceneGeometry::names_about_cylinder(const Object& o) const {
+    if (const auto* plane = std::get_if<Plane>(&o)) {
+        const double slope = std::abs(normal_.dot(plane->normal.normalized()));
+        if (slope <= kRounding) return {"parabolic cylinder", "elliptic cone"};
+        return {"elliptic cone", "circular cone"};
+    }
+    if (const auto* sphere = std::get_if<Sphere>(&o))
+        return {sphere->radius == radius_ ? "parabolic cylinder" : "quartic"};
+    const auto& cylinder = std::get<Cylinder>(o);
+    const bool equal = cylinder.radius == radius_;
+    const Vec3 turn = normal_.cross(cylinder.axis.normalized());
+    std::vector<std::string> names;
+    if (turn.norm() <= kRounding) names.push_back(equal ? "plane" : "hyperbolic cylinder");
+    if (turn.norm() == 0) return names;
+    if (!equal) {
+        names.push_back("quartic");
+        return names;
+    }
+    names.push_back("hyperbolic paraboloid");
+    if (std::abs(turn.normalized().dot(cylinder.point - origin_)) <= kRounding * scale_)
+        names.push_back("pair of planes");
+    return names;
+}
+
+}  // namespace vcell::check

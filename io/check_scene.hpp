@@ -1,0 +1,138 @@
+/// A scene as the check sees it: plain distance functions in world coordinates, rays along the base's
+/// normals.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "../primitives/scene.hpp"
+#include "../primitives/site.hpp"
+#include "check_curves.hpp"
+
+namespace vcell::check {
+
+/// Relative to the size of the coordinates: a few hundred operations, each rounding once, lie between the
+/// scene and any number of the cell.
+inline constexpr double kRounding = 512 * 0x1p-53;
+
+/// A base point's normal. The point at clearance t is foot + t direction, from t = start (less than 0 where
+/// the base has a body: the ray comes from its centre or axis).
+struct Ray {
+    Vec3 foot, direction;
+    std::array<Vec3, 2> across;  ///< with the direction an orthonormal, right-handed frame
+    double start;
+
+    Vec3 at(double t) const { return foot + t * direction; }
+};
+
+class SceneGeometry {
+public:
+    /// Pre: validate(scene) would pass. Keeps a reference.
+    explicit SceneGeometry(const Scene& scene);
+
+    // ---- The base ----
+
+    bool is_plane() const { return plane_ != nullptr; }
+    bool is_sphere() const { return sphere_ != nullptr; }
+    bool is_cylinder() const { return cylinder_ != nullptr; }
+
+    /// Clearance of the ray through p there: the distance from the base's surface, negative inside its body.
+    double height(const Vec3& p) const;
+    /// The least possible one.
+    double least_height() const { return -radius_; }
+    /// The base's normal at the foot of p.
+    Vec3 up(const Vec3& p) const;
+    Ray ray(const Vec3& p) const;
+    /// No base point's ray where the cell has no rays (a base that the box misses). `margin`: from the rim.
+    std::optional<Ray> random_ray(std::mt19937_64& rng, double margin) const;
+
+    double base_area() const;
+    double body_volume() const;
+    /// Of a cylinder's two ends.
+    double body_end_area() const;
+    /// What the third density adds up to: the base region's area, of spheres and cylinders at radius 1.
+    double shadow() const;
+    /// The shadow of an area of the cell's boundary at that height, at most.
+    double shadow(double area, double height) const;
+    /// Per du dv: the volume below the patch (the body's share included), the patch's area, and that of its
+    /// shadow on the base, of spheres and cylinders at radius 1; volume and shadow are negative where it
+    /// faces the base.
+    Triple densities(const SurfacePoint& s) const;
+    /// Integrated along a rim's curve, per dt: the area of the cell's side there (a plane's wall, a
+    /// cylinder's end from the axis on).
+    double side_area_density(const Vec3& p, const Vec3& dp) const;
+    /// How far the base point below p is from the part of the rim that a site names; infinite if it names
+    /// none.
+    double distance_from_rim(const Site& s, const Vec3& p) const;
+
+    /// Plane: p's place in it.
+    Vec2 chart(const Vec3& p) const { return {across_[0].dot(p - origin_), across_[1].dot(p - origin_)}; }
+
+    /// How far p is beside a ray, in two coordinates that are zero on it: lengths, or along the surface of
+    /// the base seen from its centre or axis. Nothing for p on the other side.
+    struct Aside {
+        Vec2 value;
+        Eigen::Matrix2d derivative;  ///< with respect to (u, v)
+    };
+    std::optional<Aside> aside(const Ray& ray, const SurfacePoint& s) const;
+
+    // ---- Sites ----
+
+    double scale() const { return scale_; }
+    double rounding() const { return kRounding * scale_; }
+    double site_rounding(const Site& s) const {
+        return s.is_object() ? object_rounding_[s.index] : rounding();
+    }
+    bool exists(const Site& s) const;
+
+    /// How far p lies inside the box.
+    double inside_box(const Vec3& p) const;
+    double distance_to(std::uint32_t object, const Vec3& p) const;
+    /// How much farther than r the site is from p: 0 where it bounds the cell at clearance r.
+    double excess(const Site& s, const Vec3& p, double r) const;
+    /// Some object closer to p than reach, by more than rounding.
+    std::optional<std::uint32_t> nearer(const Vec3& p, double reach) const;
+    /// Clearance of the cell along a ray, by brute force.
+    double brute_height(const Ray& ray) const;
+    /// Who bounds the cell at clearance r.
+    Site owner(const Ray& ray, double r) const;
+
+    /// What the bisector of base and site may be called: several names where only exact arithmetic could
+    /// tell.
+    std::vector<std::string> bisector_names(const Site& s) const;
+
+private:
+    double inside_side(std::uint32_t side, const Vec3& p) const;
+    double inside_end(std::uint32_t end, const Vec3& p) const;
+    Vec3 from_axis(const Vec3& p) const;  // sphere: from the centre
+    void find_region();
+    void find_stretch();
+    double speed(std::uint32_t side, const Vec3& direction) const;
+    std::vector<std::string> names_about_plane(const Object& o) const;
+    std::vector<std::string> names_about_sphere(const Object& o) const;
+    std::vector<std::string> names_about_cylinder(const Object& o) const;
+    bool is_nearer(std::uint32_t i, const Vec3& p, double reach) const;
+
+    const Scene& scene_;
+    const Plane* plane_;
+    const Sphere* sphere_;
+    const Cylinder* cylinder_;
+    Vec3 origin_, normal_;  // of the base: a point or its centre; the plane's normal, the cylinder's axis
+    std::array<Vec3, 2> across_;           // with normal_ an orthonormal, right-handed frame
+    double radius_ = 0;                    // of the base
+    std::vector<Vec2> region_;             // plane: a convex polygon, counter-clockwise
+    std::array<double, 2> stretch_{0, 0};  // cylinder: along the axis, from origin_
+    double scale_ = 0;
+    std::vector<double> object_rounding_;
+    struct Spheres {
+        std::vector<double> x, y, z, reduced_radius;  // the radius less rounding
+        std::vector<std::uint32_t> object;
+    } spheres_;
+    std::vector<std::uint32_t> others_;  // objects that are no spheres
+};
+
+}  // namespace vcell::check
