@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "../core/errors.hpp"
+#include "trims.hpp"
 
 namespace vcell {
 
@@ -14,8 +15,9 @@ namespace {
 
 constexpr std::uint32_t none = UINT32_MAX;
 
-/// A cell edge as a polyline: parameters of its space curve, ends included, and mesh points.
-struct SampledEdge {
+/// A cell edge or a seam as a polyline: parameters, ends included, and mesh points. A seam has those of the
+/// first trimming curve along it; the other one runs against it.
+struct SampledLine {
     std::vector<double> parameters;
     std::vector<std::uint32_t> points;
 };
@@ -24,7 +26,7 @@ struct SampledEdge {
 struct LoopPoint {
     std::uint32_t point;  // of the mesh
     Vec2 uv;
-    std::uint32_t edge;  // the cell edge that starts or goes on here
+    std::uint32_t line;  // the edge or seam that starts or goes on here
 };
 
 bool proper_crossing(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
@@ -41,30 +43,37 @@ double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
     return (s.evaluate(m.x(), m.y()) - chord_middle).norm();
 }
 
-/// The point of a trimming curve at the edge's parameter t: they share it, or run against each other.
-Vec2 at_edge_parameter(const TrimCurve& c, double t) {
-    return c.curve.evaluate(c.reversed ? c.curve.domain_begin() + c.curve.domain_end() - t : t);
-}
-
 class Tessellator {
 public:
     Tessellator(const Cell& cell, const MeshOptions& options)
         : cell_(cell),
           chord_(options.chord.value_or(1e-3 * cell.scene.box.diagonal())),
-          pieces_(cell.edges.size()),
-          uses_(cell.edges.size()) {
+          lines_(cell.edges.size()) {
+        for (std::size_t e = 0; e < cell.edges.size(); ++e) {
+            const RationalCurve3& curve = cell.edges[e].curve;
+            lines_[e].breaks = {curve.domain_begin(), curve.domain_end()};
+        }
         for_each_curve([&](const TrimCurve& c, const RationalPatch& s) {
-            if (!c.edge) throw InternalError("tessellate: a chart seam over a plane base");
-            uses_[*c.edge].push_back({&c, &s});
+            if (!c.edge && !c.seam) throw InternalError("tessellate: a trimming curve along nothing");
+            if (c.seam) {
+                const auto [at, is_new] =
+                    seams_.try_emplace(*c.seam, static_cast<std::uint32_t>(lines_.size()));
+                if (is_new) lines_.push_back({{}, {c.curve.domain_begin(), c.curve.domain_end()}, 1});
+            }
+            Line& line = lines_[line_of(c)];
+            line.uses.push_back({&c, &s});
+            for (const double t : {c.curve.domain_begin(), c.curve.domain_end()})
+                line.breaks.push_back(line_parameter(c, t));
         });
+        for (Line& line : lines_) settle_breaks(line.breaks);
     }
 
     CellMesh mesh(bool closed) {
-        for (std::size_t e = 0; e < pieces_.size(); ++e) pieces_[e] = first_pieces(cell_.edges[e]);
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) lines_[e].pieces = first_pieces(cell_.edges[e]);
         // Chords of a coarse polyline may cross those of its neighbour where the true arcs do not.
         constexpr int rounds = 8;
-        sample_edges();
-        for (int i = 0; i < rounds && refine_crossing_edges(); ++i) sample_edges();
+        sample_lines();
+        for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
 
         for (std::uint32_t f = 0; f < cell_.faces.size(); ++f) {
             const std::size_t begin = mesh_.triangles.size();
@@ -72,15 +81,21 @@ public:
             mesh_.groups.push_back({CellMesh::Group::Kind::Face, f, begin, mesh_.triangles.size()});
         }
         if (closed) add_walls_and_base();
-        for (const SampledEdge& e : edges_) mesh_.edge_lines.push_back(e.points);
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) mesh_.edge_lines.push_back(sampled_[e].points);
         return std::move(mesh_);
     }
 
 private:
-    /// A trimming curve on an edge, and its patch.
+    /// A trimming curve, and its patch.
     struct Use {
         const TrimCurve* curve;
         const RationalPatch* patch;
+    };
+    /// A cell edge (those come first) or a seam.
+    struct Line {
+        std::vector<Use> uses;
+        std::vector<double> breaks;  // where trimming curves begin and end: points of every polyline
+        std::size_t pieces = 1;      // between its ends, before halving
     };
 
     template <class F>
@@ -91,6 +106,44 @@ private:
                     for (const TrimCurve& c : loop) f(c, patch.surface);
     }
 
+    std::uint32_t line_of(const TrimCurve& c) const { return c.edge ? *c.edge : seams_.at(*c.seam); }
+
+    // The line's parameter at t of a trimming curve along it, and the other way round. Along a seam the two
+    // run against each other, whatever their domains.
+    double line_parameter(const TrimCurve& c, double t) const {
+        if (c.edge) return edge_parameter(c, cell_.edges[*c.edge].curve, t);
+        const TrimCurve& first = *seam_leader(c);
+        if (&first == &c) return t;
+        return mirrored(c.curve, first.curve, t);
+    }
+    double trim_parameter(const TrimCurve& c, double t) const {
+        if (c.edge) return edge_parameter(c, cell_.edges[*c.edge].curve, t);
+        const TrimCurve& first = *seam_leader(c);
+        if (&first == &c) return t;
+        return mirrored(first.curve, c.curve, t);
+    }
+    const TrimCurve* seam_leader(const TrimCurve& c) const {
+        const Line& line = lines_[seams_.at(*c.seam)];
+        return line.uses.empty() ? &c : line.uses.front().curve;
+    }
+    static double mirrored(const RationalCurve2& from, const RationalCurve2& to, double t) {
+        const double s = (t - from.domain_begin()) / (from.domain_end() - from.domain_begin());
+        return s <= 0   ? to.domain_end()
+               : s >= 1 ? to.domain_begin()
+                        : to.domain_end() - s * (to.domain_end() - to.domain_begin());
+    }
+
+    // In order; those that mean the same place differ by their rounding.
+    static void settle_breaks(std::vector<double>& breaks) {
+        std::sort(breaks.begin(), breaks.end());
+        const double apart = break_rounding * (breaks.back() - breaks.front());
+        std::vector<double> settled;
+        for (const double t : breaks)
+            if (settled.empty() || t - settled.back() > apart) settled.push_back(t);
+        settled.back() = breaks.back();
+        breaks = std::move(settled);
+    }
+
     // Pieces that an edge has at least: enough for a loop to be a polygon, and for a curved edge to have
     // points of its own beside its ends, whatever the chord.
     static std::size_t first_pieces(const CellEdge& e) {
@@ -98,27 +151,30 @@ private:
         return e.kind == CurveKind::Line ? 1 : 2;
     }
 
-    // Whether the stretch [from, to] of an edge needs a point between: for the curve itself, and for the
+    // Whether the stretch [from, to] of a line needs a point between: for the curve itself, and for the
     // patches on both sides, whose inner sides could not be shorter than those on the boundary.
-    bool too_coarse(std::size_t edge, double from, double to) const {
-        const RationalCurve3& curve = cell_.edges[edge].curve;
-        const Vec3 chord_middle = 0.5 * (curve.evaluate(from) + curve.evaluate(to));
-        if ((curve.evaluate(0.5 * (from + to)) - chord_middle).norm() > chord_) return true;
-        for (const Use& use : uses_[edge])
-            if (deviation(*use.patch, at_edge_parameter(*use.curve, from),
-                          at_edge_parameter(*use.curve, to)) > chord_)
-                return true;
+    bool too_coarse(std::size_t line, double from, double to) const {
+        if (line < cell_.edges.size()) {
+            const RationalCurve3& curve = cell_.edges[line].curve;
+            const Vec3 chord_middle = 0.5 * (curve.evaluate(from) + curve.evaluate(to));
+            if ((curve.evaluate(0.5 * (from + to)) - chord_middle).norm() > chord_) return true;
+        }
+        for (const Use& use : lines_[line].uses) {
+            const RationalCurve2& curve = use.curve->curve;
+            const double a = trim_parameter(*use.curve, from), b = trim_parameter(*use.curve, to);
+            if (std::max(a, b) <= curve.domain_begin() || std::min(a, b) >= curve.domain_end()) continue;
+            if (deviation(*use.patch, curve.evaluate(a), curve.evaluate(b)) > chord_) return true;
+        }
         return false;
     }
 
-    // Parameters of an edge: pieces of equal length in the parameter, halved while they are too coarse.
-    std::vector<double> parameters(std::size_t edge, std::size_t pieces) const {
-        const RationalCurve3& curve = cell_.edges[edge].curve;
-        const double begin = curve.domain_begin(), end = curve.domain_end();
-        std::vector<double> result{begin};
+    // Parameters of a line: pieces of equal length between its breaks, halved while they are too coarse.
+    std::vector<double> parameters(std::size_t line) const {
+        const std::vector<double>& breaks = lines_[line].breaks;
+        std::vector<double> result{breaks.front()};
         const auto add = [&](auto& self, double from, double to, int depth) -> void {
             constexpr int deepest = 12;
-            if (depth < deepest && too_coarse(edge, from, to)) {
+            if (depth < deepest && too_coarse(line, from, to)) {
                 const double middle = 0.5 * (from + to);
                 self(self, from, middle, depth + 1);
                 self(self, middle, to, depth + 1);
@@ -126,36 +182,62 @@ private:
                 result.push_back(to);
             }
         };
-        for (std::size_t i = 0; i < pieces; ++i) {
-            const auto at = [&](std::size_t k) {
-                return k == pieces
+        const std::size_t pieces = lines_[line].pieces;
+        for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+            const double begin = breaks[k], end = breaks[k + 1];
+            const auto at = [&](std::size_t i) {
+                return i == pieces
                            ? end
-                           : begin + (end - begin) * static_cast<double>(k) / static_cast<double>(pieces);
+                           : begin + (end - begin) * static_cast<double>(i) / static_cast<double>(pieces);
             };
-            add(add, at(i), at(i + 1), 0);
+            for (std::size_t i = 0; i < pieces; ++i) add(add, at(i), at(i + 1), 0);
         }
         return result;
     }
 
-    // Mesh points: the cell's vertices, then the inner points of each edge.
-    void sample_edges() {
+    // Mesh points: the cell's vertices, then the inner points of each edge and of each seam.
+    void sample_lines() {
         mesh_.points.clear();
         for (const CellVertex& v : cell_.vertices) mesh_.points.push_back(v.point);
-        edges_.assign(cell_.edges.size(), {});
-        for (std::size_t i = 0; i < edges_.size(); ++i) {
-            const CellEdge& e = cell_.edges[i];
-            SampledEdge& s = edges_[i];
-            s.parameters = parameters(i, pieces_[i]);
-            for (const double t : s.parameters) {
-                const bool at_begin = t == s.parameters.front(), at_end = t == s.parameters.back();
-                if (at_begin && !e.vertices.empty())
-                    s.points.push_back(e.vertices[0]);
-                else if (at_end)
-                    s.points.push_back(e.vertices.empty() ? s.points.front() : e.vertices[1]);
-                else
-                    s.points.push_back(add_point(e.curve.evaluate(t)));
-            }
+        sampled_.assign(lines_.size(), {});
+        for (std::size_t i = 0; i < lines_.size(); ++i) {
+            sampled_[i].parameters = parameters(i);
+            if (i < cell_.edges.size()) sample_edge(i);
         }
+        for (const CellFace& face : cell_.faces)
+            for (const TrimmedPatch& patch : face.patches)
+                for (const auto& loop : patch.loops)
+                    for (std::size_t i = 0; i < loop.size(); ++i) sample_seam(loop, i, patch.surface);
+    }
+
+    void sample_edge(std::size_t i) {
+        const CellEdge& e = cell_.edges[i];
+        SampledLine& s = sampled_[i];
+        for (const double t : s.parameters) {
+            const bool at_begin = t == s.parameters.front(), at_end = t == s.parameters.back();
+            if (at_begin && !e.vertices.empty())
+                s.points.push_back(e.vertices[0]);
+            else if (at_end)
+                s.points.push_back(e.vertices.empty() ? s.points.front() : e.vertices[1]);
+            else
+                s.points.push_back(add_point(e.curve.evaluate(t)));
+        }
+    }
+
+    // A seam runs from edge to edge, and shares their points.
+    void sample_seam(const std::vector<TrimCurve>& loop, std::size_t i, const RationalPatch& surface) {
+        const TrimCurve& c = loop[i];
+        if (!c.seam || seam_leader(c) != &c) return;
+        const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
+                        &after = loop[(i + 1) % loop.size()];
+        if (!before.edge || !after.edge) throw InternalError("tessellate: seams that meet");
+        SampledLine& s = sampled_[line_of(c)];
+        s.points.push_back(polyline(before).back().point);
+        for (std::size_t k = 1; k + 1 < s.parameters.size(); ++k) {
+            const Vec2 uv = c.curve.evaluate(s.parameters[k]);
+            s.points.push_back(add_point(surface.evaluate(uv.x(), uv.y())));
+        }
+        s.points.push_back(polyline(after).front().point);
     }
 
     std::uint32_t add_point(const Vec3& p) {
@@ -163,16 +245,29 @@ private:
         return static_cast<std::uint32_t>(mesh_.points.size() - 1);
     }
 
+    // The points of a trimming curve, both ends among them.
+    std::vector<LoopPoint> polyline(const TrimCurve& c) const {
+        const std::uint32_t line = line_of(c);
+        const SampledLine& s = sampled_[line];
+        const double a = line_parameter(c, c.curve.domain_begin()),
+                     b = line_parameter(c, c.curve.domain_end());
+        const double slack = break_rounding * (s.parameters.back() - s.parameters.front());
+        std::vector<LoopPoint> result;
+        for (std::size_t i = 0; i < s.points.size(); ++i) {
+            const double t = s.parameters[i];
+            if (t < std::min(a, b) - slack || t > std::max(a, b) + slack) continue;
+            result.push_back({s.points[i], c.curve.evaluate(trim_parameter(c, t)), line});
+        }
+        if (a > b) std::reverse(result.begin(), result.end());
+        return result;
+    }
+
     // A trimming loop as a polygon.
     std::vector<LoopPoint> polygon(const std::vector<TrimCurve>& loop) const {
         std::vector<LoopPoint> result;
         for (const TrimCurve& c : loop) {
-            const SampledEdge& e = edges_[*c.edge];
-            const std::size_t n = e.points.size();
-            for (std::size_t i = 0; i + 1 < n; ++i) {
-                const std::size_t k = c.reversed ? n - 1 - i : i;
-                result.push_back({e.points[k], at_edge_parameter(c, e.parameters[k]), *c.edge});
-            }
+            const std::vector<LoopPoint> points = polyline(c);
+            result.insert(result.end(), points.begin(), points.end() - 1);
         }
         return result;
     }
@@ -187,15 +282,15 @@ private:
         return result;
     }
 
-    // Doubles the pieces of edges whose polylines cross in some face. True if there were any.
-    bool refine_crossing_edges() {
-        std::vector<bool> coarse(edges_.size(), false);
+    // Doubles the pieces of lines whose polylines cross in some face. True if there were any.
+    bool refine_crossing_lines() {
+        std::vector<bool> coarse(lines_.size(), false);
         for (const CellFace& face : cell_.faces)
             for (const TrimmedPatch& patch : face.patches) find_crossings(patch, coarse);
         bool any = false;
         for (std::size_t e = 0; e < coarse.size(); ++e)
             if (coarse[e]) {
-                pieces_[e] = std::max(2 * pieces_[e], edges_[e].points.size());
+                lines_[e].pieces = std::max(2 * lines_[e].pieces, sampled_[e].points.size());
                 any = true;
             }
         return any;
@@ -204,20 +299,20 @@ private:
     void find_crossings(const TrimmedPatch& patch, std::vector<bool>& coarse) const {
         struct Segment {
             Vec2 a, b;
-            std::uint32_t edge;
+            std::uint32_t line;
             double low() const { return std::min(a.x(), b.x()); }
             double high() const { return std::max(a.x(), b.x()); }
         };
         std::vector<Segment> segments;
         for (const auto& loop : polygons(patch))
             for (std::size_t i = 0; i < loop.size(); ++i)
-                segments.push_back({loop[i].uv, loop[(i + 1) % loop.size()].uv, loop[i].edge});
+                segments.push_back({loop[i].uv, loop[(i + 1) % loop.size()].uv, loop[i].line});
         std::sort(segments.begin(), segments.end(),
                   [](const auto& s, const auto& t) { return s.low() < t.low(); });
         for (std::size_t i = 0; i < segments.size(); ++i)
             for (std::size_t j = i + 1; j < segments.size() && segments[j].low() <= segments[i].high(); ++j)
                 if (proper_crossing(segments[i].a, segments[i].b, segments[j].a, segments[j].b))
-                    coarse[segments[i].edge] = coarse[segments[j].edge] = true;
+                    coarse[segments[i].line] = coarse[segments[j].line] = true;
     }
 
     void add_patch(const TrimmedPatch& patch) {
@@ -256,20 +351,32 @@ private:
         }
     }
 
-    // Over a plane base the rim stands on its own foot: walls of two triangles for each piece of the rim,
-    // and the polygon of the feet as floor.
+    // A plane base: the rim stands on its own foot, with walls between, and the polygon of the feet is the
+    // floor. A cylinder base: each rim is the boundary of an end, across the axis. A sphere base has no rim.
     void add_walls_and_base() {
-        const auto* base = std::get_if<Plane>(&cell_.scene.base);
-        if (!base) throw InternalError("tessellate: walls and base of a base that is no plane");
-        const Vec3 up = base->normal.stableNormalized();
-        const std::vector<LoopPoint> rim = rim_polygon();
+        if (const auto* plane = std::get_if<Plane>(&cell_.scene.base)) {
+            const std::vector<std::vector<LoopPoint>> rims = rim_polygons();
+            if (rims.size() != 1) fail_rim();
+            add_walls_and_floor(*plane, rims[0]);
+        } else if (const auto* cylinder = std::get_if<Cylinder>(&cell_.scene.base)) {
+            const std::vector<std::vector<LoopPoint>> rims = rim_polygons();
+            if (rims.size() != 2) fail_rim();
+            for (const auto& rim : rims) add_end(*cylinder, rim);
+        }
+    }
+    [[noreturn]] static void fail_rim() {
+        throw InternalError("tessellate: the rim of the cell does not close");
+    }
+
+    void add_walls_and_floor(const Plane& base, const std::vector<LoopPoint>& rim) {
+        const Vec3 up = base.normal.stableNormalized();
         // Patches need not have the chart's coordinates for u and v: the floor has its own in the base.
         const Vec3 x = up.unitOrthogonal(), y = up.cross(x);
         std::vector<LoopPoint> floor;
         for (const LoopPoint& p : rim) {
-            const Vec3 top = mesh_.points[p.point], from_base = top - base->point;
+            const Vec3 top = mesh_.points[p.point], from_base = top - base.point;
             floor.push_back(
-                {add_point(top - up.dot(from_base) * up), {x.dot(from_base), y.dot(from_base)}, p.edge});
+                {add_point(top - up.dot(from_base) * up), {x.dot(from_base), y.dot(from_base)}, p.line});
         }
 
         const std::size_t walls_begin = mesh_.triangles.size();
@@ -287,9 +394,7 @@ private:
         mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, walls_begin, mesh_.triangles.size()});
 
         const std::size_t base_begin = mesh_.triangles.size();
-        add_triangles(
-            {floor}, [](const Vec2&, const Vec2&) { return false; }, [](const Vec2&) { return Vec3(); },
-            [&](const Vec2&) { return Vec3(-up); });
+        add_flat(floor, -up);
         for (std::size_t t = base_begin; t < mesh_.triangles.size(); ++t) {
             std::swap(mesh_.triangles[t][1], mesh_.triangles[t][2]);  // seen from below
             std::swap(mesh_.corner_normals[t][1], mesh_.corner_normals[t][2]);
@@ -297,36 +402,74 @@ private:
         mesh_.groups.push_back({CellMesh::Group::Kind::Base, none, base_begin, mesh_.triangles.size()});
     }
 
-    // The trimming curves of edges with one face only, chained.
-    std::vector<LoopPoint> rim_polygon() const {
-        std::unordered_map<std::uint32_t, std::vector<LoopPoint>> pieces;  // by first point
-        std::uint32_t start = none;
-        std::size_t count = 0;
-        for_each_curve([&](const TrimCurve& c, const RationalPatch&) {
-            if (uses_[*c.edge].size() != 1) return;
-            std::vector<LoopPoint> piece = polygon({c});
-            start = piece.front().point;
-            count += pieces.emplace(start, std::move(piece)).second;
-        });
-        std::vector<LoopPoint> rim;
-        std::uint32_t at = start;
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto piece = pieces.find(at);
-            if (piece == pieces.end()) throw InternalError("tessellate: the rim of the cell does not close");
-            rim.insert(rim.end(), piece->second.begin(), piece->second.end());
-            const SampledEdge& e = edges_[piece->second.front().edge];
-            at = e.points.front() == at ? e.points.back() : e.points.front();
-            pieces.erase(piece);
+    void add_end(const Cylinder& base, const std::vector<LoopPoint>& rim) {
+        const Vec3 axis = base.axis.stableNormalized();
+        // The rim has the cell's faces on its left, and so the end on its right: its sense around the axis
+        // tells which end it is.
+        Vec3 turn = Vec3::Zero();
+        for (std::size_t i = 0; i < rim.size(); ++i) {
+            const Vec3 a = mesh_.points[rim[i].point] - base.point,
+                       b = mesh_.points[rim[(i + 1) % rim.size()].point] - base.point;
+            turn += a.cross(b);
         }
-        if (rim.empty() || at != start) throw InternalError("tessellate: the rim of the cell does not close");
-        return rim;
+        const Vec3 out = turn.dot(axis) > 0 ? Vec3(-axis) : axis;
+        const Vec3 x = out.unitOrthogonal(), y = out.cross(x);
+        std::vector<LoopPoint> end;
+        for (auto p = rim.rbegin(); p != rim.rend(); ++p) {
+            const Vec3 from_axis = mesh_.points[p->point] - base.point;
+            end.push_back({p->point, {x.dot(from_axis), y.dot(from_axis)}, p->line});
+        }
+        const std::size_t begin = mesh_.triangles.size();
+        add_flat(end, out);
+        mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, begin, mesh_.triangles.size()});
     }
+
+    void add_flat(const std::vector<LoopPoint>& polygon, const Vec3& normal) {
+        add_triangles(
+            {polygon}, [](const Vec2&, const Vec2&) { return false; }, [](const Vec2&) { return Vec3(); },
+            [&](const Vec2&) { return normal; });
+    }
+
+    // The trimming curves of edges with a face on one side only, chained.
+    std::vector<std::vector<LoopPoint>> rim_polygons() const {
+        std::unordered_map<std::uint32_t, std::vector<LoopPoint>> pieces;  // by first point
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
+            const std::vector<Use>& uses = lines_[e].uses;
+            if (uses.empty() || std::ranges::any_of(uses, [&](const Use& use) {
+                    return use.curve->reversed != uses.front().curve->reversed;
+                }))
+                continue;
+            for (const Use& use : uses) {
+                std::vector<LoopPoint> piece = polyline(*use.curve);
+                const std::uint32_t start = piece.front().point;
+                if (!pieces.emplace(start, std::move(piece)).second) fail_rim();
+            }
+        }
+        std::vector<std::vector<LoopPoint>> rims;
+        while (!pieces.empty()) {
+            std::vector<LoopPoint>& rim = rims.emplace_back();
+            const std::uint32_t start = pieces.begin()->first;
+            std::uint32_t at = start;
+            do {
+                const auto piece = pieces.find(at);
+                if (piece == pieces.end()) fail_rim();
+                rim.insert(rim.end(), piece->second.begin(), piece->second.end() - 1);
+                at = piece->second.back().point;
+                pieces.erase(piece);
+            } while (at != start);
+        }
+        return rims;
+    }
+
+    // Of a line's parameters, against its length: places that trimming curves of one line share were rounded
+    // on the way from one to the other.
+    static constexpr double break_rounding = 1e-12;
 
     const Cell& cell_;
     double chord_;
-    std::vector<std::size_t> pieces_;  // per edge, before halving
-    std::vector<std::vector<Use>> uses_;
-    std::vector<SampledEdge> edges_;
+    std::vector<Line> lines_;                                 // edges, then seams
+    std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> line
+    std::vector<SampledLine> sampled_;
     CellMesh mesh_;
 };
 

@@ -14,7 +14,9 @@ struct MeshOptions {
     /// The largest distance, in length, between a triangle's side and the surface, measured at the side's
     /// middle. None: a thousandth of the box diagonal.
     std::optional<double> chord;
-    /// With walls under the rim and the base region as floor: the mesh of the whole solid.
+    /// The mesh of the whole solid, the base's own body included. Over a plane base: with walls under the rim
+    /// and the base region as floor; over a cylinder base with both ends as walls; over a sphere base the
+    /// same as without.
     bool closed = false;
 };
 
@@ -35,10 +37,9 @@ struct CellMesh {
 };
 
 /// Every edge of the cell is sampled once and both of its faces share these points, so the mesh has no
-/// cracks: each of its sides belongs to two triangles, or to one on the rim if it is not closed.
-/// Sampling is refined until no two sides of a face cross.
-/// Pre: a plane base; patches are oriented like the chart. Throws InternalError for a cell whose rim
-/// does not close.
+/// cracks: each of its sides belongs to two triangles, or to one on the rim if it is not closed. So is every
+/// seam between a face's patches. Sampling is refined until no two sides of a face cross. Pre: patches are
+/// oriented like the chart. Throws InternalError for a cell whose rim does not close.
 CellMesh tessellate(const Cell& cell, const MeshOptions& options = {});
 
 }  // namespace vcell

@@ -296,6 +296,40 @@ TEST_CASE("mesh: patches with parameters of their own fit together with all othe
     }
 }
 
+TEST_CASE("mesh: a face in two patches is joined along their seam") {
+    // The paraboloid cut along x = -1/4: two of its edges have a part in each patch, one of them reversed.
+    Cell cell = paraboloid_cell();
+    std::reverse(cell.edges[2].curve.points.begin(), cell.edges[2].curve.points.end());
+    std::swap(cell.edges[2].vertices[0], cell.edges[2].vertices[1]);
+    const auto trim = [](std::uint32_t edge, bool reversed, double begin, double end, Vec2 from, Vec2 to) {
+        return TrimCurve{edge,
+                         std::nullopt,
+                         reversed,
+                         {1, {begin, begin, end, end}, {{from.x(), from.y(), 1}, {to.x(), to.y(), 1}}}};
+    };
+    const auto seam = [](double from, double to) {
+        return TrimCurve{std::nullopt, 7u, false, {1, {0, 0, 1, 1}, {{-0.25, from, 1}, {-0.25, to, 1}}}};
+    };
+    constexpr double at = 0.375;  // of edge 0, where x = -1/4
+    const TrimmedPatch whole = cell.faces[0].patches[0];
+    const auto& sides = whole.loops[0];
+    TrimmedPatch left = whole, right = whole;
+    left.loops = {{trim(0, false, 0, at, {-1, -1}, {-0.25, -1}), seam(-1, 1),
+                   trim(2, true, 1 - at, 1, {-0.25, 1}, {-1, 1}), sides[3]}};
+    right.loops = {{trim(0, false, at, 1, {-0.25, -1}, {1, -1}), sides[1],
+                    trim(2, true, 0, 1 - at, {1, 1}, {-0.25, 1}), seam(1, -1)}};
+    cell.faces[0].patches = {left, right};
+    for (const double chord : {0.1, 1e-3}) {
+        const CellMesh mesh = tessellate(cell, {chord, true});
+        const Topology t = topology(mesh.triangles);
+        CHECK(t.manifold);
+        CHECK(t.rim == 0);
+        CHECK(t.euler == 2);
+        CHECK(std::abs(volume(mesh) - 4 * (2.0 / 3 + 15.0 / 16) / 2.5) < 4 * chord);
+        CHECK(mesh.groups.size() == 3);
+    }
+}
+
 TEST_CASE("mesh: a rim that does not close is told") {
     Cell cell = paraboloid_cell();
     cell.faces[0].patches[0].loops[0].pop_back();
