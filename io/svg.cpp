@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -15,6 +16,7 @@
 #include "../primitives/plane_base.hpp"
 #include "site_style.hpp"
 #include "text.hpp"
+#include "unfold.hpp"
 
 namespace vcell {
 
@@ -46,20 +48,54 @@ std::string xml_escaped(std::string_view text) {
 
 class Picture {
 public:
-    Picture(std::ostream& out, const Cell& cell) : out_(out), cell_(cell), colours_(object_colours(cell)) {
-        project_cylinder_faces();
-    }
+    Picture(std::ostream& out, const Cell& cell) : out_(out), cell_(cell), colours_(object_colours(cell)) {}
 
+    /// In the chart of a plane base.
     void draw() {
-        frame();
+        project_cylinder_faces();
+        const auto [low, high] = bounds();
+        frame(low, high);
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) face(f);
         edges_and_vertices();
         print("</g>\n</svg>\n");
         flush();
     }
 
+    void draw(const Unfolding& unfolding) {
+        Vec2 low = Vec2::Constant(INFINITY), high = -low;
+        for (const Unfolding::Panel& panel : unfolding.panels) {
+            low = low.cwiseMin(panel.low);
+            high = high.cwiseMax(panel.high);
+        }
+        frame(low, high);
+        std::string path;
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
+            path.clear();
+            for (const auto& polygon : unfolding.faces[f]) append(path, polygon, "Z");
+            face(f, path);
+        }
+        for (const Unfolding::Panel& panel : unfolding.panels)
+            print("<rect class=\"panel\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n",
+                  number(panel.low.x()), number(panel.low.y()), number(panel.high.x() - panel.low.x()),
+                  number(panel.high.y() - panel.low.y()));
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
+            path.clear();
+            for (const auto& line : unfolding.edges[e]) append(path, line, "");
+            edge(e, path, std::ranges::any_of(cell_.edges[e].sites, is_end));
+        }
+        for (std::size_t v = 0; v < cell_.vertices.size(); ++v) vertex(v, unfolding.vertices[v]);
+        print("</g>\n");
+        for (const Unfolding::Panel& panel : unfolding.panels)
+            print("<text class=\"panel\" x=\"{}\" y=\"{}\">{}</text>\n", number(panel.low.x() + size_ / 200),
+                  number(-panel.low.y() - size_ / 200), panel.name);
+        print("</svg>\n");
+        flush();
+    }
+
 private:
     using Piece = const TrimCurve*;
+
+    static bool is_end(Site s) { return s.kind == Site::Kind::End; }
 
     template <class... Args>
     void print(fmt::format_string<Args...> format, Args&&... args) {
@@ -115,8 +151,7 @@ private:
                     for (const TrimCurve& c : loop) f(in_chart(c));
     }
 
-    // The picture's coordinates, header and style.
-    void frame() {
+    std::array<Vec2, 2> bounds() const {
         constexpr int samples = 16;  // of a curve; the region's corners are curve ends, so they are exact
         Vec2 low = Vec2::Constant(INFINITY), high = Vec2::Constant(-INFINITY);
         for_each_curve([&](const TrimCurve& c) {
@@ -128,6 +163,11 @@ private:
             }
         });
         if (!(low.x() <= high.x())) low = Vec2::Zero(), high = Vec2::Ones();
+        return {low, high};
+    }
+
+    // The picture's coordinates, header and style.
+    void frame(const Vec2& low, const Vec2& high) {
         const Vec2 extent = high - low;
         size_ = extent.maxCoeff();
         tolerance_ = 1e-6 * size_;
@@ -153,6 +193,10 @@ private:
             ".edge{{fill:none;stroke:#222222;stroke-width:{0};stroke-linecap:round;stroke-linejoin:round}}\n"
             ".rim{{stroke-width:{1}}}\n.vertex{{fill:#ffffff;stroke:#222222;stroke-width:{2}}}\n",
             number(stroke), number(2 * stroke), number(0.6 * stroke));
+        print(
+            "rect.panel{{fill:none;stroke:#888888;stroke-width:{0};stroke-dasharray:{1}}}\n"
+            "text.panel{{fill:#444444;font-family:sans-serif;font-size:{2}px}}\n",
+            number(0.6 * stroke), number(2 * stroke), number(size_ / 50));
         for (std::size_t c = 0; c < palette().size(); ++c) print(".c{}{{fill:{}}}\n", c, palette()[c]);
         print(
             "</style>\n<defs><pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"{0}\" "
@@ -164,14 +208,18 @@ private:
     }
 
     void face(std::size_t index) {
-        const CellFace& f = cell_.faces[index];
         std::string path;
-        for (const TrimmedPatch& patch : f.patches)
+        for (const TrimmedPatch& patch : cell_.faces[index].patches)
             for (const auto& loop : patch.loops) {
                 move_to(path, in_chart(loop.front()).curve);
                 for (const TrimCurve& c : loop) append(path, in_chart(c).curve);
                 path += 'Z';
             }
+        face(index, path);
+    }
+
+    void face(std::size_t index, const std::string& path) {
+        const CellFace& f = cell_.faces[index];
         std::string style = "box";
         if (f.site.is_object()) style = fmt::format("c{}", colours_.at(f.site.index));
         std::string who = site_title(cell_.scene, f.site);
@@ -193,28 +241,34 @@ private:
         for (std::size_t e = 0; e < first_use.size(); ++e) {
             const auto [piece, uses] = first_use[e];
             if (uses == 0) continue;
-            const CellEdge& edge = cell_.edges[e];
             std::string path;
             move_to(path, piece->curve);
             append(path, piece->curve);
-            print("<path class=\"edge{} {}\" data-edge=\"{}\" d=\"{}\"><title>{} | {}: {}</title></path>\n",
-                  uses == 1 ? " rim" : "", to_string(edge.kind), e, path,
-                  xml_escaped(site_title(cell_.scene, edge.sites[0])),
-                  xml_escaped(site_title(cell_.scene, edge.sites[1])), to_string(edge.kind));
-            if (edge.vertices.size() != 2) continue;
-            place[edge.vertices[piece->reversed ? 1 : 0]] = end_point(piece->curve.points.front());
-            place[edge.vertices[piece->reversed ? 0 : 1]] = end_point(piece->curve.points.back());
+            edge(e, path, uses == 1);
+            const CellEdge& from = cell_.edges[e];
+            if (from.vertices.size() != 2) continue;
+            place[from.vertices[piece->reversed ? 1 : 0]] = end_point(piece->curve.points.front());
+            place[from.vertices[piece->reversed ? 0 : 1]] = end_point(piece->curve.points.back());
         }
-        for (const auto& [v, point] : place) {
-            std::string who;
-            for (const Site s : cell_.vertices[v].sites)
-                who += fmt::format(", {}", site_title(cell_.scene, s));
-            print(
-                "<circle class=\"vertex\" data-vertex=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{}\">"
-                "<title>clearance {:.9g}{}</title></circle>\n",
-                v, number(point.x()), number(point.y()), number(dot_), cell_.vertices[v].radius,
-                xml_escaped(who));
-        }
+        for (const auto& [v, point] : place) vertex(v, point);
+    }
+
+    void edge(std::size_t index, const std::string& path, bool is_rim) {
+        const CellEdge& e = cell_.edges[index];
+        print("<path class=\"edge{} {}\" data-edge=\"{}\" d=\"{}\"><title>{} | {}: {}</title></path>\n",
+              is_rim ? " rim" : "", to_string(e.kind), index, path,
+              xml_escaped(site_title(cell_.scene, e.sites[0])),
+              xml_escaped(site_title(cell_.scene, e.sites[1])), to_string(e.kind));
+    }
+
+    void vertex(std::size_t index, const Vec2& point) {
+        const CellVertex& v = cell_.vertices[index];
+        std::string who;
+        for (const Site s : v.sites) who += fmt::format(", {}", site_title(cell_.scene, s));
+        print(
+            "<circle class=\"vertex\" data-vertex=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{}\">"
+            "<title>clearance {:.9g}{}</title></circle>\n",
+            index, number(point.x()), number(point.y()), number(dot_), v.radius, xml_escaped(who));
     }
 
     static Vec2 end_point(const Eigen::Vector3d& control_point) { return control_point.head<2>(); }
@@ -225,6 +279,12 @@ private:
     }
     void move_to(std::string& path, const RationalCurve2& c) const {
         path += fmt::format("M{}", pair(end_point(c.points.front())));
+    }
+
+    void append(std::string& path, const Unfolding::Polyline& line, const char* close) const {
+        for (std::size_t i = 0; i < line.size(); ++i)
+            path += fmt::format("{}{}", i == 0 ? 'M' : 'L', pair(line[i]));
+        path += close;
     }
 
     // Appends the curve to a path that has reached its start.
@@ -307,6 +367,12 @@ private:
 
 }  // namespace
 
-void write_svg(std::ostream& out, const Cell& cell) { Picture(out, cell).draw(); }
+void write_svg(std::ostream& out, const Cell& cell) {
+    Picture picture(out, cell);
+    if (std::holds_alternative<Plane>(cell.scene.base))
+        picture.draw();
+    else
+        picture.draw(unfold(cell));
+}
 
 }  // namespace vcell
