@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Writes the scenes of examples/scenes. Deterministic: run again, it writes the same files.
 
-The generator is written out below, so that no library's version changes the scenes.
+The generator is written out below, so that no library's version changes the scenes. The scenes of molecules
+are made only where their ball files are: make_scenes.py [FOLDER of NAME.xyzr].
 """
+import itertools
 import json
 import math
 import pathlib
+import sys
 
 SCENES = pathlib.Path(__file__).resolve().parent / "scenes"
 
@@ -44,10 +47,10 @@ def cylinder(point, axis, radius, name=None):
     return entry
 
 
-def scene(objects, low, high):
+def scene(objects, low, high, base=None):
     return {
         "vcell": 1,
-        "base": {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}},
+        "base": base or {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}},
         "objects": objects,
         "box": {"min": low, "max": high},
     }
@@ -126,8 +129,109 @@ def pile(count, seed, side, heights):
     return [sphere(c, r) for c, r in balls] + [cylinder(p, a, r) for p, a, r in rods]
 
 
+def unit_ball():
+    return sphere((0, 0, 0), 1, "base")
+
+
+def skew_tubes(count, seed, distance, base_radius):
+    """Tubes around the z axis, none parallel to another, that leave room for each other and for the base."""
+    random, gap = Random(seed), 0.02
+    tubes = []
+    while len(tubes) < count:
+        turn = random.uniform(0, 2 * math.pi)
+        point = [random.uniform(*distance) * f(turn) for f in (math.cos, math.sin)] + [0]
+        axis = [random.uniform(-0.35, 0.35), random.uniform(-0.35, 0.35), 1]
+        length = math.hypot(*axis)
+        axis = [x / length for x in axis]
+        radius = random.uniform(0.08, 0.2)
+        others = tubes + [([0, 0, 0], [0, 0, 1], base_radius)]
+        if all(distance_of_axes(point, axis, q, b) > radius + r + gap for q, b, r in others):
+            tubes.append((point, axis, radius))
+    return [cylinder(p, a, r) for p, a, r in tubes]
+
+
+def molecule(path, count=60):
+    """The ball nearest to the middle of a molecule among the `count` balls whose surfaces are nearest to it."""
+    balls = [[float(x) for x in line.split()] for line in path.read_text().splitlines()]
+    middle = [sum(b[k] for b in balls) / len(balls) for k in range(3)]
+    base = min(balls, key=lambda b: math.dist(b[:3], middle))
+    near = sorted(balls, key=lambda b: math.dist(b[:3], base[:3]) - b[3])
+    near = [b for b in near if b is not base][:count]
+    low = [min(b[k] - b[3] for b in near) for k in range(3)]
+    high = [max(b[k] + b[3] for b in near) for k in range(3)]
+    return scene([sphere(b[:3], b[3]) for b in near], [round(x, 3) for x in low], [round(x, 3) for x in high],
+                 sphere(base[:3], base[3]))
+
+
+def around_spheres():
+    # Figs. 7 and 8: a ball among planes and balls.
+    write("figure7.json", scene(
+        [sphere((3, 0.5, 0.25), 1, "O1"),
+         sphere((-1, 2.75, 1), 0.75, "O2"),
+         plane([0, 0, -2.5], [0.25, 0.125, 1], "O3")],
+        [-5, -5, -5], [5, 5, 5], unit_ball()))
+    write("figure8.json", scene(
+        [sphere((2.5, 0.5, 0.25), 0.75, "O1"),
+         sphere((-1, 2.25, 1), 0.5, "O2"),
+         sphere((-2, -1.5, 1.25), 1.25, "O3"),
+         sphere((0.5, -2, -0.75), 0.25, "O4"),
+         plane([0, 0, -2.5], [0.25, 0.125, 1], "O5"),
+         plane([0, 0, 3], [-0.25, 0.5, -1], "O6")],
+        [-4, -4, -4], [4, 4, 4], unit_ball()))
+    # Fig. 9: with a cylinder among them.
+    write("figure9.json", scene(
+        [sphere((2.5, 0.5, 0.25), 0.75, "O1"),
+         cylinder((-2, 0, 0.5), (0.25, 1, 0.125), 0.5, "O2"),
+         plane([0, 0, -2.5], [0.25, 0.125, 1], "O3")],
+        [-4, -4, -4], [4, 4, 4], unit_ball()))
+    # Exactly symmetric: six walls or corners of the cell meet in four, three, or five faces.
+    axes = [[s * (k == i) for k in range(3)] for i in range(3) for s in (-1, 1)]
+    corners = [list(c) for c in itertools.product((-1, 1), repeat=3)]
+    write("octahedron.json", scene([sphere([3 * x for x in a], 0.5) for a in axes],
+                                   [-4, -4, -4], [4, 4, 4], unit_ball()))
+    write("cube.json", scene([sphere([2 * x for x in c], 0.5) for c in corners],
+                             [-4, -4, -4], [4, 4, 4], unit_ball()))
+    golden = (1 + math.sqrt(5)) / 2
+    icosahedron = [[s * c for c in (0, 1, t)] for s in (-1, 1) for t in (-golden, golden)]
+    icosahedron = [[v[(k + i) % 3] for k in range(3)] for i in range(3) for v in icosahedron]
+    write("icosahedron.json", scene([sphere([1.5 * x for x in v], 0.5) for v in icosahedron],
+                                    [-4, -4, -4], [4, 4, 4], unit_ball()))
+    write("cage.json", scene(
+        [cylinder([2 * x for x in a], axes[(2 * (i // 2) + 2) % 6], 0.5) for i, a in enumerate(axes)],
+        [-4, -4, -4], [4, 4, 4], unit_ball()))
+    # Two faces that meet in a closed edge without a vertex.
+    write("between.json", scene(
+        [sphere((0, 0, 5), 4, "above"), sphere((0, 0, -5), 4, "below")],
+        [-2, -2, -2], [2, 2, 2], sphere((0, 0, 0), 0.25, "base")))
+    write("flat.json", scene(
+        [sphere((math.cos(t) * d, math.sin(t) * d, 0), r)
+         for t, d, r in [(0, 3, 1), (1.25, 2.5, 0.5), (2.25, 3, 0.75), (3.5, 2.25, 0.25), (4.75, 3.25, 1.25)]],
+        [-4, -4, -4], [4, 4, 4], unit_ball()))
+
+
+def around_cylinders():
+    base = cylinder((0, 0, 0), (0, 0, 1), 0.5, "base")
+    # Fig. 10: a tube among planes and balls, and among tubes.
+    write("figure10.json", scene(
+        [sphere((1.5, 0.25, 0.5), 0.5, "O1"),
+         sphere((-0.75, 1.25, -0.75), 0.375, "O2"),
+         sphere((-0.5, -1.5, 0.25), 0.75, "O3"),
+         plane([-2, 0, 0], [1, 0.25, 0.125], "O4")],
+        [-3, -3, -2], [3, 3, 2], base))
+    write("figure10_tubes.json", scene(
+        [cylinder((1.5, 0, 0.25), (0.125, 1, 0.25), 0.375, "O1"),
+         cylinder((-1.25, 0.5, 0), (0.25, 0.5, 1), 0.25, "O2"),
+         cylinder((0, -1.5, -0.5), (1, 0.125, 0.125), 0.5, "O3")],
+        [-3, -3, -2], [3, 3, 2], base))
+    write("bundle.json", scene(skew_tubes(20, 20, (1, 3.5), 0.5), [-4, -4, -3], [4, 4, 3], base))
+
+
 def main():
     SCENES.mkdir(exist_ok=True)
+    around_spheres()
+    around_cylinders()
+    for path in sorted(pathlib.Path(sys.argv[1]).glob("????.xyzr")) if len(sys.argv) > 1 else []:
+        write(f"atom_{path.stem.lower()}.json", molecule(path))
 
     write("figure1.json", scene(
         [sphere((-0.45, -0.3, 0.75), 0.3, "O1"),
