@@ -2,6 +2,7 @@
 // bisector() and trisector() about one example of every row.
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -112,6 +113,17 @@ std::vector<Triple> triples() {
     };
 }
 
+// One base over each pair of objects, all in general position.
+std::vector<Object> bases() {
+    return {ground, Sphere{{0, 0, -3}, 0.75}, Cylinder{{0, 0, -6}, {2, 1, 2}, 0.75}};
+}
+
+std::vector<std::array<Object, 2>> object_pairs() {
+    const Plane slope{{0, 0, 9}, {1, 2, 2}};
+    const Cylinder skew{{0, 1, 5}, {1, 2, 1}, 0.25};
+    return {{gable, slope}, {gable, ball}, {gable, pipe}, {ball, marble}, {marble, pipe}, {pipe, skew}};
+}
+
 // "parabola × 2", "ellipse and hyperbola"; "none".
 std::string listed(const vcell::Trisector& curve) {
     std::map<std::string, int> counts;
@@ -127,10 +139,13 @@ std::string listed(const vcell::Trisector& curve) {
     return text.empty() ? "none" : text;
 }
 
+bool is_exact(const vcell::Trisector& curve) {
+    return std::ranges::none_of(curve.components,
+                                [](const auto& c) { return c.kind == vcell::TrisectorKind::Spline; });
+}
+
 std::string written(const vcell::Trisector& curve) {
-    const bool exact = std::ranges::none_of(
-        curve.components, [](const auto& c) { return c.kind == vcell::TrisectorKind::Spline; });
-    if (exact) return "exact";
+    if (is_exact(curve)) return "exact";
     return curve.splits_irrationally ? "spline; splits, but not over the rationals" : "spline";
 }
 
@@ -170,4 +185,21 @@ int main() {
         std::printf("| %s – %s – %s | %s | %s | %d | %s | %s |\n", name(row.base), name(row.a), name(row.b),
                     row.position, listed(curve).c_str(), curve.degree(), written(curve).c_str(), row.paper);
     }
+    std::puts(
+        "\n## Every base and pair of objects\n\n"
+        "In general position. Degrees: of the bisectors of the base with the first and the second object, "
+        "and of the\n"
+        "trisector. Exact: lines and conics; certified: splines with a bound on their distance from the "
+        "curve.\n"
+        "What a cell with such a pair takes: [bench/results/radial.csv](../bench/results/radial.csv), scenes "
+        "`pair/...`.\n\n"
+        "| base | objects | bisectors | trisector | |\n"
+        "|---|---|---|--:|---|");
+    for (const Object& base : bases())
+        for (const auto& [a, b] : object_pairs()) {
+            const vcell::Trisector curve = vcell::trisector(base, a, b);
+            std::printf("| %s | %s – %s | %d, %d | %d | %s |\n", name(base), name(a), name(b),
+                        vcell::bisector(base, a).degree(), vcell::bisector(base, b).degree(), curve.degree(),
+                        is_exact(curve) ? "exact" : "certified");
+        }
 }
