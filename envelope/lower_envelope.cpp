@@ -96,6 +96,7 @@ public:
 
     // Pre: the region's rim, and all beyond it, belongs to one form.
     MinimizationDiagram over_sphere() {
+        is_sphere_ = true;
         sizes_ = sphere_sizes;
         patchwork_.drop_rim(solve_all(root_, 1.0));
         MinimizationDiagram result = finish();
@@ -209,13 +210,28 @@ private:
         PieceSide opposite() const { return {upright ? -1.0 : -0.0, upright ? -0.0 : -1.0, at, UINT32_MAX}; }
     };
 
+    // Half-way in the metric of the base: over a sphere dx / (1 + x^2 + y^2) at the y where it is widest.
+    struct Lengths {
+        double a;  // 0: over a plane
+
+        double at(double x) const { return a > 0 ? std::atan(x / a) / a : x; }
+        double inverse(double length) const { return a > 0 ? a * std::tan(a * length) : length; }
+    };
+    Lengths lengths(double y0, double y1) const {
+        if (!is_sphere_) return {0};
+        const double y = std::max({0.0, y0, -y1});
+        return {std::sqrt(1 + y * y)};
+    }
+
     // Across the longer side, certainly clear of all corners.
-    static std::optional<Cut> cut_at(const Piece& piece, double shift) {
+    std::optional<Cut> cut_at(const Piece& piece, double shift) const {
         const Rect& r = piece.rect;
+        const Lengths along_x = lengths(r.y0, r.y1), along_y = lengths(r.x0, r.x1);
         Cut cut;
-        cut.upright = r.x1 - r.x0 >= r.y1 - r.y0;
-        const double lo = cut.upright ? r.x0 : r.y0, hi = cut.upright ? r.x1 : r.y1;
-        cut.at = lo + (split_ratio + shift) * (hi - lo);
+        cut.upright = along_x.at(r.x1) - along_x.at(r.x0) >= along_y.at(r.y1) - along_y.at(r.y0);
+        const Lengths& along = cut.upright ? along_x : along_y;
+        const double lo = cut.upright ? r.x0 : r.y0, hi = cut.upright ? r.x1 : r.y1, start = along.at(lo);
+        cut.at = along.inverse(start + (split_ratio + shift) * (along.at(hi) - start));
         bool clear = cut.at > lo && cut.at < hi;
         for (const IntervalPoint& corner : piece.corners) {
             const Interval& c = corner[cut.upright ? 0 : 1];
@@ -423,6 +439,7 @@ private:
     const Piece root_;
     MixedAnalysis analysis_;
     Sizes sizes_ = region_sizes;
+    bool is_sphere_ = false;
     std::size_t small_pieces_ = 0;
     double done_ = 0;
     // Working space.
