@@ -19,6 +19,7 @@
 #include "minimization_diagram.hpp"
 #include "mixed_piece.hpp"
 #include "patchwork.hpp"
+#include "sphere_diagram.hpp"
 #include "work_diagram.hpp"
 
 namespace vcell {
@@ -558,6 +559,8 @@ MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion&
 }
 
 MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const EnvelopeOptions& options) {
+    if (family.is_all_circular() && options.incremental)
+        if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
     const double reach = ChartReach(family).find();
     return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options).over_sphere();
 }

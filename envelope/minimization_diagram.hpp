@@ -144,6 +144,9 @@ struct EnvelopeOptions {
     /// Where more functions than this compete in a piece of the region, the diagrams of two halves of them
     /// are merged by overlay. Changes the time taken only, not the diagram.
     std::size_t largest_piece = 256;
+    /// Over a sphere without cylinders: first by insertion of one form after the other (sphere_diagram.hpp). Changes
+    /// the time taken only.
+    bool incremental = true;
 };
 
 /// The lower envelope of the forms over the region, exact.

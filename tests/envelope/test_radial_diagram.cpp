@@ -8,6 +8,7 @@
 #include <set>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/sphere_diagram.hpp"
 #include "../test_support.hpp"
 #include "radial_oracle.hpp"
 #include "radial_scenes.hpp"
@@ -31,12 +32,12 @@ struct Answer {
     MinimizationDiagram diagram;
 };
 
-Answer answer(const Scene& scene) {
+Answer answer(const Scene& scene, const EnvelopeOptions& options = {}) {
     validate(scene);
     Answer a{radial_base_problem(scene), {}};
     const auto [low, high] = a.problem.stretch;
-    a.diagram = a.problem.is_sphere ? lower_envelope_on_sphere(a.problem.family)
-                                    : lower_envelope_on_cylinder(a.problem.family, low, high);
+    a.diagram = a.problem.is_sphere ? lower_envelope_on_sphere(a.problem.family, options)
+                                    : lower_envelope_on_cylinder(a.problem.family, low, high, options);
     return a;
 }
 
@@ -69,11 +70,12 @@ std::string in_words(const Scene& s) {
 }
 
 /// The scene's diagram, after it was judged.
-Answer judge(const Scene& scene, std::mt19937_64& rng, const Options& options = {}) {
+Answer judge(const Scene& scene, std::mt19937_64& rng, const Options& options = {},
+             const EnvelopeOptions& how = {}) {
     CAPTURE(in_words(scene));
     Answer a;
     std::vector<std::string> complaints{"no diagram"};
-    CHECK_NOTHROW((a = answer(scene), complaints = Judge(scene, a.problem, a.diagram).check(rng, options)));
+    CHECK_NOTHROW((a = answer(scene, how), complaints = Judge(scene, a.problem, a.diagram).check(rng, options)));
     CHECK_MESSAGE(complaints.empty(), join(complaints));
     CHECK(a.diagram.assumptions.size() == a.diagram.decisions.assumed);
     return a;
@@ -87,8 +89,51 @@ TEST_CASE("diagram over a sphere: agrees with brute force on random balls and pl
     for (int i = 0; i < 40 * rounds(); ++i) {
         Scene s = random.over_sphere(i % 5 == 0 ? 0 : random.uniform(0.05, 0.5));
         random.add(s, random.count(0, 24), random.count(0, 4), 0);
+        EnvelopeOptions by_pieces;
+        by_pieces.incremental = false;
         CHECK(judge(s, rng).diagram.decisions.assumed == 0);
+        CHECK(judge(s, rng, {}, by_pieces).diagram.decisions.assumed == 0);
     }
+}
+
+/// Labels of vertices, in the order of their forms around them, of edges and of faces.
+std::multiset<std::vector<FormId>> labels_of(const MinimizationDiagram& d) {
+    std::multiset<std::vector<FormId>> out;
+    for (const VertexId v : d.vertices.ids()) {
+        std::vector<FormId> around;
+        const HalfEdgeId start = d.dcel.outgoing(v);
+        HalfEdgeId h = start;
+        do {
+            around.push_back(d.face_forms[d.dcel.face(h)]);
+            h = d.dcel.next_around_origin(h);
+        } while (h != start);
+        std::ranges::rotate(around, std::ranges::min_element(around));
+        around.push_back({});
+        out.insert(around);
+    }
+    for (const EdgeId e : d.edges.ids()) out.insert({d.label(e).begin(), d.label(e).end()});
+    for (const FormId f : d.face_forms) out.insert({f});
+    return out;
+}
+
+TEST_CASE("diagram over a sphere: insertion finds what pieces find") {
+    std::mt19937_64 rng(test_seed());
+    RandomScenes random(rng);
+    int inserted = 0;
+    constexpr int scenes = 60;
+    for (int i = 0; i < scenes; ++i) {
+        Scene s = random.over_sphere(i % 3 == 0 ? 0 : random.uniform(0.05, 0.5));
+        random.add(s, i % 2 == 0 ? random.count(1, 30) : random.count(100, 400), random.count(0, 3), 0);
+        const FormFamily family = radial_base_problem(s).family;
+        EnvelopeOptions by_pieces;
+        by_pieces.incremental = false;
+        const auto discs = disc_diagram_on_sphere(family, {});
+        if (!discs) continue;
+        ++inserted;
+        CHECK(!discs->dcel.find_defect());
+        CHECK(labels_of(*discs) == labels_of(lower_envelope_on_sphere(family, by_pieces)));
+    }
+    CHECK(inserted > scenes / 2);
 }
 
 TEST_CASE("diagram over a sphere: agrees with brute force on balls of heavy-tailed radii") {

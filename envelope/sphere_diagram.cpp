@@ -1,0 +1,835 @@
+// A form is inserted as the paper compares two surfaces [HE, section 2.1], but against the faces of the
+// diagram so far that it may conflict with, found in a tree of balls. What it takes away is known from signs
+// at vertices, as long as no edge is crossed twice and no face is cut in more than two: circles meet in two
+// points at most.
+//
+// All bounds of rounding are generous multiples of first order ones: u = 2^-53, and no more than some tens of
+// operations lie between coefficients and signs.
+#include "sphere_diagram.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector3d;
+using Index = std::uint32_t;
+constexpr Index none = UINT32_MAX;
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+// More than the rounding of a handful of lengths, as a part of them.
+constexpr double slack = 0x1p-44;
+// Radii of circles are roots of differences: of smaller ones rounding leaves too little.
+constexpr double least_square = 0x1p-10;
+
+// b.p + e. error: bounds what the coefficients' errors and rounding change about the value, or about a
+// difference of two values, anywhere on the sphere, and the length of the error of b.
+struct Linear {
+    Vector3d b;
+    double e;
+    double error;
+
+    double operator()(const Vector3d& p) const { return b.dot(p) + e; }
+};
+
+// Coefficients within 4 u, products and quotients make 10 u of each of their terms and 12 u of both terms of
+// a sum; e and k are in two coefficients; the rest is for evaluation.
+Linear linear(const CircularForm& f) {
+    const double scale = 0.5 / f.w, across = std::abs(f.a) + std::abs(f.b),
+                 along = std::abs(f.e) + std::abs(f.k);
+    return {scale * Vector3d(f.a, f.b, f.e - f.k), scale * (f.e + f.k),
+            u * scale * (16 * across + 32 * along)};
+}
+
+// A bound on a part of the sphere.
+struct Ball {
+    Vector3d center = Vector3d::Zero();
+    double radius = 1;
+};
+
+// The faces of the diagram by place: an octree over the centres that their balls had when they were added. A
+// node knows how far its faces reach, and how high their forms get on them.
+class FaceTree {
+public:
+    FaceTree() { add_node(Vector3d::Zero(), 1); }
+
+    void add(Index face, const Ball& ball, double top) { add(0, face, ball, top); }
+
+    // Calls visit(face) for the faces in whose neighbourhood the form may be lower than a face's.
+    // ball(face) encloses a face, null: one that is no more; top(face) bounds its form over it from above.
+    // Faces may shrink between searches. Pre: slope >= |form.b|.
+    template <class BallOf, class Top, class Visit>
+    void search(const Linear& form, double slope, const BallOf& ball, const Top& top, const Visit& visit) {
+        search(0, form, slope, ball, top, visit);
+    }
+
+private:
+    struct Node {
+        Vector3d center;
+        double half;                   // of the cube's side
+        Vector3d direction;            // of the centre
+        double length;                 // to the centre
+        double reach = -HUGE_VAL;      // the faces are no farther from the centre
+        double cosine = -1, sine = 0;  // so they lie in a cap of this angle
+        double top = -HUGE_VAL;        // their forms are no higher on them
+        Index first = none;            // of its children
+        std::vector<Index> faces;
+
+        void set_reach(double to) {
+            reach = to;
+            cosine = -1;
+            if (length > 0)
+                cosine = std::clamp((1 + length * length - reach * reach) / (2 * length) - slack, -1.0, 1.0);
+            sine = std::sqrt(1 - cosine * cosine);
+        }
+        // Lower bound of the form on the cap.
+        double least(const Linear& form, double slope) const {
+            const double towards = -form.b.dot(direction), across2 = slope * slope - towards * towards;
+            const bool is_inside = towards >= cosine * slope;
+            return form.e - form.error -
+                   (is_inside ? slope
+                              : cosine * towards + sine * std::sqrt(std::max(0.0, across2)) + slack * slope);
+        }
+    };
+    static constexpr std::size_t largest_leaf = 12;
+    static constexpr double least_half = 0x1p-20;
+
+    void add_node(const Vector3d& center, double half) {
+        Node n{.center = center,
+               .half = half,
+               .direction = Vector3d::UnitX(),
+               .length = center.norm(),
+               .faces = {}};
+        if (n.length > 0) n.direction = center / n.length;
+        nodes_.push_back(std::move(n));
+    }
+
+    void add(Index n, Index face, const Ball& ball, double top) {
+        while (true) {
+            Node& node = nodes_[n];
+            node.set_reach(std::max(node.reach, (node.center - ball.center).norm() + ball.radius + slack));
+            node.top = std::max(node.top, top);
+            if (node.first == none) break;
+            const Vector3d& c = node.center;
+            n = node.first + (ball.center.x() > c.x()) + 2 * (ball.center.y() > c.y()) +
+                4 * (ball.center.z() > c.z());
+        }
+        nodes_[n].faces.push_back(face);
+    }
+
+    template <class BallOf, class Top, class Visit>
+    void search(Index n, const Linear& form, double slope, const BallOf& ball, const Top& top,
+                const Visit& visit) {
+        if (nodes_[n].reach < 0 || nodes_[n].least(form, slope) > nodes_[n].top) return;
+        if (nodes_[n].first == none) {
+            tidy(n, ball, top);
+            for (const Index face : nodes_[n].faces) visit(face);
+            if (nodes_[n].faces.size() > largest_leaf && nodes_[n].half > least_half) divide(n, ball, top);
+            return;
+        }
+        double reach = -HUGE_VAL, highest = -HUGE_VAL;
+        for (Index child = nodes_[n].first; child < nodes_[n].first + 8; ++child) {
+            if (nodes_[child].reach < 0) continue;
+            search(child, form, slope, ball, top, visit);
+            reach = std::max(reach, (nodes_[child].center - nodes_[n].center).norm() + nodes_[child].reach);
+            highest = std::max(highest, nodes_[child].top);
+        }
+        nodes_[n].set_reach(std::min(nodes_[n].reach, reach));
+        nodes_[n].top = highest;
+    }
+
+    // Forgets faces that are no more, and learns what the others are like now.
+    template <class BallOf, class Top>
+    void tidy(Index n, const BallOf& ball, const Top& top) {
+        Node& node = nodes_[n];
+        std::erase_if(node.faces, [&](Index f) { return ball(f) == nullptr; });
+        double reach = -HUGE_VAL;
+        node.top = -HUGE_VAL;
+        for (const Index f : node.faces) {
+            reach = std::max(reach, (node.center - ball(f)->center).norm() + ball(f)->radius + slack);
+            node.top = std::max(node.top, top(f));
+        }
+        node.set_reach(std::min(node.reach, reach));
+    }
+
+    template <class BallOf, class Top>
+    void divide(Index n, const BallOf& ball, const Top& top) {
+        const std::vector<Index> faces = std::move(nodes_[n].faces);
+        const double half = 0.5 * nodes_[n].half;
+        const Vector3d center = nodes_[n].center;
+        nodes_[n].first = static_cast<Index>(nodes_.size());
+        for (int i = 0; i < 8; ++i)
+            add_node(center + half * Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1), half);
+        for (const Index f : faces) add(n, f, *ball(f), top(f));
+    }
+
+    std::vector<Node> nodes_;
+};
+
+class DiscDiagram {
+public:
+    DiscDiagram(const FormFamily& family, const EnvelopeOptions& options)
+        : family_(family), options_(options) {}
+
+    std::optional<MinimizationDiagram> run(std::size_t attempt) {
+        double least_slope = HUGE_VAL;
+        for (const CircularForm& f : family_.forms) {
+            forms_.push_back(linear(f));
+            least_slope = std::min(least_slope, forms_.back().b.norm());
+        }
+        const std::optional<Index> owner = owner_of_pole();
+        if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
+        // In each direction a side of the box is nearer than sqrt(3) times the farthest side.
+        if (!start(least_slope / 4, attempt < 2 ? 4 : attempt < 4 ? 16 : 64)) return std::nullopt;
+        for (const Index form : insertion_order(attempt)) {
+            if (!insert(form)) return std::nullopt;
+            ++inserted_;
+            if (options_.progress && inserted_ % 1024 == 0)
+                options_.progress(static_cast<double>(inserted_) / static_cast<double>(family_.size()));
+        }
+        for (Index f = static_cast<Index>(family_.size()); f < forms_.size(); ++f)
+            if (faces_[f].start != none) return std::nullopt;
+        return diagram(*owner);
+    }
+
+    std::size_t inserted() const { return inserted_; }
+
+private:
+    struct Vertex {
+        Vector3d p = Vector3d::Zero();
+        double error = 0;  // bound on the distance of p from the true vertex
+        Index out = none;  // while a form is inserted: the edge of its face that leaves here
+        Index stamp = 0;
+        double difference = 0;  // challenger - lowest form, while stamp is current
+        bool is_taken = false;  // likewise
+        bool is_alive = true;
+    };
+    struct HalfEdge {
+        Index next, prev, origin, face;
+    };
+    // normal.p = offset on the circle; half-edge 2e runs counter-clockwise about the normal.
+    struct Edge {
+        Vector3d normal = Vector3d::Zero();
+        double offset = 0, square = 0;  // square: of the normal
+        double error = 0;               // as Linear's, of normal and offset
+        double sagitta = 0;  // bound on the distance of a point of the arc from the nearest of its chord
+        Index stamp = 0;
+        Index cut = none;  // while a form is inserted that crosses the edge: its vertex there
+        bool is_alive = true;
+    };
+    struct Face {            // of the form of the same number
+        Index start = none;  // none: the form has no face
+        Ball ball;
+        double top = 0;  // upper bound of the form over the face
+        Index stamp = 0;
+    };
+
+    static constexpr std::size_t spread = 8;  // forms that are to surround the base first
+
+    static Index twin(Index h) { return h ^ 1u; }
+    Index target(Index h) const { return half_edges_[twin(h)].origin; }
+    Index left(Index h) const { return half_edges_[h].face; }
+    Index right(Index h) const { return half_edges_[twin(h)].face; }
+    void link(Index first, Index second) {
+        half_edges_[first].next = second;
+        half_edges_[second].prev = first;
+    }
+    template <class Visit>
+    void for_cycle(Index face, Visit&& visit) const {
+        Index h = faces_[face].start;
+        do {
+            visit(h);
+            h = half_edges_[h].next;
+        } while (h != faces_[face].start);
+    }
+
+    // The chart's pole is (0, 0, -1).
+    std::optional<Index> owner_of_pole() const {
+        const Vector3d pole(0, 0, -1);
+        Index best = 0;
+        for (Index f = 1; f < forms_.size(); ++f)
+            if (forms_[f](pole) < forms_[best](pole)) best = f;
+        for (Index f = 0; f < forms_.size(); ++f)
+            if (f != best && !(forms_[f](pole) - forms_[best](pole) > forms_[f].error + forms_[best].error))
+                return std::nullopt;
+        return best;
+    }
+
+    // Lowest first, so that others are soon seen to lose; but before them some of the lowest that lie in all
+    // directions, as faces that reach around the sphere are easily cut in two. Which of those is the first is
+    // the choice that each attempt makes anew.
+    std::vector<Index> insertion_order(std::size_t attempt) const {
+        std::vector<std::pair<double, Index>> order;
+        for (Index f = 0; f < family_.size(); ++f) order.emplace_back(forms_[f].e - forms_[f].b.norm(), f);
+        std::ranges::sort(order);
+        const std::size_t low = std::min<std::size_t>(order.size(), 4 * spread);
+        const auto direction = [&](std::size_t i) { return forms_[order[i].second].b.normalized(); };
+        std::swap(order[0], order[attempt % low]);
+        std::vector<double> nearness(low, -1);  // greatest cosine of the angle to a direction that was taken
+        for (std::size_t taken = 0; taken + 1 < std::min(spread, low); ++taken) {
+            std::size_t farthest = taken + 1;
+            for (std::size_t i = taken + 1; i < low; ++i) {
+                nearness[i] = std::max(nearness[i], direction(i).dot(direction(taken)));
+                if (nearness[i] < nearness[farthest]) farthest = i;
+            }
+            std::swap(order[taken + 1], order[farthest]);
+            std::swap(nearness[taken + 1], nearness[farthest]);
+        }
+        std::vector<Index> out;
+        for (const auto& [height, f] : order) out.push_back(f);
+        return out;
+    }
+
+    // Forms that lose in the end, so high are they: -slope t.p for points t of the sphere that no input
+    // favours. The first four are the corners of a tetrahedron.
+    bool start(double slope, Index count) {
+        const Eigen::Matrix3d turn =
+            (Eigen::AngleAxisd(0.7131, Vector3d::UnitX()) * Eigen::AngleAxisd(1.9277, Vector3d::UnitZ()))
+                .toRotationMatrix();
+        const std::array<Vector3d, 4> corners{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}};
+        const auto first = static_cast<Index>(forms_.size());
+        for (const Vector3d& t : corners) {
+            const Vector3d direction = turn * t.normalized();
+            forms_.push_back({-slope * direction, 0, 0});
+            vertices_.push_back({-direction, 16 * u});
+        }
+        // The others on a spiral.
+        for (Index i = 4; i < count; ++i) {
+            const double z = 1 - (2 * i - 7.0) / (count - 4), angle = 2.4 * i, r = std::sqrt(1 - z * z);
+            forms_.push_back({-slope * (turn * Vector3d(r * std::cos(angle), r * std::sin(angle), z)), 0, 0});
+        }
+        faces_.resize(forms_.size());
+        // Around the face about corner i, counter-clockwise, the vertices opposite to the others.
+        constexpr Index around[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+        std::array<std::array<Index, 4>, 4> from_to{};  // the half-edge between two vertices, plus 1
+        for (Index i = 0; i < 4; ++i)
+            for (int k = 0; k < 3; ++k) {
+                const Index a = around[i][k], b = around[i][(k + 1) % 3];
+                Index h = from_to[a][b];
+                if (h == 0) {
+                    h = 2 * static_cast<Index>(edges_.size()) + 1;
+                    edges_.push_back({});
+                    half_edges_.resize(half_edges_.size() + 2);
+                    from_to[b][a] = h + 1;
+                }
+                from_to[a][b] = h;
+                half_edges_[h - 1].origin = a;
+                half_edges_[h - 1].face = first + i;
+                faces_[first + i].start = h - 1;
+            }
+        for (Index i = 0; i < 4; ++i)
+            for (int k = 0; k < 3; ++k)
+                link(from_to[around[i][k]][around[i][(k + 1) % 3]] - 1,
+                     from_to[around[i][(k + 1) % 3]][around[i][(k + 2) % 3]] - 1);
+        for (Index e = 0; e < edges_.size(); ++e) {
+            set_curve(e);
+            set_arc(e);
+        }
+        for (Index i = 0; i < 4; ++i) {
+            set_ball(first + i);
+            add_to_tree(first + i);
+        }
+        for (Index i = 4; i < count; ++i)
+            if (!insert(first + i)) return false;
+        return true;
+    }
+
+    // --- Geometry ------------------------------------------------------------------------------------------
+
+    void set_curve(Index e) {
+        const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
+        edges_[e].normal = g.b - f.b;
+        edges_[e].offset = f.e - g.e;
+        edges_[e].square = edges_[e].normal.squaredNorm();
+        edges_[e].error = f.error + g.error;
+    }
+
+    void set_arc(Index e) {
+        Edge& edge = edges_[e];
+        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
+        const double radius2 = std::max(0.0, 1 - edge.offset * edge.offset / edge.square);
+        const double chord2 = (q.p - p.p).squaredNorm();
+        // Certainly less than half a turn?
+        const bool is_minor = edge.normal.dot(p.p.cross(q.p)) >
+                              std::sqrt(edge.square) * (2 * (p.error + q.error) + slack) + 4 * edge.error;
+        const double radius = std::sqrt(radius2);
+        edge.sagitta =
+            is_minor && radius2 > least_square
+                ? 0.25 * chord2 / (radius + std::sqrt(std::max(0.0, radius2 - 0.25 * chord2))) * (1 + 0x1p-20)
+                : 2 * std::sqrt(radius2 + least_square);
+    }
+
+    // Where three forms tie; of the two points the one where f, g, h follow each other counter-clockwise.
+    // None where doubles cannot tell.
+    //
+    // Newton-Kantorovich: the residuals of (g - f, h - f, (|p|^2 - 1) / 2) and the inverse Jacobian bound the
+    // step; the only second derivative is that of |p|^2 / 2, the identity.
+    std::optional<Vertex> meet(Index f, Index g, Index h) const {
+        const Linear &F = forms_[f], &G = forms_[g], &H = forms_[h];
+        const Vector3d m = G.b - F.b, n = H.b - F.b, along = m.cross(n);
+        const double c = F.e - G.e, d = F.e - H.e, square = along.squaredNorm();
+        const Vector3d nearest = (c * n.cross(along) + d * along.cross(m)) / square;
+        const double rest = 1 - nearest.squaredNorm();
+        if (!(rest > 0)) return std::nullopt;
+        Vector3d p = nearest + std::sqrt(rest / square) * along;
+        const double m_error = F.error + G.error, n_error = F.error + H.error;
+        for (const bool last : {false, true}) {
+            const double r = m.dot(p) - c, s = n.dot(p) - d, t = 0.5 * (p.squaredNorm() - 1),
+                         det = along.dot(p);
+            const Vector3d by_m = n.cross(p), by_n = p.cross(m);
+            if (!last) {
+                p -= (r * by_m + s * by_n + t * along) / det;
+                continue;
+            }
+            const double across_m = by_m.norm(), across_n = by_n.norm(), length = std::sqrt(square);
+            // The Jacobian's own error changes its inverse by a hundredth at most.
+            if (!(det > 128 * (m_error * n.norm() + n_error * m.norm()))) return std::nullopt;
+            const double step = 1.02 *
+                                ((std::abs(r) + m_error) * across_m + (std::abs(s) + n_error) * across_n +
+                                 (std::abs(t) + 8 * u) * length) /
+                                det;
+            if (!(step * 1.02 * length < 0.125 * det)) return std::nullopt;
+            return Vertex{p, 1.25 * step};
+        }
+        return std::nullopt;
+    }
+
+    // An enclosing ball, if there is a smaller one than now. Around the vertices, and as far beyond them as
+    // arcs bulge: that holds the boundary. The face is the part within unless it contains the opposite point
+    // of the sphere.
+    void set_ball(Index face) {
+        Vector3d center = Vector3d::Zero();
+        int count = 0;
+        double bulge = 0;
+        for_cycle(face, [&](Index h) {
+            center += vertices_[half_edges_[h].origin].p;
+            bulge = std::max(bulge, edges_[h >> 1].sagitta);
+            ++count;
+        });
+        center /= count;
+        double square = 0, error = 0;
+        for_cycle(face, [&](Index h) {
+            const Vertex& v = vertices_[half_edges_[h].origin];
+            square = std::max(square, (v.p - center).squaredNorm());
+            error = std::max(error, v.error);
+        });
+        const double radius = std::sqrt(square) + error + bulge + slack, length = center.norm();
+        Face& f = faces_[face];
+        if (radius < f.ball.radius && length > 0x1p-10 && radius < 1 + length &&
+            is_outside(face, center / -length))
+            f.ball = {center, radius};
+        // The form is highest on the boundary, unless the face holds the point where it is highest anywhere.
+        const Linear& form = forms_[face];
+        const double slope = form.b.norm();
+        f.top = form.e + slope + form.error;
+        if (!is_outside(face, form.b / slope)) return;
+        f.top = -HUGE_VAL;
+        for_cycle(face, [&](Index h) {
+            const Vertex& v = vertices_[half_edges_[h].origin];
+            f.top = std::max(f.top, form(v.p));
+        });
+        f.top += form.error + slope * (error + bulge + slack);
+    }
+
+    void add_to_tree(Index face) { tree_.add(face, faces_[face].ball, faces_[face].top); }
+
+    // Is the point of the sphere certainly not in the face: too far away, or another form is lower there? The
+    // neighbours come first; but where three of them win may be more than one region, and the face is just
+    // one of those.
+    bool is_outside(Index face, const Vector3d& p) const {
+        const Face& f = faces_[face];
+        if ((p - f.ball.center).squaredNorm() > f.ball.radius * f.ball.radius * (1 + slack)) return true;
+        const Linear& form = forms_[face];
+        const double value = form(p);
+        const auto is_lower = [&](const Linear& other) {
+            return value - other(p) > form.error + other.error;
+        };
+        Index h = f.start;
+        do {
+            if (is_lower(forms_[right(h)])) return true;
+            h = half_edges_[h].next;
+        } while (h != f.start);
+        for (Index g = 0; g < faces_.size(); ++g)
+            if (faces_[g].start != none && is_lower(forms_[g])) return true;
+        return false;
+    }
+
+    // --- Insertion -----------------------------------------------------------------------------------------
+
+    bool insert(Index challenger) {
+        ++stamp_;
+        cuts_.clear();
+        swallowed_.clear();
+        new_edges_.clear();
+        middles_.clear();
+        find_rivals(challenger);
+        for (const Index face : rivals_)
+            if (!challenge(challenger, face)) return false;
+        if (cuts_.empty()) return swallowed_.empty();
+        for (const Cut& c : cuts_)
+            if (!add_vertex(challenger, c)) return false;
+        for (const Index face : swallowed_) {
+            remove(faces_[face].start, faces_[face].start);
+            faces_[face].start = none;
+        }
+        for (const Cut& c : cuts_) {
+            if (half_edges_[c.leaving].next != c.returning) remove(half_edges_[c.leaving].next, c.returning);
+            remove_vertex(half_edges_[c.returning].origin);
+        }
+        for (const Cut& c : cuts_) cut(challenger, c);
+        for (const Index h : middles_) join(h);
+        return close(challenger);
+    }
+
+    void find_rivals(Index challenger) {
+        rivals_.clear();
+        tree_.search(
+            forms_[challenger], forms_[challenger].b.norm() * (1 + slack),
+            [&](Index f) { return faces_[f].start == none ? nullptr : &faces_[f].ball; },
+            [&](Index f) { return faces_[f].top; },
+            [&](Index f) {
+                if (faces_[f].stamp == stamp_) return;
+                faces_[f].stamp = stamp_;
+                if (may_conflict(challenger, f)) rivals_.push_back(f);
+            });
+    }
+
+    // May the form be lower than the face's somewhere in the face?
+    bool may_conflict(Index form, Index face) const {
+        const Face& f = faces_[face];
+        const Linear &challenger = forms_[form], &rival = forms_[face];
+        const Vector3d gradient = challenger.b - rival.b;
+        const double room =
+            gradient.dot(f.ball.center) + (challenger.e - rival.e) - challenger.error - rival.error;
+        return !(room > 0 &&
+                 room * room > gradient.squaredNorm() * f.ball.radius * f.ball.radius * (1 + slack));
+    }
+
+    struct Cut {
+        Index face;
+        Index leaving, returning;  // the half-edges of the face where the challenger starts and ceases to win
+    };
+
+    // Compares challenger and face along the face's boundary; false where that is no common case.
+    bool challenge(Index challenger, Index face) {
+        const Linear &form = forms_[challenger], &rival = forms_[face];
+        const Vector3d gradient = form.b - rival.b;
+        const double offset = form.e - rival.e, error = form.error + rival.error, slope = gradient.norm();
+        Cut c{face, none, none};
+        int crossings = 0;
+        bool is_any_taken = false;
+        Index h = faces_[face].start;
+        do {
+            const Index v = half_edges_[h].origin, w = target(h);
+            if (!decide(v, gradient, offset, error, slope) || !decide(w, gradient, offset, error, slope))
+                return false;
+            const bool is_taken = vertices_[v].is_taken;
+            bool is_crossed = is_taken != vertices_[w].is_taken;
+            is_any_taken = is_any_taken || is_taken;
+            if (!is_crossed && edges_[h >> 1].stamp != stamp_) {
+                edges_[h >> 1].stamp = stamp_;
+                const Middle middle = look_between(h >> 1, is_taken, gradient, offset, error, slope);
+                if (middle == Middle::Unknown) return false;
+                is_crossed = middle == Middle::Differs;
+                if (is_crossed) split(h);
+            }
+            if (is_crossed) {
+                ++crossings;
+                (is_taken ? c.returning : c.leaving) = h;
+            }
+            h = half_edges_[h].next;
+        } while (h != faces_[face].start);
+        if (crossings > 2) return false;
+        if (crossings == 2) {
+            cuts_.push_back(c);
+            return true;
+        }
+        // The circle does not meet the boundary: is it within the face?
+        const double side = is_any_taken ? 1 : -1;
+        if (!(side * offset + slope < -error) && !is_outside(face, side / slope * gradient)) return false;
+        ++decisions_.by_double;
+        if (is_any_taken) swallowed_.push_back(face);
+        return true;
+    }
+
+    bool decide(Index v, const Vector3d& gradient, double offset, double error, double slope) {
+        Vertex& vertex = vertices_[v];
+        if (vertex.stamp == stamp_) return true;
+        vertex.stamp = stamp_;
+        vertex.difference = gradient.dot(vertex.p) + offset;
+        vertex.is_taken = vertex.difference < 0;
+        ++decisions_.by_double;
+        return std::abs(vertex.difference) > error + slope * vertex.error * (1 + slack);
+    }
+
+    enum class Middle { Same, Differs, Unknown };
+
+    // Challenger - rival has one sign in both ends of an edge: does it have the other one in between? Then
+    // middle_ is where it has most of it.
+    Middle look_between(Index e, bool is_taken, const Vector3d& gradient, double offset, double error,
+                        double slope) {
+        ++decisions_.by_double;
+        const Edge& edge = edges_[e];
+        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
+        const double sign = is_taken ? -1 : 1, end_error = std::max(p.error, q.error);
+        // By the nearest point of the chord.
+        if (sign * (is_taken ? std::max(p.difference, q.difference) : std::min(p.difference, q.difference)) -
+                slope * (end_error + edge.sagitta) >
+            2 * error)
+            return Middle::Same;
+        // All around the circle it is a sinusoid plus a constant.
+        const double length = std::sqrt(edge.square), along = gradient.dot(edge.normal) / edge.square;
+        const double at_center = along * edge.offset + offset;
+        const Vector3d across = gradient - along * edge.normal;
+        const double radius2 = 1 - edge.offset * edge.offset / edge.square;
+        if (!(radius2 > least_square)) return Middle::Unknown;
+        const double steepness = across.norm(), radius = std::sqrt(radius2);
+        const double doubt = 4 * error + slope * (64 * edge.error / length + slack);
+        const double extreme = sign * at_center - steepness * radius;
+        if (extreme > doubt) return Middle::Same;
+        if (!(extreme < -doubt) || !(steepness > 0x1p-20 * slope)) return Middle::Unknown;
+        const Vector3d center = edge.offset / edge.square * edge.normal;
+        middle_ = center - sign * radius / steepness * across;
+        const double turn_doubt =
+            length * (end_error + slack) + 4 * edge.error + length * radius * doubt / steepness;
+        const auto turn = [&](const Vector3d& a, const Vector3d& b) {
+            const double value = edge.normal.dot(a.cross(b));
+            return std::abs(value) > turn_doubt ? sign_of(value) : Sign::Zero;
+        };
+        // Of an arc of less than half a turn, or of the rest of the circle.
+        const Sign size = turn(p.p - center, q.p - center);
+        if (size == Sign::Zero) return Middle::Unknown;
+        const Sign after_start = size * turn(p.p - center, middle_ - center),
+                   before_end = size * turn(middle_ - center, q.p - center);
+        if (after_start == Sign::Negative || before_end == Sign::Negative)
+            return size == Sign::Positive ? Middle::Same : Middle::Differs;
+        if (after_start == Sign::Zero || before_end == Sign::Zero) return Middle::Unknown;
+        return size == Sign::Positive ? Middle::Differs : Middle::Same;
+    }
+
+    // Puts a vertex at middle_ on the edge of h, until the challenger is inserted. h stays the first part.
+    void split(Index h) {
+        const Index from = half_edges_[h].origin;
+        const Index v = add(vertices_, free_vertices_, {middle_, 0});
+        vertices_[v].stamp = stamp_;
+        vertices_[v].is_taken = !vertices_[from].is_taken;
+        vertices_[v].difference = 0;
+        const Index e = add(edges_, free_edges_, edges_[h >> 1]);
+        half_edges_.resize(2 * edges_.size());
+        // Both parts lie on the old curve in the old direction.
+        const Index second = 2 * e + (h & 1u);
+        half_edges_[second] = {half_edges_[h].next, h, v, left(h)};
+        half_edges_[twin(second)] = {twin(h), half_edges_[twin(h)].prev, half_edges_[twin(h)].origin,
+                                     right(h)};
+        link(second, half_edges_[h].next);
+        link(h, second);
+        link(half_edges_[twin(h)].prev, twin(second));
+        link(twin(second), twin(h));
+        half_edges_[twin(h)].origin = v;
+        if (!vertices_[v].is_taken) middles_.push_back(h);
+    }
+
+    // Undoes split() where the middle is left.
+    void join(Index h) {
+        const Index second = half_edges_[h].next;
+        remove_vertex(half_edges_[second].origin);
+        link(h, half_edges_[second].next);
+        link(half_edges_[twin(second)].prev, twin(h));
+        half_edges_[twin(h)].origin = half_edges_[twin(second)].origin;
+        edges_[second >> 1].is_alive = false;
+        free_edges_.push_back(second >> 1);
+    }
+
+    // Where a half-edge of the face passes from the face to the challenger: there face, face on the right and
+    // challenger follow each other counter-clockwise.
+    bool add_vertex(Index challenger, const Cut& c) {
+        const auto vertex = meet(c.face, right(c.leaving), challenger);
+        if (!vertex) return false;
+        ++decisions_.by_double;
+        edges_[c.leaving >> 1].cut = add(vertices_, free_vertices_, *vertex);
+        return true;
+    }
+
+    template <class T>
+    static Index add(std::vector<T>& all, std::vector<Index>& free, const T& element) {
+        if (free.empty()) {
+            all.push_back(element);
+            return static_cast<Index>(all.size() - 1);
+        }
+        const Index i = free.back();
+        free.pop_back();
+        all[i] = element;
+        return i;
+    }
+
+    // Half-edges from `first` up to `last`, which stays, and the vertices they leave.
+    void remove(Index first, Index last) {
+        Index h = first;
+        do {
+            if (Edge& edge = edges_[h >> 1]; edge.is_alive) {
+                edge.is_alive = false;
+                free_edges_.push_back(h >> 1);
+            }
+            remove_vertex(half_edges_[h].origin);
+            h = half_edges_[h].next;
+        } while (h != last);
+    }
+    void remove_vertex(Index v) {
+        if (!vertices_[v].is_alive) return;
+        vertices_[v].is_alive = false;
+        free_vertices_.push_back(v);
+    }
+
+    // The challenger's half-edge along the cut waits at the point where the boundary returns to the face.
+    void cut(Index challenger, const Cut& c) {
+        const Index from = edges_[c.leaving >> 1].cut, to = edges_[c.returning >> 1].cut;
+        const Index e = add(edges_, free_edges_, {});
+        half_edges_.resize(2 * edges_.size());
+        half_edges_[2 * e] = {c.returning, c.leaving, from, c.face};
+        half_edges_[2 * e + 1] = {none, none, to, challenger};
+        half_edges_[twin(c.leaving)].origin = from;
+        half_edges_[c.returning].origin = to;
+        half_edges_[c.leaving].next = half_edges_[c.returning].prev = 2 * e;
+        vertices_[to].out = 2 * e + 1;
+        faces_[c.face].start = 2 * e;
+        set_curve(e);
+        new_edges_.push_back(e);
+    }
+
+    // Is what the challenger has won one disc?
+    bool close(Index challenger) {
+        for (const Index e : new_edges_) link(2 * e + 1, vertices_[half_edges_[2 * e].origin].out);
+        const Index start = 2 * new_edges_.front() + 1;
+        std::size_t length = 0;
+        Index h = start;
+        do {
+            ++length;
+            h = half_edges_[h].next;
+        } while (h != start);
+        if (length != new_edges_.size()) return false;
+        faces_[challenger].start = start;
+        for (const Index e : new_edges_) set_arc(e);
+        for (const Cut& c : cuts_) set_arc(c.leaving >> 1);
+        for (const Cut& c : cuts_) set_ball(c.face);
+        set_ball(challenger);
+        add_to_tree(challenger);
+        return true;
+    }
+
+    // --- The result ----------------------------------------------------------------------------------------
+
+    // Chart point and height of a vertex. Towards the pole 1 + z is found without cancellation; moving by d
+    // on the sphere moves the chart point by d W / 2.
+    std::optional<MinimizationDiagram::Vertex> chart_vertex(const Vertex& v, const Linear& lowest) const {
+        const Vector3d& p = v.p;
+        const double across = p.x() * p.x() + p.y() * p.y();
+        const double scale = p.z() < 0 ? (1 - p.z()) / across : 1 / (1 + p.z());
+        MinimizationDiagram::Vertex out;
+        out.point = scale * p.head<2>();
+        const double reach2 = out.point.squaredNorm(), reach = std::sqrt(reach2), W = 1 + reach2,
+                     value = lowest(p);
+        if (!(W * v.error < 0x1p-10)) return std::nullopt;
+        out.error = W * v.error + 8 * u * reach;
+        out.height = W * value;
+        out.height_error =
+            1.01 * W * (lowest.error + lowest.b.norm() * v.error + 2 * reach * std::abs(value) * v.error) +
+            16 * u * W * std::abs(value);
+        return out;
+    }
+
+    std::optional<MinimizationDiagram> diagram(Index pole_face) {
+        MinimizationDiagram out;
+        out.forms = family_.forms;
+        std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none);
+        const std::size_t edge_count = edges_.size() - free_edges_.size(),
+                          vertex_count = vertices_.size() - free_vertices_.size();
+        out.dcel.reserve(vertex_count, edge_count, family_.size());
+        out.vertices.reserve(vertex_count);
+        out.edges.reserve(edge_count);
+        for (Index e = 0; e < edges_.size(); ++e) {
+            if (!edges_[e].is_alive) continue;
+            std::array<VertexId, 2> ends;
+            for (const Index side : {0u, 1u}) {
+                const Index v = half_edges_[2 * e + side].origin;
+                if (vertex_map[v] == none) {
+                    const Index h = 2 * e + side;
+                    if (!add_vertex(out, v, {left(h), right(h), right(half_edges_[h].prev)}))
+                        return std::nullopt;
+                    vertex_map[v] = out.dcel.add_vertex().value;
+                }
+                ends[side] = {vertex_map[v]};
+            }
+            edge_map[e] = out.dcel.add_edge(ends[0], ends[1]).value;
+            const FormId f{left(2 * e)}, g{right(2 * e)};
+            out.edges.push_back({f, g});
+            out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
+            out.edge_labels_.insert(out.edge_labels_.end(), {std::min(f, g), std::max(f, g)});
+        }
+        out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
+        out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
+        out.side_offsets_.assign(out.vertices.size() + 1, 0);
+
+        const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
+        for (Index h = 0; h < half_edges_.size(); ++h)
+            if (edges_[h >> 1].is_alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
+        out.face_forms.push_back(FormId{pole_face});
+        out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(faces_[pole_face].start));
+        for (Index f = 0; f < family_.size(); ++f) {
+            if (f == pole_face || faces_[f].start == none) continue;
+            out.dcel.add_outer_ccb(out.dcel.add_face(), half_edge(faces_[f].start));
+            out.face_forms.push_back(FormId{f});
+        }
+        out.decisions = decisions_;
+        return out;
+    }
+
+    bool add_vertex(MinimizationDiagram& out, Index v, std::array<Index, 3> forms) const {
+        std::ranges::sort(forms);
+        const auto& lowest = *std::ranges::min_element(forms, {}, [&](Index f) { return forms_[f].error; });
+        const auto vertex = chart_vertex(vertices_[v], forms_[lowest]);
+        if (!vertex) return false;
+        out.vertices.push_back(*vertex);
+        out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
+        for (const Index f : forms) out.vertex_labels_.push_back(FormId{f});
+        return true;
+    }
+
+    const FormFamily& family_;
+    const EnvelopeOptions& options_;
+    std::vector<Linear> forms_;  // the family's, and four that are higher in the end
+    std::vector<Vertex> vertices_;
+    std::vector<HalfEdge> half_edges_;
+    std::vector<Edge> edges_;
+    std::vector<Face> faces_;
+    std::vector<Index> free_vertices_, free_edges_;
+    FaceTree tree_;
+    Decisions decisions_;
+    Index stamp_ = 0;
+    std::size_t inserted_ = 0;
+    // Working space of insert().
+    std::vector<Index> rivals_, swallowed_, new_edges_;
+    std::vector<Index> middles_;  // half-edges that end at a vertex made by split() that is not taken
+    std::vector<Cut> cuts_;
+    Vector3d middle_;
+};
+
+}  // namespace
+
+std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
+                                                          const EnvelopeOptions& options) {
+    // What fails in the beginning, when faces are large, may succeed in another order.
+    constexpr std::size_t attempts = 6, beginning = 64;
+    for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
+        DiscDiagram diagram(family, options);
+        if (auto result = diagram.run(attempt)) return result;
+        if (diagram.inserted() > beginning) break;
+    }
+    return std::nullopt;
+}
+
+}  // namespace vcell
