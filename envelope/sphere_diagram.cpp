@@ -60,9 +60,9 @@ public:
 
     void add(Index face, const Ball& ball, double top) { add(0, face, ball, top); }
 
-    // Calls visit(face) for the faces in whose neighbourhood the form may be lower than a face's.
-    // ball(face) encloses a face, null: one that is no more; top(face) bounds its form over it from above.
-    // Faces may shrink between searches. Pre: slope >= |form.b|.
+    // Calls visit(face) for the faces in whose neighbourhood the form may be lower than a face's, and for
+    // some that are no more. ball(face) encloses a face, null: one that is no more; top(face) bounds its form
+    // over it from above. Faces may shrink between searches. Pre: slope >= |form.b|.
     template <class BallOf, class Top, class Visit>
     void search(const Linear& form, double slope, const BallOf& ball, const Top& top, const Visit& visit) {
         search(0, form, slope, ball, top, visit);
@@ -78,6 +78,7 @@ private:
         double cosine = -1, sine = 0;  // so they lie in a cap of this angle
         double top = -HUGE_VAL;        // their forms are no higher on them
         Index first = none;            // of its children
+        Index visits = 0;
         std::vector<Index> faces;
 
         void set_reach(double to) {
@@ -97,6 +98,7 @@ private:
         }
     };
     static constexpr std::size_t largest_leaf = 12;
+    static constexpr Index visits_between = 4;  // of a leaf, until it is tidied again
     static constexpr double least_half = 0x1p-20;
 
     void add_node(const Vector3d& center, double half) {
@@ -127,9 +129,11 @@ private:
                 const Visit& visit) {
         if (nodes_[n].reach < 0 || nodes_[n].least(form, slope) > nodes_[n].top) return;
         if (nodes_[n].first == none) {
-            tidy(n, ball, top);
+            const bool is_due = nodes_[n].visits++ % visits_between == 0;
+            if (is_due) tidy(n, ball, top);
             for (const Index face : nodes_[n].faces) visit(face);
-            if (nodes_[n].faces.size() > largest_leaf && nodes_[n].half > least_half) divide(n, ball, top);
+            if (is_due && nodes_[n].faces.size() > largest_leaf && nodes_[n].half > least_half)
+                divide(n, ball, top);
             return;
         }
         double reach = -HUGE_VAL, highest = -HUGE_VAL;
@@ -205,7 +209,8 @@ private:
         double error = 0;  // bound on the distance of p from the true vertex
         Index out = none;  // while a form is inserted: the edge of its face that leaves here
         Index stamp = 0;
-        double difference = 0;  // challenger - lowest form, while stamp is current
+        double margin =
+            0;  // while stamp is current: lower bound of |challenger - lowest form| at the true vertex
         bool is_taken = false;  // likewise
         bool is_alive = true;
     };
@@ -225,7 +230,8 @@ private:
     struct Face {            // of the form of the same number
         Index start = none;  // none: the form has no face
         Ball ball;
-        double top = 0;  // upper bound of the form over the face
+        double bulge = 0;  // bound on the distance of the boundary from chords of true vertices
+        double top = 0;    // upper bound of the form over the face
         Index stamp = 0;
     };
 
@@ -418,6 +424,7 @@ private:
             square = std::max(square, (v.p - center).squaredNorm());
             error = std::max(error, v.error);
         });
+        faces_[face].bulge = bulge;
         const double radius = std::sqrt(square) + error + bulge + slack, length = center.norm();
         Face& f = faces_[face];
         if (radius < f.ball.radius && length > 0x1p-10 && radius < 1 + length &&
@@ -493,9 +500,7 @@ private:
             [&](Index f) { return faces_[f].start == none ? nullptr : &faces_[f].ball; },
             [&](Index f) { return faces_[f].top; },
             [&](Index f) {
-                if (faces_[f].stamp == stamp_) return;
-                faces_[f].stamp = stamp_;
-                if (may_conflict(challenger, f)) rivals_.push_back(f);
+                if (faces_[f].start != none && may_conflict(challenger, f)) rivals_.push_back(f);
             });
     }
 
@@ -523,27 +528,32 @@ private:
         Cut c{face, none, none};
         int crossings = 0;
         bool is_any_taken = false;
+        double least_margin = HUGE_VAL;
         Index h = faces_[face].start;
         do {
-            const Index v = half_edges_[h].origin, w = target(h);
-            if (!decide(v, gradient, offset, error, slope) || !decide(w, gradient, offset, error, slope))
-                return false;
-            const bool is_taken = vertices_[v].is_taken;
-            bool is_crossed = is_taken != vertices_[w].is_taken;
-            is_any_taken = is_any_taken || is_taken;
-            if (!is_crossed && edges_[h >> 1].stamp != stamp_) {
-                edges_[h >> 1].stamp = stamp_;
-                const Middle middle = look_between(h >> 1, is_taken, gradient, offset, error, slope);
-                if (middle == Middle::Unknown) return false;
-                is_crossed = middle == Middle::Differs;
-                if (is_crossed) split(h);
-            }
-            if (is_crossed) {
-                ++crossings;
-                (is_taken ? c.returning : c.leaving) = h;
-            }
+            const Index v = half_edges_[h].origin;
+            if (!decide(v, gradient, offset, error, slope)) return false;
+            is_any_taken = is_any_taken || vertices_[v].is_taken;
+            least_margin = std::min(least_margin, vertices_[v].margin);
             h = half_edges_[h].next;
         } while (h != faces_[face].start);
+        const bool is_clear = !is_any_taken && least_margin > slope * faces_[face].bulge;
+        if (!is_clear) do {
+                const bool is_taken = vertices_[half_edges_[h].origin].is_taken;
+                bool is_crossed = is_taken != vertices_[target(h)].is_taken;
+                if (!is_crossed && edges_[h >> 1].stamp != stamp_) {
+                    edges_[h >> 1].stamp = stamp_;
+                    const Middle middle = look_between(h >> 1, is_taken, gradient, offset, error, slope);
+                    if (middle == Middle::Unknown) return false;
+                    is_crossed = middle == Middle::Differs;
+                    if (is_crossed) split(h);
+                }
+                if (is_crossed) {
+                    ++crossings;
+                    (is_taken ? c.returning : c.leaving) = h;
+                }
+                h = half_edges_[h].next;
+            } while (h != faces_[face].start);
         if (crossings > 2) return false;
         if (crossings == 2) {
             cuts_.push_back(c);
@@ -561,10 +571,11 @@ private:
         Vertex& vertex = vertices_[v];
         if (vertex.stamp == stamp_) return true;
         vertex.stamp = stamp_;
-        vertex.difference = gradient.dot(vertex.p) + offset;
-        vertex.is_taken = vertex.difference < 0;
+        const double difference = gradient.dot(vertex.p) + offset;
+        vertex.is_taken = difference < 0;
+        vertex.margin = std::abs(difference) - error - slope * vertex.error * (1 + slack);
         ++decisions_.by_double;
-        return std::abs(vertex.difference) > error + slope * vertex.error * (1 + slack);
+        return vertex.margin > 0;
     }
 
     enum class Middle { Same, Differs, Unknown };
@@ -577,11 +588,7 @@ private:
         const Edge& edge = edges_[e];
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
         const double sign = is_taken ? -1 : 1, end_error = std::max(p.error, q.error);
-        // By the nearest point of the chord.
-        if (sign * (is_taken ? std::max(p.difference, q.difference) : std::min(p.difference, q.difference)) -
-                slope * (end_error + edge.sagitta) >
-            2 * error)
-            return Middle::Same;
+        if (std::min(p.margin, q.margin) > slope * edge.sagitta) return Middle::Same;
         // All around the circle it is a sinusoid plus a constant.
         const double length = std::sqrt(edge.square), along = gradient.dot(edge.normal) / edge.square;
         const double at_center = along * edge.offset + offset;
@@ -618,7 +625,6 @@ private:
         const Index v = add(vertices_, free_vertices_, {middle_, 0});
         vertices_[v].stamp = stamp_;
         vertices_[v].is_taken = !vertices_[from].is_taken;
-        vertices_[v].difference = 0;
         const Index e = add(edges_, free_edges_, edges_[h >> 1]);
         half_edges_.resize(2 * edges_.size());
         // Both parts lie on the old curve in the old direction.

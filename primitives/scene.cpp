@@ -28,12 +28,13 @@ public:
     Checker(std::uint32_t object, std::string path) : object_(object), path_(std::move(path)) {}
 
     void number(const std::string& field, double x) const {
+        if (std::abs(x) <= largest_magnitude) return;
         if (!std::isfinite(x)) fail(Kind::NotFinite, field, "must be finite, is " + to_text(x));
-        if (std::abs(x) > largest_magnitude)
-            fail(Kind::OutOfRange, field,
-                 "must not exceed " + to_text(largest_magnitude) + " in magnitude, is " + to_text(x));
+        fail(Kind::OutOfRange, field,
+             "must not exceed " + to_text(largest_magnitude) + " in magnitude, is " + to_text(x));
     }
     void point(const std::string& field, const Vec3& p) const {
+        if (p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_magnitude) return;
         for (int i = 0; i < 3; ++i) number(field + "[" + std::to_string(i) + "]", p[i]);
     }
     void direction(const std::string& field, const Vec3& d) const {
