@@ -514,7 +514,7 @@ namespace {
 using ConicPoint = Eigen::Matrix<double, 5, 1>;
 
 // A Gauss-Legendre rule with the radius of a disk around [-1, 1] that contains an ellipse on which an
-// integrand of size 1 leaves an error of `truncation` < 1e-18.
+// integrand of size 1 leaves an error of `truncation` < 2e-15: less than rounding.
 struct RuleChoice {
     double reach, truncation;
     int half_points;
@@ -529,9 +529,8 @@ RuleChoice choice(double reach) {
             rule.weight.data()};
 }
 
-const std::array<RuleChoice, 4>& rule_choices() {
-    static const std::array<RuleChoice, 4> choices{choice<8>(7), choice<10>(4.5), choice<12>(3),
-                                                   choice<16>(2)};
+const std::array<RuleChoice, 5>& rule_choices() {
+    static const std::array choices{choice<6>(10), choice<8>(5), choice<10>(3.3), choice<12>(2.5), choice<16>(1.8)};
     return choices;
 }
 

@@ -52,6 +52,29 @@ struct Ball {
     double radius = 1;
 };
 
+// The points of the sphere that are at most an angle away from a direction; all, unless a ball is known
+// around them.
+struct Cap {
+    Vector3d direction = Vector3d::UnitX();
+    double cosine = -1, sine = 0;  // of the angle
+
+    void shrink_to(const Ball& ball) {
+        const double length = ball.center.norm();
+        if (!(length > 0)) return;
+        direction = ball.center / length;
+        cosine = (1 + length * length - ball.radius * ball.radius) / (2 * length) - slack / length;
+        cosine = std::clamp(cosine, -1.0, 1.0);
+        sine = std::sqrt(1 - cosine * cosine);
+    }
+    // Lower bound of b.p over the cap. Pre: slope >= |b|.
+    double least(const Vector3d& b, double slope) const {
+        const double towards = -b.dot(direction);
+        if (towards >= cosine * slope) return -slope;
+        const double across2 = slope * slope - towards * towards;
+        return -cosine * towards - sine * std::sqrt(std::max(0.0, across2)) - slack * slope;
+    }
+};
+
 // The faces of the diagram by place: an octree over the centres that their balls had when they were added. A
 // node knows how far its faces reach, and how high their forms get on them.
 class FaceTree {
@@ -71,30 +94,17 @@ public:
 private:
     struct Node {
         Vector3d center;
-        double half;                   // of the cube's side
-        Vector3d direction;            // of the centre
-        double length;                 // to the centre
-        double reach = -HUGE_VAL;      // the faces are no farther from the centre
-        double cosine = -1, sine = 0;  // so they lie in a cap of this angle
-        double top = -HUGE_VAL;        // their forms are no higher on them
-        Index first = none;            // of its children
+        double half;               // of the cube's side
+        double reach = -HUGE_VAL;  // the faces are no farther from the centre
+        Cap cap;                   // so they lie in this
+        double top = -HUGE_VAL;    // their forms are no higher on them
+        Index first = none;        // of its children
         Index visits = 0;
         std::vector<Index> faces;
 
         void set_reach(double to) {
             reach = to;
-            cosine = -1;
-            if (length > 0)
-                cosine = std::clamp((1 + length * length - reach * reach) / (2 * length) - slack, -1.0, 1.0);
-            sine = std::sqrt(1 - cosine * cosine);
-        }
-        // Lower bound of the form on the cap.
-        double least(const Linear& form, double slope) const {
-            const double towards = -form.b.dot(direction), across2 = slope * slope - towards * towards;
-            const bool is_inside = towards >= cosine * slope;
-            return form.e - form.error -
-                   (is_inside ? slope
-                              : cosine * towards + sine * std::sqrt(std::max(0.0, across2)) + slack * slope);
+            cap.shrink_to({center, reach});
         }
     };
     static constexpr std::size_t largest_leaf = 12;
@@ -102,12 +112,7 @@ private:
     static constexpr double least_half = 0x1p-20;
 
     void add_node(const Vector3d& center, double half) {
-        Node n{.center = center,
-               .half = half,
-               .direction = Vector3d::UnitX(),
-               .length = center.norm(),
-               .faces = {}};
-        if (n.length > 0) n.direction = center / n.length;
+        Node n{.center = center, .half = half, .cap = {}, .faces = {}};
         nodes_.push_back(std::move(n));
     }
 
@@ -127,7 +132,8 @@ private:
     template <class BallOf, class Top, class Visit>
     void search(Index n, const Linear& form, double slope, const BallOf& ball, const Top& top,
                 const Visit& visit) {
-        if (nodes_[n].reach < 0 || nodes_[n].least(form, slope) > nodes_[n].top) return;
+        if (nodes_[n].reach < 0 || nodes_[n].cap.least(form.b, slope) + form.e - form.error > nodes_[n].top)
+            return;
         if (nodes_[n].first == none) {
             const bool is_due = nodes_[n].visits++ % visits_between == 0;
             if (is_due) tidy(n, ball, top);
@@ -229,7 +235,8 @@ private:
     };
     struct Face {            // of the form of the same number
         Index start = none;  // none: the form has no face
-        Ball ball;
+        Ball ball;           // both hold the face
+        Cap cap;
         double bulge = 0;  // bound on the distance of the boundary from chords of true vertices
         double top = 0;    // upper bound of the form over the face
         Index stamp = 0;
@@ -428,8 +435,10 @@ private:
         const double radius = std::sqrt(square) + error + bulge + slack, length = center.norm();
         Face& f = faces_[face];
         if (radius < f.ball.radius && length > 0x1p-10 && radius < 1 + length &&
-            is_outside(face, center / -length))
+            is_outside(face, center / -length)) {
             f.ball = {center, radius};
+            f.cap.shrink_to(f.ball);
+        }
         // The form is highest on the boundary, unless the face holds the point where it is highest anywhere.
         const Linear& form = forms_[face];
         const double slope = form.b.norm();
@@ -509,10 +518,8 @@ private:
         const Face& f = faces_[face];
         const Linear &challenger = forms_[form], &rival = forms_[face];
         const Vector3d gradient = challenger.b - rival.b;
-        const double room =
-            gradient.dot(f.ball.center) + (challenger.e - rival.e) - challenger.error - rival.error;
-        return !(room > 0 &&
-                 room * room > gradient.squaredNorm() * f.ball.radius * f.ball.radius * (1 + slack));
+        return f.cap.least(gradient, gradient.norm() * (1 + slack)) + challenger.e - rival.e <=
+               challenger.error + rival.error;
     }
 
     struct Cut {
