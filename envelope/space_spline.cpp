@@ -441,14 +441,13 @@ private:
 
     std::optional<Node> half_way(const Node& from, const Node& to, const Piece* piece,
                                  const Fit& spline) const {
-        if (spline.seam) {
-            const double a = at(*spline.seam, from.X), b = at(*spline.seam, to.X);
-            const double slop = rounding * magnitude(spline.points, *spline.seam);
-            if (std::min(a, b) < -slop && std::max(a, b) > slop)
-                if (const auto found = find(from.X + a / (a - b) * (to.X - from.X), &*spline.seam))
+        if (spline.seam)
+            if (const auto crossing = sign_change(spline.points, *spline.seam))
+                if (const auto found = find(*crossing, &*spline.seam); found && is_between(from, *found, to))
                     return found;
-        }
-        if (spline.tube.is_proved()) return find(middle(spline.points));
+        if (spline.seam || spline.tube.is_proved())
+            if (const auto found = find(middle(spline.points)); found && is_between(from, *found, to))
+                return found;
         if (!piece) {
             Vec3 w = from.X.head<3>() / from.X[3] + to.X.head<3>() / to.X[3];
             w.y() = 0;
@@ -457,6 +456,30 @@ private:
         const auto on_line =
             meet(0.5 * (chart_point(from, *piece) + chart_point(to, *piece)), piece->direction);
         return find(on_line ? lifted(*on_line) : Vector4d(0.5 * (from.X + to.X)));
+    }
+
+    // Of spans whose chord goes with the arc.
+    static bool is_between(const Node& from, const Node& n, const Node& to) {
+        const Vec3 chord = (to.X - from.X).head<3>();
+        const double along = chord.dot((n.X - from.X).head<3>());
+        return along > 0 && along < chord.squaredNorm();
+    }
+
+    // Where a linear function vanishes on a span, if it is seen to change its sign.
+    std::optional<Vector4d> sign_change(const Points& points, const Linear& f) const {
+        constexpr int parts = 8, halvings = 20;  // find() does the rest
+        const double near = seam_width(points, f);
+        for (int i = 0; i < parts; ++i) {
+            double low = static_cast<double>(i) / parts, high = static_cast<double>(i + 1) / parts;
+            const double a = at(f, point(points, low)), b = at(f, point(points, high));
+            if (!(std::min(a, b) < -near && std::max(a, b) > near)) continue;
+            for (int k = 0; k < halvings; ++k) {
+                const double half = 0.5 * (low + high);
+                ((at(f, point(points, half)) > 0) == (a > 0) ? low : high) = half;
+            }
+            return point(points, low);
+        }
+        return std::nullopt;
     }
 
     // In the chart, as continued to the piece.
@@ -524,10 +547,13 @@ private:
             b.col(0) - 2 * b.col(1) / 5 + b.col(2) / 20, b.col(0) - b.col(1) / 5, b.col(0);
         return p;
     }
-    static Vector4d middle(const Points& p) {  // sum of binomials / 32
-        return (p.col(0) + 5 * p.col(1) + 10 * p.col(2) + 10 * p.col(3) + 5 * p.col(4) + p.col(5)).head<4>() /
-               32;
+    static Vector4d point(const Points& p, double s) {
+        Eigen::Matrix<double, 4, 6> q = p.topRows<4>();
+        for (int n = 5; n > 0; --n)
+            for (int k = 0; k < n; ++k) q.col(k) += s * (q.col(k + 1) - q.col(k));
+        return q.col(0);
     }
+    static Vector4d middle(const Points& p) { return point(p, 0.5); }
 
     // Chooses the parts and puts the trims below the curve; not if it leaves a part.
     void trim(const std::array<Jet, 2>& ends, Fit& fit) const {
@@ -557,9 +583,13 @@ private:
             const Linear f = part.patch[0].numerator - part.u[k] * part.patch[0].divisor;
             const auto values = (f.head<4>().transpose() * points.topRows<4>()).array() + f[4];
             const double outermost = k == 0 ? values.minCoeff() : -values.maxCoeff();
-            if (outermost < -rounding * magnitude(points, f)) return f;
+            if (outermost < -seam_width(points, f)) return f;
         }
         return std::nullopt;
+    }
+    // Ends so near to a seam count as on it: spans that are cut off closer to a node could not be proved.
+    double seam_width(const Points& points, const Linear& f) const {
+        return std::min(0x1p-32 * magnitude(points, f), 0.25 * tolerance_);
     }
     static double at(const Linear& f, const Vector4d& X) { return f.head<4>().dot(X) + f[4]; }
 

@@ -540,6 +540,20 @@ TEST_CASE("cylinder cell: crossing axes of equal radius have planes for bisector
         if (face.site.is_object()) CHECK(face.bisector == "plane");
 }
 
+TEST_CASE("cylinder cell: arcs that turn beside a seam, and vertices on one") {
+    Scene turning;
+    turning.base = Cylinder{{-0.05, 0.63, 0.92}, {-0.4591667997360513, 0.5912304283554172, 0.663}, 0.3};
+    turning.objects = {Cylinder{{0.27, 0.76, -0.12}, {-0.8, 0.23518019618049804, 0.4835843489437807}, 0},
+                       Sphere{{0.6, 0.8, 0.4}, 0.1}, Plane{{1, -0.2, 2.3}, {0.53, -0.4, 0.7}}};
+    turning.box = {{-3, -2.5, -2.3}, {3.1, 3.9, 4}};
+    checked(turning);
+    Scene meeting;
+    meeting.base = Cylinder{{-0.7, 0.1, -0.48}, {0, 1, 0}, 0.48};
+    meeting.objects = {Cylinder{{-0.8, 0.6, -1.3}, {0.84, -0.3, -0.464}, 0.1}};
+    meeting.box = {{-3.662, -3, -3.7}, {2.4, 3.4, 2.6}};
+    checked(meeting);
+}
+
 TEST_CASE("cylinder cell: random scenes") {
     std::mt19937_64 rng(test_seed());
     SceneMaker make{rng};
