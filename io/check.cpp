@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -918,22 +919,27 @@ private:
     // --- Measures -----------------------------------------------------------------------------------
 
     /// The integral of SceneGeometry::densities() over a trimmed patch. Green's theorem: the integral over
-    /// the region is that of I(u, v) dv along the loops, I the integral of the density from a fixed u.
+    /// the region is that of I(u, v) dv along the loops, I the integral of the density from a fixed u; or
+    /// that of -I du, from a fixed v.
     Integral<Triple> integrate_patch(const Patch& patch) const {
-        const double u0 = 0.5 * (patch.lo.x() + patch.hi.x());
-        const auto density = [&](double u, double v) -> Triple {
-            return geometry_.densities(lift(patch, {u, v}));
-        };
-        const Vec2 extent = patch.hi - patch.lo;
-        Triple most = Triple::Zero();
-        for (const double s : {0.0, 0.5, 1.0})
-            for (const double t : {0.0, 0.5, 1.0})
-                most = most.max(density(patch.lo.x() + s * extent.x(), patch.lo.y() + t * extent.y()).abs());
+        const auto density = [&](const Vec2& uv) { return geometry_.densities(lift(patch, uv)); };
+        const auto [across, start] = start_line(patch);
+        const int along = 1 - across;
+        const double sign = across == 0 ? 1 : -1;
         // Parameters are rounded at their size, which for a thin patch far out is more than rounding of the
-        // integral.
-        const Vec2 size = patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
-        const Triple inner_floor = kRounding * size.x() * most;
-        const Triple floor = kRounding * (size.x() * extent.y() + size.y() * extent.x()) * most;
+        // integral; control points at that of their coordinates, which turns the partial derivatives.
+        const Vec2 extent = patch.hi - patch.lo, size = patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
+        const SurfacePoint middle = lift(patch, 0.5 * (patch.lo + patch.hi));
+        const double turn = kRounding * patch.control_size *
+                            (1 / (middle.pu.norm() * extent.x()) + 1 / (middle.pv.norm() * extent.y()));
+        Triple most = Triple::Zero();
+        for (const auto& loop : patch.loops)
+            for (const Trim& trim : loop)
+                for (const auto& piece : trim.pieces)
+                    most = most.max(density(piece.evaluate(std::midpoint(piece.begin, piece.end))[0]).abs());
+        const Triple inner_floor = (kRounding * size[across] + turn * extent[across]) * most;
+        const Triple floor =
+            (kRounding * (size.x() * extent.y() + size.y() * extent.x()) + turn * extent.prod()) * most;
         Integral<Triple> total{Triple::Zero(), Triple::Zero()};
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop)
@@ -942,17 +948,48 @@ private:
                     const auto part = integrate(
                         [&](double t) -> Triple {
                             const auto [q, d] = piece.evaluate(t);
-                            if (d.y() == 0) return Triple::Zero();
-                            const auto inner = integrate([&](double u) { return density(u, q.y()); }, u0,
-                                                         q.x(), inner_floor);
-                            inner_error = inner_error.max(inner.error * std::abs(d.y()));
-                            return inner.value * d.y();
+                            if (d[along] == 0) return Triple::Zero();
+                            const auto inner = integrate(
+                                [&](double x) {
+                                    Vec2 uv = q;
+                                    uv[across] = x;
+                                    return density(uv);
+                                },
+                                start, q[across], inner_floor);
+                            inner_error = inner_error.max(inner.error * std::abs(d[along]));
+                            return sign * inner.value * d[along];
                         },
                         piece.begin, piece.end, floor);
                     total.value += part.value;
                     total.error += part.error + floor + inner_error * (piece.end - piece.begin);
                 }
         return total;
+    }
+
+    /// Where integrals across u (0) or v (1) start: on the line of the rectangle that has the least volume
+    /// above it. A corner of it may be all but at infinity.
+    struct StartLine {
+        int across;
+        double start;
+    };
+    StartLine start_line(const Patch& patch) const {
+        StartLine best{};
+        double least = HUGE_VAL;
+        for (const int across : {0, 1})
+            for (const double s : {0.5, 0.0, 1.0}) {
+                const double start = std::lerp(patch.lo[across], patch.hi[across], s);
+                double volume = 0;
+                for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+                    Vec2 uv = patch.lo + t * (patch.hi - patch.lo);
+                    uv[across] = start;
+                    volume = std::max(volume, std::abs(geometry_.densities(lift(patch, uv))[0]));
+                }
+                if (volume < least) {
+                    least = volume;
+                    best = {across, start};
+                }
+            }
+        return best;
     }
 
     void compare(const std::string& where, double stated, double found, double tolerance) {
@@ -1037,11 +1074,22 @@ private:
         }
         for (std::size_t e = 0; e < edge_pieces_.size(); ++e) {
             error = std::max(error, rounding() + full_error(e));
-            for (const auto& piece : edge_pieces_[e])
-                for (const double sign : {-1.0, 1.0}) meet(sign * lowest_along(piece, sign));
+            for (const auto& piece : edge_pieces_[e]) {
+                const auto height_at = [&](double t) { return height(piece.evaluate(t)[0]); };
+                for (const double sign : {-1.0, 1.0})
+                    meet(sign *
+                         lowest(piece.begin, piece.end, [&](double t) { return sign * height_at(t); }));
+            }
         }
-        for (const Patch& patch : patches_)
+        for (const Patch& patch : patches_) {
             if (const auto h = stationary_height(patch)) meet(*h);
+            for (const auto& loop : patch.loops)
+                for (const Trim& trim : loop)
+                    if (trim.curve->seam)
+                        meet(lowest(trim.begin(), trim.end(), [&](double t) {
+                            return height(lift(patch, evaluate(trim.pieces, t)).p);
+                        }));
+        }
         const Measures& m = cell_.measures;
         if (!(std::abs(m.min_clearance - least) <= error))
             note("measures.min_clearance",
@@ -1051,12 +1099,11 @@ private:
                  fmt::format("is {}, the greatest found is {}", m.max_clearance, greatest));
     }
 
-    /// Minimum of sign * height along a piece: the best of a few samples, refined by golden section.
-    double lowest_along(const Bezier<3>& piece, double sign) const {
+    /// Minimum of a function over an interval: the best of a few samples, refined by golden section.
+    template <class F>
+    static double lowest(double begin, double end, F function) {
         constexpr int kSteps = 16;
-        const auto value = [&](double s) {
-            return sign * height(piece.evaluate(piece.begin + s * (piece.end - piece.begin))[0]);
-        };
+        const auto value = [&](double s) { return function(std::lerp(begin, end, s)); };
         int best = 0;
         for (int k = 1; k <= kSteps; ++k)
             if (value(k / double(kSteps)) < value(best / double(kSteps))) best = k;
@@ -1073,14 +1120,16 @@ private:
         return lowest;
     }
 
-    /// The height where it is stationary, if inside the loops: Newton from the lowest point of the grid that
-    /// is inside, with differences of the gradient.
+    /// The height where it is stationary, if inside the loops. A bisector has one such place, a minimum (or
+    /// several of one height, which reach the boundary): descent from the lowest point of the grid that is
+    /// inside, by Newton's method with the Hessian's eigenvalues made positive, within the rectangle.
     std::optional<double> stationary_height(const Patch& patch) const {
         const Vec2 extent = patch.hi - patch.lo;
-        const auto gradient = [&](const Vec2& uv) {
+        const auto height_at = [&](const Vec2& uv) { return height(lift(patch, uv).p); };
+        const auto gradient = [&](const Vec2& uv) {  // per extent
             const SurfacePoint s = lift(patch, uv);
             const Vec3 up = geometry_.up(s.p);
-            return Vec2(up.dot(s.pu), up.dot(s.pv));
+            return Vec2(up.dot(s.pu) * extent.x(), up.dot(s.pv) * extent.y());
         };
         Vec2 uv = 0.5 * (patch.lo + patch.hi);
         double lowest = HUGE_VAL;
@@ -1090,23 +1139,37 @@ private:
                 lowest = h;
                 uv = point.uv;
             }
-        for (int k = 0; k < 20; ++k) {
+        lowest = height_at(uv);
+        constexpr int kSteps = 100, kHalvings = 40;
+        for (int k = 0; k < kSteps; ++k) {
             constexpr double kStep = 1e-4;  // of the extent: errors of its square against rounding
             Eigen::Matrix2d hessian;
             for (int i = 0; i < 2; ++i) {
                 const Vec2 h = Vec2::Unit(i) * (kStep * extent[i]);
-                hessian.col(i) = (gradient(uv + h) - gradient(uv - h)) / (2 * kStep * extent[i]);
+                hessian.col(i) = (gradient(uv + h) - gradient(uv - h)) / (2 * kStep);
             }
-            const Vec2 step = hessian.inverse() * gradient(uv);
-            if (!step.allFinite()) return std::nullopt;
-            uv -= step;
-            if ((uv.array() < patch.lo.array()).any() || (uv.array() > patch.hi.array()).any())
-                return std::nullopt;
-            if (step.norm() <= 1e-10 * extent.norm()) break;
+            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(0.5 *
+                                                                        (hessian + hessian.transpose()));
+            const Eigen::Array2d sizes = solver.eigenvalues().array().abs();
+            const Eigen::Array2d curvatures = sizes.max(kRounding * sizes.maxCoeff());
+            const Eigen::Matrix2d axes = solver.eigenvectors();
+            const Vec2 step = axes * ((axes.transpose() * gradient(uv)).array() / curvatures).matrix();
+            bool has_moved = false;
+            double part = 1;
+            for (int halving = 0; halving < kHalvings && !has_moved; ++halving, part *= 0.5) {
+                const Vec2 next =
+                    (uv - part * extent.cwiseProduct(step)).cwiseMax(patch.lo).cwiseMin(patch.hi);
+                if (const double h = height_at(next); h < lowest) {
+                    lowest = h;
+                    uv = next;
+                    has_moved = true;
+                }
+            }
+            if (!has_moved) break;
         }
-        // On the boundary itself the edges tell.
+        // On the boundary itself edges and seams tell.
         if (!inside(patch, uv).value_or(false)) return std::nullopt;
-        return height(lift(patch, uv).p);
+        return lowest;
     }
 
     void check_neighbors() {

@@ -576,6 +576,15 @@ TEST_CASE("check_cell: finds nothing wrong with computed cells of cylinders") {
     }
 }
 
+TEST_CASE("check_cell: finds the least clearance on a seam") {
+    Scene scene;
+    scene.base = Cylinder{{0.146, -0.714, -0.153}, {0, 1, 0}, 0.125};
+    scene.objects = {Cylinder{{-1.213, 0.499, 0.078}, {-0.572, 0.568, -0.592}, 0.125},
+                     Plane{{1.788, -0.668, 1.725}, {0.658, 0.019, 0.753}}};
+    scene.box = {{-2.854, -3.814, -3.353}, {3.246, 2.586, 2.897}};
+    expect_clean(voronoi_cell(scene));
+}
+
 TEST_CASE("check_cell: names damage to a computed cell of a cylinder") {
     Scene scene;
     scene.base = Cylinder{{0, 0, 0}, {0, 0, 1}, 0.5};
