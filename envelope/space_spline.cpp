@@ -194,6 +194,8 @@ public:
         const double start_error = arc_.start ? sqrt2 * arc_.start->error : 0;
         const double end_error = arc_.end ? sqrt2 * arc_.end->error : 0;
         slack_ = std::max(start_error, end_error);
+        // No edge is known better than its ends.
+        tolerance_ = std::max(tolerance_, 4 * slack_);
         const bool on_rim = arc_.pieces.empty();
         if (on_rim)
             place_rim_nodes();
@@ -800,7 +802,7 @@ private:
 
     const RadialBaseProblem& problem_;
     const SpaceArc& arc_;
-    const double tolerance_;
+    double tolerance_;
     std::vector<SpaceSpan>& spans_;
     std::array<Equation, 3> equations_;  // base, left, right
     std::vector<Node> nodes_;            // the ends of the pieces

@@ -126,8 +126,8 @@ struct SpaceFitError {
 };
 
 /// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where the
-/// pieces are narrower than digits can tell, or where a divisor of a patch's coordinate is not positive, and
-/// says so.
+/// pieces are narrower than digits can tell, where the ends are not known as well (four times their error
+/// bounds it then), or where a divisor of a patch's coordinate is not positive, and says so.
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans);
 

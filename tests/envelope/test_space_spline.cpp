@@ -589,6 +589,11 @@ TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
         CHECK(fit_space_spline(c.problem, arc, tolerance, third).curve <= tolerance);
         CHECK(third.back().points.col(5).head<3>() == arc.end->point);
         CHECK(third.size() < spans.size());
+        // Ends known worse than the tolerance: no reason to halve.
+        arc.start->error = arc.end->error = 100 * tolerance;
+        std::vector<SpaceSpan> rough;
+        CHECK(fit_space_spline(c.problem, arc, tolerance, rough).curve <= 600 * tolerance);
+        CHECK(rough.size() <= third.size());
     }
 }
 
