@@ -1,6 +1,7 @@
 #include "radial_patch.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "../core/exact.hpp"
 #include "../primitives/bisector.hpp"
@@ -24,6 +25,8 @@ Vec3 across_y(const Vec3& p) { return {p.x(), 0, p.z()}; }
 // the axes' distance squared, less delta^2, is less than this part of the squared distance of the axis beside
 // the face. There S_v is 1 / singular times as long as elsewhere at most.
 constexpr double singular = 1.0 / 64;
+// And out of reach of a face beyond this many times the distance of the axis beside it.
+constexpr double far = 64;
 
 // Does the cylinder's axis meet the base's, exactly? Pre: they are not parallel.
 bool is_crossing(const Cylinder& c) {
@@ -68,7 +71,7 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
         if (problem.is_sphere)
             set_about_object(cylinder, cylinder.radius - problem.radius);
         else
-            set_about_axes(cylinder, problem.radius, middle, y, wide);
+            set_about_axes(problem, cylinder, middle, y, wide);
     }
 }
 
@@ -162,9 +165,9 @@ void RadialPatch::set_about_base(const Vec3& middle, const Vec3& b, double b0, c
     add(angle_sin, C, vector(axes_[1]));
 }
 
-void RadialPatch::set_about_axes(const Cylinder& cylinder, double radius, const Vec3& middle, double y,
-                                 bool wide) {
-    const double delta = cylinder.radius - radius;
+void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder,
+                                 const Vec3& middle, double y, bool wide) {
+    const double delta = cylinder.radius - problem.radius;
     Vec3 d = cylinder.axis.normalized();
     const Vec3 a = cylinder.point + d * d.dot(Vec3(0, y, 0) - cylinder.point), near = across_y(a);
     const double sine = across_y(d).norm();
@@ -178,11 +181,22 @@ void RadialPatch::set_about_axes(const Cylinder& cylinder, double radius, const 
     const double apart = near.cross(d_across).norm();
     const double crossing = a.y() - near.dot(d_across) / sine * d.y(), side = y < crossing ? -1 : 1;
     const double beyond = sine * (y - crossing);
-    const bool is_singular = wide || (apart - delta) * (apart + delta) < singular * beyond * beyond;
+    const bool is_near = (apart - delta) * (apart + delta) < singular * beyond * beyond;
+    // With 1 + |d_y| the lines leave the base's axis by that much over sine for each length along it, from
+    // where C vanishes. Next to parallel axes they are out of reach; and the other sign of d would leave
+    // little of the digits of v.
+    const double nearest = std::clamp(crossing, problem.stretch[0], problem.stretch[1]),
+                 zero = std::sqrt(std::max(0.0, (delta - apart) * (delta + apart))) / sine;
+    const bool is_far =
+        (std::abs(nearest - crossing) - zero) * (1 + std::abs(d.y())) > far * sine * std::abs(beyond);
+    const bool is_planar = delta == 0 && is_crossing(cylinder);
+    const bool is_singular = is_planar || ((wide || is_near) && !is_far);
     if (is_singular ? side * d.dot(middle) < 0 : d.y() < 0) d = -d;
     if (is_singular) half_ = side * across_y(d);
-    if (delta == 0 && is_crossing(cylinder))
-        return set_plane(Vec3(0, crossing, 0), (side * (d - Vec3::UnitY())).normalized());
+    if (is_planar) {
+        const double fall = d.y() > 0 ? -sine * sine / (1 + d.y()) : d.y() - 1;
+        return set_plane(Vec3(0, crossing, 0), (side * Vec3(d.x(), fall, d.z())).normalized());
+    }
 
     degree_ = {2, 2};
     const Vec3 x = across(Vec3::UnitY(), middle);

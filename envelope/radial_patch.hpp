@@ -39,7 +39,7 @@
 /// lines of the surface where the axes are closer than |delta|.) The axes' distance h > |delta|: regular for
 /// either sign of d. Otherwise v is constant on two lines of the surface, one on each side of the crossing;
 /// they are not met on the half of the base where y and n.d have one sign, y counted from the foot of the
-/// common perpendicular.
+/// common perpendicular. Next to parallel axes these lines are far out for d_y > 0, and that sign is taken.
 #pragma once
 
 #include <array>
@@ -123,7 +123,8 @@ private:
     void set_stereographic(const Vec3& c, double delta, const Vec3& middle, bool wide);
     void set_about_object(const Cylinder& cylinder, double delta);
     void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C);
-    void set_about_axes(const Cylinder& cylinder, double radius, const Vec3& middle, double y, bool wide);
+    void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
+                        double y, bool wide);
     /// Adds f(u) g(v) h with polynomials f, g.
     void add(const std::array<double, 3>& f, const std::array<double, 3>& g, const Eigen::Vector4d& h);
 

@@ -540,6 +540,18 @@ TEST_CASE("cylinder cell: crossing axes of equal radius have planes for bisector
         if (face.site.is_object()) CHECK(face.bisector == "plane");
 }
 
+TEST_CASE("cylinder cell: axes that are all but parallel") {
+    const Cylinder tube{Vec3::Zero(), Vec3::UnitZ(), 0.5};
+    for (const double slope : {1e-3, 1e-6, 1e-9}) {
+        CAPTURE(slope);
+        // Axes that pass nearer to each other than |delta|, far beyond the ends.
+        checked(about_tube(tube, 4, {Cylinder{{1.5, 0, 0}, {slope, 0.01 * slope, -1}, 0.7}}));
+        checked(about_tube(
+            tube, 4,
+            {Cylinder{{1.5, 0, 0}, {slope, 0, 1}, 0.5}, Cylinder{{0, -2, 0}, {slope, -slope, 1}, 0.3}}));
+    }
+}
+
 TEST_CASE("cylinder cell: arcs that turn beside a seam, and vertices on one") {
     Scene turning;
     turning.base = Cylinder{{-0.05, 0.63, 0.92}, {-0.4591667997360513, 0.5912304283554172, 0.663}, 0.3};
