@@ -280,6 +280,24 @@ private:
                16 * u * (t + std::abs(v.point.y()) + problem_.frame.origin.norm());
     }
 
+    Vector4d with_distance(const Vec3& p) const {
+        return {p.x(), p.y(), p.z(), problem_.is_sphere ? p.norm() : std::hypot(p.x(), p.z())};
+    }
+
+    // As met by the first three of its sites and ends.
+    std::optional<SpaceEnd> settled(VertexId v, const SpaceEnd& near) const {
+        std::array<SpaceSite, 3> sites;
+        std::size_t count = 0;
+        for (const std::uint32_t side : diagram_.sides(v)) sites[count++] = end_wall(side);
+        for (const FormId f : diagram_.label(v))
+            if (count < sites.size()) sites[count++] = {problem_.objects[f], is_wall(problem_, f), {}};
+        return count == sites.size() ? settle_point(problem_, sites, near) : std::nullopt;
+    }
+    SpaceSite end_wall(std::uint32_t side) const {
+        const bool is_upper = side != 0;
+        return {Plane{{0, problem_.stretch[is_upper], 0}, {0, is_upper ? 1.0 : -1.0, 0}}, true, {}};
+    }
+
     // (p, t) of a vertex and a bound on its distance from the true one.
     Vector4d vertex_point(VertexId v, double& error) const {
         const MinimizationDiagram::Vertex& from = diagram_.vertices[v];
@@ -289,8 +307,13 @@ private:
         error = vertex_error(from, t);
         if (error <= 64 * u * (t + problem_.frame.origin.norm())) return x;
         const std::span<const FormId> forms = diagram_.label(v);
-        for (int i = 0; i < 3; ++i)
-            if (!diagram_.is_circular(forms[i])) return x;
+        const auto is_circular = [&](FormId f) { return diagram_.is_circular(f); };
+        if (!problem_.is_sphere || !std::ranges::all_of(forms.first(3), is_circular)) {
+            const auto end = settled(v, {p, error});
+            if (!end) return x;
+            error = end->error + 16 * u * (t + std::abs(p.y()) + problem_.frame.origin.norm());
+            return with_distance(end->point);
+        }
         const auto plane = [&](int i) { return Hyperplane(problem_, forms[i]); };
         const Vector4d moved = moved_to_meet(x, {plane(0), plane(1), plane(2)});
         const double move = (moved - x).norm();
@@ -875,9 +898,7 @@ private:
                      space_end(end(e)),
                      diagram_.pieces(e)};
         if (edge.on_rim()) {
-            const bool is_upper = edge.side != 0;
-            arc.sites[1] = {
-                Plane{{0, problem_.stretch[is_upper], 0}, {0, is_upper ? 1.0 : -1.0, 0}}, true, {}};
+            arc.sites[1] = end_wall(edge.side);
         } else {
             arc.sites[1] = space_site(Dcel::half_edge(e, 1), edge.right);
         }

@@ -102,6 +102,8 @@ public:
         return (v.squaredNorm() - square(m.dot(v) / d)) / d;
     }
 
+    // Bound of |G|.
+    double residual(const Vector4d& X) const { return std::abs((*this)(X)) + rounding * size(X); }
     // Step 1 of the certificate: |G| along a span; infinite if it cannot tell.
     double residual(const Points& points) const {
         const Bernstein<5> x = row(points, 0) - point_.x(), y = row(points, 1) - point_.y(),
@@ -142,6 +144,52 @@ private:
     double delta_ = 0;
     double reach_ = 0;
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
+};
+
+// `foot`: near the curve, on the base's axis.
+Equation equation(const RadialBaseProblem& problem, const SpaceSite& site, const Vec3& foot) {
+    const double R0 = problem.radius;
+    if (const Sphere* s = std::get_if<Sphere>(&site.object))
+        return Equation::round(s->center, Vec3::Zero(), s->radius, R0, foot);
+    if (const Cylinder* c = std::get_if<Cylinder>(&site.object))
+        return Equation::round(c->point, c->axis, c->radius, R0, foot);
+    const Plane& plane = std::get<Plane>(site.object);
+    const Vec3 n = plane.normal.normalized();
+    const bool inward = !site.is_wall && n.dot(foot - plane.point) > 0;
+    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, site.is_wall);
+}
+
+Equation base_equation(const RadialBaseProblem& problem, const Vec3& foot) {
+    const Vec3 axis = problem.is_sphere ? Vec3::Zero().eval() : Vec3::UnitY().eval();
+    return Equation::round(Vec3::Zero(), axis, problem.radius, problem.radius, foot);
+}
+
+Vector4d with_distance(const RadialBaseProblem& problem, const Vec3& p) {
+    Vector4d X;
+    X << p, problem.is_sphere ? p.norm() : std::hypot(p.x(), p.z());
+    return X;
+}
+
+// Step 2: the distance of a solution from a point with residuals e, as far as the ball allows.
+struct Solver {
+    Matrix4d inverse;
+    std::array<double, 4> columns;
+    double q;
+
+    // `variations`: of the rows.
+    Solver(const Matrix4d& M, const std::array<double, 4>& variations) : inverse(M.inverse()) {
+        q = (Matrix4d::Identity() - inverse * M).norm();
+        for (int i = 0; i < 4; ++i) {
+            columns[i] = inverse.col(i).norm();
+            q += columns[i] * (variations[i] + rounding);
+        }
+    }
+    bool is_regular() const { return q < 1; }
+    double distance(const std::array<double, 4>& e) const {
+        double sum = 0;
+        for (int i = 0; i < 4; ++i) sum += columns[i] * e[i];
+        return sum / (1 - q);
+    }
 };
 
 // Of RadialBaseProblem::normal() over a box; back: the second half of the cylinder.
@@ -185,9 +233,8 @@ public:
                          : rim             ? rim->point.y()
                                            : arc.pieces.back().end.y();
         const Vec3 foot(0, y, 0);
-        const Vec3 axis = problem.is_sphere ? Vec3::Zero().eval() : Vec3::UnitY().eval();
-        equations_[0] = Equation::round(Vec3::Zero(), axis, problem.radius, problem.radius, foot);
-        for (int i = 0; i < 2; ++i) equations_[i + 1] = equation(arc.sites[i], foot);
+        equations_[0] = base_equation(problem, foot);
+        for (int i = 0; i < 2; ++i) equations_[i + 1] = equation(problem, arc.sites[i], foot);
     }
 
     SpaceFitError run() {
@@ -244,24 +291,6 @@ private:
             return M;
         }
     };
-
-    Equation equation(const SpaceSite& site, const Vec3& foot) const {
-        const double R0 = problem_.radius;
-        if (const Sphere* s = std::get_if<Sphere>(&site.object))
-            return Equation::round(s->center, Vec3::Zero(), s->radius, R0, foot);
-        if (const Cylinder* c = std::get_if<Cylinder>(&site.object))
-            return Equation::round(c->point, c->axis, c->radius, R0, foot);
-        const Plane& plane = std::get<Plane>(site.object);
-        const Vec3 n = plane.normal.normalized();
-        const bool inward = !site.is_wall && n.dot(foot - plane.point) > 0;
-        return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, site.is_wall);
-    }
-
-    Vector4d with_distance(const Vec3& p) const {
-        Vector4d X;
-        X << p, problem_.is_sphere ? p.norm() : std::hypot(p.x(), p.z());
-        return X;
-    }
 
     Frame frame(const Vector4d& X) const {
         Frame f;
@@ -323,11 +352,11 @@ private:
     }
 
     void place_nodes() {
-        nodes_.push_back(arc_.start ? node(with_distance(arc_.start->point))
+        nodes_.push_back(arc_.start ? node(with_distance(problem_, arc_.start->point))
                                     : inner_node(arc_.pieces.back()));
         for (const Piece& piece : arc_.pieces.first(arc_.pieces.size() - 1))
             nodes_.push_back(inner_node(piece));
-        nodes_.push_back(arc_.end ? node(with_distance(arc_.end->point)) : nodes_.front());
+        nodes_.push_back(arc_.end ? node(with_distance(problem_, arc_.end->point)) : nodes_.front());
     }
 
     // Around a cylinder: with growing angle on the lower end, the region lying on the left.
@@ -346,9 +375,9 @@ private:
         for (int i = 0; i <= n; ++i) {
             const double a = first + sign * turn * i / n;
             if (i == 0 && arc_.start)
-                nodes_.push_back(node(with_distance(arc_.start->point)));
+                nodes_.push_back(node(with_distance(problem_, arc_.start->point)));
             else if (i == n)
-                nodes_.push_back(arc_.end ? node(with_distance(arc_.end->point)) : nodes_.front());
+                nodes_.push_back(arc_.end ? node(with_distance(problem_, arc_.end->point)) : nodes_.front());
             else
                 nodes_.push_back(node(over(y, Vec3(std::sin(a), 0, std::cos(a)))));
         }
@@ -640,28 +669,6 @@ private:
         return fit;
     }
 
-    // Step 2: the distance of a solution from a point with residuals e, as far as the ball allows.
-    struct Solver {
-        Matrix4d inverse;
-        std::array<double, 4> columns;
-        double q;
-
-        // `variations`: of the rows.
-        Solver(const Matrix4d& M, const std::array<double, 4>& variations) : inverse(M.inverse()) {
-            q = (Matrix4d::Identity() - inverse * M).norm();
-            for (int i = 0; i < 4; ++i) {
-                columns[i] = inverse.col(i).norm();
-                q += columns[i] * (variations[i] + rounding);
-            }
-        }
-        bool is_regular() const { return q < 1; }
-        double distance(const std::array<double, 4>& e) const {
-            double sum = 0;
-            for (int i = 0; i < 4; ++i) sum += columns[i] * e[i];
-            return sum / (1 - q);
-        }
-    };
-
     // D around a span, and the room in it beside the span.
     struct Ball {
         Vector4d center;
@@ -743,7 +750,7 @@ private:
     }
     std::array<double, 4> residuals_at(const Vector4d& X) const {
         std::array<double, 4> e{};
-        for (int i = 0; i < 3; ++i) e[i] = std::abs(equations_[i](X)) + rounding * equations_[i].size(X);
+        for (int i = 0; i < 3; ++i) e[i] = equations_[i].residual(X);
         return e;
     }
 
@@ -827,6 +834,35 @@ PatchCoordinate PatchCoordinate::half_angle(const Vec3& point, const Vec3& zero,
     c.numerator << quarter, 0, -quarter.dot(point);
     c.divisor << zero, 1, delta - zero.dot(point);
     return c;
+}
+
+// Within D, the ball of twice the bound, the solution is unique by step 2, and the point is one.
+std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
+                                     const SpaceEnd& near) {
+    const Vec3 foot(0, problem.is_sphere ? 0 : near.point.y(), 0);
+    const std::array equations{base_equation(problem, foot), equation(problem, sites[0], foot),
+                               equation(problem, sites[1], foot), equation(problem, sites[2], foot)};
+    const Vector4d center = with_distance(problem, near.point);
+    const double radius = 2 * sqrt2 * near.error;
+    Matrix4d M;
+    std::array<double, 4> variations, e;
+    for (int i = 0; i < 4; ++i) {
+        M.row(i) = equations[i].gradient(center);
+        variations[i] = equations[i].variation(center, radius);
+    }
+    const Solver solver(M, variations);
+    if (!solver.is_regular()) return std::nullopt;
+    Vector4d X = center;
+    constexpr int steps = 3;  // of q each
+    for (int k = 0; k < steps; ++k) {
+        Vector4d G;
+        for (int i = 0; i < 4; ++i) G[i] = equations[i](X);
+        X -= solver.inverse * G;
+    }
+    for (int i = 0; i < 4; ++i) e[i] = equations[i].residual(X);
+    const double error = solver.distance(e);
+    if (!(error < near.error && (X - center).norm() + error <= radius)) return std::nullopt;
+    return SpaceEnd{X.head<3>(), error};
 }
 
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,

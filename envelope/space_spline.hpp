@@ -125,6 +125,12 @@ struct SpaceFitError {
     double trims = 0;
 };
 
+/// The point in which three sites are met, from one within `near.error` of it, and a bound of the distance
+/// that is left: at the level of rounding, whatever the chart made of the scene's size. None where this
+/// bound is no smaller, or not proved (nearly dependent gradients).
+std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
+                                     const SpaceEnd& near);
+
 /// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where the
 /// pieces are narrower than digits can tell, where the ends are not known as well (four times their error
 /// bounds it then), or where a divisor of a patch's coordinate is not positive, and says so.

@@ -552,6 +552,17 @@ TEST_CASE("cylinder cell: axes that are all but parallel") {
     }
 }
 
+TEST_CASE("cylinder cell: vertices are known to rounding at every scale") {
+    for (const double scale : {1e-6, 1.0, 1e6}) {
+        CAPTURE(scale);
+        const Cell cell = checked(about_tube({Vec3::Zero(), Vec3::UnitZ(), 0.5 * scale}, 4 * scale,
+                                             {Cylinder{scale * Vec3(1.5, 0, 0), {1, 2, 3}, 0.3 * scale},
+                                              Cylinder{scale * Vec3(-1, 1, 0.5), {1, 1, 0.5}, 0.25 * scale},
+                                              Sphere{scale * Vec3(0.5, -2, 1), scale}}));
+        for (const CellVertex& v : cell.vertices) CHECK(v.error <= 4e-12 * scale);
+    }
+}
+
 TEST_CASE("cylinder cell: arcs that turn beside a seam, and vertices on one") {
     Scene turning;
     turning.base = Cylinder{{-0.05, 0.63, 0.92}, {-0.4591667997360513, 0.5912304283554172, 0.663}, 0.3};
