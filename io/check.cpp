@@ -27,7 +27,8 @@ using namespace check;
 
 /// Relative; what a quadrature of the cell's author may have left in a length, which states no error.
 constexpr double kLengthError = 1e-10;
-/// Relative to a face's extent in (u, v): base points this close to its boundary are not asked about.
+/// Relative to a face's extent in (u, v): base points this close to its boundary, beside its errors, are not
+/// asked about.
 constexpr double kNearEdge = 1e-9;
 /// Relative to an edge's parameters: trimming curves that share a place of it were rounded on their way
 /// there.
@@ -765,18 +766,26 @@ private:
         }
     }
 
-    /// Is uv inside the loops? None: too near to them.
+    /// How far (u, v) moves at most per length on the surface.
+    static double parameters_per_length(const SurfacePoint& s) {
+        return (s.pu.norm() + s.pv.norm()) / s.pu.cross(s.pv).norm();
+    }
+
+    /// Is uv inside the loops? None: too near to them, where the edges' own errors decide.
     std::optional<bool> inside(const Patch& patch, const Vec2& uv) const {
         if ((uv.array() < patch.lo.array()).any() || (uv.array() > patch.hi.array()).any()) return false;
-        const double near = kNearEdge * (patch.hi - patch.lo).maxCoeff();
+        const double nearest = kNearEdge * (patch.hi - patch.lo).maxCoeff();
+        const double rate = parameters_per_length(lift(patch, uv));
         double total = 0;
         for (const auto& loop : patch.loops)
-            for (const Trim& trim : loop)
+            for (const Trim& trim : loop) {
+                const double near = nearest + rate * (edge_error(trim) + rounding());
                 for (const auto& piece : trim.pieces) {
                     const auto angle = swept(piece, uv, near);
                     if (!angle) return std::nullopt;
                     total += *angle;
                 }
+            }
         return std::lround(total / (2 * std::numbers::pi)) == 1;
     }
 
@@ -858,8 +867,10 @@ private:
                 break;
             }
             // Not even a short step gets nearer: there is no such point, or only rounding left.
-            if (damping <= kLeast)
-                return step.norm() <= kNearEdge * extent.norm() ? std::optional(uv) : std::nullopt;
+            if (damping <= kLeast) {
+                const double noise = parameters_per_length(lift(patch, uv)) * rounding();
+                return step.norm() <= kNearEdge * extent.norm() + noise ? std::optional(uv) : std::nullopt;
+            }
         }
         return std::nullopt;
     }

@@ -576,6 +576,24 @@ TEST_CASE("check_cell: finds nothing wrong with computed cells of cylinders") {
     }
 }
 
+TEST_CASE("check_cell: finds nothing wrong far from the origin and where edges are fitted loosely") {
+    for (const double far : {0.0, 1e6}) {
+        const Vec3 c = far * Vec3(1, -1, 0.5);
+        Scene scene;
+        scene.base = Cylinder{c, {0, 0, 1}, 0.5};
+        scene.objects = {Sphere{c + Vec3(1.5, 0.25, 0.5), 0.5},
+                         Cylinder{c + Vec3(-1.25, 0.5, 0), {0.25, 0.5, 1}, 0.25},
+                         Cylinder{c + Vec3(0, -1.5, -0.5), {1, 0.125, 0.125}, 0.5}};
+        scene.box = {c - Vec3(3, 3, 2), c + Vec3(3, 3, 2)};
+        for (const double tolerance : {1e-6, 1e-2}) {
+            scene.tolerance = tolerance;
+            CAPTURE(far);
+            CAPTURE(tolerance);
+            expect_clean(voronoi_cell(scene));
+        }
+    }
+}
+
 TEST_CASE("check_cell: finds the least clearance on a seam") {
     Scene scene;
     scene.base = Cylinder{{0.146, -0.714, -0.153}, {0, 1, 0}, 0.125};
