@@ -236,7 +236,10 @@ Object clear_object(RandomLengths& random, Kind kind, bool over_cylinder) {
         const double radius = random.uniform(0.05, 0.4);
         if (kind == Kind::Plane) {
             const Vec3 normal = over_cylinder ? Vec3(u.x(), u.y(), 0.1 * u.z()).normalized() : u;
-            return Plane{random.uniform(1, 2) * normal, normal};
+            const double distance = random.uniform(1, 2);
+            // Clear of the whole stretch.
+            if (over_cylinder && distance - 2.5 * std::abs(normal.z()) < 0.4) continue;
+            return Plane{distance * normal, normal};
         }
         const Vec3 across = u.cross(Vec3::UnitZ());
         if (kind == Kind::Sphere) {
