@@ -6,7 +6,8 @@
 //   around/n     n small balls on a thin shell around one ball
 //   tubes        20 skew cylinders around a cylinder
 //   scene/<name> Figs. 7 to 10 of [HE], as far as examples/scenes has them
-//   pair/<base>/<objects>  20 random scenes of two objects over the base, of every combination
+//   pair/<base>/<objects>  20 random scenes of two objects over the base, of every combination, planes as
+//   bases too
 //
 // Usage: bench_radial [--max_n=N] [--molecules=FOLDER] [Google Benchmark's options]
 //
@@ -228,47 +229,63 @@ std::vector<Scene> tubes() {
 enum class Kind { Plane, Sphere, Cylinder };
 constexpr std::array<const char*, 3> kind_names{"plane", "sphere", "cylinder"};
 
-/// An object clear of a base of radius 0.3 at the origin, along z.
-Object clear_object(RandomLengths& random, Kind kind, bool over_cylinder) {
+/// A base of radius 0.3 at the origin, or the plane z = 0; cylinders are along z.
+Object base_of(Kind kind) {
+    if (kind == Kind::Plane) return Plane{Vec3::Zero(), Vec3::UnitZ()};
+    if (kind == Kind::Sphere) return Sphere{Vec3::Zero(), 0.3};
+    return Cylinder{Vec3::Zero(), Vec3::UnitZ(), 0.3};
+}
+
+/// An object clear of that base in the box |x|, |y|, |z| <= 2.5.
+Object clear_object(RandomLengths& random, Kind kind, Kind base) {
     while (true) {
         const Vec3 u = direction(random),
                    place(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
         const double radius = random.uniform(0.05, 0.4);
         if (kind == Kind::Plane) {
-            const Vec3 normal = over_cylinder ? Vec3(u.x(), u.y(), 0.1 * u.z()).normalized() : u;
+            if (base == Kind::Plane)
+                return Plane{Vec3(0, 0, random.uniform(1, 2)), Vec3(0.1 * u.x(), 0.1 * u.y(), 1)};
+            const Vec3 normal = base == Kind::Cylinder ? Vec3(u.x(), u.y(), 0.1 * u.z()).normalized() : u;
             const double distance = random.uniform(1, 2);
             // Clear of the whole stretch.
-            if (over_cylinder && distance - 2.5 * std::abs(normal.z()) < 0.4) continue;
+            if (base == Kind::Cylinder && distance - 2.5 * std::abs(normal.z()) < 0.4) continue;
             return Plane{distance * normal, normal};
         }
         const Vec3 across = u.cross(Vec3::UnitZ());
         if (kind == Kind::Sphere) {
-            if ((over_cylinder ? place.head<2>().norm() : place.norm()) > radius + 0.4)
-                return Sphere{place, radius};
-        } else if (across.norm() > 0.1) {
-            const double axis_distance =
-                over_cylinder ? std::abs(place.dot(across)) / across.norm() : place.cross(u).norm();
-            if (axis_distance > radius + 0.4) return Cylinder{place, u, radius};
+            const double base_distance = base == Kind::Plane      ? place.z()
+                                         : base == Kind::Cylinder ? place.head<2>().norm()
+                                                                  : place.norm();
+            if (base_distance > radius + 0.4) return Sphere{place, radius};
+            continue;
         }
+        if (across.norm() < 0.1) continue;
+        if (base == Kind::Plane) {
+            // The axis sinks by less than 0.1 a unit of its way across the square.
+            const Vec3 axis(u.x() / across.norm(), u.y() / across.norm(), 0.1 * u.z());
+            if (place.z() > radius + 0.6) return Cylinder{place, axis, radius};
+            continue;
+        }
+        const double axis_distance =
+            base == Kind::Cylinder ? std::abs(place.dot(across)) / across.norm() : place.cross(u).norm();
+        if (axis_distance > radius + 0.4) return Cylinder{place, u, radius};
     }
 }
 
-std::vector<Scene> pairs(Kind a, Kind b, bool over_cylinder) {
+std::vector<Scene> pairs(Kind base, Kind a, Kind b) {
     RandomLengths random(1);
     std::vector<Scene> scenes;
     for (int i = 0; i < 20; ++i) {
         Scene scene;
-        scene.base = over_cylinder ? Object(Cylinder{Vec3::Zero(), Vec3::UnitZ(), 0.3})
-                                   : Object(Sphere{Vec3::Zero(), 0.3});
-        scene.objects = {clear_object(random, a, over_cylinder), clear_object(random, b, over_cylinder)};
+        scene.base = base_of(base);
+        scene.objects = {clear_object(random, a, base), clear_object(random, b, base)};
         scene.box = {Vec3::Constant(-2.5), Vec3::Constant(2.5)};
         scenes.push_back(std::move(scene));
     }
     return scenes;
 }
 
-// --- Benches
-// ------------------------------------------------------------------------------------------------
+// --- Benches -----------------------------------------------------------------------------------------------
 
 std::string take_molecules(int& argc, char** argv) {
     constexpr char option[] = "--molecules=";
@@ -303,14 +320,14 @@ void register_all(std::uint32_t max_n, const std::string& molecules) {
         if (std::filesystem::exists(file))
             add({"scene/" + name, [file] { return std::vector{read_scene(file)}; }, seconds});
     }
-    for (const bool over_cylinder : {false, true})
-        for (const Kind a : {Kind::Plane, Kind::Sphere, Kind::Cylinder})
-            for (const Kind b : {Kind::Plane, Kind::Sphere, Kind::Cylinder})
+    constexpr std::array kinds{Kind::Plane, Kind::Sphere, Kind::Cylinder};
+    const auto name = [](Kind k) { return std::string(kind_names[static_cast<std::size_t>(k)]); };
+    for (const Kind base : kinds)
+        for (const Kind a : kinds)
+            for (const Kind b : kinds)
                 if (a <= b)
-                    add({std::string("pair/") + kind_names[over_cylinder ? 2 : 1] + "/" +
-                             kind_names[static_cast<std::size_t>(a)] + "-" +
-                             kind_names[static_cast<std::size_t>(b)],
-                         [=] { return pairs(a, b, over_cylinder); }});
+                    add({"pair/" + name(base) + "/" + name(a) + "-" + name(b),
+                         [=] { return pairs(base, a, b); }});
 }
 
 }  // namespace

@@ -1,10 +1,14 @@
 // Prints docs/tables.md: which surfaces and curves separate planes, spheres and cylinders, by asking
-// bisector() and trisector() about one example of every row.
+// bisector() and trisector() about one example of every row, and how long cells of two objects took.
+//
+// Usage: tables bench/results/radial.csv (as bench/record_radial.py wrote it)
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -151,11 +155,37 @@ std::string written(const vcell::Trisector& curve) {
 
 }  // namespace
 
-int main() {
+// The column `seconds` of a CSV file without quotes, by its first column.
+std::map<std::string, double> read_seconds(const char* file) {
+    const auto fields = [](const std::string& line) {
+        std::vector<std::string> out;
+        std::istringstream in(line);
+        for (std::string field; std::getline(in, field, ',');) out.push_back(field);
+        return out;
+    };
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    const std::vector<std::string> names = fields(line);
+    const auto column = static_cast<std::size_t>(std::ranges::find(names, "seconds") - names.begin());
+    std::map<std::string, double> seconds;
+    while (std::getline(in, line)) {
+        const std::vector<std::string> row = fields(line);
+        if (row.size() > column) seconds[row[0]] = std::stod(row[column]);
+    }
+    return seconds;
+}
+
+int main(int argc, char** argv) {
+    if (argc != 2) {
+        std::fputs("usage: tables RADIAL_CSV\n", stderr);
+        return 1;
+    }
+    const std::map<std::string, double> seconds = read_seconds(argv[1]);
     std::puts(
         "# Bisectors and trisectors\n\n"
         "Made by a program from what `bisector()` and `trisector()` answer; do not edit, run\n"
-        "`build/release/examples/tables > docs/tables.md`. A test compares the two.\n\n"
+        "`build/release/examples/tables bench/results/radial.csv > docs/tables.md`. A test compares the two.\n\n"
         "[HE] is the paper of [references.md](references.md); its column says what is known here of its "
         "tables.\n\n"
         "## Bisectors [HE, Table 1]\n\n"
@@ -191,15 +221,18 @@ int main() {
         "and of the\n"
         "trisector. Exact: lines and conics; certified: splines with a bound on their distance from the "
         "curve.\n"
-        "What a cell with such a pair takes: [bench/results/radial.csv](../bench/results/radial.csv), scenes "
-        "`pair/...`.\n\n"
-        "| base | objects | bisectors | trisector | |\n"
-        "|---|---|---|--:|---|");
+        "Time: from scene to cell with patches and measures, of a base with two such objects in a box; medians "
+        "of 20\n"
+        "random scenes (scenes `pair/...` of [bench/results/radial.csv](../bench/results/radial.csv), by "
+        "`bench/record_radial.py`).\n\n"
+        "| base | objects | bisectors | trisector | | ms |\n"
+        "|---|---|---|--:|---|--:|");
     for (const Object& base : bases())
         for (const auto& [a, b] : object_pairs()) {
             const vcell::Trisector curve = vcell::trisector(base, a, b);
-            std::printf("| %s | %s – %s | %d, %d | %d | %s |\n", name(base), name(a), name(b),
+            const std::string scene = std::string("pair/") + name(base) + "/" + name(a) + "-" + name(b);
+            std::printf("| %s | %s – %s | %d, %d | %d | %s | %.2g |\n", name(base), name(a), name(b),
                         vcell::bisector(base, a).degree(), vcell::bisector(base, b).degree(), curve.degree(),
-                        is_exact(curve) ? "exact" : "certified");
+                        is_exact(curve) ? "exact" : "certified", 1e3 * seconds.at(scene));
         }
 }

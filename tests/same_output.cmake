@@ -1,5 +1,5 @@
-# Fails unless PROGRAM prints exactly the text of FILE.
-execute_process(COMMAND ${PROGRAM} OUTPUT_VARIABLE output RESULT_VARIABLE status)
+# Fails unless PROGRAM with ARGUMENT prints exactly the text of FILE.
+execute_process(COMMAND ${PROGRAM} ${ARGUMENT} OUTPUT_VARIABLE output RESULT_VARIABLE status)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} failed: ${status}")
 endif()
