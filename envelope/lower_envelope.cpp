@@ -137,7 +137,7 @@ private:
     }
 
     MinimizationDiagram finish() {
-        MinimizationDiagram result = patchwork_.finish();
+        MinimizationDiagram result = patchwork_.finish(analysis_.heights());
         result.region = region_;
         result.decisions = kernel_.decisions();
         result.decisions += analysis_.decisions();
@@ -301,10 +301,10 @@ private:
             return solve(part.piece, candidates, share, 0);
         const bool at_floor = extent(r) <= MixedAnalysis::floor_width * extent(root_.rect);
         if (candidates.size() <= most_competitors || extent(r) <= MixedAnalysis::tie_width * extent(root_.rect)) {
-            if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties}, candidates)) {
+            if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
                 done_ += share;
                 if (options_.progress) options_.progress(done_);
-                return patchwork_.add(*resolved, analysis_.heights());
+                return patchwork_.add(*resolved);
             }
         }
         if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > most_small_pieces))

@@ -79,6 +79,10 @@ SideLabels SideLabels::reversed() const {
     return out;
 }
 
+MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent) : heights_(family), extent_(extent) {
+    if (!family.radial.empty() && family.chart == RadialChart::Stereographic) supports_.emplace(family);
+}
+
 // A side as the graph of its second coordinate over its first, s: x, or y where the side is steep.
 struct MixedAnalysis::Line {
     const PieceSide& side;
@@ -156,46 +160,63 @@ void MixedAnalysis::assume(const Vector2d& place, double width, std::vector<Form
     assumptions_.push_back({place, width, std::move(forms)});
 }
 
-void MixedAnalysis::spreads(const std::array<double, 4>& box, std::span<const FormId> candidates,
-                            std::vector<Spread>& out) const {
-    const Interval X(box[0], box[1]), Y(box[2], box[3]);
-    out.clear();
-    for (const FormId f : candidates) {
-        const HeightJet<Interval> all = heights_.jet(f, X, Y);
-        out.push_back({f, heights_.value(f, Interval(X.mid()), Interval(Y.mid())), all.gx, all.gy, all.v, {}});
-    }
-}
-
 void MixedAnalysis::bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const {
     const Interval X(box[0], box[1]), Y(box[2], box[3]), mx(X.mid()), my(Y.mid());
     for (Spread& s : rivals)
         s.bend = {heights_.jet(s.form, mx, my), heights_.curvature(s.form, X, Y), X - mx, Y - my};
 }
 
-std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
-    const Interval X(box[0], box[1]), Y(box[2], box[3]);
-    const double rx = Interval::up(std::max(X.upper() - X.mid(), X.mid() - X.lower())),
-                 ry = Interval::up(std::max(Y.upper() - Y.mid(), Y.mid() - Y.lower()));
-    spreads(box, candidates, spreads_);
+// The one whose highest value is lowest beats most of the others; few are left to be compared in pairs.
+std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::array<double, 4>& box,
+                                                                 std::span<const FormId> candidates) const {
+    const Interval X(box[0], box[1]), Y(box[2], box[3]), mx(X.mid()), my(Y.mid());
+    const double rx = X.radius(), ry = Y.radius();
+    std::vector<Spread> spreads;
+    for (const FormId f : candidates) {
+        const HeightJet<Interval> all = heights_.jet(f, X, Y);
+        spreads.push_back({f, {}, heights_.value(f, mx, my), all.gx, all.gy, all.v, {}});
+    }
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
         return a.range.lower() > b.range.upper() ||
                (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) - (a.gy - b.gy).magnitude() * Interval(ry)).lower() > 0;
     };
-    // The one whose highest value is lowest beats most of the others; few are left to be compared in pairs.
-    std::size_t rival = 0;
-    double lowest_top = infinity;
-    for (std::size_t i = 0; i < spreads_.size(); ++i) {
-        const Spread& s = spreads_[i];
-        const double top = std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
-        if (top < lowest_top) {
-            lowest_top = top;
-            rival = i;
+    const auto top = [&](const Spread& s) {
+        return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
+    };
+    const Spread best = *std::ranges::min_element(spreads, {}, top);
+    std::erase_if(spreads, [&](const Spread& s) { return s.form != best.form && certainly_above(s, best); });
+    if (spreads.size() <= most_compared_in_pairs) drop_dominated(spreads, certainly_above);
+    return spreads;
+}
+
+std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_supports(const NormalBox& box,
+                                                                  std::span<const FormId> candidates) const {
+    std::vector<Spread> spreads;
+    Support best;
+    double nearest = -infinity;
+    for (const FormId f : candidates) {
+        const Support s = supports_->over(f, box);
+        if (const double q = box.middle(s); q > nearest) {
+            nearest = q;
+            best = s;
         }
+        spreads.push_back({f, s, {}, {}, {}, {}, {}});
     }
-    decisions_.by_interval += spreads_.size() - 1;
-    const Spread best = spreads_[rival];
-    std::erase_if(spreads_, [&](const Spread& s) { return s.form != best.form && certainly_above(s, best); });
-    if (spreads_.size() <= most_compared_in_pairs) drop_dominated(spreads_, certainly_above);
+    std::erase_if(spreads, [&](const Spread& s) { return box.is_above(s.support, best); });
+    if (spreads.size() <= most_compared_in_pairs)
+        drop_dominated(spreads, [&](const Spread& a, const Spread& b) { return box.is_above(a.support, b.support); });
+    return spreads;
+}
+
+std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
+    normals_.reset();
+    if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]))) {
+        normals_.emplace(box[0], box[1], box[2], box[3]);
+        spreads_ = lowest_supports(*normals_, candidates);
+    } else {
+        spreads_ = lowest_spreads(box, candidates);
+    }
+    decisions_.by_interval += candidates.size() - 1;
     std::vector<FormId> kept;
     for (const Spread& s : spreads_) kept.push_back(s.form);
     return kept;
@@ -281,13 +302,45 @@ std::vector<FormId> MixedAnalysis::lowest_at(const Line& line, double s, std::sp
 
 // A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
 constexpr double root_width = 0x1p-12;
+// How much steeper than the least slope a difference may be at its root, so that a guess is as good as a Newton step.
+constexpr double most_steepening = 8;
+constexpr int most_newton_steps = 30;
 
-// The one root of the two forms' difference between s0 and s1, where its slope keeps its sign: interval Newton
-// and bisection.
-RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after) {
-    double lo = s0, hi = s1;
-    bool sharp = false;
-    for (;;) {
+// The root of before - after, which is negative at s0 and positive at s1: Newton's method with bisection, in doubles.
+MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0, double s1, FormId before, FormId after) const {
+    const double side_slope = line.slope.mid();
+    const double enough = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(s0), std::abs(s1));
+    Guess root{Interval(s0, s1).mid(), 0};
+    for (int i = 0; i < most_newton_steps; ++i) {
+        const IntervalPoint p = line.at(Interval(root.s));
+        const auto jet = [&](FormId f) {
+            if (supports_) return supports_->jet(f, p[0].mid(), p[1].mid());
+            const HeightJet<Interval> j = heights_.jet(f, p[0], p[1]);
+            return std::array{j.v.mid(), j.gx.mid(), j.gy.mid()};
+        };
+        const auto f = jet(before), g = jet(after);
+        const double v = f[0] - g[0], dx = f[1] - g[1], dy = f[2] - g[2];
+        root.slope = line.by_x ? dx + side_slope * dy : dy + side_slope * dx;
+        (v < 0 ? s0 : s1) = root.s;
+        const double step = v / root.slope, next = root.s - step;
+        if (std::abs(step) <= enough) break;
+        root.s = next > s0 && next < s1 ? next : Interval(s0, s1).mid();
+    }
+    return root;
+}
+
+// The one root of the two forms' difference between s0 and s1, where its slope is `least_slope` at least: a guess, and
+// its distance from the root by the mean value theorem; where that says little, interval Newton and bisection.
+RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope) {
+    const Guess guess = approximate_root(line, s0, s1, before, after);
+    const IntervalPoint near = line.at(Interval(guess.s));
+    const Interval residual = heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]);
+    const Interval root = Interval(guess.s) + Interval(-1.0, 1.0) * Interval(residual.magnitude()) / Interval(least_slope);
+    double lo = std::max(s0, root.lower()), hi = std::min(s1, root.upper());
+    if (!(lo <= hi)) throw InternalError("no root of a sign change along a side");
+    const auto is_narrow = [&] { return hi - lo <= root_width * (s1 - s0); };
+    bool sharp = false, found = guess.slope <= most_steepening * least_slope && is_narrow();
+    while (!found) {
         const double m = Interval(lo, hi).mid();
         const auto [value, slope] = sharp ? line.sharp_difference(heights_, before, after, m, lo, hi)
                                           : line.difference(heights_, before, after, m, lo, hi);
@@ -301,8 +354,8 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
         lo = l;
         hi = h;
         if (!stalled) continue;
-        if (sharp || hi - lo <= root_width * (s1 - s0)) break;
-        sharp = true;
+        found = sharp || is_narrow();
+        sharp = sharp || !found;
     }
     ++(sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     const IntervalPoint p = line.at(Interval(lo, hi));
@@ -313,11 +366,23 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
 // drown in a double's rounding there.
 constexpr double sharp_width = 0x1p-19;
 
-// From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
-bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
-                            std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out) {
-    const double m = Interval(s0, s1).mid(), r = Interval::up(std::max(s1 - m, m - s0));
+// The forms that may be lowest somewhere between s0 and s1, and if there are two the least slope of their difference.
+MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, double s1,
+                                                  std::span<const FormId> candidates) {
+    const double m = Interval(s0, s1).mid(), r = Interval(s0, s1).radius();
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
+    Rivals out{{}, 0};
+    const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
+    if (compare_by_supports(s1 - s0)) {
+        const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
+        const std::vector<Spread> spreads = lowest_supports(box, candidates);
+        for (const Spread& s : spreads) out.forms.push_back(s.form);
+        if (spreads.size() == 2) {
+            const auto [gx, gy] = box.gradient(spreads[0].support, spreads[1].support);
+            out.least_slope = least(line.along({{}, gx, gy}));
+        }
+        return out;
+    }
     struct Item {
         FormId form;
         Interval v, slope, range;
@@ -332,17 +397,16 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         return a.range.lower() > b.range.upper() ||
                (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
     });
-    decisions_.by_interval += candidates.size() - items.size();
-    bool monotone = items.size() == 2 && (items[0].slope - items[1].slope).sign();
-    if (items.size() == 2 && !monotone) {
+    if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
+    if (items.size() == 2 && out.least_slope == 0) {
         items[0].slope = line.slope_difference(heights_, items[0].form, items[1].form, m, s0, s1);
         items[1].slope = 0;
-        monotone = items[0].slope.sign().has_value();
+        out.least_slope = least(items[0].slope);
         const Interval difference = items[0].v - items[1].v, reach = Interval(items[0].slope.magnitude()) * Interval(r);
         if ((difference - reach).lower() > 0) items.erase(items.begin());
         else if ((difference + reach).upper() < 0) items.pop_back();
     }
-    if (items.size() > 1 && !monotone && s1 - s0 < sharp_width * extent_) {
+    if (items.size() > 1 && out.least_slope == 0 && s1 - s0 < sharp_width * extent_) {
         const std::size_t before = items.size();
         for (Item& i : items) i.sharp = line.sharp_height(heights_, i.form, m);
         drop_dominated(items, [&](const Item& a, const Item& b) {
@@ -350,14 +414,23 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         });
         decisions_.by_multiprecision += before - items.size();
     }
-    if (items.size() == 1) return true;
-    if (monotone) {
+    for (const Item& i : items) out.forms.push_back(i.form);
+    return out;
+}
+
+// From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
+bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
+                            std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out) {
+    const double m = Interval(s0, s1).mid();
+    const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
+    const auto [left, least_slope] = rivals_along(line, s0, s1, candidates);
+    decisions_.by_interval += candidates.size() - left.size();
+    if (left.size() == 1) return true;
+    if (least_slope > 0) {
         ++decisions_.by_interval;
-        if (l0 != l1) out.push_back(locate(line, s0, s1, l0, l1));
+        if (l0 != l1) out.push_back(locate(line, s0, s1, l0, l1, least_slope));
         return true;
     }
-    std::vector<FormId> left;
-    for (const Item& i : items) left.push_back(i.form);
     if (!is_seam && s1 - s0 < sharp_width * extent_)
         if (const auto tie = find_tie(line, s0, l0, s1, l1, left)) {
             out.push_back(*tie);
@@ -591,6 +664,7 @@ struct MixedAnalysis::Change {
 
 struct MixedAnalysis::Work {
     const PieceBoundary& boundary;
+    const NormalBox* normals;  // null unless rivals compare by supports
     MixedPiece piece;
     std::vector<Spread> rivals;
     std::vector<Change> changes;
@@ -631,8 +705,8 @@ struct MixedAnalysis::Work {
     }
     // The gradient of a - b all over the piece. Where the two are nearly the same function its mean value form is by far
     // the sharper one.
-    static std::array<Interval, 2> gradient(const Spread& a, const Spread& b) {
-        const Interval gx = a.gx - b.gx, gy = a.gy - b.gy;
+    std::array<Interval, 2> gradient(const Spread& a, const Spread& b) const {
+        const auto [gx, gy] = normals ? normals->gradient(a.support, b.support) : std::array{a.gx - b.gx, a.gy - b.gy};
         if (!a.bend || !b.bend) return {gx, gy};
         const auto &p = *a.bend, &q = *b.bend;
         const Interval xy = p.curvature.xy - q.curvature.xy;
@@ -640,14 +714,14 @@ struct MixedAnalysis::Work {
                 intersection(gy, p.middle.gy - q.middle.gy + xy * p.dx + (p.curvature.yy - q.curvature.yy) * p.dy)};
     }
     // A unit vector in which a - b certainly grows all over the piece.
-    static std::optional<Vector2d> direction(const Spread& a, const Spread& b) {
+    std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
         const auto [gx, gy] = gradient(a, b);
         const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
         if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0)) return std::nullopt;
         return d;
     }
     // The turn from grad a over grad b to grad c; the three in one order always, as another one need not tell.
-    static std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) {
+    std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) const {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
         if (c.form < b.form) return reversed(turn(a, c, b));
@@ -699,8 +773,8 @@ struct MixedAnalysis::Work {
     }
 };
 
-std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, std::span<const FormId> candidates) {
-    Work work{boundary, {}, {}, {}, {}, {}, 0};
+std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
+    Work work{boundary, normals_ ? &*normals_ : nullptr, {}, spreads_, {}, {}, {}, 0};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -711,12 +785,11 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary, 
     work.piece.box = {x0, x1, y0, y1};
     work.width = std::max(x1 - x0, y1 - y0);
 
-    cull(work.piece.box, candidates);
-    work.rivals = spreads_;
     const bool at_floor = work.width <= floor_width * extent_;
     bool plain = is_plain(work);
     if (!plain) {
-        bend(work.piece.box, work.rivals);
+        const auto is_curved = [&](const Spread& s) { return !heights_.family().is_circular(s.form); };
+        if (!normals_ || std::ranges::count_if(work.rivals, is_curved) > 1) bend(work.piece.box, work.rivals);
         if (work.width < sharp_width * extent_) cull_sharply(work);
         plain = is_plain(work);
     }
@@ -773,7 +846,7 @@ void MixedAnalysis::cull_sharply(Work& work) {
     std::vector<Item> items;
     for (const Spread& s : work.rivals) items.push_back({&s, heights_.value(s.form, Wide(m.x()), Wide(m.y()))});
     drop_dominated(items, [&](const Item& a, const Item& b) {
-        const auto [gx, gy] = Work::gradient(*a.spread, *b.spread);
+        const auto [gx, gy] = work.gradient(*a.spread, *b.spread);
         return ((a.v - b.v).enclosure() - gx.magnitude() * rx - gy.magnitude() * ry).lower() > 0;
     });
     decisions_.by_multiprecision += work.rivals.size() - items.size();
@@ -787,9 +860,9 @@ bool MixedAnalysis::is_plain(const Work& work) const {
     const std::size_t n = r.size();
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j) {
-            if (!Work::direction(r[i], r[j])) return false;
+            if (!work.direction(r[i], r[j])) return false;
             for (std::size_t k = j + 1; k < n; ++k)
-                if (!Work::turn(r[i], r[j], r[k])) return false;
+                if (!work.turn(r[i], r[j], r[k])) return false;
         }
     return true;
 }
@@ -838,7 +911,7 @@ MixedAnalysis::AtKnot MixedAnalysis::ends_at_knot(const Work& work) {
     const std::vector<FormId>& ties = work.piece.vertices[v].ties;
     const Spread *lowest = work.find(f), *other = work.find(ties[0] == f ? ties[1] : ties[0]);
     if (work.rivals.size() != 2 || ties.size() != 2 || !lowest || !other) return AtKnot::Unknown;
-    const auto [gx, gy] = Work::gradient(*other, *lowest);
+    const auto [gx, gy] = work.gradient(*other, *lowest);
     const auto inward = (Interval(leaving->a) * gx + Interval(leaving->b) * gy).sign();
     if (inward == Sign::Positive) return AtKnot::None;
     return inward == Sign::Negative && work.matched_pair() ? AtKnot::All : AtKnot::Unknown;
@@ -889,7 +962,7 @@ bool MixedAnalysis::join_all(Work& work) {
                 std::size_t a = present[0];
                 const auto is_hull_edge = [&](std::size_t p, std::size_t q) {
                     return p != q && std::ranges::all_of(present, [&](std::size_t o) {
-                        return o == p || o == q || Work::turn(r[p], r[q], r[o]) == Sign::Positive;
+                        return o == p || o == q || work.turn(r[p], r[q], r[o]) == Sign::Positive;
                     });
                 };
                 a = *std::ranges::find_if(present, [&](std::size_t p) {
@@ -922,7 +995,7 @@ bool MixedAnalysis::join_all(Work& work) {
                         ends.push_back({static_cast<std::uint32_t>(rim + v), r[q].form, r[p].form});
                 }
             }
-            if (!ends.empty() && !join_pair(work, *Work::direction(r[i], r[j]), r[i].form, r[j].form, ends)) return false;
+            if (!ends.empty() && !join_pair(work, *work.direction(r[i], r[j]), r[i].form, r[j].form, ends)) return false;
         }
     // Around inner vertices: by hull order.
     for (std::size_t v = 0; v < inner.size(); ++v) {
@@ -1090,8 +1163,8 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     std::vector<std::array<std::size_t, 2>> touching;
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j) {
-            apex.differences[i][j].gradient = Work::gradient(r[i], r[j]);
-            if (!Work::direction(r[i], r[j])) touching.push_back({i, j});
+            apex.differences[i][j].gradient = work.gradient(r[i], r[j]);
+            if (!work.direction(r[i], r[j])) touching.push_back({i, j});
         }
     if (work.knot) {
         const MixedPiece::Vertex& v = work.piece.vertices[*work.knot];
@@ -1292,7 +1365,7 @@ constexpr double rounding_width = 0x1p-40;
 // the apex the arc is divided into stretches in whose boxes one is.
 bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const {
     const Spread *f = work.find(arc.left), *g = work.find(arc.right);
-    if (Work::direction(*f, *g)) return true;
+    if (work.direction(*f, *g)) return true;
     const Vector2d along = arm.to - arm.from;
     const auto turn = [](const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
     const auto corner = [&](double t, const Vector2d& d) { return Vector2d(apex.point + t * d); };

@@ -32,6 +32,7 @@
 
 #include "heights.hpp"
 #include "minimization_diagram.hpp"
+#include "sphere_supports.hpp"
 #include "tie_fan.hpp"
 
 namespace vcell {
@@ -113,10 +114,12 @@ public:
     static constexpr double node_width = 0x1p-22;
     /// Nearer than this to a point where gradients agree rounding hides how a trisector runs; so it is not divided further.
     static constexpr double chord_width = 0x1p-26;
+    /// Wider pieces of a sphere are compared by supports: their errors are multiples of the heights', not of differences.
+    static constexpr double supports_width = 0x1p-19;
     /// As floor_width, along a side, where no more than one direction has to be told apart.
     static constexpr double side_floor_width = 0x1p-44;
 
-    MixedAnalysis(const FormFamily& family, double extent) : heights_(family), extent_(extent) {}
+    MixedAnalysis(const FormFamily& family, double extent);
 
     const Heights& heights() const { return heights_; }
     Decisions& decisions() { return decisions_; }
@@ -138,12 +141,13 @@ public:
     FormId label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
                         std::span<const FormId> candidates);
 
-    /// The diagram of the candidates over the piece if it is plain.
-    std::optional<MixedPiece> resolve(const PieceBoundary& boundary, std::span<const FormId> candidates);
+    /// The diagram of the forms that the last cull() left over the piece, if it is plain. Pre: that was about its box.
+    std::optional<MixedPiece> resolve(const PieceBoundary& boundary);
 
 private:
-    struct Spread {  // value at the middle of a box, gradient and values all over it
+    struct Spread {  // over a box: what compare_by_supports() asks for, or value at the middle, gradient and values all over it
         FormId form;
+        Support support;
         Interval v, gx, gy, range;
         /// Gradient at the middle, second derivatives all over the box, and the box less its middle.
         struct Bend {
@@ -155,12 +159,24 @@ private:
     };
     struct Line;
 
+    // Over a sphere, unless the box is so small that rounding counts.
+    bool compare_by_supports(double width) const { return supports_ && width > supports_width * extent_; }
     void bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const;
-    void spreads(const std::array<double, 4>& box, std::span<const FormId> candidates, std::vector<Spread>& out) const;
+    std::vector<Spread> lowest_spreads(const std::array<double, 4>& box, std::span<const FormId> candidates) const;
+    std::vector<Spread> lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const;
+    struct Rivals {
+        std::vector<FormId> forms;
+        double least_slope;
+    };
+    Rivals rivals_along(const Line& line, double s0, double s1, std::span<const FormId> candidates);
     bool descend(const Line& line, double s0, FormId l0, double s1, FormId l1, std::span<const FormId> candidates,
                  bool is_seam, std::vector<RimTransition>& out);
     std::vector<FormId> lowest_at(const Line& line, double s, std::span<const FormId> candidates);
-    RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after);
+    RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope);
+    struct Guess {
+        double s, slope;
+    };
+    Guess approximate_root(const Line& line, double s0, double s1, FormId before, FormId after) const;
     std::optional<RimTransition> find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
                                           std::span<const FormId> forms);
     struct Change;
@@ -188,11 +204,13 @@ private:
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
 
     Heights heights_;
+    std::optional<SphereSupports> supports_;  // over a sphere
     double extent_;
     Decisions decisions_;
     std::vector<Assumption> assumptions_;
     std::optional<Assumption> obstacle_;
-    std::vector<Spread> spreads_;  // of the forms that the last cull() left
+    std::vector<Spread> spreads_;       // of the forms that the last cull() left
+    std::optional<NormalBox> normals_;  // over its box, if that is how they compare
 };
 
 }  // namespace vcell

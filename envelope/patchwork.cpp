@@ -102,7 +102,7 @@ Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceS
 
 // Around a vertex, counter-clockwise, its outgoing half-edges follow each other as the piece lists them; each
 // one's twin turns into the one before.
-Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights) {
+Patchwork::Index Patchwork::add(const MixedPiece& piece) {
     const auto first_vertex = static_cast<Index>(vertices_.size());
     const auto first_edge = static_cast<Index>(edges_.size());
     const auto rim = static_cast<Index>(piece.rim.size());
@@ -111,16 +111,13 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece, const Heights& heights)
         to.x = from.point.x();
         to.y = from.point.y();
         to.error = from.error;
+        to.lowest = from.lowest;
         if (!from.ties.empty()) {
             std::vector<FormId> forms = from.ties;
             sort_unique(forms);
             to.ties = static_cast<Index>(ties_.size());
             ties_.push_back(std::move(forms));
         }
-        const Interval x = Interval::ball(to.x, to.error), y = Interval::ball(to.y, to.error);
-        const Interval height = heights.value(from.lowest, x, y) * heights.scale(x, y);
-        to.height = height.mid();
-        to.height_error = Interval::up(std::max(height.upper() - to.height, to.height - height.lower()));
     }
     std::vector<std::vector<Index>> around(piece.vertices.size());
     for (Index i = 0; i < rim; ++i) {
@@ -428,7 +425,7 @@ private:
 
 }  // namespace
 
-MinimizationDiagram Patchwork::finish() {
+MinimizationDiagram Patchwork::finish(const Heights& heights) {
     MinimizationDiagram out;
     out.forms = family_.forms;
     out.cylinders = family_.cylinders;
@@ -444,7 +441,13 @@ MinimizationDiagram Patchwork::finish() {
     for (Index v = 0; v < vertices_.size(); ++v) {
         if (!vertices_[v].alive) continue;
         vertex_map[v] = out.dcel.add_vertex().value;
-        const Vertex& from = vertices_[v];
+        Vertex& from = vertices_[v];
+        if (from.lowest.valid()) {
+            const Interval x = Interval::ball(from.x, from.error), y = Interval::ball(from.y, from.error);
+            const Interval height = heights.value(from.lowest, x, y) * heights.scale(x, y);
+            from.height = height.mid();
+            from.height_error = height.radius();
+        }
         out.vertices.push_back({{from.x, from.y}, from.error, from.height, from.height_error});
     }
     for (Index e = 0; e < edges_.size(); ++e) {

@@ -33,7 +33,7 @@ public:
     Index add(const WorkDiagram& piece, std::span<const PieceSide> line_sides);
 
     /// Takes over a piece that was decided by enclosures.
-    Index add(const MixedPiece& piece, const Heights& heights);
+    Index add(const MixedPiece& piece);
 
     /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
     Index glue(Index piece, Index other, std::uint32_t seam);
@@ -47,13 +47,14 @@ public:
 
     /// Collects faces and boundary components; the region is left for the caller to fill in.
     /// Pre: all pieces have been glued into one.
-    MinimizationDiagram finish();
+    MinimizationDiagram finish(const Heights& heights);
 
 private:
     static constexpr std::uint32_t seam_bit = 0x80000000u;
 
     struct Vertex {
         double x, y, error, height, height_error;
+        FormId lowest;  // whose height is to be enclosed, if the vertex stays: most of them lie on seams
         bool alive = true;
         Index out = none;
         Index isolated_in = none;

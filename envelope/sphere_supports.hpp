@@ -1,0 +1,96 @@
+/// Heights over boxes of a sphere's chart, compared through linear functions of the unit normal u.
+///
+/// q = -f, the reciprocal of the distance from the centre (radial_height.hpp), is p.u + s for circular forms, and for
+/// cylinders, with A, B, C of core/radial_form.hpp,
+///
+///     q = B' + |w|,   w = (B', A'),   B' = B / (C W),   A' = A / (sqrt(C) W),
+///
+/// both linear in u. For every unit vector e it is at least B' + e.w, with equality where w is along e: the graph has
+/// supporting planes all over. The difference of two of them is a circular form, whose sign over a box of the chart is
+/// known but for rounding. The remainder is of second order in the box's size.
+///
+/// Everything is computed in doubles with bounds for their rounding. Near points where forms tie it is theirs
+/// that counts: there interval arithmetic on the heights themselves sees more.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "../core/circular_form.hpp"
+#include "../core/interval.hpp"
+
+namespace vcell {
+
+/// p.u + s
+struct NormalFunction {
+    std::array<double, 3> p;
+    double s;
+};
+
+/// Over a box: plane <= q <= plane + excess, and the chart derivatives of q and of the plane differ by less than `bend`.
+struct Support {
+    NormalFunction plane;
+    double excess;
+    std::array<double, 2> bend;
+    double rounding;  ///< bounds that of the plane's values
+};
+
+/// A box of the chart and the unit normals over it.
+class NormalBox {
+public:
+    NormalBox() = default;
+    NormalBox(double x0, double x1, double y0, double y1);
+
+    /// q at the middle, in double.
+    double middle(const Support& a) const { return value(a.plane); }
+    /// Is a met certainly later than b (f_a > f_b) all over the box?
+    bool is_above(const Support& a, const Support& b) const;
+    /// Encloses the gradient of f_a - f_b.
+    std::array<Interval, 2> gradient(const Support& a, const Support& b) const;
+
+private:
+    friend class SphereSupports;
+
+    struct Normal {  // and its chart derivatives, rounded
+        Normal() = default;
+        Normal(double x, double y);
+
+        std::array<double, 3> u, ux, uy;
+    };
+
+    static double dot(const NormalFunction& f, const std::array<double, 3>& v) {
+        return f.p[0] * v[0] + f.p[1] * v[1] + f.p[2] * v[2];
+    }
+    static double bound(const NormalFunction& f, const std::array<double, 3>& v) {
+        return std::abs(f.p[0]) * v[0] + std::abs(f.p[1]) * v[1] + std::abs(f.p[2]) * v[2];
+    }
+    double value(const NormalFunction& f) const { return dot(f, middle_.u) + f.s; }
+    double variation(const NormalFunction& f) const;
+    std::array<double, 2> steepest(const NormalFunction& f) const;
+
+    double x0_, x1_, y0_, y1_, rx_, ry_;
+    Normal middle_;
+    std::array<double, 3> ux_range_, uy_range_;  // what they differ by over the box
+    double m_;                                   // bounds 2 / W
+};
+
+class SphereSupports {
+public:
+    /// Pre: all radial forms are in the stereographic chart.
+    explicit SphereSupports(const FormFamily& family);
+
+    /// The plane touches where the box has its middle.
+    Support over(FormId f, const NormalBox& box) const;
+    /// f and its chart derivatives at a point, rounded.
+    std::array<double, 3> jet(FormId f, double x, double y) const;
+
+private:
+    struct Cylinder {
+        NormalFunction b, a;
+        double rounding;
+    };
+    std::vector<Support> circular_;
+    std::vector<Cylinder> cylinders_;
+};
+
+}  // namespace vcell
