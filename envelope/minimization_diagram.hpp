@@ -75,8 +75,8 @@ struct MinimizationDiagram {
 
     /// A piece of an arc whose forms are not both circular. It ends at `end` (the last piece of an edge at the
     /// edge's target, of a closed edge where the first piece starts), and lies in a convex cell around it all
-    /// over which the derivative of left - right in `direction` (a unit vector) is positive: each line in
-    /// that direction meets the edge's curve at most once within the cell.
+    /// over which the derivative of left - right in `direction` (a unit vector) is positive, over a sphere at least
+    /// where left = right: each line in that direction meets the edge's curve at most once within the cell.
     struct ArcPiece {
         Eigen::Vector2d end;
         double error;               ///< bound on the distance of `end` from the curve

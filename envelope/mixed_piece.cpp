@@ -662,9 +662,14 @@ struct MixedAnalysis::Change {
     FormId before, after;
 };
 
+// Pieces with more rivals are rarely plain, and their parts take longer than halves of them.
+constexpr std::size_t most_divided = 4;
+
 struct MixedAnalysis::Work {
     const PieceBoundary& boundary;
-    const NormalBox* normals;  // null unless rivals compare by supports
+    const NormalBox* normals;  // these two are null unless rivals compare by supports
+    const SphereSupports* supports;
+    mutable std::optional<DividedBox> parts;  // made when asked for
     MixedPiece piece;
     std::vector<Spread> rivals;
     std::vector<Change> changes;
@@ -713,20 +718,44 @@ struct MixedAnalysis::Work {
         return {intersection(gx, p.middle.gx - q.middle.gx + (p.curvature.xx - q.curvature.xx) * p.dx + xy * p.dy),
                 intersection(gy, p.middle.gy - q.middle.gy + xy * p.dx + (p.curvature.yy - q.curvature.yy) * p.dy)};
     }
-    // A unit vector in which a - b certainly grows all over the piece.
+    // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b.
     std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
         const auto [gx, gy] = gradient(a, b);
         const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
-        if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0)) return std::nullopt;
-        return d;
+        if (d.allFinite() && (Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0) return d;
+        if (!supports || rivals.size() > most_divided) return std::nullopt;
+        const Vector2d across = across_ends(a.form, b.form).value_or(d);
+        if (!across.allFinite() || !divided().grows_along(place(a), place(b), across)) return std::nullopt;
+        return across;
     }
-    // The turn from grad a over grad b to grad c; the three in one order always, as another one need not tell.
+    std::size_t place(const Spread& s) const { return static_cast<std::size_t>(&s - rivals.data()); }
+    const DividedBox& divided() const {
+        if (!parts) parts.emplace(*supports, piece.box, forms());
+        return *parts;
+    }
+    // Right-hand of the chord between the places where two forms, and no others, change on the rim.
+    std::optional<Vector2d> across_ends(FormId left, FormId right) const {
+        std::optional<Vector2d> start, end;
+        for (const Change& c : changes) {
+            const bool starts = c.before == left && c.after == right;
+            if (!starts && !(c.before == right && c.after == left)) continue;
+            std::optional<Vector2d>& p = starts ? start : end;
+            if (p) return std::nullopt;
+            p = piece.vertices[c.vertex].point;
+        }
+        if (!start || !end) return std::nullopt;
+        const Vector2d chord = *end - *start;
+        return Vector2d(chord.y(), -chord.x()).normalized();
+    }
+    // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points with a = b = c; the three in one order always, as another one need not tell.
     std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) const {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
         if (c.form < b.form) return reversed(turn(a, c, b));
         const auto ab = gradient(b, a), ac = gradient(c, a);
-        return (ab[0] * ac[1] - ab[1] * ac[0]).sign();
+        const auto sign = (ab[0] * ac[1] - ab[1] * ac[0]).sign();
+        if (sign || !supports || rivals.size() > most_divided) return sign;
+        return divided().turn(place(a), place(b), place(c));
     }
     bool matched_pair() const {
         return changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
@@ -774,7 +803,7 @@ struct MixedAnalysis::Work {
 };
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
-    Work work{boundary, normals_ ? &*normals_ : nullptr, {}, spreads_, {}, {}, {}, 0};
+    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, {}, {}, spreads_, {}, {}, {}, 0};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -784,18 +813,6 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     }
     work.piece.box = {x0, x1, y0, y1};
     work.width = std::max(x1 - x0, y1 - y0);
-
-    const bool at_floor = work.width <= floor_width * extent_;
-    bool plain = is_plain(work);
-    if (!plain) {
-        const auto is_curved = [&](const Spread& s) { return !heights_.family().is_circular(s.form); };
-        if (!normals_ || std::ranges::count_if(work.rivals, is_curved) > 1) bend(work.piece.box, work.rivals);
-        if (work.width < sharp_width * extent_) cull_sharply(work);
-        plain = is_plain(work);
-    }
-    const bool near_tie = !plain && work.rivals.size() > 1 && work.width <= tie_width * extent_;
-    if (!plain && !near_tie && !at_floor) return std::nullopt;
-    ++decisions_.by_interval;
 
     MixedPiece& piece = work.piece;
     const std::size_t sides = boundary.sides.size();
@@ -820,6 +837,20 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
         }
     }
     piece.leaving.resize(piece.vertices.size());
+
+    const bool at_floor = work.width <= floor_width * extent_;
+    bool plain = is_plain(work);
+    if (!plain) {
+        // The difference of a circular form and one other is in mean value form already.
+        const auto is_curved = [&](const Spread& s) { return !heights_.family().is_circular(s.form); };
+        const bool bends = !normals_ || std::ranges::count_if(work.rivals, is_curved) > 1;
+        if (bends) bend(work.piece.box, work.rivals);
+        if (work.width < sharp_width * extent_) cull_sharply(work);
+        plain = bends && is_plain(work);
+    }
+    const bool near_tie = !plain && work.rivals.size() > 1 && work.width <= tie_width * extent_;
+    if (!plain && !near_tie && !at_floor) return std::nullopt;
+    ++decisions_.by_interval;
 
     const std::size_t assumed_before = assumptions_.size();
     const bool joined = (plain && join_changes(work)) || (near_tie && (join_at_tie(work) || join_at_saddle(work)));

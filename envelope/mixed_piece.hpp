@@ -8,6 +8,9 @@
 ///   * for every three the Jacobian of their two differences is regular all over: by the mean value theorem
 ///     on a convex set, they are equal in one point at most.
 ///
+/// Both are needed only where two forms are equal, and all over a box around the points where three are: over a sphere,
+/// where forms are compared cheaply (sphere_supports.hpp), the piece is looked at in parts, and most of them are left out.
+///
 /// Then the labels along the piece's boundary and the points in which three competitors are lowest determine the
 /// diagram inside: on each trisector's graph the ends of its visible stretches alternate. In the common cases
 /// (two changes of label, or three between three competitors) no point needs to be located to know it. Other

@@ -149,4 +149,63 @@ std::array<double, 3> SphereSupports::jet(FormId f, double x, double y) const {
     return {-q[0], -q[1], -q[2]};
 }
 
+DividedBox::DividedBox(const SphereSupports& supports, const std::array<double, 4>& box, std::span<const FormId> forms)
+    : size_(forms.size()), meeting_(forms.size() * forms.size()) {
+    const auto at = [](int i, double lo, double hi) { return i == cuts ? hi : lo + i * ((hi - lo) / cuts); };
+    for (int i = 0; i < cuts; ++i)
+        for (int j = 0; j < cuts; ++j)
+            parts_[i * cuts + j] = NormalBox(at(i, box[0], box[1]), at(i + 1, box[0], box[1]), at(j, box[2], box[3]),
+                                             at(j + 1, box[2], box[3]));
+    for (const FormId f : forms)
+        for (const NormalBox& part : parts_) supports_.push_back(supports.over(f, part));
+}
+
+const DividedBox::Parts& DividedBox::meeting(std::size_t f, std::size_t g) const {
+    std::optional<Parts>& parts = meeting_[std::min(f, g) * size_ + std::max(f, g)];
+    if (parts) return *parts;
+    parts.emplace();
+    for (int i = 0; i < cuts * cuts; ++i) {
+        const Support &a = support(f, i), &b = support(g, i);
+        (*parts)[i] = !parts_[i].is_above(a, b) && !parts_[i].is_above(b, a);
+    }
+    return *parts;
+}
+
+bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const {
+    const Parts& parts = meeting(f, g);
+    for (int i = 0; i < cuts * cuts; ++i) {
+        if (!parts[i]) continue;
+        const auto [x, y] = parts_[i].gradient(support(f, i), support(g, i));
+        if (!((Interval(direction.x()) * x + Interval(direction.y()) * y).lower() > 0)) return false;
+    }
+    return true;
+}
+
+std::optional<Sign> DividedBox::turn(std::size_t f, std::size_t g, std::size_t h) const {
+    const Parts parts = meeting(f, g) & meeting(f, h) & meeting(g, h);
+    int x0 = cuts, x1 = -1, y0 = cuts, y1 = -1;
+    for (int i = 0; i < cuts * cuts; ++i) {
+        if (!parts[i]) continue;
+        x0 = std::min(x0, i / cuts);
+        x1 = std::max(x1, i / cuts);
+        y0 = std::min(y0, i % cuts);
+        y1 = std::max(y1, i % cuts);
+    }
+    if (parts.none()) return Sign::Positive;
+    std::array<Interval, 2> to_g, to_h;
+    bool first = true;
+    for (int i = x0; i <= x1; ++i)
+        for (int j = y0; j <= y1; ++j) {
+            const int part = i * cuts + j;
+            const auto g_here = parts_[part].gradient(support(g, part), support(f, part)),
+                       h_here = parts_[part].gradient(support(h, part), support(f, part));
+            for (const int k : {0, 1}) {
+                to_g[k] = first ? g_here[k] : hull(to_g[k], g_here[k]);
+                to_h[k] = first ? h_here[k] : hull(to_h[k], h_here[k]);
+            }
+            first = false;
+        }
+    return (to_g[0] * to_h[1] - to_g[1] * to_h[0]).sign();
+}
+
 }  // namespace vcell

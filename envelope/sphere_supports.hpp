@@ -13,7 +13,11 @@
 /// that counts: there interval arithmetic on the heights themselves sees more.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
+#include <bitset>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "../core/circular_form.hpp"
@@ -91,6 +95,31 @@ private:
     };
     std::vector<Support> circular_;
     std::vector<Cylinder> cylinders_;
+};
+
+/// A box of the chart in parts, for statements about the points of it in which forms are equal.
+class DividedBox {
+public:
+    /// `box`: {x0, x1, y0, y1}.
+    DividedBox(const SphereSupports& supports, const std::array<double, 4>& box, std::span<const FormId> forms);
+
+    /// Does f - g certainly grow in the unit vector `direction` wherever f = g? Forms are named by their place here.
+    bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const;
+    /// The sign of (grad g - grad f) x (grad h - grad f) all over a box that holds all points with f = g = h; any sign if
+    /// there are none.
+    std::optional<Sign> turn(std::size_t f, std::size_t g, std::size_t h) const;
+
+private:
+    static constexpr int cuts = 4;
+    using Parts = std::bitset<cuts * cuts>;
+
+    const Support& support(std::size_t f, int part) const { return supports_[f * cuts * cuts + part]; }
+    const Parts& meeting(std::size_t f, std::size_t g) const;
+
+    std::size_t size_;
+    std::array<NormalBox, cuts * cuts> parts_;
+    std::vector<Support> supports_;
+    mutable std::vector<std::optional<Parts>> meeting_;  // where two forms may be equal
 };
 
 }  // namespace vcell
