@@ -88,10 +88,14 @@ Heights::Heights(const FormFamily& family) : family_(family) {
 
 const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
     const auto same = [](Interval a, Interval b) { return a.lower() == b.lower() && a.upper() == b.upper(); };
-    if (same(x, places_[0].x) && same(y, places_[0].y)) return places_[0].normals;
-    std::swap(places_[0], places_[1]);
-    if (!same(x, places_[0].x) || !same(y, places_[0].y)) places_[0] = {x, y, RadialNormals<Interval>(family_.chart, x, y)};
-    return places_[0].normals;
+    for (const std::size_t i : {newer_, 1 - newer_})
+        if (same(x, places_[i].x) && same(y, places_[i].y)) {
+            newer_ = i;
+            return places_[i].normals;
+        }
+    newer_ = 1 - newer_;
+    places_[newer_] = {x, y, RadialNormals<Interval>(family_.chart, x, y)};
+    return places_[newer_].normals;
 }
 
 template <int order>

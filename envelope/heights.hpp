@@ -88,6 +88,7 @@ private:
         RadialNormals<Interval> normals;
     };
     mutable std::array<Place, 2> places_;
+    mutable std::size_t newer_ = 0;
     const RadialNormals<Interval>& normals(Interval x, Interval y) const;
 };
 

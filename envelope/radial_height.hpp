@@ -42,9 +42,10 @@ public:
         middle_ = normals(mx, my);
         dx_ = x - mx;
         dy_ = y - my;
+        if (chart == RadialChart::HalfAngle) return;
         // Mean value forms, and what follows from the sharper numbers.
         const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v, refined(u_[2], middle_[2]).v};
-        if (chart == RadialChart::Stereographic) u_ = stereographic(sharp[0], sharp[1], sharp[2] + T(1.0));
+        u_ = stereographic(sharp[0], sharp[1], sharp[2] + T(1.0));
     }
 
     const T& y() const { return y_; }
@@ -52,8 +53,8 @@ public:
     /// The jet of v.u.
     template <int order>
     RadialJet<T> along(const std::array<T, 3>& v) const {
-        RadialJet<T> j = sum<order>(v, u_);
-        return is_point_ ? j : refined(j, sum<1>(v, middle_));
+        if (is_point_) return sum<order>(v, u_);
+        return refined(sum<2>(v, u_), sum<1>(v, middle_));
     }
 
 private:
@@ -89,6 +90,11 @@ private:
 
     // With mean value forms for the value and the first derivatives.
     RadialJet<T> refined(RadialJet<T> j, const RadialJet<T>& middle) const {
+        if (chart_ == RadialChart::HalfAngle) {
+            j.x = intersection(j.x, middle.x + j.xx * dx_);
+            j.v = intersection(j.v, middle.v + j.x * dx_);
+            return j;
+        }
         j.x = intersection(j.x, middle.x + j.xx * dx_ + j.xy * dy_);
         j.y = intersection(j.y, middle.y + j.xy * dx_ + j.yy * dy_);
         j.v = intersection(j.v, middle.v + j.x * dx_ + j.y * dy_);
@@ -107,9 +113,11 @@ private:
         };
         RadialJet<T> j;
         j.v = dot(&RadialJet<T>::v);
-        j.x = dot(&RadialJet<T>::x);
-        j.y = around ? T(0.0) : dot(&RadialJet<T>::y);
-        if (order > 1 || !is_point_) {
+        if constexpr (order > 0) {
+            j.x = dot(&RadialJet<T>::x);
+            j.y = around ? T(0.0) : dot(&RadialJet<T>::y);
+        }
+        if constexpr (order > 1) {
             j.xx = dot(&RadialJet<T>::xx);
             j.xy = around ? T(0.0) : dot(&RadialJet<T>::xy);
             j.yy = around ? T(0.0) : dot(&RadialJet<T>::yy);
