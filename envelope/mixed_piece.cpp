@@ -844,7 +844,10 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
         // The difference of a circular form and one other is in mean value form already.
         const auto is_curved = [&](const Spread& s) { return !heights_.family().is_circular(s.form); };
         const bool bends = !normals_ || std::ranges::count_if(work.rivals, is_curved) > 1;
-        if (bends) bend(work.piece.box, work.rivals);
+        if (bends) {
+            bend(work.piece.box, work.rivals);
+            cull_by_curvature(work);
+        }
         if (work.width < sharp_width * extent_) cull_sharply(work);
         plain = bends && is_plain(work);
     }
@@ -862,6 +865,22 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
         join_at_center(work);
     }
     return std::move(work.piece);
+}
+
+// As cull(), by Taylor's formula about the middle. Pre: bend() was called.
+void MixedAnalysis::cull_by_curvature(Work& work) {
+    const std::size_t before = work.rivals.size();
+    drop_dominated(work.rivals, [](const Spread& a, const Spread& b) {
+        const auto &p = *a.bend, &q = *b.bend;
+        const Interval bend = (p.curvature.xx - q.curvature.xx) * square(p.dx) +
+                              2.0 * ((p.curvature.xy - q.curvature.xy) * p.dx * p.dy) +
+                              (p.curvature.yy - q.curvature.yy) * square(p.dy);
+        return (p.middle.v - q.middle.v + (p.middle.gx - q.middle.gx) * p.dx + (p.middle.gy - q.middle.gy) * p.dy +
+                0.5 * bend)
+                   .lower() > 0;
+    });
+    decisions_.by_interval += before - work.rivals.size();
+    if (work.rivals.size() < before) work.parts.reset();
 }
 
 // As cull(), with values that doubles do not tell apart.

@@ -148,7 +148,7 @@ public:
     std::optional<MixedPiece> resolve(const PieceBoundary& boundary);
 
 private:
-    struct Spread {  // over a box: what compare_by_supports() asks for, or value at the middle, gradient and values all over it
+    struct Spread {  // over a box: a support, or value at the middle, gradient and values all over it
         FormId form;
         Support support;
         Interval v, gx, gy, range;
@@ -184,6 +184,7 @@ private:
                                           std::span<const FormId> forms);
     struct Change;
     struct Work;
+    void cull_by_curvature(Work& work);
     void cull_sharply(Work& work);
     bool is_plain(const Work& work) const;
     bool join_changes(Work& work);
