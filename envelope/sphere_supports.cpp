@@ -8,12 +8,15 @@ namespace vcell {
 
 namespace {
 
-// More roundings, in units of the largest term, than any value here takes: coefficients come with some 8 of them, their
-// combinations and products with 20. What is itself a bound is made larger by `outwards` at the end.
+// More roundings, in units of the largest term, than any value here takes: coefficients come with some 8 of
+// them, their combinations and products with 20. What is itself a bound is made larger by `outwards` at the
+// end.
 constexpr double rounding = 128 * std::numeric_limits<double>::epsilon();
 constexpr double outwards = 1 + rounding;
 
-double magnitude(const NormalFunction& f) { return std::abs(f.p[0]) + std::abs(f.p[1]) + std::abs(f.p[2]) + std::abs(f.s); }
+double magnitude(const NormalFunction& f) {
+    return std::abs(f.p[0]) + std::abs(f.p[1]) + std::abs(f.p[2]) + std::abs(f.s);
+}
 
 // s f + t g
 NormalFunction combination(double s, const NormalFunction& f, double t, const NormalFunction& g) {
@@ -58,7 +61,8 @@ NormalBox::NormalBox(double x0, double x1, double y0, double y1) : x0_(x0), x1_(
         return std::max(2 * square.hi - multiple * m.lo, multiple * m.hi - 2 * square.lo);
     };
     const double p = away(XX, 1), q = away(YY, 1), p3 = away(XX, 3), q3 = away(YY, 3);
-    const std::array xx{X * p3, Y * p, m.hi * p}, xy{Y * p, X * q, 2 * X * Y * m.hi}, yy{X * q, Y * q3, m.hi * q};
+    const std::array xx{X * p3, Y * p, m.hi * p}, xy{Y * p, X * q, 2 * X * Y * m.hi},
+        yy{X * q, Y * q3, m.hi * q};
     for (int i = 0; i < 3; ++i) {
         ux_range_[i] = outwards * (xx[i] * rx_ + xy[i] * ry_);
         uy_range_[i] = outwards * (xy[i] * rx_ + yy[i] * ry_);
@@ -68,11 +72,13 @@ NormalBox::NormalBox(double x0, double x1, double y0, double y1) : x0_(x0), x1_(
 
 // How much f differs from its value at the middle; the gradient's own variation counts half on the way.
 double NormalBox::variation(const NormalFunction& f) const {
-    return (std::abs(dot(f, middle_.ux)) + 0.5 * bound(f, ux_range_)) * rx_ + (std::abs(dot(f, middle_.uy)) + 0.5 * bound(f, uy_range_)) * ry_;
+    return (std::abs(dot(f, middle_.ux)) + 0.5 * bound(f, ux_range_)) * rx_ +
+           (std::abs(dot(f, middle_.uy)) + 0.5 * bound(f, uy_range_)) * ry_;
 }
 
 std::array<double, 2> NormalBox::steepest(const NormalFunction& f) const {
-    return {std::abs(dot(f, middle_.ux)) + bound(f, ux_range_), std::abs(dot(f, middle_.uy)) + bound(f, uy_range_)};
+    return {std::abs(dot(f, middle_.ux)) + bound(f, ux_range_),
+            std::abs(dot(f, middle_.uy)) + bound(f, uy_range_)};
 }
 
 // W (p.u + s) = (s - p_z) (x^2 + y^2) + 2 p_x x + 2 p_y y + s + p_z.
@@ -86,15 +92,18 @@ bool NormalBox::is_above(const Support& a, const Support& b) const {
 std::array<Interval, 2> NormalBox::gradient(const Support& a, const Support& b) const {
     const NormalFunction d = combination(1, b.plane, -1, a.plane);
     const double unsure = m_ * (a.rounding + b.rounding);
-    return {Interval::ball(dot(d, middle_.ux), outwards * (bound(d, ux_range_) + a.bend[0] + b.bend[0] + unsure)),
-            Interval::ball(dot(d, middle_.uy), outwards * (bound(d, uy_range_) + a.bend[1] + b.bend[1] + unsure))};
+    return {
+        Interval::ball(dot(d, middle_.ux), outwards * (bound(d, ux_range_) + a.bend[0] + b.bend[0] + unsure)),
+        Interval::ball(dot(d, middle_.uy),
+                       outwards * (bound(d, uy_range_) + a.bend[1] + b.bend[1] + unsure))};
 }
 
 SphereSupports::SphereSupports(const FormFamily& family) {
     for (const CircularForm& f : family.forms) {
         const double h = -0.5 / f.w;
         circular_.push_back({{{h * f.a, h * f.b, h * (f.e - f.k)}, h * (f.e + f.k)}, 0, {0, 0}, 0});
-        circular_.back().rounding = -2 * rounding * h * (std::abs(f.a) + std::abs(f.b) + std::abs(f.e) + std::abs(f.k));
+        circular_.back().rounding =
+            -2 * rounding * h * (std::abs(f.a) + std::abs(f.b) + std::abs(f.e) + std::abs(f.k));
     }
     for (const RadialForm& f : family.radial) {
         const double C = f.c[0].enclosure().mid(), root = std::sqrt(C);
@@ -108,15 +117,17 @@ SphereSupports::SphereSupports(const FormFamily& family) {
     }
 }
 
-// With e = (cos, sin) along w at the middle let w_e = e.w, and w_n the component across. |w| - e.w = w_n^2 / (|w| + w_e), or
-// at most |w_n| + |w_e| - w_e. As w turns by an angle t from e the gradient of |w| turns from that of w_e into
-// cos(t) grad w_e + sin(t) grad w_n, where |sin t| <= |w_n| / w_e if w_e is positive and 1 - cos t <= sin^2 t.
+// With e = (cos, sin) along w at the middle let w_e = e.w, and w_n the component across. |w| - e.w = w_n^2 /
+// (|w| + w_e), or at most |w_n| + |w_e| - w_e. As w turns by an angle t from e the gradient of |w| turns from
+// that of w_e into cos(t) grad w_e + sin(t) grad w_n, where |sin t| <= |w_n| / w_e if w_e is positive and 1 -
+// cos t <= sin^2 t.
 Support SphereSupports::over(FormId f, const NormalBox& box) const {
     if (f.value < circular_.size()) return circular_[f.value];
     const Cylinder& c = cylinders_[f.value - circular_.size()];
     const double B = box.value(c.b), A = box.value(c.a), w = std::hypot(B, A);
     const double cosine = w > 0 ? B / w : 1, sine = w > 0 ? A / w : 0;
-    const NormalFunction along = combination(cosine, c.b, sine, c.a), across = combination(-sine, c.b, cosine, c.a);
+    const NormalFunction along = combination(cosine, c.b, sine, c.a),
+                         across = combination(-sine, c.b, cosine, c.a);
     const double least_along = box.value(along) - box.variation(along) - c.rounding,
                  most_across = std::abs(box.value(across)) + box.variation(across) + c.rounding;
     Support out{combination(1, c.b, 1, along), most_across + 2 * std::max(0.0, -least_along), {}, c.rounding};
@@ -149,13 +160,14 @@ std::array<double, 3> SphereSupports::jet(FormId f, double x, double y) const {
     return {-q[0], -q[1], -q[2]};
 }
 
-DividedBox::DividedBox(const SphereSupports& supports, const std::array<double, 4>& box, std::span<const FormId> forms)
+DividedBox::DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
+                       std::span<const FormId> forms)
     : size_(forms.size()), meeting_(forms.size() * forms.size()) {
     const auto at = [](int i, double lo, double hi) { return i == cuts ? hi : lo + i * ((hi - lo) / cuts); };
     for (int i = 0; i < cuts; ++i)
         for (int j = 0; j < cuts; ++j)
-            parts_[i * cuts + j] = NormalBox(at(i, box[0], box[1]), at(i + 1, box[0], box[1]), at(j, box[2], box[3]),
-                                             at(j + 1, box[2], box[3]));
+            parts_[i * cuts + j] = NormalBox(at(i, box[0], box[1]), at(i + 1, box[0], box[1]),
+                                             at(j, box[2], box[3]), at(j + 1, box[2], box[3]));
     for (const FormId f : forms)
         for (const NormalBox& part : parts_) supports_.push_back(supports.over(f, part));
 }

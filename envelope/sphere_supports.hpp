@@ -1,13 +1,13 @@
 /// Heights over boxes of a sphere's chart, compared through linear functions of the unit normal u.
 ///
-/// q = -f, the reciprocal of the distance from the centre (radial_height.hpp), is p.u + s for circular forms, and for
-/// cylinders, with A, B, C of core/radial_form.hpp,
+/// q = -f, the reciprocal of the distance from the centre (radial_height.hpp), is p.u + s for circular forms,
+/// and for cylinders, with A, B, C of core/radial_form.hpp,
 ///
 ///     q = B' + |w|,   w = (B', A'),   B' = B / (C W),   A' = A / (sqrt(C) W),
 ///
-/// both linear in u. For every unit vector e it is at least B' + e.w, with equality where w is along e: the graph has
-/// supporting planes all over. The difference of two of them is a circular form, whose sign over a box of the chart is
-/// known but for rounding. The remainder is of second order in the box's size.
+/// both linear in u. For every unit vector e it is at least B' + e.w, with equality where w is along e: the
+/// graph has supporting planes all over. The difference of two of them is a circular form, whose sign over a
+/// box of the chart is known but for rounding. The remainder is of second order in the box's size.
 ///
 /// Everything is computed in doubles with bounds for their rounding. Near points where forms tie it is theirs
 /// that counts: there interval arithmetic on the heights themselves sees more.
@@ -31,7 +31,8 @@ struct NormalFunction {
     double s;
 };
 
-/// Over a box: plane <= q <= plane + excess, and the chart derivatives of q and of the plane differ by less than `bend`.
+/// Over a box: plane <= q <= plane + excess, and the chart derivatives of q and of the plane differ by less
+/// than `bend`.
 struct Support {
     NormalFunction plane;
     double excess;
@@ -101,12 +102,14 @@ private:
 class DividedBox {
 public:
     /// `box`: {x0, x1, y0, y1}.
-    DividedBox(const SphereSupports& supports, const std::array<double, 4>& box, std::span<const FormId> forms);
+    DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
+               std::span<const FormId> forms);
 
-    /// Does f - g certainly grow in the unit vector `direction` wherever f = g? Forms are named by their place here.
+    /// Does f - g certainly grow in the unit vector `direction` wherever f = g? Forms are named by their
+    /// place here.
     bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const;
-    /// The sign of (grad g - grad f) x (grad h - grad f) all over a box that holds all points with f = g = h; any sign if
-    /// there are none.
+    /// The sign of (grad g - grad f) x (grad h - grad f) all over a box that holds all points with f = g = h;
+    /// any sign if there are none.
     std::optional<Sign> turn(std::size_t f, std::size_t g, std::size_t h) const;
 
 private:
