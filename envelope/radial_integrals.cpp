@@ -25,43 +25,25 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Rounding of a coordinate, as a part of it, in units of term_rounding.
 constexpr double noise = std::numeric_limits<double>::epsilon() / 2 / term_rounding;
 
-template <class T>
-using Vector = std::array<T, 3>;
+using Vector = std::array<double, 3>;
 
-template <class T>
-T dot(const Vec3& a, const Vector<T>& b) {
-    return T(a.x()) * b[0] + T(a.y()) * b[1] + T(a.z()) * b[2];
-}
-template <class T>
-T dot(const Vector<T>& a, const Vector<T>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class T>
-Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
+double dot(const Vec3& a, const Vector& b) { return a.x() * b[0] + a.y() * b[1] + a.z() * b[2]; }
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector cross(const Vector& a, const Vector& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-double norm(const Vector<double>& a) { return sqrt(dot(a, a)); }
-
-bool is_negative(double x) { return x < 0; }
-bool is_negative(const ComplexBall& x) { return x.center.real() < 0; }
-
-// An analytic function of which only a bound matters.
-ComplexBall bounded(double bound) { return {0.0, bound}; }
+double norm(const Vector& a) { return sqrt(dot(a, a)); }
 
 // d theta on a cylinder: x = sin, z = cos.
-template <class T>
-T turn(const Ray<T>& ray) {
-    return ray.u[2] * ray.du[0] - ray.u[0] * ray.du[2];
-}
+double turn(const Ray& ray) { return ray.u[2] * ray.du[0] - ray.u[0] * ray.du[2]; }
 
-template <class T>
-Ray<T> ray_to(const SpanPoint<T>& p, bool is_sphere) {
-    const T y = is_sphere ? p.y : T(0.0), y1 = is_sphere ? p.y1 : T(0.0);
-    const T reciprocal = T(1.0) / sqrt(p.x * p.x + y * y + p.z * p.z);
-    Ray<T> ray{{p.x * reciprocal, y * reciprocal, p.z * reciprocal}, {}, is_sphere ? T(0.0) : p.y};
-    const Vector<T> d{p.x1, y1, p.z1};
-    const T along = dot(ray.u, d);
+Ray ray_to(const SpanPoint<double>& p, bool is_sphere) {
+    const double y = is_sphere ? p.y : 0.0, y1 = is_sphere ? p.y1 : 0.0;
+    const double reciprocal = 1.0 / sqrt(p.x * p.x + y * y + p.z * p.z);
+    Ray ray{{p.x * reciprocal, y * reciprocal, p.z * reciprocal}, {}, is_sphere ? 0.0 : p.y};
+    const Vector d{p.x1, y1, p.z1};
+    const double along = dot(ray.u, d);
     for (int i = 0; i < 3; ++i) ray.du[i] = (d[i] - ray.u[i] * along) * reciprocal;
     return ray;
 }
@@ -72,21 +54,15 @@ double tube_area(double K, double E2, double v) {
     const double s = sqrt(E2 + v * v), common = v * s + E2 * std::asinh(v / sqrt(E2));
     return (0.5 * K - 0.125 * E2) * common + 0.25 * v * s * s * s;
 }
-ComplexBall tube_area(double K, const ComplexBall& E2, const ComplexBall& v) {
-    // On the way x from 0 to v the imaginary part of x is v's radius at most.
-    const double least = E2.center.real() - E2.radius - v.radius * v.radius, far = v.magnitude();
-    return bounded(least > 0 ? far * (K + far * far) * sqrt(E2.magnitude() + far * far) : infinity);
-}
 double tube_area_size(double K, double E2, double v) {
     const double s = sqrt(E2 + v * v), far = std::abs(v);
     return (0.5 * K + 0.125 * E2) * (far * s + E2 * std::asinh(far / sqrt(E2))) + 0.25 * far * s * s * s;
 }
 
 // The integral of (K + x^2)^2 over 0 <= x <= v.
-template <class T>
-T tube_square(double K, const T& v) {
-    const T v2 = v * v;
-    return v * (T(K * K) + v2 * (T(2 * K / 3) + T(0.2) * v2));
+double tube_square(double K, double v) {
+    const double v2 = v * v;
+    return v * (K * K + v2 * (2 * K / 3 + 0.2 * v2));
 }
 
 }  // namespace
@@ -142,10 +118,7 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     c = 2 * d1;
 }
 
-template <class T>
-T RoundFace::distance(const Ray<T>& ray) const {
-    return T(k) / (T(e0) + T(e1) * dot(axis, ray.u));
-}
+double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axis, ray.u)); }
 
 double RoundFace::volume_factor(double t) const {
     switch (shape) {
@@ -222,9 +195,9 @@ double RoundFace::area_factor(double t) const {
 }
 
 // Both factors, or their bounds where t stays off the cut.
-static Share<double> factors(const RoundFace& f, double t) { return {f.volume_factor(t), f.area_factor(t)}; }
+static Share factors(const RoundFace& f, double t) { return {f.volume_factor(t), f.area_factor(t)}; }
 
-static Share<double> factor_bounds(const RoundFace& f, double least, double most) {
+static Share factor_bounds(const RoundFace& f, double least, double most) {
     using Shape = RoundFace::Shape;
     if (f.shape == Shape::Flat) return {f.d1 / 6, 0.5};
     most = std::max(most, f.d1);
@@ -234,20 +207,13 @@ static Share<double> factor_bounds(const RoundFace& f, double least, double most
             f.c * sqrt(most * (most + std::abs(f.delta))) / (2 * sqrt(f.d1 * f.d2) * (least + f.d2))};
 }
 
-static Share<ComplexBall> factors(const RoundFace& f, const ComplexBall& t) {
-    const double radius = t.radius + std::abs(t.center.imag());
-    const Share<double> bounds = factor_bounds(f, t.center.real() - radius, t.center.real() + radius);
-    return {bounded(bounds.volume), bounded(bounds.area)};
-}
-
-template <class T>
-Share<T> RoundFace::share(const Ray<T>& ray) const {
-    const T t = distance(ray), element = t * t * dot(axis, cross(ray.u, ray.du));
-    const Share<T> f = factors(*this, t);
+Share RoundFace::share(const Ray& ray) const {
+    const double t = distance(ray), element = t * t * dot(axis, cross(ray.u, ray.du));
+    const Share f = factors(*this, t);
     return {f.volume * element, f.area * element};
 }
 
-Share<double> RoundFace::size(const Ray<double>& ray) const {
+Share RoundFace::size(const Ray& ray) const {
     const double t = distance(ray), condition = 1 + (std::abs(e0) + e1) * t / k;
     const double element = t * t * norm(ray.du) * condition;
     return {volume_factor(t) * element, area_factor(t) * element};
@@ -263,36 +229,34 @@ TubeFace::TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder) {
     K = (length - delta) * (length + delta);
 }
 
-template <class T>
-T TubeFace::distance(const Ray<T>& ray) const {
-    const T B = dot(foot, ray.u) + T(delta), A = dot(axis, ray.u), R = sqrt(B * B + T(K) * A * A);
-    return is_negative(B) ? (R - B) / (A * A) : T(K) / (B + R);
+double TubeFace::distance(const Ray& ray) const {
+    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
+    return B < 0 ? (R - B) / (A * A) : K / (B + R);
 }
 
 // |p| = r - delta: the flux of p / 3 through the bisector is r (r - delta) / 3. The side of the base sees
 // alpha and v clockwise: with r^2 d alpha = d.(y x dy), y across the axis, the boundary integral is that of G
 // d alpha, G the antiderivative in v.
-template <class T>
-Share<T> TubeFace::share(const Ray<T>& ray) const {
-    const T B = dot(foot, ray.u) + T(delta), A = dot(axis, ray.u), R = sqrt(B * B + T(K) * A * A);
-    const T t = is_negative(B) ? (R - B) / (A * A) : T(K) / (B + R);
+Share TubeFace::share(const Ray& ray) const {
+    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
+    const double t = B < 0 ? (R - B) / (A * A) : K / (B + R);
     // K q^2 - 2 B q - A^2 = 0, q = 1 / t.
-    const T dq = (dot(foot, ray.du) / t + A * dot(axis, ray.du)) / R, stretch = t * t * dq;
-    Vector<T> p, dp;
+    const double dq = (dot(foot, ray.du) / t + A * dot(axis, ray.du)) / R, stretch = t * t * dq;
+    Vector p, dp;
     for (int i = 0; i < 3; ++i) {
         p[i] = t * ray.u[i];
         dp[i] = t * ray.du[i] - stretch * ray.u[i];
     }
-    const T v = t * A, r = t + T(delta);
-    for (int i = 0; i < 3; ++i) p[i] = p[i] - T(foot[i]) - v * T(axis[i]);
-    const T angle = dot(axis, cross(p, dp)) / (r * r);
-    const T E2 = T(length * length + delta * delta) + T(2 * delta) * dot(foot, p) / r;
-    const T half = r / (T(K) + v * v);  // 1 / (2 q)
-    const T volume = half * (half * tube_square(K, v) - T(delta) * v * (T(K) + v * v * T(1.0 / 3)));
-    return {volume * T(1.0 / 3) * angle, T(2.0) * half * half * tube_area(K, E2, v) * angle};
+    const double v = t * A, r = t + delta;
+    for (int i = 0; i < 3; ++i) p[i] = p[i] - foot[i] - v * axis[i];
+    const double angle = dot(axis, cross(p, dp)) / (r * r);
+    const double E2 = length * length + delta * delta + 2 * delta * dot(foot, p) / r;
+    const double half = r / (K + v * v);  // 1 / (2 q)
+    const double volume = half * (half * tube_square(K, v) - delta * v * (K + v * v / 3));
+    return {volume / 3 * angle, 2 * half * half * tube_area(K, E2, v) * angle};
 }
 
-Share<double> TubeFace::size(const Ray<double>& ray) const {
+Share TubeFace::size(const Ray& ray) const {
     const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
     const double t = distance(ray), condition = 1 + (length + std::abs(delta)) / R, r = t + delta;
     const double step = t * norm(ray.du) * (1 + t * (length / t + std::abs(A)) / R);
@@ -344,31 +308,50 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, double y) 
     }
 }
 
-template <class T>
-T TurnedFace::distance(const Ray<T>& ray) const {
-    const T v = ray.y - T(start), C = T(K) + v * (is_round ? v : T(slope));
-    return C / (T(2.0) * (T(b0) + dot(b, ray.u)));
+double TurnedFace::distance(const Ray& ray) const {
+    const double v = ray.y - start, C = K + v * (is_round ? v : slope);
+    return C / (2.0 * (b0 + dot(b, ray.u)));
 }
 
-template <class T>
-Share<T> TurnedFace::share(const Ray<T>& ray) const {
-    const T along = dot(b, ray.u), beta = T(b0) + along, v = ray.y - T(start);
-    const T element = T(-0.5) * turn(ray) / (beta * beta);
-    const T H2 = T(b0 * b0 + b.squaredNorm()) + T(2 * b0) * along;  // beta^2 + beta'^2
-    if (is_round) return {T(0.25) * tube_square(K, v) * element, tube_area(K, H2, v) * element};
-    const T sv = T(slope) * v;
-    const T volume = v * (T(K * K) + sv * (T(K) + sv * T(1.0 / 3)));
-    const T area = v * (T(K) + T(0.5) * sv) * sqrt(H2 + T(0.25 * slope * slope));
-    return {T(0.25) * volume * element, area * element};
+Share TurnedFace::share(const Ray& ray) const {
+    const double along = dot(b, ray.u), beta = b0 + along, v = ray.y - start;
+    const double element = -0.5 * turn(ray) / (beta * beta);
+    const double H2 = b0 * b0 + b.squaredNorm() + 2 * b0 * along;  // beta^2 + beta'^2
+    if (is_round) return {0.25 * tube_square(K, v) * element, tube_area(K, H2, v) * element};
+    const double sv = slope * v;
+    const double volume = v * (K * K + sv * (K + sv / 3));
+    const double area = v * (K + 0.5 * sv) * sqrt(H2 + 0.25 * slope * slope);
+    return {0.25 * volume * element, area * element};
 }
 
-Share<double> TurnedFace::size(const Ray<double>& ray) const {
+Share TurnedFace::size(const Ray& ray) const {
     const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm();
     const double v = std::abs(ray.y - start) + noise * std::abs(ray.y);
     const double element = 0.5 * norm(ray.du) / (beta * beta) * (1 + reach / beta);
     if (is_round) return {0.25 * tube_square(K, v) * element, tube_area_size(K, reach * reach, v) * element};
     const double sv = std::abs(slope) * v;
     return {0.25 * v * (K * K + sv * (K + sv)) * element, v * (K + sv) * std::hypot(reach, slope) * element};
+}
+
+// ---- Sides of the box over a cylinder ---------------------------------------------------------------
+
+FlatFace::FlatFace(const Plane& side, double y)
+    : normal(side.normal.normalized()), offset(normal.dot(side.point)) {
+    point = Vec3(0, y, 0) + (offset - normal.y() * y) * normal;
+}
+
+// Boundaries run clockwise as seen from the base, counter-clockwise from outside.
+Share FlatFace::share(const SpanPoint<double>& p) const {
+    const Vec3 q = Vec3(p.x, p.y, p.z) - point;
+    const double turn = normal.dot(q.cross(Vec3(p.x1, p.y1, p.z1)));
+    const double at_point = offset - normal.y() * point.y(), change = -normal.y() * q.y();
+    return {0.5 * (0.5 * at_point + change / 3) * turn, 0.5 * turn};
+}
+
+Share FlatFace::size(const SpanPoint<double>& p) const {
+    const Vec3 q = Vec3(p.x, p.y, p.z) - point;
+    const double turn = (q.norm() + std::abs(p.y)) * Vec3(p.x1, p.y1, p.z1).norm();
+    return {(std::abs(offset - normal.y() * point.y()) + std::abs(q.y())) * turn, turn};
 }
 
 // ---- Skew cylinders over a cylinder -----------------------------------------------------------------
@@ -392,7 +375,7 @@ struct SkewSlice {
     double C0, across, dy, py;  // C = C0 - 2 p_y y + across y^2
     double A, B0, dA, dB0;
 
-    SkewSlice(const SkewFace& f, const Ray<double>& ray)
+    SkewSlice(const SkewFace& f, const Ray& ray)
         : C0((f.point.norm() - f.delta) * (f.point.norm() + f.delta)),
           across(f.axis.x() * f.axis.x() + f.axis.z() * f.axis.z()),
           dy(f.axis.y()),
@@ -416,7 +399,7 @@ static SkewPoint skew_point(const SkewSlice& s, double y) {
     return {t, t_y, t * sqrt(1 + turn * turn + t_y * t_y)};
 }
 
-double SkewFace::distance(const Ray<double>& ray) const { return skew_point(SkewSlice(*this, ray), ray.y).t; }
+double SkewFace::distance(const Ray& ray) const { return skew_point(SkewSlice(*this, ray), ray.y).t; }
 
 // How far y may move, in the complex plane, before t or its slope becomes singular: to the zeros of the
 // radicand B^2 + A^2 C = A^2 y^2 + 2 h y + k, and to where the surface element vanishes: the square of the
@@ -434,9 +417,9 @@ static double room(const SkewSlice& s, const SkewPoint& p, double delta, double 
 }
 
 template <int n>
-static Share<double> skew_rule(const SkewSlice& s, double middle, double half) {
+static Share skew_rule(const SkewSlice& s, double middle, double half) {
     const quadrature::RuleOf<n>& rule = quadrature::rule<n>();
-    Share<double> sum{0, 0};
+    Share sum{0, 0};
     for (int i = 0; i < n / 2; ++i)
         for (const double x : {-rule.x[i], rule.x[i]}) {
             const SkewPoint p = skew_point(s, middle + half * x);
@@ -446,30 +429,26 @@ static Share<double> skew_rule(const SkewSlice& s, double middle, double half) {
     return {half * sum.volume, half * sum.area};
 }
 
-static Share<double> skew_integral(const SkewSlice& s, double delta, double from, double to, int halvings) {
+static Share skew_integral(const SkewSlice& s, double delta, double from, double to, int halvings) {
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
     const double r = room(s, skew_point(s, middle), delta, middle);
     // On an ellipse within 7 half lengths 8 points do what 16 do within 2.5 (quadrature.hpp).
     if (r >= 7 * std::abs(half)) return skew_rule<8>(s, middle, half);
     if (r >= quadrature::required_reach * std::abs(half) || halvings == 0)
         return skew_rule<quadrature::points>(s, middle, half);
-    const Share<double> a = skew_integral(s, delta, from, middle, halvings - 1),
-                        b = skew_integral(s, delta, middle, to, halvings - 1);
+    const Share a = skew_integral(s, delta, from, middle, halvings - 1),
+                b = skew_integral(s, delta, middle, to, halvings - 1);
     return {a.volume + b.volume, a.area + b.area};
 }
 
-Share<double> SkewFace::share(const Ray<double>& ray) const {
+Share SkewFace::share(const Ray& ray) const {
     constexpr int halvings = 40;
-    const Share<double> s = skew_integral(SkewSlice(*this, ray), delta, start, ray.y, halvings);
+    const Share s = skew_integral(SkewSlice(*this, ray), delta, start, ray.y, halvings);
     const double angle = turn(ray);
     return {-s.volume * angle, -s.area * angle};
 }
 
-Share<ComplexBall> SkewFace::share(const Ray<ComplexBall>&) const {
-    return {bounded(infinity), bounded(infinity)};
-}
-
-Share<double> SkewFace::size(const Ray<double>& ray) const {
+Share SkewFace::size(const Ray& ray) const {
     const SkewSlice s(*this, ray);
     const SkewPoint a = skew_point(s, start), b = skew_point(s, ray.y);
     const double t = std::max(a.t, b.t), dS = std::max(a.dS, b.dS);
@@ -490,6 +469,8 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, doubl
     }
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
     if (is_skew) return SkewFace(problem, *cylinder, y);
+    if (problem.sites[form].front().kind == Site::Kind::BoxSide)
+        return FlatFace(std::get<Plane>(problem.objects[form]), y);
     return TurnedFace(problem, form, y);
 }
 
@@ -530,7 +511,8 @@ RuleChoice choice(double reach) {
 }
 
 const std::array<RuleChoice, 5>& rule_choices() {
-    static const std::array choices{choice<6>(10), choice<8>(5), choice<10>(3.3), choice<12>(2.5), choice<16>(1.8)};
+    static const std::array choices{choice<6>(10), choice<8>(5), choice<10>(3.3), choice<12>(2.5),
+                                    choice<16>(1.8)};
     return choices;
 }
 
@@ -655,28 +637,45 @@ void extend_by_extreme(Range& range, const Distance& distance, const Slope& slop
     range = {std::min(range[0], distance(low)), std::max(range[1], distance(low))};
 }
 
+// What a face takes of a point of its boundary.
+template <class Face>
+const Ray& place_for(const Face&, const SpanPoint<double>&, const Ray& ray) {
+    return ray;
+}
+const SpanPoint<double>& place_for(const radial_integrals::FlatFace&, const SpanPoint<double>& p,
+                                   const Ray&) {
+    return p;
+}
+
+// How far a point of the boundary is from the face's surface, along its ray if that tells anything.
+template <class Face>
+double gap_to(const Face& f, const SpanPoint<double>&, const Ray& ray, double t) {
+    return f.distance(ray) - t;
+}
+double gap_to(const radial_integrals::FlatFace& f, const SpanPoint<double>& p, const Ray&, double) {
+    return f.offset - f.normal.dot(Vec3(p.x, p.y, p.z));
+}
+
 struct SpanIntegrand {
     bool is_sphere;
     const RadialFace& left;
     const RadialFace* right;
 
-    template <class T>
-    std::array<T, 6> operator()(const SpanPoint<T>& p) const {
-        const Ray<T> ray = ray_to(p, is_sphere);
+    std::array<double, 6> operator()(const SpanPoint<double>& p) const {
+        const Ray ray = ray_to(p, is_sphere);
         const auto share = [&](const RadialFace& face) {
-            return std::visit([&](const auto& f) { return f.share(ray); }, face);
+            return std::visit([&](const auto& f) { return f.share(place_for(f, p, ray)); }, face);
         };
-        const Share<T> l = share(left), r = right != nullptr ? share(*right) : Share<T>{T(0.0), T(0.0)};
-        const T square = p.x * p.x + p.z * p.z;
-        const T end = right == nullptr ? T(0.5) * square * turn(ray) : T(0.0);
+        const Share l = share(left), r = right != nullptr ? share(*right) : Share{0, 0};
+        const double end = right == nullptr ? 0.5 * (p.x * p.x + p.z * p.z) * turn(ray) : 0;
         return {l.volume, l.area, r.volume, r.area, sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1), end};
     }
     std::array<double, 6> sizes(const SpanPoint<double>& p) const {
-        const Ray<double> ray = ray_to(p, is_sphere);
+        const Ray ray = ray_to(p, is_sphere);
         const auto size = [&](const RadialFace& face) {
-            return std::visit([&](const auto& f) { return f.size(ray); }, face);
+            return std::visit([&](const auto& f) { return f.size(place_for(f, p, ray)); }, face);
         };
-        const Share<double> l = size(left), r = right != nullptr ? size(*right) : Share<double>{0, 0};
+        const Share l = size(left), r = right != nullptr ? size(*right) : Share{0, 0};
         const double speed = sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1);
         const double end = right == nullptr ? 0.5 * (p.x * p.x + p.z * p.z) * norm(ray.du) : 0;
         return {l.volume, l.area, r.volume, r.area, speed, end};
@@ -720,14 +719,7 @@ void add_span(std::span<const Vector4d> points, bool is_sphere, const RadialFace
               const RadialFace* right, RadialIntegrals& sum) {
     const PowerSpan span(points);
     std::array<Integral, 6> parts{};
-    const auto is_skew = [](const RadialFace& f) {
-        return std::holds_alternative<radial_integrals::SkewFace>(f);
-    };
-    const SpanIntegrand integrand{is_sphere, left, right};
-    if (is_skew(left) || (right != nullptr && is_skew(*right)))
-        integrate_estimated(span, integrand, parts);
-    else
-        integrate(span, integrand, parts);
+    integrate_estimated(span, SpanIntegrand{is_sphere, left, right}, parts);
     sum.sides[0].volume += parts[0];
     sum.sides[0].area += parts[1];
     sum.sides[1].volume += parts[2];
@@ -753,10 +745,10 @@ RadialGap gap(std::span<const Vector4d> points, bool is_sphere, const RadialFace
     RadialGap most;
     for (const double s : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
         const SpanPoint<double> p = span.at(s);
-        const Ray<double> ray = ray_to(p, is_sphere);
+        const Ray ray = ray_to(p, is_sphere);
         const double t = std::hypot(p.x, is_sphere ? p.y : 0.0, p.z);
         const auto off = [&](const RadialFace& face) {
-            return std::visit([&](const auto& f) { return f.distance(ray); }, face) - t;
+            return std::visit([&](const auto& f) { return gap_to(f, p, ray, t); }, face);
         };
         const double l = off(left), r = right != nullptr ? off(*right) : 0;
         most.from_curve = std::max({most.from_curve, std::abs(l), std::abs(r)});

@@ -34,6 +34,9 @@
 ///
 /// elementary in y: C is linear, or (y - c_y)^2 plus a constant.
 ///
+/// *Sides of the box over a cylinder*: dV = (normal.p - normal_y y) / 2 dS, and a form f of degree d in q has
+/// the integral of f normal.(q x dq) / (d + 2) along the boundary.
+///
 /// *Skew cylinders*: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The integrals over y are found by
 /// quadrature, in parts that keep clear of the singularities of t.
 ///
@@ -54,17 +57,17 @@ namespace vcell {
 
 namespace radial_integrals {
 
+using span_integrals::SpanPoint;
+
 /// A curve's direction from the base's centre or axis, its derivative, and the height on a cylinder.
-template <class T>
 struct Ray {
-    std::array<T, 3> u, du;
-    T y;
+    std::array<double, 3> u, du;
+    double y;
 };
 
 /// What a boundary element with the face on its left adds to the face's volume and area.
-template <class T>
 struct Share {
-    T volume, area;
+    double volume, area;
 };
 
 /// Spheres, planes and walls over a sphere.
@@ -83,11 +86,9 @@ struct RoundFace {
     /// Bound on how the volume changes, to first order, where a stretch of a curve with t <= far leaves its
     /// place: times its length and the distance.
     double volume_slope(double far) const;
-    template <class T>
-    T distance(const Ray<T>& ray) const;
-    template <class T>
-    Share<T> share(const Ray<T>& ray) const;
-    Share<double> size(const Ray<double>& ray) const;
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
 };
 
 /// Cylinders over a sphere.
@@ -97,11 +98,9 @@ struct TubeFace {
 
     TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder);
     double least_distance() const { return 0.5 * (length - delta); }
-    template <class T>
-    T distance(const Ray<T>& ray) const;
-    template <class T>
-    Share<T> share(const Ray<T>& ray) const;
-    Share<double> size(const Ray<double>& ray) const;
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
 };
 
 /// Everything but skew cylinders over a cylinder.
@@ -115,11 +114,22 @@ struct TurnedFace {
 
     TurnedFace(const RadialBaseProblem& problem, FormId form, double y);
     double least_distance() const { return least; }
-    template <class T>
-    T distance(const Ray<T>& ray) const;
-    template <class T>
-    Share<T> share(const Ray<T>& ray) const;
-    Share<double> size(const Ray<double>& ray) const;
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
+};
+
+/// Sides of the box over a cylinder: they are their own bisectors, and taken as they are. Rays that hardly
+/// meet them tell nothing.
+struct FlatFace {
+    Vec3 normal;    ///< unit, outward
+    Vec3 point;     ///< of the plane, near the face
+    double offset;  ///< normal.p = offset
+
+    FlatFace(const Plane& side, double y);
+    double least_distance() const { return std::numeric_limits<double>::infinity(); }
+    Share share(const SpanPoint<double>& p) const;
+    Share size(const SpanPoint<double>& p) const;
 };
 
 /// Skew cylinders over a cylinder.
@@ -130,18 +140,17 @@ struct SkewFace {
 
     SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, double y);
     double least_distance() const { return least; }
-    double distance(const Ray<double>& ray) const;
-    Share<double> share(const Ray<double>& ray) const;
-    /// Not bounded.
-    Share<ComplexBall> share(const Ray<ComplexBall>&) const;
-    Share<double> size(const Ray<double>& ray) const;
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
 };
 
 }  // namespace radial_integrals
 
 /// A face, to be measured along its edges.
-using RadialFace = std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace,
-                                radial_integrals::TurnedFace, radial_integrals::SkewFace>;
+using RadialFace =
+    std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace, radial_integrals::TurnedFace,
+                 radial_integrals::FlatFace, radial_integrals::SkewFace>;
 
 /// `y`: a height of the face (cylinder base); integrals over heights start there.
 RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, double y);
@@ -173,7 +182,7 @@ void add_conic(const std::array<Eigen::Vector4d, 3>& points, const RadialFace& l
 void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const RadialFace& right,
                  RadialIntegrals& sum);
 /// Of any curve (control points (p, w)) that is nearly on both bisectors. No right side: a rim.
-/// Error: as for span_integrals.hpp; rounding to first order, doubled.
+/// Error: truncation estimated from two rules (integrate_estimated()); rounding to first order, doubled.
 void add_span(std::span<const Eigen::Vector4d> points, bool is_sphere, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum);
 

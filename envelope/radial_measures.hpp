@@ -15,9 +15,9 @@ namespace vcell {
 /// axis close it. box_area has the ends' rings around the base in it.
 ///
 /// volume_error and area_error bound truncation (radial_integrals.hpp), rounding (first order, doubled) and
-/// the effect of the errors of vertices and edges; beside edges that are no conics the last is an estimate
-/// from points of the edge, doubled, and so is the truncation beside faces of a cylinder skew to a cylinder
-/// base (two rules' difference). Lengths are at rounding level.
+/// the effect of the errors of vertices and edges. Beside edges that are no conics the last is an estimate
+/// from points of the edge, doubled, and truncation one from two rules' difference. Lengths are at rounding
+/// level.
 void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, Cell& cell);
 
 }  // namespace vcell

@@ -603,6 +603,15 @@ TEST_CASE("check_cell: finds the least clearance on a seam") {
     expect_clean(voronoi_cell(scene));
 }
 
+TEST_CASE("check_cell: finds nothing wrong with computed cells of lines that meet the box obliquely") {
+    std::mt19937_64 rng(test_seed());
+    for (const double radius : {0.0, 1e-12, 1e-6}) {
+        CAPTURE(radius);
+        const Cylinder base{{0.1, 0.2, 0}, {0.3, -0.2, 1}, radius};
+        expect_clean(voronoi_cell(scene_around(rng, base, 2, 0, 2)));
+    }
+}
+
 TEST_CASE("check_cell: names damage to a computed cell of a cylinder") {
     Scene scene;
     scene.base = Cylinder{{0, 0, 0}, {0, 0, 1}, 0.5};
