@@ -217,12 +217,14 @@ void SceneGeometry::find_region() {
     }
 }
 
-/// A circle about the axis reaches as far towards a side as its radius times the sine of their angle.
+/// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very small ones
+/// count as larger (docs/files.md).
 void SceneGeometry::find_stretch() {
+    const double radius = std::max(radius_, 0x1p-34 * scene_.box.diagonal());
     stretch_ = {-HUGE_VAL, HUGE_VAL};
     for (std::uint32_t s = 0; s < 6; ++s) {
         const double along = speed(s, normal_);
-        const double room = inside_side(s, origin_) - radius_ * std::sqrt(std::max(0.0, 1 - along * along));
+        const double room = inside_side(s, origin_) - radius * std::sqrt(std::max(0.0, 1 - along * along));
         if (along > 0) stretch_[1] = std::min(stretch_[1], room / along);
         if (along < 0) stretch_[0] = std::max(stretch_[0], room / along);
     }

@@ -699,12 +699,17 @@ public:
     }
 
 private:
-    // m.y y + R0 |(m.x, m.z)| <= k for all sides.
+    // In box diagonals. A line that runs into a side obliquely has no clearance there: distances just before are all
+    // but 0 on one side of it only.
+    static constexpr double least_end_radius = 0x1p-34;
+
+    // m.y y + R |(m.x, m.z)| <= k for all sides, R = R0 or the least radius of such a circle.
     std::array<double, 2> stretch() const {
         constexpr double infinity = std::numeric_limits<double>::infinity();
+        const double radius = std::max(radius_, least_end_radius * scene_.box.diagonal());
         std::array<double, 2> range{-infinity, infinity};
         for (const BoxSide& side : box_) {
-            const Exact x = side.m.x(), z = side.m.z(), r = radius_;
+            const Exact x = side.m.x(), z = side.m.z(), r = side.m.y() == 0 ? radius_ : radius;
             const Exact across2 = r * r * (x * x + z * z);
             if (side.m.y() == 0) {
                 const Sign beyond = (across2 - Exact(side.k) * side.k).sign();
