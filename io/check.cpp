@@ -228,7 +228,8 @@ private:
             Vec2 uv;
             SurfacePoint surface;
         };
-        std::vector<GridPoint> grid;  // rows of the rectangle lo, hi: where searches start
+        std::vector<GridPoint> grid;      // rows of the rectangle lo, hi: where searches start
+        std::vector<GridPoint> boundary;  // ends of the loops' pieces: where the grid may be too coarse
     };
     /// One side of an edge: the face there, which may take several patches to run all along it.
     struct Use {
@@ -293,6 +294,10 @@ private:
                 const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
                 patch.grid.push_back({uv, lift(patch, uv)});
             }
+        for (const auto& loop : patch.loops)
+            for (const Trim& trim : loop)
+                for (const auto& piece : trim.pieces)
+                    patch.boundary.push_back({piece.control(0), lift(patch, piece.control(0))});
         patches_.push_back(std::move(patch));
     }
 
@@ -829,13 +834,15 @@ private:
 
     // --- Completeness -------------------------------------------------------------------------------
 
-    /// The (u, v) whose surface point is on a ray: Newton from the points of the patch's grid that are least
-    /// aside. None where the ray misses the rectangle of the patch's loops, as far as that tells.
+    /// The (u, v) whose surface point is on a ray: Newton from the points of the patch's grid and boundary
+    /// that are least aside. None where the ray misses the rectangle of the patch's loops, as far as that
+    /// tells.
     std::optional<Vec2> parameters(const Patch& patch, const Ray& ray) const {
         std::vector<std::pair<double, Vec2>> starts;
-        for (const auto& point : patch.grid)
-            if (const auto aside = geometry_.aside(ray, point.surface))
-                starts.push_back({aside->value.norm(), point.uv});
+        for (const auto* points : {&patch.grid, &patch.boundary})
+            for (const auto& point : *points)
+                if (const auto aside = geometry_.aside(ray, point.surface))
+                    starts.push_back({aside->value.norm(), point.uv});
         constexpr std::size_t kStarts = 4;
         const std::size_t count = std::min(kStarts, starts.size());
         std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(count), starts.end(),
