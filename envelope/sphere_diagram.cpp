@@ -1,7 +1,7 @@
 // A form is inserted as the paper compares two surfaces [HE, section 2.1], but against the faces of the
 // diagram so far that it may conflict with, found in a tree of balls. What it takes away is known from signs
-// at vertices, as long as no edge is crossed twice and no face is cut in more than two: circles meet in two
-// points at most.
+// at vertices and along edges, as long as no face is cut in more than two: circles meet in two points at
+// most.
 //
 // All bounds of rounding are generous multiples of first order ones: u = 2^-53, and no more than some tens of
 // operations lie between coefficients and signs.
@@ -215,9 +215,9 @@ private:
         double error = 0;  // bound on the distance of p from the true vertex
         Index out = none;  // while a form is inserted: the edge of its face that leaves here
         Index stamp = 0;
-        double margin =
-            0;  // while stamp is current: lower bound of |challenger - lowest form| at the true vertex
-        bool is_taken = false;  // likewise
+        // While stamp is current: is the challenger lower at the true vertex, and by how much at least?
+        bool is_taken = false;
+        double margin = 0;
         bool is_alive = true;
     };
     struct HalfEdge {
@@ -239,7 +239,6 @@ private:
         Cap cap;
         double bulge = 0;  // bound on the distance of the boundary from chords of true vertices
         double top = 0;    // upper bound of the form over the face
-        Index stamp = 0;
     };
 
     static constexpr std::size_t spread = 8;  // forms that are to surround the base first
@@ -308,13 +307,14 @@ private:
         const auto first = static_cast<Index>(forms_.size());
         for (const Vector3d& t : corners) {
             const Vector3d direction = turn * t.normalized();
-            forms_.push_back({-slope * direction, 0, 0});
+            forms_.push_back({-slope * direction, 0, 16 * u * slope});
             vertices_.push_back({-direction, 16 * u});
         }
         // The others on a spiral.
         for (Index i = 4; i < count; ++i) {
             const double z = 1 - (2 * i - 7.0) / (count - 4), angle = 2.4 * i, r = std::sqrt(1 - z * z);
-            forms_.push_back({-slope * (turn * Vector3d(r * std::cos(angle), r * std::sin(angle), z)), 0, 0});
+            const Vector3d direction = turn * Vector3d(r * std::cos(angle), r * std::sin(angle), z);
+            forms_.push_back({-slope * direction, 0, 16 * u * slope});
         }
         faces_.resize(forms_.size());
         // Around the face about corner i, counter-clockwise, the vertices opposite to the others.

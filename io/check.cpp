@@ -251,7 +251,7 @@ private:
         const TrimmedPatch& trimmed = cell_.faces[f].patches[p];
         const Vec2 infinite = Vec2::Constant(HUGE_VAL);
         Patch patch{f,        p,         &trimmed.surface,  {}, infinite, -infinite,
-                    infinite, -infinite, geometry_.scale(), {}};
+                    infinite, -infinite, geometry_.scale(), {}, {}};
         for (const auto& c : trimmed.surface.points)
             patch.control_size = std::max(patch.control_size, c.head<3>().cwiseAbs().maxCoeff());
         for (const auto& loop : trimmed.loops) {
