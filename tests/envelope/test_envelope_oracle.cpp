@@ -6,17 +6,12 @@
 #include <random>
 
 #include "../test_support.hpp"
+#include "complaints.hpp"
 #include "form_scenes.hpp"
 #include "oracle.hpp"
 
 namespace vcell {
 namespace {
-
-std::string join(const std::vector<std::string>& lines) {
-    std::string s;
-    for (const auto& l : lines) s += l + "\n";
-    return s;
-}
 
 void judge(const FormScene& scene, std::mt19937_64& rng, const oracle::OracleOptions& options = {}) {
     CAPTURE(scene.name);

@@ -2,29 +2,18 @@
 // scenes, motions that keep the combinatorial diagram. VCELL_TEST_ROUNDS asks for more rounds than one.
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <numeric>
 #include <set>
 
 #include "../../core/errors.hpp"
 #include "../../envelope/heights.hpp"
 #include "../test_support.hpp"
+#include "complaints.hpp"
 #include "mixed_oracle.hpp"
 #include "mixed_scenes.hpp"
 
 namespace vcell::mixed {
 namespace {
-
-int rounds() {
-    const char* given = std::getenv("VCELL_TEST_ROUNDS");
-    return given ? std::stoi(given) : 1;
-}
-
-std::string join(const std::vector<std::string>& lines) {
-    std::string s;
-    for (const auto& l : lines) s += l + "\n";
-    return s;
-}
 
 MinimizationDiagram envelope(const Scene& s) { return lower_envelope(s.family(), s.region); }
 

@@ -2,7 +2,6 @@
 // motions, symmetric arrangements. VCELL_TEST_ROUNDS asks for more rounds than one.
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <map>
 #include <optional>
 #include <set>
@@ -10,22 +9,12 @@
 #include "../../core/errors.hpp"
 #include "../../envelope/sphere_diagram.hpp"
 #include "../test_support.hpp"
+#include "complaints.hpp"
 #include "radial_oracle.hpp"
 #include "radial_scenes.hpp"
 
 namespace vcell::radial {
 namespace {
-
-int rounds() {
-    const char* given = std::getenv("VCELL_TEST_ROUNDS");
-    return given ? std::stoi(given) : 1;
-}
-
-std::string join(const std::vector<std::string>& lines) {
-    std::string s;
-    for (const auto& l : lines) s += l + "\n";
-    return s;
-}
 
 struct Answer {
     RadialBaseProblem problem;

@@ -1,0 +1,166 @@
+/// The faces of a diagram on the unit sphere by place (sphere_diagram.cpp): which of them may a linear form
+/// conflict with?
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+namespace vcell::discs {
+
+using Eigen::Vector3d;
+using Index = std::uint32_t;
+constexpr Index none = UINT32_MAX;
+
+/// More than the rounding of a handful of lengths, as a part of them.
+constexpr double slack = 0x1p-44;
+
+/// b.p + e. error: bounds what the coefficients' errors and rounding change about the value, or about a
+/// difference of two values, anywhere on the sphere, and the length of the error of b.
+struct Linear {
+    Vector3d b;
+    double e;
+    double error;
+
+    double operator()(const Vector3d& p) const { return b.dot(p) + e; }
+};
+
+/// A bound on a part of the sphere.
+struct Ball {
+    Vector3d center = Vector3d::Zero();
+    double radius = 1;
+};
+
+/// The points of the sphere that are at most an angle away from a direction; all, unless a ball is known
+/// around them.
+struct Cap {
+    Vector3d direction = Vector3d::UnitX();
+    double cosine = -1, sine = 0;  // of the angle
+
+    void shrink_to(const Ball& ball) {
+        const double length = ball.center.norm();
+        if (!(length > 0)) return;
+        direction = ball.center / length;
+        cosine = (1 + length * length - ball.radius * ball.radius) / (2 * length) - slack / length;
+        cosine = std::clamp(cosine, -1.0, 1.0);
+        sine = std::sqrt(1 - cosine * cosine);
+    }
+    // Lower bound of b.p over the cap. Pre: slope >= |b|.
+    double least(const Vector3d& b, double slope) const {
+        const double towards = -b.dot(direction);
+        if (towards >= cosine * slope) return -slope;
+        const double across2 = slope * slope - towards * towards;
+        return -cosine * towards - sine * std::sqrt(std::max(0.0, across2)) - slack * slope;
+    }
+};
+
+/// The faces of the diagram by place: an octree over the centres that their balls had when they were added. A
+/// node knows how far its faces reach, and how high their forms get on them.
+class FaceTree {
+public:
+    FaceTree() { add_node(Vector3d::Zero(), 1); }
+
+    void add(Index face, const Ball& ball, double top) { add(0, face, ball, top); }
+
+    // Calls visit(face) for the faces in whose neighbourhood the form may be lower than a face's, and for
+    // some that are no more. ball(face) encloses a face, null: one that is no more; top(face) bounds its form
+    // over it from above. Faces may shrink between searches. Pre: slope >= |form.b|.
+    template <class BallOf, class Top, class Visit>
+    void search(const Linear& form, double slope, const BallOf& ball, const Top& top, const Visit& visit) {
+        search(0, form, slope, ball, top, visit);
+    }
+
+private:
+    struct Node {
+        Vector3d center;
+        double half;               // of the cube's side
+        double reach = -HUGE_VAL;  // the faces are no farther from the centre
+        Cap cap;                   // so they lie in this
+        double top = -HUGE_VAL;    // their forms are no higher on them
+        Index first = none;        // of its children
+        Index visits = 0;
+        std::vector<Index> faces;
+
+        void set_reach(double to) {
+            reach = to;
+            cap.shrink_to({center, reach});
+        }
+    };
+    static constexpr std::size_t largest_leaf = 12;
+    static constexpr Index visits_between = 4;  // of a leaf, until it is tidied again
+    static constexpr double least_half = 0x1p-20;
+
+    void add_node(const Vector3d& center, double half) {
+        Node n{.center = center, .half = half, .cap = {}, .faces = {}};
+        nodes_.push_back(std::move(n));
+    }
+
+    void add(Index n, Index face, const Ball& ball, double top) {
+        while (true) {
+            Node& node = nodes_[n];
+            node.set_reach(std::max(node.reach, (node.center - ball.center).norm() + ball.radius + slack));
+            node.top = std::max(node.top, top);
+            if (node.first == none) break;
+            const Vector3d& c = node.center;
+            n = node.first + (ball.center.x() > c.x()) + 2 * (ball.center.y() > c.y()) +
+                4 * (ball.center.z() > c.z());
+        }
+        nodes_[n].faces.push_back(face);
+    }
+
+    template <class BallOf, class Top, class Visit>
+    void search(Index n, const Linear& form, double slope, const BallOf& ball, const Top& top,
+                const Visit& visit) {
+        if (nodes_[n].reach < 0 || nodes_[n].cap.least(form.b, slope) + form.e - form.error > nodes_[n].top)
+            return;
+        if (nodes_[n].first == none) {
+            const bool is_due = nodes_[n].visits++ % visits_between == 0;
+            if (is_due) tidy(n, ball, top);
+            for (const Index face : nodes_[n].faces) visit(face);
+            if (is_due && nodes_[n].faces.size() > largest_leaf && nodes_[n].half > least_half)
+                divide(n, ball, top);
+            return;
+        }
+        double reach = -HUGE_VAL, highest = -HUGE_VAL;
+        for (Index child = nodes_[n].first; child < nodes_[n].first + 8; ++child) {
+            if (nodes_[child].reach < 0) continue;
+            search(child, form, slope, ball, top, visit);
+            reach = std::max(reach, (nodes_[child].center - nodes_[n].center).norm() + nodes_[child].reach);
+            highest = std::max(highest, nodes_[child].top);
+        }
+        nodes_[n].set_reach(std::min(nodes_[n].reach, reach));
+        nodes_[n].top = highest;
+    }
+
+    // Forgets faces that are no more, and learns what the others are like now.
+    template <class BallOf, class Top>
+    void tidy(Index n, const BallOf& ball, const Top& top) {
+        Node& node = nodes_[n];
+        std::erase_if(node.faces, [&](Index f) { return ball(f) == nullptr; });
+        double reach = -HUGE_VAL;
+        node.top = -HUGE_VAL;
+        for (const Index f : node.faces) {
+            reach = std::max(reach, (node.center - ball(f)->center).norm() + ball(f)->radius + slack);
+            node.top = std::max(node.top, top(f));
+        }
+        node.set_reach(std::min(node.reach, reach));
+    }
+
+    template <class BallOf, class Top>
+    void divide(Index n, const BallOf& ball, const Top& top) {
+        const std::vector<Index> faces = std::move(nodes_[n].faces);
+        const double half = 0.5 * nodes_[n].half;
+        const Vector3d center = nodes_[n].center;
+        nodes_[n].first = static_cast<Index>(nodes_.size());
+        for (int i = 0; i < 8; ++i)
+            add_node(center + half * Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1), half);
+        for (const Index f : faces) add(n, f, *ball(f), top(f));
+    }
+
+    std::vector<Node> nodes_;
+};
+
+}  // namespace vcell::discs
