@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -53,6 +54,10 @@ public:
         std::vector<T> items;
         std::vector<std::uint32_t> objects;  // ascending
 
+        void reserve(std::size_t n) {
+            items.reserve(n);
+            objects.reserve(n);
+        }
         void add(const T& item, std::uint32_t object) {
             items.push_back(item);
             objects.push_back(object);
@@ -102,7 +107,7 @@ public:
         for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
     }
 
-    void warn(const IdVector<FormId, std::vector<Site>>& sites, std::vector<std::string>& warnings) const {
+    void warn(const FormSites& sites, std::vector<std::string>& warnings) const {
         if (!unmet_.empty())
             warnings.push_back(listed(unmet_) +
                                ": out of sight of the base, never nearest to any point of its cell");
@@ -113,7 +118,8 @@ public:
             for (auto& [object, text] : sorted) texts.push_back(std::move(text));
             warnings.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
         }
-        for (const std::vector<Site>& group : sites) {
+        for (const FormId f : sites.ids()) {
+            const std::span<const Site> group = sites[f];
             if (group.size() < 2) continue;
             std::string text;
             for (const Site site : group)
@@ -134,6 +140,8 @@ private:
         if (std::ranges::adjacent_find(balls.items, std::not_fn(same)) == balls.items.end()) return;
         std::vector<Ball> distinct;
         std::vector<std::uint32_t> objects, place(balls.size());
+        distinct.reserve(balls.size());
+        objects.reserve(balls.size());
         for (std::size_t i = 0; i < balls.size(); ++i) {
             place[i] = static_cast<std::uint32_t>(first[i] < i ? place[first[i]] : distinct.size());
             if (first[i] < i) continue;
@@ -211,32 +219,35 @@ void check_range(double x, Site site, const Scene& scene) {
 }
 
 // The sites of each form, and the first one as an object.
-struct FormSites {
+struct FoundForms {
     std::vector<FormId> of_object;
-    IdVector<FormId, std::vector<Site>> sites;
+    FormSites sites;
     IdVector<FormId, Object> objects;
 
-    explicit FormSites(std::size_t object_count) : of_object(object_count) {
+    explicit FoundForms(std::size_t object_count) : of_object(object_count) {
         sites.reserve(object_count + 6);
         objects.reserve(object_count + 6);
     }
     void add(Site site, const Object& canonical) {
-        sites.push_back({});
-        join(site, objects.push_back(canonical));
+        objects.push_back(canonical);
+        note(site, sites.add(site));
     }
     void join(Site site, FormId f) {
-        sites[f].push_back(site);
-        if (site.is_object()) of_object[site.index] = f;
+        sites.join(f, site);
+        note(site, f);
     }
     // The sites of objects that have another one's form.
     void add_twins(const Objects& all) {
         for (std::uint32_t i = 0; i < of_object.size(); ++i) {
             const std::uint32_t owner = all.owner(i);
-            if (owner == none || owner == i) continue;
-            std::vector<Site>& group = sites[of_object[owner]];
-            group.push_back(Site::object(i));
-            std::ranges::sort(group);
+            if (owner != none && owner != i) sites.join(of_object[owner], Site::object(i));
         }
+        sites.settle();
+    }
+
+private:
+    void note(Site site, FormId f) {
+        if (site.is_object()) of_object[site.index] = f;
     }
 };
 
@@ -403,6 +414,10 @@ public:
 
     RadialBaseProblem build() {
         check_box();
+        const auto is_ball = [](const Object& object) { return std::holds_alternative<Sphere>(object); };
+        const auto ball_count = static_cast<std::size_t>(std::ranges::count_if(scene_.objects, is_ball));
+        objects_.balls.reserve(ball_count);
+        powers_.reserve(ball_count);
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
             std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
         objects_.drop_hidden_and_equal({});
@@ -556,14 +571,14 @@ private:
 
     RadialBaseProblem make_problem() {
         const std::size_t n = scene_.objects.size();
-        FormSites found(n);
+        FoundForms found(n);
         auto sources = std::make_shared<std::vector<FormSource>>();
         IdVector<FormId, CircularForm> forms;
         sources->reserve(n + 6);
         forms.reserve(n + 6);
         const FastForms fast(*frame_);
         const auto add = [&](const CircularForm& f, FormSource source) {
-            const Site site = found.sites.back().front();
+            const Site site = found.sites[FormId{static_cast<std::uint32_t>(forms.size())}].front();
             for (const double x : {f.a, f.b, f.e, f.w}) check_range(x, site, scene_);
             forms.push_back(f);
             sources->push_back(std::move(source));
@@ -857,7 +872,7 @@ private:
     RadialBaseProblem make_problem() {
         RadialBaseProblem problem;
         const std::size_t n = scene_.objects.size();
-        FormSites found(n);
+        FoundForms found(n);
         std::vector<std::array<Exact, 6>> rays;  // of rational heights, and whose they are
         std::vector<FormId> ray_forms;
         const auto add = [&](Site site, const Object& canonical, RadialForm f) {
@@ -914,6 +929,27 @@ private:
 };
 
 }  // namespace
+
+FormId FormSites::add(Site site) {
+    sites_.push_back(site);
+    begins_.push_back(static_cast<std::uint32_t>(sites_.size()));
+    return {static_cast<std::uint32_t>(size() - 1)};
+}
+
+void FormSites::settle() {
+    if (joined_.empty()) return;
+    for (const FormId f : ids())
+        for (const Site site : (*this)[f]) joined_.emplace_back(f, site);
+    std::ranges::sort(joined_);
+    sites_.clear();
+    begins_.assign(begins_.size(), 0);
+    for (const auto& [form, site] : joined_) {
+        sites_.push_back(site);
+        ++begins_[form.value + 1];
+    }
+    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    joined_.clear();
+}
 
 RadialBaseProblem radial_base_problem(const Scene& scene) {
     if (const auto* sphere = std::get_if<Sphere>(&scene.base)) return SphereProblem(scene, *sphere).build();

@@ -17,7 +17,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../core/circular_form.hpp"
@@ -27,6 +29,31 @@
 #include "site.hpp"
 
 namespace vcell {
+
+/// The sites of each form, ascending; of nearly every form just one.
+class FormSites {
+public:
+    void reserve(std::size_t forms) {
+        sites_.reserve(forms);
+        begins_.reserve(forms + 1);
+    }
+    /// The next form.
+    FormId add(Site site);
+    /// Another site of a form. It is listed after settle() only.
+    void join(FormId form, Site site) { joined_.emplace_back(form, site); }
+    void settle();
+
+    std::span<const Site> operator[](FormId f) const {
+        return {sites_.data() + begins_[f.value], sites_.data() + begins_[f.value + 1]};
+    }
+    std::size_t size() const { return begins_.size() - 1; }
+    IdVector<FormId, Site>::IdRange ids() const { return {static_cast<std::uint32_t>(size())}; }
+
+private:
+    std::vector<Site> sites_;
+    std::vector<std::uint32_t> begins_{0};
+    std::vector<std::pair<FormId, Site>> joined_;
+};
 
 /// A scene over a sphere or a cylinder base, brought to canonical position and checked.
 struct RadialBaseProblem {
@@ -46,7 +73,7 @@ struct RadialBaseProblem {
     /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward normal.
     IdVector<FormId, Object> objects;
     /// As in PlaneBaseProblem.
-    IdVector<FormId, std::vector<Site>> sites;
+    FormSites sites;
     std::vector<std::string> warnings;
 
     /// Unit outward normal at a chart point. On a cylinder x may be any number of [-1, 3].

@@ -106,6 +106,10 @@ Real nearness(const FormFamily& family, FormId f, const Vec2& p) {
     return (B + sqrt(B * B + A * A * C)) / C / W;
 }
 
+std::vector<Site> sites_of(const RadialBaseProblem& problem, FormId f) {
+    return {problem.sites[f].begin(), problem.sites[f].end()};
+}
+
 // The form whose sites include this one.
 FormId form_of(const RadialBaseProblem& problem, Site site) {
     for (const FormId f : problem.sites.ids())
@@ -517,7 +521,8 @@ TEST_CASE("radial base: objects in others are hidden, equal ones merged") {
                                    Plane{{9, 9, -6}, {0, 0, -7}},          // 9 equals 8
                                    Cylinder{{3, 3, -7}, {1, 1, 0}, 1},     // 10 touches 8 from behind
                                    Sphere{{5.5, 1, 1}, 1}}));              // 11 equals 1
-    std::vector<std::vector<Site>> groups(problem.sites.begin(), problem.sites.end());
+    std::vector<std::vector<Site>> groups;
+    for (const FormId f : problem.sites.ids()) groups.push_back(sites_of(problem, f));
     const auto group = [](std::initializer_list<std::uint32_t> objects) {
         std::vector<Site> sites;
         for (const std::uint32_t i : objects) sites.push_back(Site::object(i));
@@ -543,16 +548,16 @@ TEST_CASE("radial base: what a side of the box mirrors to the base has the side'
     Scene scene =
         scene_of(Sphere{{1, 1, 1}, 2}, {Sphere{{21, 1, 1}, 2}, Sphere{{21, 1, 1}, 1}, Sphere{{1, 1, 22}, 2}});
     RadialBaseProblem problem = problem_of(scene);
-    CHECK(problem.sites[FormId{0}] == std::vector{Site::object(0), Site::box_side(1)});
+    CHECK(sites_of(problem, FormId{0}) == std::vector{Site::object(0), Site::box_side(1)});
     CHECK(problem.sites.size() == 2 + 5);  // object 1 lies in object 0
-    CHECK(problem.sites[FormId{1}] == std::vector{Site::object(2)});
+    CHECK(sites_of(problem, FormId{1}) == std::vector{Site::object(2)});
 
     scene = scene_of(
         Cylinder{{1, 1, 1}, {0, 0, 1}, 2},
         {Cylinder{{21, 1, -8}, {0, 0, -3}, 2}, Sphere{{21, 1, 4}, 2}, Cylinder{{1, 20, 7}, {0, 0, 2}, 1},
          Plane{{-19, 0, 0}, {1, 0, 0}}, Cylinder{{1, -19.5, 0}, {0, 0, 1}, 1}});
     problem = problem_of(scene);
-    CHECK(problem.sites[FormId{0}] == std::vector{Site::object(0), Site::box_side(1)});
+    CHECK(sites_of(problem, FormId{0}) == std::vector{Site::object(0), Site::box_side(1)});
     CHECK(form_of(problem, Site::object(1)) == FormId{});  // in object 0
     CHECK(form_of(problem, Site::object(2)) == form_of(problem, Site::object(2)));
     CHECK(form_of(problem, Site::object(4)) == FormId{});  // in the image beyond -y
@@ -570,7 +575,7 @@ TEST_CASE("radial base: a huge ball that has a rounded plane's very height is me
                                                         Sphere{2 * scale * Vec3::Ones(), 2 * scale * l},
                                                         Plane{{-1, 0, 0}, {1, 0, 0}}});
     const RadialBaseProblem problem = problem_of(scene);
-    CHECK(problem.sites[FormId{0}] == std::vector{Site::object(0), Site::object(1)});
+    CHECK(sites_of(problem, FormId{0}) == std::vector{Site::object(0), Site::object(1)});
     CHECK(problem.sites.size() == 2 + 6);
 }
 
