@@ -19,11 +19,16 @@ constexpr Index none = UINT32_MAX;
 constexpr double slack = 0x1p-44;
 
 /// b.p + e. error: bounds what the coefficients' errors and rounding change about the value, or about a
-/// difference of two values, anywhere on the sphere, and the length of the error of b.
+/// difference of two values, anywhere on the sphere, and the length of the error of b. slope >= |b|, also of
+/// the true b.
 struct Linear {
     Vector3d b;
     double e;
     double error;
+    double slope;
+
+    Linear(const Vector3d& b, double e, double error)
+        : b(b), e(e), error(error), slope(b.norm() * (1 + slack) + error) {}
 
     double operator()(const Vector3d& p) const { return b.dot(p) + e; }
 };
@@ -67,10 +72,10 @@ public:
 
     // Calls visit(face) for the faces in whose neighbourhood the form may be lower than a face's, and for
     // some that are no more. ball(face) encloses a face, null: one that is no more; top(face) bounds its form
-    // over it from above. Faces may shrink between searches. Pre: slope >= |form.b|.
+    // over it from above. Faces may shrink between searches. 
     template <class BallOf, class Top, class Visit>
-    void search(const Linear& form, double slope, const BallOf& ball, const Top& top, const Visit& visit) {
-        search(0, form, slope, ball, top, visit);
+    void search(const Linear& form, const BallOf& ball, const Top& top, const Visit& visit) {
+        search(0, form, ball, top, visit);
     }
 
 private:
@@ -85,10 +90,12 @@ private:
         std::vector<Index> faces;
 
         void set_reach(double to) {
+            if (to == reach) return;
             reach = to;
             cap.shrink_to({center, reach});
         }
     };
+    static constexpr double diagonal = std::numbers::sqrt3 * (1 + slack);  // of the cube about a unit ball
     static constexpr std::size_t largest_leaf = 12;
     static constexpr Index visits_between = 4;  // of a leaf, until it is tidied again
     static constexpr double least_half = 0x1p-20;
@@ -112,9 +119,9 @@ private:
     }
 
     template <class BallOf, class Top, class Visit>
-    void search(Index n, const Linear& form, double slope, const BallOf& ball, const Top& top,
-                const Visit& visit) {
-        if (nodes_[n].reach < 0 || nodes_[n].cap.least(form.b, slope) + form.e - form.error > nodes_[n].top)
+    void search(Index n, const Linear& form, const BallOf& ball, const Top& top, const Visit& visit) {
+        if (nodes_[n].reach < 0 ||
+            nodes_[n].cap.least(form.b, form.slope) + form.e - form.error > nodes_[n].top)
             return;
         if (nodes_[n].first == none) {
             const bool is_due = nodes_[n].visits++ % visits_between == 0;
@@ -127,8 +134,8 @@ private:
         double reach = -HUGE_VAL, highest = -HUGE_VAL;
         for (Index child = nodes_[n].first; child < nodes_[n].first + 8; ++child) {
             if (nodes_[child].reach < 0) continue;
-            search(child, form, slope, ball, top, visit);
-            reach = std::max(reach, (nodes_[child].center - nodes_[n].center).norm() + nodes_[child].reach);
+            search(child, form, ball, top, visit);
+            reach = std::max(reach, nodes_[child].half * diagonal + nodes_[child].reach);
             highest = std::max(highest, nodes_[child].top);
         }
         nodes_[n].set_reach(std::min(nodes_[n].reach, reach));

@@ -1,7 +1,18 @@
 // A form is inserted as the paper compares two surfaces [HE, section 2.1], but against the faces of the
-// diagram so far that it may conflict with, found in a tree of balls. What it takes away is known from signs
-// at vertices and along edges, as long as no face is cut in more than two: circles meet in two points at
-// most.
+// diagram so far that it may conflict with. What it takes away is known from signs at vertices and along
+// edges, as long as no face is cut in more than two: circles meet in two points at most.
+//
+// The points of space where the new form c is the lowest are a convex polyhedron P, and it wins where P meets
+// the sphere. That tells how far to look:
+// - A part of P on the sphere within one face is all of a half-space c < f there, and one that crosses one
+//   edge alone all of two; P lies in those, so there are no other parts. If c wins at any vertex, then in each
+//   part at one at least, and from those the faces that it reaches are found across edges.
+// - A short arc lies in the triangle of its ends and its tangents there, and c - f is linear: signs in the
+//   three corners tell that c wins nowhere on it.
+// - A face f within a hemisphere is above, along any line towards the pole, the convex hull of its boundary. If
+//   c loses on the boundary and c - f grows towards the pole, c loses in the face, too. The pole is where f is
+//   lowest, and what has lost against many faces mostly is flatter than f.
+// A small diagram is looked through for vertices, a large one has a tree of its faces.
 //
 // All bounds of rounding are generous multiples of first order ones: u = 2^-53, and no more than some tens of
 // operations lie between coefficients and signs.
@@ -12,6 +23,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "face_tree.hpp"
 
@@ -30,8 +42,8 @@ constexpr double least_square = 0x1p-10;
 Linear linear(const CircularForm& f) {
     const double scale = 0.5 / f.w, across = std::abs(f.a) + std::abs(f.b),
                  along = std::abs(f.e) + std::abs(f.k);
-    return {scale * Vector3d(f.a, f.b, f.e - f.k), scale * (f.e + f.k),
-            u * scale * (16 * across + 32 * along)};
+    return Linear(scale * Vector3d(f.a, f.b, f.e - f.k), scale * (f.e + f.k),
+                  u * scale * (16 * across + 32 * along));
 }
 
 class DiscDiagram {
@@ -41,9 +53,10 @@ public:
 
     std::optional<MinimizationDiagram> run(std::size_t attempt) {
         double least_slope = HUGE_VAL;
+        forms_.reserve(family_.size() + 64);
         for (const CircularForm& f : family_.forms) {
             forms_.push_back(linear(f));
-            least_slope = std::min(least_slope, forms_.back().b.norm());
+            least_slope = std::min(least_slope, forms_.back().slope);
         }
         const std::optional<Index> owner = owner_of_pole();
         if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
@@ -65,12 +78,13 @@ public:
 private:
     struct Vertex {
         Vector3d p = Vector3d::Zero();
-        double error = 0;  // bound on the distance of p from the true vertex
+        double error = 0;   // bound on the distance of p from the true vertex
+        double height = 0;  // of the forms that tie, in p
+        double doubt = 0;   // bound on what error and rounding change about height
+        std::array<Index, 3> forms{};
         Index out = none;  // while a form is inserted: the edge of its face that leaves here
         Index stamp = 0;
-        // While stamp is current: is the challenger lower at the true vertex, and by how much at least?
-        bool is_taken = false;
-        double margin = 0;
+        bool is_taken = false;  // while stamp is current: is the challenger lower at the true vertex?
         bool is_alive = true;
     };
     struct HalfEdge {
@@ -82,19 +96,27 @@ private:
         double offset = 0, square = 0;  // square: of the normal
         double error = 0;               // as Linear's, of normal and offset
         double sagitta = 0;  // bound on the distance of a point of the arc from the nearest of its chord
+        // Where the tangents in the ends of a short arc meet: with those ends a triangle about the arc.
+        Vector3d apex = Vector3d::Zero();
+        double apex_error = HUGE_VAL;  // how far from the true one; infinite: the arc is too long
+        double apex_height = 0;        // of the edge's forms, in apex
+        double apex_doubt = 0;         // bound on what error and rounding change about that
         Index stamp = 0;
         Index cut = none;  // while a form is inserted that crosses the edge: its vertex there
         bool is_alive = true;
     };
     struct Face {            // of the form of the same number
         Index start = none;  // none: the form has no face
-        Ball ball;           // both hold the face
+        Index stamp = 0;     // current: may conflict with the challenger
+        bool is_in_hemisphere = false;
+        // For the tree:
+        Ball ball;  // both hold the face
         Cap cap;
-        double bulge = 0;  // bound on the distance of the boundary from chords of true vertices
-        double top = 0;    // upper bound of the form over the face
+        double top = 0;  // upper bound of the form over the face
     };
 
-    static constexpr std::size_t spread = 8;  // forms that are to surround the base first
+    static constexpr std::size_t spread = 8;       // forms that are to surround the base first
+    static constexpr std::size_t largest_small = 96;  // faces of a diagram without a tree
 
     static Index twin(Index h) { return h ^ 1u; }
     Index target(Index h) const { return half_edges_[twin(h)].origin; }
@@ -130,22 +152,30 @@ private:
     // the choice that each attempt makes anew.
     std::vector<Index> insertion_order(std::size_t attempt) const {
         std::vector<std::pair<double, Index>> order;
-        for (Index f = 0; f < family_.size(); ++f) order.emplace_back(forms_[f].e - forms_[f].b.norm(), f);
+        order.reserve(family_.size());
+        for (Index f = 0; f < family_.size(); ++f) order.emplace_back(forms_[f].e - forms_[f].slope, f);
         std::ranges::sort(order);
         const std::size_t low = std::min<std::size_t>(order.size(), 4 * spread);
-        const auto direction = [&](std::size_t i) { return forms_[order[i].second].b.normalized(); };
         std::swap(order[0], order[attempt % low]);
-        std::vector<double> nearness(low, -1);  // greatest cosine of the angle to a direction that was taken
+        std::array<Vector3d, 4 * spread> direction;
+        std::array<double, 4 * spread> nearness;  // greatest cosine of the angle to a direction that was taken
+        for (std::size_t i = 0; i < low; ++i) {
+            const Linear& form = forms_[order[i].second];
+            direction[i] = form.b / form.slope;
+            nearness[i] = -1;
+        }
         for (std::size_t taken = 0; taken + 1 < std::min(spread, low); ++taken) {
             std::size_t farthest = taken + 1;
             for (std::size_t i = taken + 1; i < low; ++i) {
-                nearness[i] = std::max(nearness[i], direction(i).dot(direction(taken)));
+                nearness[i] = std::max(nearness[i], direction[i].dot(direction[taken]));
                 if (nearness[i] < nearness[farthest]) farthest = i;
             }
             std::swap(order[taken + 1], order[farthest]);
+            std::swap(direction[taken + 1], direction[farthest]);
             std::swap(nearness[taken + 1], nearness[farthest]);
         }
         std::vector<Index> out;
+        out.reserve(order.size());
         for (const auto& [height, f] : order) out.push_back(f);
         return out;
     }
@@ -160,16 +190,21 @@ private:
         const auto first = static_cast<Index>(forms_.size());
         for (const Vector3d& t : corners) {
             const Vector3d direction = turn * t.normalized();
-            forms_.push_back({-slope * direction, 0, 16 * u * slope});
-            vertices_.push_back({-direction, 16 * u});
+            forms_.push_back(Linear(-slope * direction, 0, 16 * u * slope));
+            vertices_.push_back({.p = -direction, .error = 16 * u});
         }
+        for (Index i = 0; i < 4; ++i)
+            set_forms(vertices_[i], {first + (i + 1) % 4, first + (i + 2) % 4, first + (i + 3) % 4});
         // The others on a spiral.
         for (Index i = 4; i < count; ++i) {
             const double z = 1 - (2 * i - 7.0) / (count - 4), angle = 2.4 * i, r = std::sqrt(1 - z * z);
             const Vector3d direction = turn * Vector3d(r * std::cos(angle), r * std::sin(angle), z);
-            forms_.push_back({-slope * direction, 0, 16 * u * slope});
+            forms_.push_back(Linear(-slope * direction, 0, 16 * u * slope));
         }
         faces_.resize(forms_.size());
+        vertices_.reserve(128);
+        edges_.reserve(192);
+        half_edges_.reserve(2 * 192);
         // Around the face about corner i, counter-clockwise, the vertices opposite to the others.
         constexpr Index around[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
         std::array<std::array<Index, 4>, 4> from_to{};  // the half-edge between two vertices, plus 1
@@ -196,10 +231,7 @@ private:
             set_curve(e);
             set_arc(e);
         }
-        for (Index i = 0; i < 4; ++i) {
-            set_ball(first + i);
-            add_to_tree(first + i);
-        }
+        alive_faces_ = {first, first + 1, first + 2, first + 3};
         for (Index i = 4; i < count; ++i)
             if (!insert(first + i)) return false;
         return true;
@@ -218,16 +250,27 @@ private:
     void set_arc(Index e) {
         Edge& edge = edges_[e];
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
+        const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
+        const double length = std::sqrt(edge.square);
         const double radius2 = std::max(0.0, 1 - edge.offset * edge.offset / edge.square);
-        const double chord2 = (q.p - p.p).squaredNorm();
         // Certainly less than half a turn?
         const bool is_minor = edge.normal.dot(p.p.cross(q.p)) >
-                              std::sqrt(edge.square) * (2 * (p.error + q.error) + slack) + 4 * edge.error;
-        const double radius = std::sqrt(radius2);
-        edge.sagitta =
-            is_minor && radius2 > least_square
-                ? 0.25 * chord2 / (radius + std::sqrt(std::max(0.0, radius2 - 0.25 * chord2))) * (1 + 0x1p-20)
-                : 2 * std::sqrt(radius2 + least_square);
+                              length * (2 * (p.error + q.error) + slack) + 4 * edge.error;
+        edge.apex_error = HUGE_VAL;
+        edge.sagitta = 2 * std::sqrt(radius2 + least_square);
+        if (!is_minor || !(radius2 > least_square)) return;
+        const Vector3d center = edge.offset / edge.square * edge.normal,
+                       middle = 0.5 * (p.p + q.p) - center;  // of the chord
+        const double depth2 = middle.squaredNorm();
+        edge.sagitta = 0.25 * (q.p - p.p).squaredNorm() / (std::sqrt(radius2) + std::sqrt(depth2)) *
+                       (1 + 0x1p-20);
+        // Up to a third of a turn the apex is at most twice the radius away. Of the first order errors the
+        // greatest is that of the radius, 2^5 times that of its square.
+        if (!(radius2 < 4 * depth2)) return;
+        edge.apex = center + radius2 / depth2 * middle;
+        edge.apex_error = 1024 * edge.error / length + 32 * (p.error + q.error) + 4 * slack;
+        edge.apex_height = f(edge.apex);
+        edge.apex_doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex_error;
     }
 
     // Where three forms tie; of the two points the one where f, g, h follow each other counter-clockwise.
@@ -260,9 +303,20 @@ private:
                                  (std::abs(t) + 8 * u) * length) /
                                 det;
             if (!(step * 1.02 * length < 0.125 * det)) return std::nullopt;
-            return Vertex{p, 1.25 * step};
+            Vertex vertex{.p = p, .error = 1.25 * step};
+            set_forms(vertex, {f, g, h});
+            return vertex;
         }
         return std::nullopt;
+    }
+
+    void set_forms(Vertex& v, const std::array<Index, 3>& forms) const {
+        v.forms = forms;
+        const Linear* best = &forms_[forms[0]];
+        for (const Index f : forms)
+            if (forms_[f].error < best->error) best = &forms_[f];
+        v.height = (*best)(v.p);
+        v.doubt = best->error + best->slope * v.error;
     }
 
     // An enclosing ball, if there is a smaller one than now. Around the vertices, and as far beyond them as
@@ -284,7 +338,6 @@ private:
             square = std::max(square, (v.p - center).squaredNorm());
             error = std::max(error, v.error);
         });
-        faces_[face].bulge = bulge;
         const double radius = std::sqrt(square) + error + bulge + slack, length = center.norm();
         Face& f = faces_[face];
         if (radius < f.ball.radius && length > 0x1p-10 && radius < 1 + length &&
@@ -294,18 +347,25 @@ private:
         }
         // The form is highest on the boundary, unless the face holds the point where it is highest anywhere.
         const Linear& form = forms_[face];
-        const double slope = form.b.norm();
-        f.top = form.e + slope + form.error;
-        if (!is_outside(face, form.b / slope)) return;
+        f.top = form.e + form.slope + form.error;
+        if (!is_outside(face, form.b.normalized())) return;
         f.top = -HUGE_VAL;
         for_cycle(face, [&](Index h) {
             const Vertex& v = vertices_[half_edges_[h].origin];
-            f.top = std::max(f.top, form(v.p));
+            f.top = std::max(f.top, v.height + v.doubt);
         });
-        f.top += form.error + slope * (error + bulge + slack);
+        f.top += form.slope * (bulge + slack);
     }
 
     void add_to_tree(Index face) { tree_.add(face, faces_[face].ball, faces_[face].top); }
+
+    void plant_tree() {
+        for (const Index f : alive_faces_) {
+            set_ball(f);
+            add_to_tree(f);
+        }
+        has_tree_ = true;
+    }
 
     // Is the point of the sphere certainly not in the face: too far away, or another form is lower there? The
     // neighbours come first; but where three of them win may be more than one region, and the face is just
@@ -332,14 +392,25 @@ private:
 
     bool insert(Index challenger) {
         ++stamp_;
+        rivals_.clear();
         cuts_.clear();
         swallowed_.clear();
         new_edges_.clear();
         middles_.clear();
-        find_rivals(challenger);
-        for (const Index face : rivals_)
-            if (!challenge(challenger, face)) return false;
-        if (cuts_.empty()) return swallowed_.empty();
+        bool is_beaten = false;
+        const Linear& form = forms_[challenger];
+        if (!(has_tree_ ? find_rivals_in_tree(form) : find_rivals(form, is_beaten))) return false;
+        if (is_beaten) return true;
+        for (std::size_t i = 0; i < rivals_.size(); ++i)  // may add some
+            if (!challenge(form, rivals_[i])) return false;
+        if (cuts_.empty()) {
+            // All boundaries are kept or all lost, and this cannot be.
+            for (const Index face : rivals_)
+                if (!is_within(form, face)) return false;
+            return swallowed_.empty();
+        }
+        for (const Index face : swallowed_)
+            if (!is_within(form, face)) return false;
         for (const Cut& c : cuts_)
             if (!add_vertex(challenger, c)) return false;
         for (const Index face : swallowed_) {
@@ -352,27 +423,90 @@ private:
         }
         for (const Cut& c : cuts_) cut(challenger, c);
         for (const Index h : middles_) join(h);
+        if (!has_tree_) {
+            if (!swallowed_.empty())
+                std::erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
+            alive_faces_.push_back(challenger);
+            top_ = HUGE_VAL;
+        }
         return close(challenger);
     }
 
-    void find_rivals(Index challenger) {
-        rivals_.clear();
+    void add_rival(Index face) {
+        if (std::exchange(faces_[face].stamp, stamp_) != stamp_) rivals_.push_back(face);
+    }
+
+    // The faces about vertices where the challenger wins; if there are none, all, unless it is beaten.
+    bool find_rivals(const Linear& form, bool& is_beaten) {
+        is_beaten = form.e - form.slope - form.error > top_;
+        if (is_beaten) return true;
+        for (Vertex& v : vertices_) {
+            if (!v.is_alive) continue;
+            if (!decide(v, form)) return false;
+            if (v.is_taken)
+                for (const Index f : v.forms) add_rival(f);
+        }
+        if (!rivals_.empty()) return true;
+        is_beaten = is_beaten_on_edges(form);
+        for (const Index f : alive_faces_)
+            if (!(is_beaten && is_within(form, f))) add_rival(f);
+        is_beaten = rivals_.empty();
+        if (is_beaten && top_ == HUGE_VAL) set_top();
+        return true;
+    }
+
+    bool is_beaten_on_edges(const Linear& form) {
+        for (const Edge& edge : edges_)
+            if (edge.is_alive && !is_beside(edge, 1, form) &&
+                look_between(static_cast<Index>(&edge - edges_.data()), false, form) != Middle::Same)
+                return false;
+        return true;
+    }
+
+    // A bound on the diagram from above: forms are highest where faces end, or opposite to where they are lowest.
+    void set_top() {
+        double top = -HUGE_VAL;
+        for (const Index f : alive_faces_)
+            if (!is_in_hemisphere(f)) return;
+        for (const Vertex& v : vertices_)
+            if (v.is_alive) top = std::max(top, v.height + v.doubt);
+        for (const Edge& edge : edges_)
+            if (edge.is_alive) top = std::max(top, edge.apex_height + edge.apex_doubt);
+        top_ = top;
+    }
+
+    bool find_rivals_in_tree(const Linear& form) {
+        candidates_.clear();
         tree_.search(
-            forms_[challenger], forms_[challenger].b.norm() * (1 + slack),
-            [&](Index f) { return faces_[f].start == none ? nullptr : &faces_[f].ball; },
+            form, [&](Index f) { return faces_[f].start == none ? nullptr : &faces_[f].ball; },
             [&](Index f) { return faces_[f].top; },
             [&](Index f) {
-                if (faces_[f].start != none && may_conflict(challenger, f)) rivals_.push_back(f);
+                if (faces_[f].start != none && may_conflict(form, f)) candidates_.push_back(f);
             });
+        for (const Index face : candidates_) {
+            Index h = faces_[face].start;
+            do {
+                Vertex& v = vertices_[half_edges_[h].origin];
+                if (v.stamp != stamp_) {
+                    if (!decide(v, form)) return false;
+                    if (v.is_taken)
+                        for (const Index f : v.forms) add_rival(f);
+                }
+                h = half_edges_[h].next;
+            } while (h != faces_[face].start);
+        }
+        if (rivals_.empty())
+            for (const Index face : candidates_) add_rival(face);
+        return true;
     }
 
     // May the form be lower than the face's somewhere in the face?
-    bool may_conflict(Index form, Index face) const {
+    bool may_conflict(const Linear& form, Index face) const {
         const Face& f = faces_[face];
-        const Linear &challenger = forms_[form], &rival = forms_[face];
-        const Vector3d gradient = challenger.b - rival.b;
-        return f.cap.least(gradient, gradient.norm() * (1 + slack)) + challenger.e - rival.e <=
-               challenger.error + rival.error;
+        const Linear& rival = forms_[face];
+        const Vector3d gradient = form.b - rival.b;
+        return f.cap.least(gradient, gradient.norm() * (1 + slack)) + form.e - rival.e <=
+               form.error + rival.error;
     }
 
     struct Cut {
@@ -380,75 +514,104 @@ private:
         Index leaving, returning;  // the half-edges of the face where the challenger starts and ceases to win
     };
 
-    // Compares challenger and face along the face's boundary; false where that is no common case.
-    bool challenge(Index challenger, Index face) {
-        const Linear &form = forms_[challenger], &rival = forms_[face];
-        const Vector3d gradient = form.b - rival.b;
-        const double offset = form.e - rival.e, error = form.error + rival.error, slope = gradient.norm();
+    // Compares challenger and face along the face's boundary; false where that is no common case. Adds the
+    // neighbours that the challenger reaches from here.
+    bool challenge(const Linear& form, Index face) {
         Cut c{face, none, none};
         int crossings = 0;
-        bool is_any_taken = false;
-        double least_margin = HUGE_VAL;
         Index h = faces_[face].start;
+        if (Vertex& v = vertices_[half_edges_[h].origin]; v.stamp != stamp_ && !decide(v, form))
+            return false;
         do {
-            const Index v = half_edges_[h].origin;
-            if (!decide(v, gradient, offset, error, slope)) return false;
-            is_any_taken = is_any_taken || vertices_[v].is_taken;
-            least_margin = std::min(least_margin, vertices_[v].margin);
+            Vertex& to = vertices_[target(h)];
+            if (to.stamp != stamp_ && !decide(to, form)) return false;
+            const bool is_taken = vertices_[half_edges_[h].origin].is_taken;
+            bool is_crossed = is_taken != to.is_taken;
+            if (!is_crossed && edges_[h >> 1].stamp != stamp_) {
+                edges_[h >> 1].stamp = stamp_;
+                const Middle middle = look_between(h >> 1, is_taken, form);
+                if (middle == Middle::Unknown) return false;
+                is_crossed = middle == Middle::Differs;
+                if (is_crossed) split(h);
+            }
+            if (is_crossed) {
+                ++crossings;
+                (is_taken ? c.returning : c.leaving) = h;
+            }
+            if (is_crossed || is_taken) add_rival(right(h));
             h = half_edges_[h].next;
         } while (h != faces_[face].start);
-        const bool is_clear = !is_any_taken && least_margin > slope * faces_[face].bulge;
-        if (!is_clear) do {
-                const bool is_taken = vertices_[half_edges_[h].origin].is_taken;
-                bool is_crossed = is_taken != vertices_[target(h)].is_taken;
-                if (!is_crossed && edges_[h >> 1].stamp != stamp_) {
-                    edges_[h >> 1].stamp = stamp_;
-                    const Middle middle = look_between(h >> 1, is_taken, gradient, offset, error, slope);
-                    if (middle == Middle::Unknown) return false;
-                    is_crossed = middle == Middle::Differs;
-                    if (is_crossed) split(h);
-                }
-                if (is_crossed) {
-                    ++crossings;
-                    (is_taken ? c.returning : c.leaving) = h;
-                }
-                h = half_edges_[h].next;
-            } while (h != faces_[face].start);
         if (crossings > 2) return false;
-        if (crossings == 2) {
+        if (crossings == 2)
             cuts_.push_back(c);
-            return true;
-        }
-        // The circle does not meet the boundary: is it within the face?
-        const double side = is_any_taken ? 1 : -1;
-        if (!(side * offset + slope < -error) && !is_outside(face, side / slope * gradient)) return false;
-        ++decisions_.by_double;
-        if (is_any_taken) swallowed_.push_back(face);
+        else if (vertices_[half_edges_[h].origin].is_taken)
+            swallowed_.push_back(face);
         return true;
     }
 
-    bool decide(Index v, const Vector3d& gradient, double offset, double error, double slope) {
-        Vertex& vertex = vertices_[v];
-        if (vertex.stamp == stamp_) return true;
-        vertex.stamp = stamp_;
-        const double difference = gradient.dot(vertex.p) + offset;
-        vertex.is_taken = difference < 0;
-        vertex.margin = std::abs(difference) - error - slope * vertex.error * (1 + slack);
+    // Of a face whose boundary the challenger does not cross: does the circle where both tie not lie within?
+    bool is_within(const Linear& form, Index face) {
         ++decisions_.by_double;
-        return vertex.margin > 0;
+        const Linear& rival = forms_[face];
+        const Vector3d gradient = form.b - rival.b;
+        const bool is_taken = vertices_[half_edges_[faces_[face].start].origin].is_taken;
+        if (!is_taken && gradient.dot(rival.b) < -(form.error + rival.error) * rival.slope &&
+            is_in_hemisphere(face))
+            return true;
+        const double slope = gradient.norm(), offset = form.e - rival.e, side = is_taken ? 1 : -1;
+        return side * offset + slope < -(form.error + rival.error) ||
+               is_outside(face, side / slope * gradient);
+    }
+
+    // Does the face lie in the hemisphere about the point where its form is lowest? Then it does so for ever.
+    bool is_in_hemisphere(Index face) {
+        Face& f = faces_[face];
+        if (f.is_in_hemisphere) return true;
+        const Linear& form = forms_[face];
+        f.is_in_hemisphere = true;
+        for_cycle(face, [&](Index h) {
+            const Edge& edge = edges_[h >> 1];
+            const Vertex& v = vertices_[half_edges_[h].origin];
+            f.is_in_hemisphere = f.is_in_hemisphere && form.b.dot(v.p) < -(v.error + slack) * form.slope &&
+                                 form.b.dot(edge.apex) < -(edge.apex_error + slack) * form.slope;
+        });
+        f.is_in_hemisphere = f.is_in_hemisphere && is_outside(face, form.b.normalized());
+        return f.is_in_hemisphere;
+    }
+
+    // Is the form lower than the diagram at the vertex? False where doubles do not tell.
+    bool decide(Vertex& v, const Linear& form) {
+        v.stamp = stamp_;
+        ++decisions_.by_double;
+        const double difference = form(v.p) - v.height;
+        v.is_taken = difference < 0;
+        return std::abs(difference) > form.error + v.doubt + form.slope * v.error;
     }
 
     enum class Middle { Same, Differs, Unknown };
 
+    // Has challenger - rival in the whole triangle about the arc the sign that it has in both ends?
+    static bool is_beside(const Edge& edge, double sign, const Linear& form) {
+        return sign * (form(edge.apex) - edge.apex_height) >
+               edge.apex_doubt + 2 * form.error + form.slope * edge.apex_error;
+    }
+
     // Challenger - rival has one sign in both ends of an edge: does it have the other one in between? Then
     // middle_ is where it has most of it.
-    Middle look_between(Index e, bool is_taken, const Vector3d& gradient, double offset, double error,
-                        double slope) {
+    Middle look_between(Index e, bool is_taken, const Linear& form) {
         ++decisions_.by_double;
         const Edge& edge = edges_[e];
+        const double sign = is_taken ? -1 : 1;
+        if (is_beside(edge, sign, form)) return Middle::Same;
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
-        const double sign = is_taken ? -1 : 1, end_error = std::max(p.error, q.error);
-        if (std::min(p.margin, q.margin) > slope * edge.sagitta) return Middle::Same;
+        const Linear& rival = forms_[left(2 * e)];
+        const Vector3d gradient = form.b - rival.b;
+        const double offset = form.e - rival.e, error = form.error + rival.error, slope = gradient.norm(),
+                     end_error = std::max(p.error, q.error);
+        const auto margin = [&](const Vertex& v) {
+            return sign * (form(v.p) - v.height) - (form.error + v.doubt + form.slope * v.error);
+        };
+        if (std::min(margin(p), margin(q)) > slope * edge.sagitta) return Middle::Same;
         // All around the circle it is a sinusoid plus a constant.
         const double length = std::sqrt(edge.square), along = gradient.dot(edge.normal) / edge.square;
         const double at_center = along * edge.offset + offset;
@@ -482,7 +645,7 @@ private:
     // Puts a vertex at middle_ on the edge of h, until the challenger is inserted. h stays the first part.
     void split(Index h) {
         const Index from = half_edges_[h].origin;
-        const Index v = add(vertices_, free_vertices_, {middle_, 0});
+        const Index v = add(vertices_, free_vertices_, {.p = middle_});
         vertices_[v].stamp = stamp_;
         vertices_[v].is_taken = !vertices_[from].is_taken;
         const Index e = add(edges_, free_edges_, edges_[h >> 1]);
@@ -581,9 +744,13 @@ private:
         faces_[challenger].start = start;
         for (const Index e : new_edges_) set_arc(e);
         for (const Cut& c : cuts_) set_arc(c.leaving >> 1);
-        for (const Cut& c : cuts_) set_ball(c.face);
-        set_ball(challenger);
-        add_to_tree(challenger);
+        if (has_tree_) {
+            for (const Cut& c : cuts_) set_ball(c.face);
+            set_ball(challenger);
+            add_to_tree(challenger);
+        } else if (alive_faces_.size() > largest_small) {
+            plant_tree();
+        }
         return true;
     }
 
@@ -591,20 +758,18 @@ private:
 
     // Chart point and height of a vertex. Towards the pole 1 + z is found without cancellation; moving by d
     // on the sphere moves the chart point by d W / 2.
-    std::optional<MinimizationDiagram::Vertex> chart_vertex(const Vertex& v, const Linear& lowest) const {
+    std::optional<MinimizationDiagram::Vertex> chart_vertex(const Vertex& v) const {
         const Vector3d& p = v.p;
         const double across = p.x() * p.x() + p.y() * p.y();
         const double scale = p.z() < 0 ? (1 - p.z()) / across : 1 / (1 + p.z());
         MinimizationDiagram::Vertex out;
         out.point = scale * p.head<2>();
-        const double reach2 = out.point.squaredNorm(), reach = std::sqrt(reach2), W = 1 + reach2,
-                     value = lowest(p);
+        const double reach2 = out.point.squaredNorm(), reach = std::sqrt(reach2), W = 1 + reach2;
         if (!(W * v.error < 0x1p-10)) return std::nullopt;
         out.error = W * v.error + 8 * u * reach;
-        out.height = W * value;
-        out.height_error =
-            1.01 * W * (lowest.error + lowest.b.norm() * v.error + 2 * reach * std::abs(value) * v.error) +
-            16 * u * W * std::abs(value);
+        out.height = W * v.height;
+        out.height_error = 1.01 * W * (v.doubt + 2 * reach * std::abs(v.height) * v.error) +
+                           16 * u * W * std::abs(v.height);
         return out;
     }
 
@@ -623,9 +788,7 @@ private:
             for (const Index side : {0u, 1u}) {
                 const Index v = half_edges_[2 * e + side].origin;
                 if (vertex_map[v] == none) {
-                    const Index h = 2 * e + side;
-                    if (!add_vertex(out, v, {left(h), right(h), right(half_edges_[h].prev)}))
-                        return std::nullopt;
+                    if (!add_vertex(out, vertices_[v])) return std::nullopt;
                     vertex_map[v] = out.dcel.add_vertex().value;
                 }
                 ends[side] = {vertex_map[v]};
@@ -654,13 +817,13 @@ private:
         return out;
     }
 
-    bool add_vertex(MinimizationDiagram& out, Index v, std::array<Index, 3> forms) const {
-        std::ranges::sort(forms);
-        const auto& lowest = *std::ranges::min_element(forms, {}, [&](Index f) { return forms_[f].error; });
-        const auto vertex = chart_vertex(vertices_[v], forms_[lowest]);
+    bool add_vertex(MinimizationDiagram& out, const Vertex& v) const {
+        const auto vertex = chart_vertex(v);
         if (!vertex) return false;
         out.vertices.push_back(*vertex);
         out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
+        auto forms = v.forms;
+        std::ranges::sort(forms);
         for (const Index f : forms) out.vertex_labels_.push_back(FormId{f});
         return true;
     }
@@ -673,12 +836,15 @@ private:
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
     std::vector<Index> free_vertices_, free_edges_;
+    std::vector<Index> alive_faces_;  // as long as there is no tree
+    double top_ = HUGE_VAL;           // the diagram is nowhere higher; infinite: not known
+    bool has_tree_ = false;
     FaceTree tree_;
     Decisions decisions_;
     Index stamp_ = 0;
     std::size_t inserted_ = 0;
     // Working space of insert().
-    std::vector<Index> rivals_, swallowed_, new_edges_;
+    std::vector<Index> candidates_, rivals_, swallowed_, new_edges_;
     std::vector<Index> middles_;  // half-edges that end at a vertex made by split() that is not taken
     std::vector<Cut> cuts_;
     Vector3d middle_;
