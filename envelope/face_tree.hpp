@@ -26,11 +26,12 @@ struct Linear {
     double e;
     double error;
     double slope;
+    double square;  // of b, rounded down
 
     Linear(const Vector3d& b, double e, double error)
-        : b(b), e(e), error(error), slope(b.norm() * (1 + slack) + error) {}
+        : b(b), e(e), error(error), slope(b.norm() * (1 + slack) + error), square(b.squaredNorm() * (1 - slack)) {}
 
-    double operator()(const Vector3d& p) const { return b.dot(p) + e; }
+    double operator()(const Vector3d& p) const { return b[0] * p[0] + b[1] * p[1] + b[2] * p[2] + e; }
 };
 
 /// A bound on a part of the sphere.

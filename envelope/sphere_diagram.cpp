@@ -76,15 +76,27 @@ public:
     std::size_t inserted() const { return inserted_; }
 
 private:
-    struct Vertex {
+    // A place in a plane where two forms tie, at most 2 from the centre. A form is compared with those there.
+    struct Mark {
         Vector3d p = Vector3d::Zero();
-        double error = 0;   // bound on the distance of p from the true vertex
-        double height = 0;  // of the forms that tie, in p
+        double height = 0;  // of the forms that tie, in p; minus infinity: a mark that is no more
         double doubt = 0;   // bound on what error and rounding change about height
+        double error = 0;   // bound on the distance of p from the true place
+
+        // Is the form certainly higher in the true place?
+        bool is_below(const Linear& form) const {
+            return form(p) - height > 2 * form.error + doubt + form.slope * error;
+        }
+        bool is_above(const Linear& form) const {
+            return height - form(p) > 2 * form.error + doubt + form.slope * error;
+        }
+        void remove() { height = -HUGE_VAL; }
+    };
+    struct Vertex : Mark {
         std::array<Index, 3> forms{};
-        Index out = none;  // while a form is inserted: the edge of its face that leaves here
-        Index stamp = 0;
-        bool is_taken = false;  // while stamp is current: is the challenger lower at the true vertex?
+        Index out = none;   // while a form is inserted: the edge of its face that leaves here
+        Index stamp = 0;    // current: compared with the challenger
+        Index taken = 0;    // current: the challenger is lower
         bool is_alive = true;
     };
     struct HalfEdge {
@@ -93,14 +105,11 @@ private:
     // normal.p = offset on the circle; half-edge 2e runs counter-clockwise about the normal.
     struct Edge {
         Vector3d normal = Vector3d::Zero();
-        double offset = 0, square = 0;  // square: of the normal
-        double error = 0;               // as Linear's, of normal and offset
-        double sagitta = 0;  // bound on the distance of a point of the arc from the nearest of its chord
-        // Where the tangents in the ends of a short arc meet: with those ends a triangle about the arc.
-        Vector3d apex = Vector3d::Zero();
-        double apex_error = HUGE_VAL;  // how far from the true one; infinite: the arc is too long
-        double apex_height = 0;        // of the edge's forms, in apex
-        double apex_doubt = 0;         // bound on what error and rounding change about that
+        double offset = 0, square = 0, length = 0;  // square and length: of the normal
+        double error = 0;                           // as Linear's, of normal and offset
+        // Where the tangents in the ends of a short arc meet: with those ends a triangle about the arc. Of a
+        // long arc there is infinite doubt.
+        Mark apex;
         Index stamp = 0;
         Index cut = none;  // while a form is inserted that crosses the edge: its vertex there
         bool is_alive = true;
@@ -108,11 +117,11 @@ private:
     struct Face {            // of the form of the same number
         Index start = none;  // none: the form has no face
         Index stamp = 0;     // current: may conflict with the challenger
-        bool is_in_hemisphere = false;
+        bool is_in_hemisphere = false, is_hemisphere_known = false;
         // For the tree:
         Ball ball;  // both hold the face
         Cap cap;
-        double top = 0;  // upper bound of the form over the face
+        double top = HUGE_VAL;  // upper bound of the form over the face
     };
 
     static constexpr std::size_t spread = 8;       // forms that are to surround the base first
@@ -191,7 +200,10 @@ private:
         for (const Vector3d& t : corners) {
             const Vector3d direction = turn * t.normalized();
             forms_.push_back(Linear(-slope * direction, 0, 16 * u * slope));
-            vertices_.push_back({.p = -direction, .error = 16 * u});
+            Vertex vertex;
+            vertex.p = -direction;
+            vertex.error = 16 * u;
+            vertices_.push_back(vertex);
         }
         for (Index i = 0; i < 4; ++i)
             set_forms(vertices_[i], {first + (i + 1) % 4, first + (i + 2) % 4, first + (i + 3) % 4});
@@ -241,36 +253,36 @@ private:
 
     void set_curve(Index e) {
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
-        edges_[e].normal = g.b - f.b;
-        edges_[e].offset = f.e - g.e;
-        edges_[e].square = edges_[e].normal.squaredNorm();
-        edges_[e].error = f.error + g.error;
+        Edge& edge = edges_[e];
+        edge.normal = g.b - f.b;
+        edge.offset = f.e - g.e;
+        edge.square = edge.normal.squaredNorm();
+        edge.length = std::sqrt(edge.square);
+        edge.error = f.error + g.error;
     }
 
     void set_arc(Index e) {
         Edge& edge = edges_[e];
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
-        const double length = std::sqrt(edge.square);
-        const double radius2 = std::max(0.0, 1 - edge.offset * edge.offset / edge.square);
+        edge.apex = Mark();
+        edge.apex.doubt = HUGE_VAL;
+        const double radius2 = 1 - edge.offset * edge.offset / edge.square;
+        if (!(radius2 > least_square)) return;
         // Certainly less than half a turn?
-        const bool is_minor = edge.normal.dot(p.p.cross(q.p)) >
-                              length * (2 * (p.error + q.error) + slack) + 4 * edge.error;
-        edge.apex_error = HUGE_VAL;
-        edge.sagitta = 2 * std::sqrt(radius2 + least_square);
-        if (!is_minor || !(radius2 > least_square)) return;
+        if (!(edge.normal.dot(p.p.cross(q.p)) >
+              edge.length * (2 * (p.error + q.error) + slack) + 4 * edge.error))
+            return;
         const Vector3d center = edge.offset / edge.square * edge.normal,
                        middle = 0.5 * (p.p + q.p) - center;  // of the chord
         const double depth2 = middle.squaredNorm();
-        edge.sagitta = 0.25 * (q.p - p.p).squaredNorm() / (std::sqrt(radius2) + std::sqrt(depth2)) *
-                       (1 + 0x1p-20);
         // Up to a third of a turn the apex is at most twice the radius away. Of the first order errors the
         // greatest is that of the radius, 2^5 times that of its square.
         if (!(radius2 < 4 * depth2)) return;
-        edge.apex = center + radius2 / depth2 * middle;
-        edge.apex_error = 1024 * edge.error / length + 32 * (p.error + q.error) + 4 * slack;
-        edge.apex_height = f(edge.apex);
-        edge.apex_doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex_error;
+        edge.apex.p = center + radius2 / depth2 * middle;
+        edge.apex.error = 1024 * edge.error / edge.length + 32 * (p.error + q.error) + 4 * slack;
+        edge.apex.height = f(edge.apex.p);
+        edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
     }
 
     // Where three forms tie; of the two points the one where f, g, h follow each other counter-clockwise.
@@ -287,23 +299,25 @@ private:
         if (!(rest > 0)) return std::nullopt;
         Vector3d p = nearest + std::sqrt(rest / square) * along;
         const double m_error = F.error + G.error, n_error = F.error + H.error;
+        const double m_length = m.norm() * (1 + slack), n_length = n.norm() * (1 + slack),
+                     length = std::sqrt(square);
         for (const bool last : {false, true}) {
             const double r = m.dot(p) - c, s = n.dot(p) - d, t = 0.5 * (p.squaredNorm() - 1),
                          det = along.dot(p);
-            const Vector3d by_m = n.cross(p), by_n = p.cross(m);
             if (!last) {
-                p -= (r * by_m + s * by_n + t * along) / det;
+                p -= (r * n.cross(p) + s * p.cross(m) + t * along) / det;
                 continue;
             }
-            const double across_m = by_m.norm(), across_n = by_n.norm(), length = std::sqrt(square);
             // The Jacobian's own error changes its inverse by a hundredth at most.
-            if (!(det > 128 * (m_error * n.norm() + n_error * m.norm()))) return std::nullopt;
+            if (!(det > 128 * (m_error * n_length + n_error * m_length))) return std::nullopt;
             const double step = 1.02 *
-                                ((std::abs(r) + m_error) * across_m + (std::abs(s) + n_error) * across_n +
+                                ((std::abs(r) + m_error) * n_length + (std::abs(s) + n_error) * m_length +
                                  (std::abs(t) + 8 * u) * length) /
                                 det;
             if (!(step * 1.02 * length < 0.125 * det)) return std::nullopt;
-            Vertex vertex{.p = p, .error = 1.25 * step};
+            Vertex vertex;
+            vertex.p = p;
+            vertex.error = 1.25 * step;
             set_forms(vertex, {f, g, h});
             return vertex;
         }
@@ -319,42 +333,37 @@ private:
         v.doubt = best->error + best->slope * v.error;
     }
 
-    // An enclosing ball, if there is a smaller one than now. Around the vertices, and as far beyond them as
-    // arcs bulge: that holds the boundary. The face is the part within unless it contains the opposite point
-    // of the sphere.
+    // An enclosing ball, if there is a smaller one than now. Around vertices and apexes, so that it holds the
+    // boundary. The face is the part within unless it contains the opposite point of the sphere.
     void set_ball(Index face) {
+        Face& f = faces_[face];
+        const Linear& form = forms_[face];
         Vector3d center = Vector3d::Zero();
-        int count = 0;
-        double bulge = 0;
+        double count = 0, top = -HUGE_VAL;
         for_cycle(face, [&](Index h) {
-            center += vertices_[half_edges_[h].origin].p;
-            bulge = std::max(bulge, edges_[h >> 1].sagitta);
+            const Vertex& v = vertices_[half_edges_[h].origin];
+            const Mark& apex = edges_[h >> 1].apex;
+            center += v.p;
             ++count;
+            top = std::max({top, v.height + v.doubt, apex.height + apex.doubt});
         });
+        // The form is highest on the boundary, unless the face holds the point where it is highest anywhere.
+        f.top = top < f.top && is_in_hemisphere(face) ? top : std::min(f.top, form.e + form.slope + form.error);
+        if (top == HUGE_VAL) return;
         center /= count;
         double square = 0, error = 0;
         for_cycle(face, [&](Index h) {
             const Vertex& v = vertices_[half_edges_[h].origin];
-            square = std::max(square, (v.p - center).squaredNorm());
-            error = std::max(error, v.error);
+            const Mark& apex = edges_[h >> 1].apex;
+            square = std::max({square, (v.p - center).squaredNorm(), (apex.p - center).squaredNorm()});
+            error = std::max({error, v.error, apex.error});
         });
-        const double radius = std::sqrt(square) + error + bulge + slack, length = center.norm();
-        Face& f = faces_[face];
-        if (radius < f.ball.radius && length > 0x1p-10 && radius < 1 + length &&
-            is_outside(face, center / -length)) {
-            f.ball = {center, radius};
-            f.cap.shrink_to(f.ball);
-        }
-        // The form is highest on the boundary, unless the face holds the point where it is highest anywhere.
-        const Linear& form = forms_[face];
-        f.top = form.e + form.slope + form.error;
-        if (!is_outside(face, form.b.normalized())) return;
-        f.top = -HUGE_VAL;
-        for_cycle(face, [&](Index h) {
-            const Vertex& v = vertices_[half_edges_[h].origin];
-            f.top = std::max(f.top, v.height + v.doubt);
-        });
-        f.top += form.slope * (bulge + slack);
+        const double radius = std::sqrt(square) + error + slack;
+        if (!(radius < f.ball.radius)) return;
+        const double length = center.norm();
+        if (!(length > 0x1p-10 && radius < 1 + length && is_outside(face, center / -length))) return;
+        f.ball = {center, radius};
+        f.cap.shrink_to(f.ball);
     }
 
     void add_to_tree(Index face) { tree_.add(face, faces_[face].ball, faces_[face].top); }
@@ -441,15 +450,15 @@ private:
         is_beaten = form.e - form.slope - form.error > top_;
         if (is_beaten) return true;
         for (Vertex& v : vertices_) {
-            if (!v.is_alive) continue;
+            if (v.is_below(form)) continue;
             if (!decide(v, form)) return false;
-            if (v.is_taken)
-                for (const Index f : v.forms) add_rival(f);
+            for (const Index f : v.forms) add_rival(f);
         }
         if (!rivals_.empty()) return true;
         is_beaten = is_beaten_on_edges(form);
         for (const Index f : alive_faces_)
-            if (!(is_beaten && is_within(form, f))) add_rival(f);
+            if (!(is_beaten && ((grows_to_pole(form, forms_[f]) && is_in_hemisphere(f)) || is_within(form, f))))
+                add_rival(f);
         is_beaten = rivals_.empty();
         if (is_beaten && top_ == HUGE_VAL) set_top();
         return true;
@@ -457,7 +466,7 @@ private:
 
     bool is_beaten_on_edges(const Linear& form) {
         for (const Edge& edge : edges_)
-            if (edge.is_alive && !is_beside(edge, 1, form) &&
+            if (!edge.apex.is_below(form) &&
                 look_between(static_cast<Index>(&edge - edges_.data()), false, form) != Middle::Same)
                 return false;
         return true;
@@ -469,9 +478,9 @@ private:
         for (const Index f : alive_faces_)
             if (!is_in_hemisphere(f)) return;
         for (const Vertex& v : vertices_)
-            if (v.is_alive) top = std::max(top, v.height + v.doubt);
+            top = std::max(top, v.height + v.doubt);
         for (const Edge& edge : edges_)
-            if (edge.is_alive) top = std::max(top, edge.apex_height + edge.apex_doubt);
+            top = std::max(top, edge.apex.height + edge.apex.doubt);
         top_ = top;
     }
 
@@ -489,7 +498,7 @@ private:
                 Vertex& v = vertices_[half_edges_[h].origin];
                 if (v.stamp != stamp_) {
                     if (!decide(v, form)) return false;
-                    if (v.is_taken)
+                    if (is_taken(v))
                         for (const Index f : v.forms) add_rival(f);
                 }
                 h = half_edges_[h].next;
@@ -520,100 +529,105 @@ private:
         Cut c{face, none, none};
         int crossings = 0;
         Index h = faces_[face].start;
-        if (Vertex& v = vertices_[half_edges_[h].origin]; v.stamp != stamp_ && !decide(v, form))
-            return false;
+        if (!is_decided(vertices_[half_edges_[h].origin], form)) return false;
         do {
             Vertex& to = vertices_[target(h)];
-            if (to.stamp != stamp_ && !decide(to, form)) return false;
-            const bool is_taken = vertices_[half_edges_[h].origin].is_taken;
-            bool is_crossed = is_taken != to.is_taken;
+            if (!is_decided(to, form)) return false;
+            const bool is_from_taken = is_taken(vertices_[half_edges_[h].origin]);
+            bool is_crossed = is_from_taken != is_taken(to);
             if (!is_crossed && edges_[h >> 1].stamp != stamp_) {
                 edges_[h >> 1].stamp = stamp_;
-                const Middle middle = look_between(h >> 1, is_taken, form);
+                const Middle middle = look_between(h >> 1, is_from_taken, form);
                 if (middle == Middle::Unknown) return false;
                 is_crossed = middle == Middle::Differs;
                 if (is_crossed) split(h);
             }
             if (is_crossed) {
                 ++crossings;
-                (is_taken ? c.returning : c.leaving) = h;
+                (is_from_taken ? c.returning : c.leaving) = h;
             }
-            if (is_crossed || is_taken) add_rival(right(h));
+            if (is_crossed || is_from_taken) add_rival(right(h));
             h = half_edges_[h].next;
         } while (h != faces_[face].start);
         if (crossings > 2) return false;
         if (crossings == 2)
             cuts_.push_back(c);
-        else if (vertices_[half_edges_[h].origin].is_taken)
+        else if (is_taken(vertices_[half_edges_[h].origin]))
             swallowed_.push_back(face);
         return true;
     }
 
     // Of a face whose boundary the challenger does not cross: does the circle where both tie not lie within?
     bool is_within(const Linear& form, Index face) {
-        ++decisions_.by_double;
         const Linear& rival = forms_[face];
+        ++decisions_.by_double;
+        const bool is_lost = is_taken(vertices_[half_edges_[faces_[face].start].origin]);
         const Vector3d gradient = form.b - rival.b;
-        const bool is_taken = vertices_[half_edges_[faces_[face].start].origin].is_taken;
-        if (!is_taken && gradient.dot(rival.b) < -(form.error + rival.error) * rival.slope &&
-            is_in_hemisphere(face))
-            return true;
-        const double slope = gradient.norm(), offset = form.e - rival.e, side = is_taken ? 1 : -1;
+        const double slope = gradient.norm(), offset = form.e - rival.e, side = is_lost ? 1 : -1;
         return side * offset + slope < -(form.error + rival.error) ||
                is_outside(face, side / slope * gradient);
+    }
+
+    // Does form - rival certainly grow towards where the rival is lowest?
+    static bool grows_to_pole(const Linear& form, const Linear& rival) {
+        return form.b[0] * rival.b[0] + form.b[1] * rival.b[1] + form.b[2] * rival.b[2] <
+               rival.square - (form.error + rival.error) * rival.slope;
     }
 
     // Does the face lie in the hemisphere about the point where its form is lowest? Then it does so for ever.
     bool is_in_hemisphere(Index face) {
         Face& f = faces_[face];
-        if (f.is_in_hemisphere) return true;
-        const Linear& form = forms_[face];
-        f.is_in_hemisphere = true;
-        for_cycle(face, [&](Index h) {
-            const Edge& edge = edges_[h >> 1];
-            const Vertex& v = vertices_[half_edges_[h].origin];
-            f.is_in_hemisphere = f.is_in_hemisphere && form.b.dot(v.p) < -(v.error + slack) * form.slope &&
-                                 form.b.dot(edge.apex) < -(edge.apex_error + slack) * form.slope;
-        });
-        f.is_in_hemisphere = f.is_in_hemisphere && is_outside(face, form.b.normalized());
+        if (!f.is_hemisphere_known) {
+            f.is_hemisphere_known = true;
+            f.is_in_hemisphere = find_in_hemisphere(face);
+        }
         return f.is_in_hemisphere;
     }
+    bool find_in_hemisphere(Index face) const {
+        const Linear& form = forms_[face];
+        const auto is_before = [&](const Mark& x) {
+            return form.b.dot(x.p) < -(x.error + 2 * slack) * form.slope;
+        };
+        Index h = faces_[face].start;
+        do {
+            const Mark& apex = edges_[h >> 1].apex;
+            if (apex.doubt == HUGE_VAL || !is_before(apex) || !is_before(vertices_[half_edges_[h].origin]))
+                return false;
+            h = half_edges_[h].next;
+        } while (h != faces_[face].start);
+        return is_outside(face, form.b.normalized());
+    }
 
-    // Is the form lower than the diagram at the vertex? False where doubles do not tell.
+    // Compares form and diagram at the vertex. False where doubles do not tell.
     bool decide(Vertex& v, const Linear& form) {
         v.stamp = stamp_;
         ++decisions_.by_double;
-        const double difference = form(v.p) - v.height;
-        v.is_taken = difference < 0;
-        return std::abs(difference) > form.error + v.doubt + form.slope * v.error;
+        if (v.is_below(form)) return true;
+        v.taken = stamp_;
+        return v.is_above(form);
     }
+    // Without a tree all vertices have been compared.
+    bool is_decided(Vertex& v, const Linear& form) {
+        return !has_tree_ || v.stamp == stamp_ || decide(v, form);
+    }
+    bool is_taken(const Vertex& v) const { return v.taken == stamp_; }
 
     enum class Middle { Same, Differs, Unknown };
-
-    // Has challenger - rival in the whole triangle about the arc the sign that it has in both ends?
-    static bool is_beside(const Edge& edge, double sign, const Linear& form) {
-        return sign * (form(edge.apex) - edge.apex_height) >
-               edge.apex_doubt + 2 * form.error + form.slope * edge.apex_error;
-    }
 
     // Challenger - rival has one sign in both ends of an edge: does it have the other one in between? Then
     // middle_ is where it has most of it.
     Middle look_between(Index e, bool is_taken, const Linear& form) {
         ++decisions_.by_double;
         const Edge& edge = edges_[e];
-        const double sign = is_taken ? -1 : 1;
-        if (is_beside(edge, sign, form)) return Middle::Same;
+        // Then so in the whole triangle about the arc?
+        if (is_taken ? edge.apex.is_above(form) : edge.apex.is_below(form)) return Middle::Same;
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
         const Linear& rival = forms_[left(2 * e)];
         const Vector3d gradient = form.b - rival.b;
-        const double offset = form.e - rival.e, error = form.error + rival.error, slope = gradient.norm(),
-                     end_error = std::max(p.error, q.error);
-        const auto margin = [&](const Vertex& v) {
-            return sign * (form(v.p) - v.height) - (form.error + v.doubt + form.slope * v.error);
-        };
-        if (std::min(margin(p), margin(q)) > slope * edge.sagitta) return Middle::Same;
+        const double sign = is_taken ? -1 : 1, offset = form.e - rival.e, error = form.error + rival.error,
+                     slope = gradient.norm(), end_error = std::max(p.error, q.error);
         // All around the circle it is a sinusoid plus a constant.
-        const double length = std::sqrt(edge.square), along = gradient.dot(edge.normal) / edge.square;
+        const double length = edge.length, along = gradient.dot(edge.normal) / edge.square;
         const double at_center = along * edge.offset + offset;
         const Vector3d across = gradient - along * edge.normal;
         const double radius2 = 1 - edge.offset * edge.offset / edge.square;
@@ -645,9 +659,11 @@ private:
     // Puts a vertex at middle_ on the edge of h, until the challenger is inserted. h stays the first part.
     void split(Index h) {
         const Index from = half_edges_[h].origin;
-        const Index v = add(vertices_, free_vertices_, {.p = middle_});
-        vertices_[v].stamp = stamp_;
-        vertices_[v].is_taken = !vertices_[from].is_taken;
+        Vertex middle;
+        middle.p = middle_;
+        middle.stamp = stamp_;
+        middle.taken = is_taken(vertices_[from]) ? 0 : stamp_;
+        const Index v = add(vertices_, free_vertices_, middle);
         const Index e = add(edges_, free_edges_, edges_[h >> 1]);
         half_edges_.resize(2 * edges_.size());
         // Both parts lie on the old curve in the old direction.
@@ -660,7 +676,7 @@ private:
         link(half_edges_[twin(h)].prev, twin(second));
         link(twin(second), twin(h));
         half_edges_[twin(h)].origin = v;
-        if (!vertices_[v].is_taken) middles_.push_back(h);
+        if (!is_taken(vertices_[v])) middles_.push_back(h);
     }
 
     // Undoes split() where the middle is left.
@@ -670,8 +686,7 @@ private:
         link(h, half_edges_[second].next);
         link(half_edges_[twin(second)].prev, twin(h));
         half_edges_[twin(h)].origin = half_edges_[twin(second)].origin;
-        edges_[second >> 1].is_alive = false;
-        free_edges_.push_back(second >> 1);
+        remove_edge(second >> 1);
     }
 
     // Where a half-edge of the face passes from the face to the challenger: there face, face on the right and
@@ -700,10 +715,7 @@ private:
     void remove(Index first, Index last) {
         Index h = first;
         do {
-            if (Edge& edge = edges_[h >> 1]; edge.is_alive) {
-                edge.is_alive = false;
-                free_edges_.push_back(h >> 1);
-            }
+            remove_edge(h >> 1);
             remove_vertex(half_edges_[h].origin);
             h = half_edges_[h].next;
         } while (h != last);
@@ -711,7 +723,14 @@ private:
     void remove_vertex(Index v) {
         if (!vertices_[v].is_alive) return;
         vertices_[v].is_alive = false;
+        vertices_[v].remove();
         free_vertices_.push_back(v);
+    }
+    void remove_edge(Index e) {
+        if (!edges_[e].is_alive) return;
+        edges_[e].is_alive = false;
+        edges_[e].apex.remove();
+        free_edges_.push_back(e);
     }
 
     // The challenger's half-edge along the cut waits at the point where the boundary returns to the face.
@@ -743,7 +762,10 @@ private:
         if (length != new_edges_.size()) return false;
         faces_[challenger].start = start;
         for (const Index e : new_edges_) set_arc(e);
-        for (const Cut& c : cuts_) set_arc(c.leaving >> 1);
+        for (const Cut& c : cuts_) {
+            set_arc(c.leaving >> 1);
+            faces_[c.face].is_hemisphere_known = faces_[c.face].is_in_hemisphere;
+        }
         if (has_tree_) {
             for (const Cut& c : cuts_) set_ball(c.face);
             set_ball(challenger);
