@@ -5,13 +5,14 @@
 // The points of space where the new form c is the lowest are a convex polyhedron P, and it wins where P meets
 // the sphere. That tells how far to look:
 // - A part of P on the sphere within one face is all of a half-space c < f there, and one that crosses one
-//   edge alone all of two; P lies in those, so there are no other parts. If c wins at any vertex, then in each
-//   part at one at least, and from those the faces that it reaches are found across edges.
+//   edge alone all of two; P lies in those, so there are no other parts. If c wins at any vertex, then in
+//   each part at one at least, and from those the faces that it reaches are found across edges.
 // - A short arc lies in the triangle of its ends and its tangents there, and c - f is linear: signs in the
 //   three corners tell that c wins nowhere on it.
-// - A face f within a hemisphere is above, along any line towards the pole, the convex hull of its boundary. If
-//   c loses on the boundary and c - f grows towards the pole, c loses in the face, too. The pole is where f is
-//   lowest, and what has lost against many faces mostly is flatter than f.
+// - A face f within a hemisphere is above, along any line towards the pole, the convex hull of its boundary.
+// If
+//   c loses on the boundary and c - f grows towards the pole, c loses in the face, too. The pole is where f
+//   is lowest, and what has lost against many faces mostly is flatter than f.
 // A small diagram is looked through for vertices, a large one has a tree of its faces.
 //
 // All bounds of rounding are generous multiples of first order ones: u = 2^-53, and no more than some tens of
@@ -25,7 +26,7 @@
 #include <limits>
 #include <utility>
 
-#include "face_tree.hpp"
+#include "sphere_trees.hpp"
 
 namespace vcell {
 
@@ -76,27 +77,11 @@ public:
     std::size_t inserted() const { return inserted_; }
 
 private:
-    // A place in a plane where two forms tie, at most 2 from the centre. A form is compared with those there.
-    struct Mark {
-        Vector3d p = Vector3d::Zero();
-        double height = 0;  // of the forms that tie, in p; minus infinity: a mark that is no more
-        double doubt = 0;   // bound on what error and rounding change about height
-        double error = 0;   // bound on the distance of p from the true place
-
-        // Is the form certainly higher in the true place?
-        bool is_below(const Linear& form) const {
-            return form(p) - height > 2 * form.error + doubt + form.slope * error;
-        }
-        bool is_above(const Linear& form) const {
-            return height - form(p) > 2 * form.error + doubt + form.slope * error;
-        }
-        void remove() { height = -HUGE_VAL; }
-    };
     struct Vertex : Mark {
         std::array<Index, 3> forms{};
-        Index out = none;   // while a form is inserted: the edge of its face that leaves here
-        Index stamp = 0;    // current: compared with the challenger
-        Index taken = 0;    // current: the challenger is lower
+        Index out = none;  // while a form is inserted: the edge of its face that leaves here
+        Index stamp = 0;   // current: compared with the challenger
+        Index taken = 0;   // current: the challenger is lower
         bool is_alive = true;
     };
     struct HalfEdge {
@@ -119,12 +104,13 @@ private:
         Index stamp = 0;     // current: may conflict with the challenger
         bool is_in_hemisphere = false, is_hemisphere_known = false;
         // For the tree:
-        Ball ball;  // both hold the face
+        bool is_ball_known = false;  // since the face was cut
+        Ball ball;                   // both hold the face
         Cap cap;
         double top = HUGE_VAL;  // upper bound of the form over the face
     };
 
-    static constexpr std::size_t spread = 8;       // forms that are to surround the base first
+    static constexpr std::size_t spread = 8;          // forms that are to surround the base first
     static constexpr std::size_t largest_small = 96;  // faces of a diagram without a tree
 
     static Index twin(Index h) { return h ^ 1u; }
@@ -167,7 +153,8 @@ private:
         const std::size_t low = std::min<std::size_t>(order.size(), 4 * spread);
         std::swap(order[0], order[attempt % low]);
         std::array<Vector3d, 4 * spread> direction;
-        std::array<double, 4 * spread> nearness;  // greatest cosine of the angle to a direction that was taken
+        std::array<double, 4 * spread>
+            nearness;  // greatest cosine of the angle to a direction that was taken
         for (std::size_t i = 0; i < low; ++i) {
             const Linear& form = forms_[order[i].second];
             direction[i] = form.b / form.slope;
@@ -348,7 +335,9 @@ private:
             top = std::max({top, v.height + v.doubt, apex.height + apex.doubt});
         });
         // The form is highest on the boundary, unless the face holds the point where it is highest anywhere.
-        f.top = top < f.top && is_in_hemisphere(face) ? top : std::min(f.top, form.e + form.slope + form.error);
+        f.is_ball_known = true;
+        f.top =
+            top < f.top && is_in_hemisphere(face) ? top : std::min(f.top, form.e + form.slope + form.error);
         if (top == HUGE_VAL) return;
         center /= count;
         double square = 0, error = 0;
@@ -366,14 +355,13 @@ private:
         f.cap.shrink_to(f.ball);
     }
 
-    void add_to_tree(Index face) { tree_.add(face, faces_[face].ball, faces_[face].top); }
-
-    void plant_tree() {
-        for (const Index f : alive_faces_) {
-            set_ball(f);
-            add_to_tree(f);
-        }
-        has_tree_ = true;
+    void plant_trees() {
+        double steepest = 0;
+        for (const Linear& form : forms_) steepest = std::max(steepest, form.slope);
+        vertex_tree_.emplace(steepest);
+        for (Index v = 0; v < vertices_.size(); ++v)
+            if (vertices_[v].is_alive) vertex_tree_->add(v, vertices_);
+        new_faces_ = alive_faces_;
     }
 
     // Is the point of the sphere certainly not in the face: too far away, or another form is lower there? The
@@ -408,7 +396,7 @@ private:
         middles_.clear();
         bool is_beaten = false;
         const Linear& form = forms_[challenger];
-        if (!(has_tree_ ? find_rivals_in_tree(form) : find_rivals(form, is_beaten))) return false;
+        if (!(vertex_tree_ ? find_rivals_in_trees(form) : find_rivals(form, is_beaten))) return false;
         if (is_beaten) return true;
         for (std::size_t i = 0; i < rivals_.size(); ++i)  // may add some
             if (!challenge(form, rivals_[i])) return false;
@@ -432,7 +420,7 @@ private:
         }
         for (const Cut& c : cuts_) cut(challenger, c);
         for (const Index h : middles_) join(h);
-        if (!has_tree_) {
+        if (!vertex_tree_) {
             if (!swallowed_.empty())
                 std::erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
             alive_faces_.push_back(challenger);
@@ -457,7 +445,8 @@ private:
         if (!rivals_.empty()) return true;
         is_beaten = is_beaten_on_edges(form);
         for (const Index f : alive_faces_)
-            if (!(is_beaten && ((grows_to_pole(form, forms_[f]) && is_in_hemisphere(f)) || is_within(form, f))))
+            if (!(is_beaten &&
+                  ((grows_to_pole(form, forms_[f]) && is_in_hemisphere(f)) || is_within(form, f))))
                 add_rival(f);
         is_beaten = rivals_.empty();
         if (is_beaten && top_ == HUGE_VAL) set_top();
@@ -466,46 +455,48 @@ private:
 
     bool is_beaten_on_edges(const Linear& form) {
         for (const Edge& edge : edges_)
-            if (!edge.apex.is_below(form) &&
+            if (!is_beside(edge, false, form) &&
                 look_between(static_cast<Index>(&edge - edges_.data()), false, form) != Middle::Same)
                 return false;
         return true;
     }
 
-    // A bound on the diagram from above: forms are highest where faces end, or opposite to where they are lowest.
+    // A bound on the diagram from above: forms are highest where faces end, or opposite to where they are
+    // lowest.
     void set_top() {
         double top = -HUGE_VAL;
         for (const Index f : alive_faces_)
             if (!is_in_hemisphere(f)) return;
-        for (const Vertex& v : vertices_)
-            top = std::max(top, v.height + v.doubt);
-        for (const Edge& edge : edges_)
-            top = std::max(top, edge.apex.height + edge.apex.doubt);
+        for (const Vertex& v : vertices_) top = std::max(top, v.height + v.doubt);
+        for (const Edge& edge : edges_) top = std::max(top, edge.apex.height + edge.apex.doubt);
         top_ = top;
     }
 
-    bool find_rivals_in_tree(const Linear& form) {
-        candidates_.clear();
-        tree_.search(
-            form, [&](Index f) { return faces_[f].start == none ? nullptr : &faces_[f].ball; },
+    bool find_rivals_in_trees(const Linear& form) {
+        const bool is_decided = vertex_tree_->search(form, vertices_, [&](Index v) {
+            if (!decide(vertices_[v], form)) return false;
+            for (const Index f : vertices_[v].forms) add_rival(f);
+            return true;
+        });
+        if (!is_decided) return false;
+        if (!rivals_.empty()) return true;
+        for (const Index f : new_faces_) {
+            if (faces_[f].start == none) continue;
+            set_ball(f);
+            face_tree_.add(f, faces_[f].ball, faces_[f].top);
+        }
+        new_faces_.clear();
+        face_tree_.search(
+            form,
+            [&](Index f) -> const Ball* {
+                if (faces_[f].start == none) return nullptr;
+                if (!faces_[f].is_ball_known) set_ball(f);
+                return &faces_[f].ball;
+            },
             [&](Index f) { return faces_[f].top; },
             [&](Index f) {
-                if (faces_[f].start != none && may_conflict(form, f)) candidates_.push_back(f);
+                if (faces_[f].start != none && may_conflict(form, f)) add_rival(f);
             });
-        for (const Index face : candidates_) {
-            Index h = faces_[face].start;
-            do {
-                Vertex& v = vertices_[half_edges_[h].origin];
-                if (v.stamp != stamp_) {
-                    if (!decide(v, form)) return false;
-                    if (is_taken(v))
-                        for (const Index f : v.forms) add_rival(f);
-                }
-                h = half_edges_[h].next;
-            } while (h != faces_[face].start);
-        }
-        if (rivals_.empty())
-            for (const Index face : candidates_) add_rival(face);
         return true;
     }
 
@@ -535,9 +526,12 @@ private:
             if (!is_decided(to, form)) return false;
             const bool is_from_taken = is_taken(vertices_[half_edges_[h].origin]);
             bool is_crossed = is_from_taken != is_taken(to);
-            if (!is_crossed && edges_[h >> 1].stamp != stamp_) {
-                edges_[h >> 1].stamp = stamp_;
-                const Middle middle = look_between(h >> 1, is_from_taken, form);
+            Edge& edge = edges_[h >> 1];
+            if (!is_crossed && edge.stamp != stamp_) {
+                edge.stamp = stamp_;
+                const Middle middle = is_beside(edge, is_from_taken, form)
+                                          ? Middle::Same
+                                          : look_between(h >> 1, is_from_taken, form);
                 if (middle == Middle::Unknown) return false;
                 is_crossed = middle == Middle::Differs;
                 if (is_crossed) split(h);
@@ -608,9 +602,15 @@ private:
     }
     // Without a tree all vertices have been compared.
     bool is_decided(Vertex& v, const Linear& form) {
-        return !has_tree_ || v.stamp == stamp_ || decide(v, form);
+        return !vertex_tree_ || v.stamp == stamp_ || decide(v, form);
     }
     bool is_taken(const Vertex& v) const { return v.taken == stamp_; }
+
+    // Of an edge in both ends of which challenger - rival has one sign: so in the whole triangle about the
+    // arc?
+    static bool is_beside(const Edge& edge, bool is_taken, const Linear& form) {
+        return is_taken ? edge.apex.is_above(form) : edge.apex.is_below(form);
+    }
 
     enum class Middle { Same, Differs, Unknown };
 
@@ -619,8 +619,6 @@ private:
     Middle look_between(Index e, bool is_taken, const Linear& form) {
         ++decisions_.by_double;
         const Edge& edge = edges_[e];
-        // Then so in the whole triangle about the arc?
-        if (is_taken ? edge.apex.is_above(form) : edge.apex.is_below(form)) return Middle::Same;
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
         const Linear& rival = forms_[left(2 * e)];
         const Vector3d gradient = form.b - rival.b;
@@ -724,6 +722,7 @@ private:
         if (!vertices_[v].is_alive) return;
         vertices_[v].is_alive = false;
         vertices_[v].remove();
+        if (vertex_tree_) vertex_tree_->remove(v);
         free_vertices_.push_back(v);
     }
     void remove_edge(Index e) {
@@ -766,12 +765,12 @@ private:
             set_arc(c.leaving >> 1);
             faces_[c.face].is_hemisphere_known = faces_[c.face].is_in_hemisphere;
         }
-        if (has_tree_) {
-            for (const Cut& c : cuts_) set_ball(c.face);
-            set_ball(challenger);
-            add_to_tree(challenger);
+        for (const Cut& c : cuts_) faces_[c.face].is_ball_known = false;
+        if (vertex_tree_) {
+            for (const Index e : new_edges_) vertex_tree_->add(half_edges_[2 * e].origin, vertices_);
+            new_faces_.push_back(challenger);
         } else if (alive_faces_.size() > largest_small) {
-            plant_tree();
+            plant_trees();
         }
         return true;
     }
@@ -790,8 +789,8 @@ private:
         if (!(W * v.error < 0x1p-10)) return std::nullopt;
         out.error = W * v.error + 8 * u * reach;
         out.height = W * v.height;
-        out.height_error = 1.01 * W * (v.doubt + 2 * reach * std::abs(v.height) * v.error) +
-                           16 * u * W * std::abs(v.height);
+        out.height_error =
+            1.01 * W * (v.doubt + 2 * reach * std::abs(v.height) * v.error) + 16 * u * W * std::abs(v.height);
         return out;
     }
 
@@ -860,13 +859,15 @@ private:
     std::vector<Index> free_vertices_, free_edges_;
     std::vector<Index> alive_faces_;  // as long as there is no tree
     double top_ = HUGE_VAL;           // the diagram is nowhere higher; infinite: not known
-    bool has_tree_ = false;
-    FaceTree tree_;
+    // Of large diagrams. The vertices tell where most forms win; faces are looked at when they do not.
+    std::optional<VertexTree> vertex_tree_;
+    FaceTree face_tree_;
+    std::vector<Index> new_faces_;  // not in the tree yet
     Decisions decisions_;
     Index stamp_ = 0;
     std::size_t inserted_ = 0;
     // Working space of insert().
-    std::vector<Index> candidates_, rivals_, swallowed_, new_edges_;
+    std::vector<Index> rivals_, swallowed_, new_edges_;
     std::vector<Index> middles_;  // half-edges that end at a vertex made by split() that is not taken
     std::vector<Cut> cuts_;
     Vector3d middle_;

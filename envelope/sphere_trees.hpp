@@ -1,5 +1,5 @@
-/// The faces of a diagram on the unit sphere by place (sphere_diagram.cpp): which of them may a linear form
-/// conflict with?
+/// The vertices and faces of a diagram on the unit sphere by place (sphere_diagram.cpp): which of them may a
+/// linear form conflict with?
 #pragma once
 
 #include <Eigen/Core>
@@ -29,7 +29,11 @@ struct Linear {
     double square;  // of b, rounded down
 
     Linear(const Vector3d& b, double e, double error)
-        : b(b), e(e), error(error), slope(b.norm() * (1 + slack) + error), square(b.squaredNorm() * (1 - slack)) {}
+        : b(b),
+          e(e),
+          error(error),
+          slope(b.norm() * (1 + slack) + error),
+          square(b.squaredNorm() * (1 - slack)) {}
 
     double operator()(const Vector3d& p) const { return b[0] * p[0] + b[1] * p[1] + b[2] * p[2] + e; }
 };
@@ -63,6 +67,133 @@ struct Cap {
     }
 };
 
+/// A place in a plane where two forms tie, at most 2 from the centre. Another form is compared with those
+/// there.
+struct Mark {
+    Vector3d p = Vector3d::Zero();
+    double height = 0;  // of the forms that tie, in p; minus infinity: a mark that is no more
+    double doubt = 0;   // bound on what error and rounding change about height
+    double error = 0;   // bound on the distance of p from the true place
+
+    // Is the form certainly higher in the true place?
+    bool is_below(const Linear& form) const {
+        return form(p) - height > 2 * form.error + doubt + form.slope * error;
+    }
+    bool is_above(const Linear& form) const {
+        return height - form(p) > 2 * form.error + doubt + form.slope * error;
+    }
+    void remove() { height = -HUGE_VAL; }
+};
+
+/// Vertices by place: an octree. A node knows how high the diagram gets at its vertices.
+class VertexTree {
+public:
+    /// `steepest`: no form has a greater slope.
+    explicit VertexTree(double steepest) : steepest_(steepest) { add_node(Vector3d::Zero(), 1); }
+
+    template <class Vertices>
+    void add(Index v, const Vertices& vertices) {
+        Index n = 0;
+        const Vector3d& p = vertices[v].p;
+        const double top = bound(vertices[v]);
+        while (true) {
+            nodes_[n].top = std::max(nodes_[n].top, top);
+            if (nodes_[n].first == none) break;
+            n = child(n, p);
+        }
+        put(v, n);
+        if (nodes_[n].vertices.size() > largest_leaf && nodes_[n].half > least_half) divide(n, vertices);
+    }
+    void remove(Index v) {
+        if (v >= places_.size() || places_[v].leaf == none) return;
+        std::vector<Index>& leaf = nodes_[places_[v].leaf].vertices;
+        leaf[places_[v].slot] = leaf.back();
+        places_[leaf.back()].slot = places_[v].slot;
+        leaf.pop_back();
+        places_[v].leaf = none;
+    }
+    // Calls visit(v) for all vertices that are not certainly below the form; ends where that returns false.
+    template <class Vertices, class Visit>
+    bool search(const Linear& form, const Vertices& vertices, const Visit& visit) {
+        const double e = form.e - 3 * form.error, least = e - form.slope;
+        open_.assign(1, 0);
+        while (!open_.empty()) {
+            Node& node = nodes_[open_.back()];
+            open_.pop_back();
+            double top = -HUGE_VAL;
+            if (node.first == none) {
+                for (const Index v : node.vertices) {
+                    top = std::max(top, bound(vertices[v]));
+                    if (!vertices[v].is_below(form) && !visit(v)) return false;
+                }
+            } else {
+                for (Index c = node.first; c < node.first + 8; ++c) {
+                    const Node& child = nodes_[c];
+                    top = std::max(top, child.top);
+                    if (least <= child.top && child.cap.least(form.b, form.slope) + e <= child.top)
+                        open_.push_back(c);
+                }
+            }
+            node.top = top;
+        }
+        return true;
+    }
+
+private:
+    struct Node {
+        Cap cap;  // holds the sphere within a cube
+        double top =
+            -HUGE_VAL;       // the vertices are certainly below forms that are higher than this in the cap
+        Index first = none;  // of its children
+        std::vector<Index> vertices;
+        Vector3d center;  // of the cube
+        double half;      // of its side
+    };
+    struct Place {
+        Index leaf = none, slot = 0;
+    };
+    static constexpr std::size_t largest_leaf = 8;
+    static constexpr double least_half = 0x1p-20;
+
+    double bound(const Mark& v) const { return v.height + v.doubt + steepest_ * (v.error + slack); }
+
+    void add_node(const Vector3d& center, double half) {
+        Node n{.cap = {}, .vertices = {}, .center = center, .half = half};
+        n.cap.shrink_to({center, half * std::numbers::sqrt3 + slack});
+        nodes_.push_back(std::move(n));
+    }
+    Index child(Index n, const Vector3d& p) const {
+        const Vector3d& c = nodes_[n].center;
+        return nodes_[n].first + (p.x() > c.x()) + 2 * (p.y() > c.y()) + 4 * (p.z() > c.z());
+    }
+    void put(Index v, Index leaf) {
+        if (places_.size() <= v) places_.resize(2 * static_cast<std::size_t>(v) + 64);
+        places_[v] = {leaf, static_cast<Index>(nodes_[leaf].vertices.size())};
+        nodes_[leaf].vertices.push_back(v);
+    }
+
+    template <class Vertices>
+    void divide(Index n, const Vertices& vertices) {
+        const std::vector<Index> all = std::move(nodes_[n].vertices);
+        nodes_[n].vertices.clear();
+        const double half = 0.5 * nodes_[n].half;
+        const Vector3d center = nodes_[n].center;
+        nodes_[n].first = static_cast<Index>(nodes_.size());
+        for (int i = 0; i < 8; ++i)
+            add_node(center + half * Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1), half);
+        for (const Index v : all) {
+            const Index leaf = child(n, vertices[v].p);
+            put(v, leaf);
+            nodes_[leaf].top = std::max(nodes_[leaf].top, bound(vertices[v]));
+        }
+    }
+
+    double steepest_;
+    std::vector<Node> nodes_;
+    std::vector<Place> places_;  // of vertices, listed or not
+    std::vector<Index> open_;    // working space of search()
+};
+
 /// The faces of the diagram by place: an octree over the centres that their balls had when they were added. A
 /// node knows how far its faces reach, and how high their forms get on them.
 class FaceTree {
@@ -73,7 +204,7 @@ public:
 
     // Calls visit(face) for the faces in whose neighbourhood the form may be lower than a face's, and for
     // some that are no more. ball(face) encloses a face, null: one that is no more; top(face) bounds its form
-    // over it from above. Faces may shrink between searches. 
+    // over it from above. Faces may shrink between searches.
     template <class BallOf, class Top, class Visit>
     void search(const Linear& form, const BallOf& ball, const Top& top, const Visit& visit) {
         search(0, form, ball, top, visit);
