@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -321,8 +322,8 @@ struct SphereFrame {
     }
 };
 
-// The coefficients divided by |K|, if that is not zero. Of coefficients within 1.01 u the quotients are
-// within 4 u.
+// The coefficients divided by |K|, if that is not zero. Of coefficients within 1.45 u the quotients are within
+// 4 u.
 CircularForm scaled_form(double K, double A, double B, double C, double W) {
     const double scale = K == 0 ? 1 : std::abs(K);
     CircularForm f;
@@ -343,6 +344,44 @@ CircularForm rounded(const ExactForm& f) {
     return scaled_form(round(f.K), round(f.A), round(f.B), round(f.C), round(f.W));
 }
 
+// A sum of at most eight products of doubles and differences of two doubles, in long double. Where that has the
+// 64 bits of an x86, and at most six of them cancel, it suffices, at a fraction of a compensated sum's cost.
+class ExtendedSum {
+public:
+    void add(long double x, long double y) {
+        const long double p = x * y;
+        value_ += p;
+        size_ += std::abs(p);
+    }
+    long double value() const { return value_; }
+    // Is it within 0.4 u? With e = 2^-64, differences, products and sums leave less than 12 e of the size.
+    bool is_certain() const {
+        constexpr long double e = std::numeric_limits<long double>::epsilon() / 2, u = 0x1p-53L;
+        return std::abs(value_) >= 30 * (e / u) * size_ && (size_ >= 0x1p-600L || size_ == 0);
+    }
+
+private:
+    long double value_ = 0, size_ = 0;
+};
+
+// c - center, rho - R0
+struct ExtendedBall {
+    std::array<long double, 3> c;
+    long double delta;
+
+    ExtendedBall(const Ball& ball, const Vec3& center, double radius)
+        : c{static_cast<long double>(ball.cx) - center.x(), static_cast<long double>(ball.cy) - center.y(),
+            static_cast<long double>(ball.cz) - center.z()},
+          delta(static_cast<long double>(ball.rho) - radius) {}
+
+    // |c|^2 - delta^2
+    ExtendedSum power() const {
+        ExtendedSum C;
+        for (const long double x : c) C.add(x, x);
+        C.add(-delta, delta);
+        return C;
+    }
+};
 struct BallDifferences {
     std::array<Difference, 3> c;
     Difference delta;
@@ -352,7 +391,6 @@ struct BallDifferences {
             Difference(ball.cz, center.z())},
           delta(ball.rho, radius) {}
 
-    // |c|^2 - delta^2
     CompensatedSum<> power() const {
         CompensatedSum<> C;
         for (const Difference& x : c) C.add_square(1, x);
@@ -361,7 +399,14 @@ struct BallDifferences {
     }
 };
 
-// SphereFrame::form() in compensated sums, where they suffice.
+// C of a ball within 1.01 u, if sums tell.
+std::optional<double> rounded_power(const Ball& ball, const Vec3& center, double radius) {
+    const ExtendedSum C = ExtendedBall(ball, center, radius).power();
+    if (C.is_certain()) return static_cast<double>(C.value());
+    return BallDifferences(ball, center, radius).power().value();
+}
+
+// SphereFrame::form() in sums, where they suffice.
 class FastForms {
 public:
     explicit FastForms(const SphereFrame& frame)
@@ -372,15 +417,15 @@ public:
         }
     }
 
-    // `power` is that of the ball's differences.
-    std::optional<CircularForm> form(const Ball& ball, const CompensatedSum<>& power) const {
+    std::optional<CircularForm> form(const Ball& ball) const {
+        if (const auto f = extended_form(ball)) return f;
         const BallDifferences d(ball, frame_.center, frame_.radius);
         // P0, P1, K and -C side by side.
         CompensatedSum<Four> sums;
         for (int k = 0; k < 3; ++k) sums.add(row_[k], d.c[k]);
         sums.add(delta_, d.delta);
         const auto f = sums.value();
-        const auto w = power.times(norm_).value();
+        const auto w = d.power().times(norm_).value();
         if (!f || !w) return std::nullopt;
         return scaled_form((*f)[2], -2 * (*f)[0], -2 * (*f)[1], -(*f)[3], 0.5 * *w);
     }
@@ -396,6 +441,27 @@ public:
 
 private:
     using Four = Eigen::Array4d;
+
+    std::optional<CircularForm> extended_form(const Ball& ball) const {
+        const ExtendedBall d(ball, frame_.center, frame_.radius);
+        const ExtendedSum C = d.power();
+        if (!C.is_certain()) return std::nullopt;
+        ExtendedSum P0, P1, along, K, minus_C;
+        for (int k = 0; k < 3; ++k) {
+            const auto row = frame_.rotation.matrix.row(k);
+            P0.add(row[0], d.c[k]);
+            P1.add(row[1], d.c[k]);
+            along.add(row[2], d.c[k]);
+        }
+        K = minus_C = along;
+        K.add(-norm_.value, d.delta);
+        minus_C.add(norm_.value, d.delta);
+        for (const ExtendedSum& sum : {P0, P1, K, minus_C})
+            if (!sum.is_certain()) return std::nullopt;
+        const auto rounded = [](const ExtendedSum& sum) { return static_cast<double>(sum.value()); };
+        return scaled_form(rounded(K), -2 * rounded(P0), -2 * rounded(P1), -rounded(minus_C),
+                           static_cast<double>(0.5L * norm_.value * C.value()));
+    }
 
     const SphereFrame& frame_;
     Halves<> norm_;
@@ -428,11 +494,6 @@ public:
     }
 
 private:
-    // C of a ball.
-    struct Power {
-        CompensatedSum<> sum;
-        double rounded;
-    };
     using FormSource = std::variant<Ball, WorldSide, std::shared_ptr<const ExactForm>>;
 
     void check_box() const {
@@ -452,8 +513,7 @@ private:
 
     void add(std::uint32_t i, const Sphere& sphere) {
         const Ball ball{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
-        const CompensatedSum<> power = BallDifferences(ball, frame_->center, frame_->radius).power();
-        auto C = power.value();
+        auto C = rounded_power(ball, frame_->center, frame_->radius);
         if (!C) C = 2 * nearest(frame_->height(ball).w);
         if (!(*C > 0)) {
             const bool same = ball.rho == frame_->radius && sphere.center == frame_->center;
@@ -463,7 +523,7 @@ private:
                                                        : "lies in the base");
         }
         objects_.balls.add(ball, i);
-        powers_.push_back({power, *C});
+        powers_.push_back(*C);
     }
 
     void add(std::uint32_t i, const Plane& plane) {
@@ -516,7 +576,7 @@ private:
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             const Ball& ball = objects_.balls.items[i];
             const double size = ball.rho - frame_->radius;
-            if (powers_[i].rounded > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
+            if (powers_[i] > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
                 continue;
             const std::array<Exact, 5> of_ball = ray(frame_->height(ball));
             for (std::size_t k = 0; k < objects_.planes.size(); ++k)
@@ -535,7 +595,7 @@ private:
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             if (!objects_.is_kept(objects_.balls.objects[i])) continue;
             const Ball& ball = objects_.balls.items[i];
-            const double scale = 2 / powers_[i].rounded;
+            const double scale = 2 / powers_[i];
             nearness.linear.push_back(
                 {scale * (Vec3(ball.cx, ball.cy, ball.cz) - center), scale * (ball.rho - radius)});
         }
@@ -591,7 +651,7 @@ private:
             if (sphere != nullptr) {
                 const Ball& ball = objects_.balls.items[k];
                 found.add(Site::object(i), Sphere{sphere->center - frame_->center, sphere->radius});
-                const auto f = fast.form(ball, powers_[k].sum);
+                const auto f = fast.form(ball);
                 add(f ? *f : rounded(frame_->form(frame_->height(ball))), ball);
             } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
                 found.add(Site::object(i), Plane{plane->point - frame_->center, plane->normal});
@@ -648,7 +708,7 @@ private:
     const Scene& scene_;
     std::shared_ptr<SphereFrame> frame_;
     Objects objects_;
-    std::vector<Power> powers_;  // of objects_.balls
+    std::vector<double> powers_;  // C of objects_.balls
     std::array<std::uint32_t, 6> side_twin_{none, none, none, none, none, none};
 };
 
