@@ -58,6 +58,7 @@ public:
         for (const CircularForm& f : family_.forms) {
             forms_.push_back(linear(f));
             least_slope = std::min(least_slope, forms_.back().slope);
+            steepest_ = std::max(steepest_, forms_.back().slope);
         }
         const std::optional<Index> owner = owner_of_pole();
         if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
@@ -253,7 +254,7 @@ private:
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
         edge.apex = Mark();
-        edge.apex.doubt = HUGE_VAL;
+        edge.apex.doubt = edge.apex.level = HUGE_VAL;
         const double radius2 = 1 - edge.offset * edge.offset / edge.square;
         if (!(radius2 > least_square)) return;
         // Certainly less than half a turn?
@@ -270,6 +271,7 @@ private:
         edge.apex.error = 1024 * edge.error / edge.length + 32 * (p.error + q.error) + 4 * slack;
         edge.apex.height = f(edge.apex.p);
         edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
+        edge.apex.set_level(steepest_);
     }
 
     // Where three forms tie; of the two points the one where f, g, h follow each other counter-clockwise.
@@ -318,6 +320,7 @@ private:
             if (forms_[f].error < best->error) best = &forms_[f];
         v.height = (*best)(v.p);
         v.doubt = best->error + best->slope * v.error;
+        v.set_level(steepest_);
     }
 
     // An enclosing ball, if there is a smaller one than now. Around vertices and apexes, so that it holds the
@@ -332,7 +335,7 @@ private:
             const Mark& apex = edges_[h >> 1].apex;
             center += v.p;
             ++count;
-            top = std::max({top, v.height + v.doubt, apex.height + apex.doubt});
+            top = std::max({top, v.level, apex.level});
         });
         // The form is highest on the boundary, unless the face holds the point where it is highest anywhere.
         f.is_ball_known = true;
@@ -356,9 +359,7 @@ private:
     }
 
     void plant_trees() {
-        double steepest = 0;
-        for (const Linear& form : forms_) steepest = std::max(steepest, form.slope);
-        vertex_tree_.emplace(steepest);
+        vertex_tree_.emplace();
         for (Index v = 0; v < vertices_.size(); ++v)
             if (vertices_[v].is_alive) vertex_tree_->add(v, vertices_);
         new_faces_ = alive_faces_;
@@ -425,6 +426,7 @@ private:
                 std::erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
             alive_faces_.push_back(challenger);
             top_ = HUGE_VAL;
+            is_top_known_ = false;
         }
         return close(challenger);
     }
@@ -449,7 +451,7 @@ private:
                   ((grows_to_pole(form, forms_[f]) && is_in_hemisphere(f)) || is_within(form, f))))
                 add_rival(f);
         is_beaten = rivals_.empty();
-        if (is_beaten && top_ == HUGE_VAL) set_top();
+        if (is_beaten && !is_top_known_) set_top();
         return true;
     }
 
@@ -464,11 +466,12 @@ private:
     // A bound on the diagram from above: forms are highest where faces end, or opposite to where they are
     // lowest.
     void set_top() {
-        double top = -HUGE_VAL;
+        is_top_known_ = true;
         for (const Index f : alive_faces_)
             if (!is_in_hemisphere(f)) return;
-        for (const Vertex& v : vertices_) top = std::max(top, v.height + v.doubt);
-        for (const Edge& edge : edges_) top = std::max(top, edge.apex.height + edge.apex.doubt);
+        double top = -HUGE_VAL;
+        for (const Vertex& v : vertices_) top = std::max(top, v.level);
+        for (const Edge& edge : edges_) top = std::max(top, edge.apex.level);
         top_ = top;
     }
 
@@ -851,6 +854,7 @@ private:
 
     const FormFamily& family_;
     const EnvelopeOptions& options_;
+    double steepest_ = 0;        // slope of forms
     std::vector<Linear> forms_;  // the family's, and four that are higher in the end
     std::vector<Vertex> vertices_;
     std::vector<HalfEdge> half_edges_;
@@ -858,7 +862,8 @@ private:
     std::vector<Face> faces_;
     std::vector<Index> free_vertices_, free_edges_;
     std::vector<Index> alive_faces_;  // as long as there is no tree
-    double top_ = HUGE_VAL;           // the diagram is nowhere higher; infinite: not known
+    double top_ = HUGE_VAL;           // the diagram is nowhere higher
+    bool is_top_known_ = false;
     // Of large diagrams. The vertices tell where most forms win; faces are looked at when they do not.
     std::optional<VertexTree> vertex_tree_;
     FaceTree face_tree_;

@@ -71,31 +71,36 @@ struct Cap {
 /// there.
 struct Mark {
     Vector3d p = Vector3d::Zero();
-    double height = 0;  // of the forms that tie, in p; minus infinity: a mark that is no more
+    double height = 0;  // of the forms that tie, in p
     double doubt = 0;   // bound on what error and rounding change about height
     double error = 0;   // bound on the distance of p from the true place
+    // A form of which also value - 2 error is more in p is certainly higher in the true place; minus infinity: a mark
+    // that is no more.
+    double level = 0;
+
+    // No form that is compared has a greater slope than the steepest.
+    void set_level(double steepest) { level = height + doubt + steepest * error; }
+    void remove() { level = -HUGE_VAL; }
 
     // Is the form certainly higher in the true place?
     bool is_below(const Linear& form) const {
-        return form(p) - height > 2 * form.error + doubt + form.slope * error;
+        return form(p) - 2 * form.error > level || form(p) - height > 2 * form.error + doubt + form.slope * error;
     }
     bool is_above(const Linear& form) const {
         return height - form(p) > 2 * form.error + doubt + form.slope * error;
     }
-    void remove() { height = -HUGE_VAL; }
 };
 
 /// Vertices by place: an octree. A node knows how high the diagram gets at its vertices.
 class VertexTree {
 public:
-    /// `steepest`: no form has a greater slope.
-    explicit VertexTree(double steepest) : steepest_(steepest) { add_node(Vector3d::Zero(), 1); }
+    VertexTree() { add_node(Vector3d::Zero(), 1); }
 
     template <class Vertices>
     void add(Index v, const Vertices& vertices) {
         Index n = 0;
         const Vector3d& p = vertices[v].p;
-        const double top = bound(vertices[v]);
+        const double top = vertices[v].level;
         while (true) {
             nodes_[n].top = std::max(nodes_[n].top, top);
             if (nodes_[n].first == none) break;
@@ -123,7 +128,7 @@ public:
             double top = -HUGE_VAL;
             if (node.first == none) {
                 for (const Index v : node.vertices) {
-                    top = std::max(top, bound(vertices[v]));
+                    top = std::max(top, vertices[v].level);
                     if (!vertices[v].is_below(form) && !visit(v)) return false;
                 }
             } else {
@@ -155,8 +160,6 @@ private:
     static constexpr std::size_t largest_leaf = 8;
     static constexpr double least_half = 0x1p-20;
 
-    double bound(const Mark& v) const { return v.height + v.doubt + steepest_ * (v.error + slack); }
-
     void add_node(const Vector3d& center, double half) {
         Node n{.cap = {}, .vertices = {}, .center = center, .half = half};
         n.cap.shrink_to({center, half * std::numbers::sqrt3 + slack});
@@ -184,11 +187,10 @@ private:
         for (const Index v : all) {
             const Index leaf = child(n, vertices[v].p);
             put(v, leaf);
-            nodes_[leaf].top = std::max(nodes_[leaf].top, bound(vertices[v]));
+            nodes_[leaf].top = std::max(nodes_[leaf].top, vertices[v].level);
         }
     }
 
-    double steepest_;
     std::vector<Node> nodes_;
     std::vector<Place> places_;  // of vertices, listed or not
     std::vector<Index> open_;    // working space of search()
