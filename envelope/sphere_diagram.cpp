@@ -180,7 +180,7 @@ private:
     // Forms that lose in the end, so high are they: -slope t.p for points t of the sphere that no input
     // favours. The first four are the corners of a tetrahedron.
     bool start(double slope, Index count) {
-        const Eigen::Matrix3d turn =
+        static const Eigen::Matrix3d turn =
             (Eigen::AngleAxisd(0.7131, Vector3d::UnitX()) * Eigen::AngleAxisd(1.9277, Vector3d::UnitZ()))
                 .toRotationMatrix();
         const std::array<Vector3d, 4> corners{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}};
