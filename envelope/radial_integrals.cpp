@@ -89,6 +89,7 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
         axis = sphere->center / c;
         d1 = 0.5 * (c - delta);
         d2 = 0.5 * (c + delta);
+        root = sqrt(d1 * d2);
         shape = delta == 0 ? Shape::Flat : Shape::Hyperboloid;
         k = 2 * d1 * d2;
         e0 = delta;
@@ -114,23 +115,11 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
         k = d1 = distance;
         e0 = 0;
     }
-    d2 = d1;
+    d2 = root = d1;
     c = 2 * d1;
 }
 
 double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axis, ray.u)); }
-
-double RoundFace::volume_factor(double t) const {
-    switch (shape) {
-        case Shape::Flat:
-            return d1 / 6;
-        case Shape::Paraboloid:
-            return (t + d1) / 12;
-        case Shape::Hyperboloid:
-            break;
-    }
-    return c / 12 * (t + d1) / (t + d2);
-}
 
 // The form f(t) b.(p x dp) has the derivative f' dt ^ b.(p x dp) + f b.(dp x dp), of size t |f'| + 2 f at
 // most. Of a hyperboloid, c (t + d1) / (12 (t + d2)) has t |f'| < c |delta| / (12 (t + d2)), and t > 0.
@@ -146,77 +135,85 @@ double RoundFace::volume_slope(double far) const {
     return c / 12 * (2 * std::max(1.0, d1 / d2) + std::abs(delta) / d2);
 }
 
-// The mean of sqrt(x (x + delta)) over d1 <= x <= t. With S = sqrt(x) + sqrt(x + delta), 4 x + 2 delta = S^2
-// + delta^2 / S^2, and the antiderivative is (S^4 - delta^4 / S^4) / 32 - delta^2 log(S) / 4; its differences
-// are divided by t - d1 here. They cancel where one distance is far below |delta|; then the integral over the
-// root of that distance is all but a polynomial.
-static double mean_root(double d1, double d2, double delta, double t) {
-    const double near0 = std::min(d1, d2), near1 = std::min(t, t + delta), apart = std::abs(delta);
-    if (4 * std::max(near0, near1) < apart) {
-        // x^2 the smaller distance: 2 x^2 sqrt(x^2 + apart) dx, whose singularities are at least 2 intervals
-        // away.
-        const double x0 = sqrt(near0), x1 = sqrt(near1), middle = 0.5 * (x0 + x1), half = 0.5 * (x1 - x0);
-        const auto& rule = quadrature::rule<10>();
-        double sum = 0;
-        for (int i = 0; i < 5; ++i)
-            for (const double x : {middle - half * rule.x[i], middle + half * rule.x[i]})
-                sum += rule.weight[i] * x * x * sqrt(x * x + apart);
-        return sum / (x0 + x1);
-    }
-    const double a0 = sqrt(d1), a1 = sqrt(t), b0 = sqrt(d2), b1 = sqrt(t + delta);
-    const double S0 = a0 + b0, S1 = a1 + b1, sum = S0 + S1;
-    const double reciprocal = 1 / ((a0 + a1) * (b0 + b1));  // (S1 - S0) / ((t - d1) (S1 + S0))
-    const double z = (t - d1) * reciprocal, z2 = z * z;     // log(S1 / S0) = 2 atanh(z)
-    double log_part = 0;                                    // atanh(z) / z
-    if (z2 < 0.04) {
-        const double z4 = z2 * z2, z8 = z4 * z4;
-        const auto pair = [&](int odd) { return 1.0 / odd + z2 * (1.0 / (odd + 2)); };
-        log_part = pair(1) + z4 * pair(5) + z8 * (pair(9) + z4 * pair(13) + z8 * (pair(17) + z4 * pair(21)));
-    } else {
-        log_part = std::atanh(z) / z;
-    }
-    const double square = delta * delta, product = S0 * S1, quotient = square / (product * product);
-    return reciprocal *
-           (sum * sum * (S0 * S0 + S1 * S1) * (1 + quotient * quotient) / 32 - 0.5 * square * log_part);
+static double largest(double x) { return x; }
+template <class Derived>
+double largest(const Eigen::ArrayBase<Derived>& x) {
+    return x.maxCoeff();
 }
 
-double RoundFace::area_factor(double t) const {
+// atanh(y) / y - 1, by its series up to y^2 = 1 / 16, relative truncation 2^-43 and less; from there on by
+// 2 atanh(z) = atanh(y) with z = y / (1 + sqrt(1 - y^2)), y = 2 z / (1 + z^2).
+template <class T>
+static T atanh_excess(const T& square, int halvings = 8) {
+    if (!(largest(square) > 0.0625) || halvings == 0)
+        return square *
+               (1.0 / 3 +
+                square *
+                    (1.0 / 5 +
+                     square *
+                         (1.0 / 7 +
+                          square *
+                              (1.0 / 9 +
+                               square *
+                                   (1.0 / 11 +
+                                    square *
+                                        (1.0 / 13 +
+                                         square * (1.0 / 15 +
+                                                   square * (1.0 / 17 +
+                                                             square * (1.0 / 19 + square * (1.0 / 21))))))))));
+    const T root = 1 + sqrt(1 - square);
+    const T half = square / (root * root), excess = atanh_excess(half, halvings - 1);
+    return excess + half * (1 + excess);
+}
+
+// With r = sqrt(x (x + delta)) the antiderivative is (2 x + delta) r / 4 - delta^2 / 4 log(sqrt(x) + sqrt(x +
+// delta)). Let r0 = sqrt(d1 d2) be that at d1 and y = (t - d1) / (r0 + r): the logarithms' difference is
+// atanh(y), and as r^2 - r0^2 = (t - d1) (t + d2),
+//
+//     M = (2 r + (c (t + d2) - delta^2 atanh(y) / y) / (r0 + r)) / 4,
+//
+// c (t + d2) - delta^2 = d2 (3 d1 + t) + d1 (t - d1). What is left to subtract, delta^2 times the excess of
+// atanh(y) / y over 1, is half of that at most.
+template <class T>
+RoundFace::Factors<T> RoundFace::factors(const T& t) const {
     switch (shape) {
         case Shape::Flat:
-            return 0.5;
+            return {T(0 * t + d1 / 6), T(0 * t + 0.5)};
         case Shape::Paraboloid: {
-            const double x = sqrt(t / d1);  // the mean of sqrt(x / d1) / 2
-            return (x * x + x + 1) / (3 * (x + 1));
+            const T x = sqrt(t * (1 / d1));  // the mean of sqrt(x / d1) / 2
+            return {T((t + d1) * (1.0 / 12)), T((x * x + x + 1) / (3 * (x + 1)))};
         }
         case Shape::Hyperboloid:
             break;
     }
-    return c * mean_root(d1, d2, delta, t) / (2 * sqrt(d1 * d2) * (t + d2));
+    const T r = sqrt(t * (t + delta)), reciprocal = 1 / (root + r), y = (t - d1) * reciprocal;
+    const T over = 1 / (t + d2), rest = d2 * (3 * d1 + t) + d1 * (t - d1);
+    const T mean = 2 * r + reciprocal * (rest - delta * delta * atanh_excess(T(y * y)));
+    return {T(c / 12 * (t + d1) * over), T(c / (8 * root) * mean * over)};
 }
 
-// Both factors, or their bounds where t stays off the cut.
-static Share factors(const RoundFace& f, double t) { return {f.volume_factor(t), f.area_factor(t)}; }
-
+// Bounds of both factors where t stays off the cut.
 static Share factor_bounds(const RoundFace& f, double least, double most) {
     using Shape = RoundFace::Shape;
     if (f.shape == Shape::Flat) return {f.d1 / 6, 0.5};
     most = std::max(most, f.d1);
     if (!(least > std::max(0.0, -f.delta))) return {infinity, infinity};
     if (f.shape == Shape::Paraboloid) return {(most + f.d1) / 12, 0.5 * sqrt(most / f.d1)};
-    return {f.c / 12 * (most + f.d1) / (least + f.d2),
-            f.c * sqrt(most * (most + std::abs(f.delta))) / (2 * sqrt(f.d1 * f.d2) * (least + f.d2))};
+    const double scale = f.c / (least + f.d2);
+    return {scale / 12 * (most + f.d1), scale * sqrt(most * (most + std::abs(f.delta))) / (2 * f.root)};
 }
 
 Share RoundFace::share(const Ray& ray) const {
     const double t = distance(ray), element = t * t * dot(axis, cross(ray.u, ray.du));
-    const Share f = factors(*this, t);
+    const Factors<double> f = factors(t);
     return {f.volume * element, f.area * element};
 }
 
 Share RoundFace::size(const Ray& ray) const {
     const double t = distance(ray), condition = 1 + (std::abs(e0) + e1) * t / k;
     const double element = t * t * norm(ray.du) * condition;
-    return {volume_factor(t) * element, area_factor(t) * element};
+    const Factors<double> f = factors(t);
+    return {f.volume * element, f.area * element};
 }
 
 // ---- Cylinders over a sphere ------------------------------------------------------------------------
@@ -494,103 +491,105 @@ namespace {
 // (p, t, w), homogeneous.
 using ConicPoint = Eigen::Matrix<double, 5, 1>;
 
-// A Gauss-Legendre rule with the radius of a disk around [-1, 1] that contains an ellipse on which an
-// integrand of size 1 leaves an error of `truncation` < 2e-15: less than rounding.
-struct RuleChoice {
-    double reach, truncation;
-    int half_points;
-    const double *x, *weight;
-};
+// Aimed at for the truncation of one span, as a part of what the integrand's bounds over the span integrate to:
+// no more than rounding comes to where many spans add up. What is reported is the bound that is reached.
+constexpr double aim = 0x1p-43;
 
-template <int n>
-RuleChoice choice(double reach) {
-    const double rho = reach + sqrt(reach * reach - 1), square = rho * rho;
-    const quadrature::RuleOf<n>& rule = quadrature::rule<n>();
-    return {reach, 64.0 / 15 * std::pow(square, -n) / (1 - 1 / square), n / 2, rule.x.data(),
-            rule.weight.data()};
-}
+// Nothing that the integrands divide by or take the root of changes by more than this part over a disk.
+constexpr double tame_part = 0.75;
+constexpr double widest_disk = 16, least_disk = 1.5;  // radii; the span is [-1, 1]
 
-const std::array<RuleChoice, 5>& rule_choices() {
-    static const std::array choices{choice<6>(10), choice<8>(5), choice<10>(3.3), choice<12>(2.5),
-                                    choice<16>(1.8)};
-    return choices;
-}
+constexpr double square(double x) { return x * x; }
 
 // A quadratic, and a bound of how far it is from its value at 0 for |s| <= r.
 struct Quadratic {
     double c0, c1, c2;
 
-    double operator()(double s) const { return c0 + s * (c1 + s * c2); }
+    template <class T>
+    T operator()(const T& s) const {
+        return c0 + s * (c1 + s * c2);
+    }
     double deviation(double r) const { return r * (std::abs(c1) + r * std::abs(c2)); }
+};
+
+template <int n>
+using Nodes = Eigen::Array<double, n, 1>;
+
+// Both halves of a symmetric rule.
+template <int n>
+struct NodeRule {
+    Nodes<n> s, weight;
+
+    static const NodeRule& get() {
+        static const NodeRule value = [] {
+            const quadrature::RuleOf<n>& half = quadrature::rule<n>();
+            NodeRule r;
+            for (int i = 0; i < n; ++i) {
+                r.s[i] = i < n / 2 ? -half.x[i] : half.x[i - n / 2];
+                r.weight[i] = half.weight[i % (n / 2)];
+            }
+            return r;
+        }();
+        return value;
+    }
 };
 
 class Conic {
 public:
+    using RoundFace = radial_integrals::RoundFace;
     using Powers = std::array<ConicPoint, 3>;
 
     Conic(const ConicPoint& from, const ConicPoint& middle, const ConicPoint& to)
         : Conic(Powers{0.25 * (from + 2 * middle + to), 0.5 * (to - from), 0.25 * (from - 2 * middle + to)}) {
     }
 
-    void add(const radial_integrals::RoundFace& left, const radial_integrals::RoundFace& right,
-             RadialIntegrals& sum, int halvings = 40) const {
-        const double edge_of_t = std::max({0.0, -left.delta, -right.delta});
-        const RuleChoice* rule = nullptr;
-        for (const RuleChoice& c : rule_choices()) {
-            if (!is_tame(c.reach, edge_of_t)) continue;
-            rule = &c;
-            break;
-        }
-        if (rule == nullptr && halvings > 0) {
+    // On an ellipse whose semi-axes' sum is rho, in the disk |s| <= r with 2 r = rho + 1 / rho, the n-point
+    // rule errs by (64/15) rho^(-2n) / (1 - rho^-2) of the integrand's bound (quadrature.hpp).
+    void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings = 40) const {
+        const double r = disk(std::max({0.0, -left.delta, -right.delta}));
+        const double rho = r + sqrt(r * r - 1), shrink = 1 / square(rho);
+        const double least_w = w_.c0 - w_.deviation(r);
+        const double moment = this->moment(r) / square(least_w);
+        const double needed = aim * this->moment(1) / square(std::max(w_.c0, 1.0));
+        double truncation = 64.0 / 15 * moment / (1 - shrink) * square(square(shrink));
+        int points = 4;
+        for (; points < most_points && !(truncation <= needed); points += 2) truncation *= square(shrink);
+        // NaN where there is no disk.
+        if (!(truncation <= needed) && halvings > 0) {
             for (const double sign : {-1.0, 1.0})
                 Conic(Powers{a_[0] + sign * 0.5 * a_[1] + 0.25 * a_[2], 0.5 * a_[1] + sign * 0.5 * a_[2],
                              0.25 * a_[2]})
                     .add(left, right, sum, halvings - 1);
             return;
         }
-        if (rule == nullptr) rule = &rule_choices().back();
-
-        const int count = 2 * rule->half_points;
-        std::array<double, 16> s, t, weight;
-        double length = 0;
-        for (int i = 0; i < count; ++i) {
-            s[i] = i < rule->half_points ? -rule->x[i] : rule->x[i - rule->half_points];
-            const double reciprocal = 1 / w_(s[i]);
-            t[i] = t_(s[i]) * reciprocal;
-            weight[i] = rule->weight[i % rule->half_points] * reciprocal * reciprocal;
-            length +=
-                weight[i] *
-                sqrt(speed2_[0] +
-                     s[i] * (speed2_[1] + s[i] * (speed2_[2] + s[i] * (speed2_[3] + s[i] * speed2_[4]))));
-        }
-        sum.length += {length, term_rounding * length};
-
-        const double w = w_.c0 - w_.deviation(rule->reach), middle_t = t_.c0 / w_.c0;
-        const double turned_t =
-            Quadratic{0, t_.c1 - middle_t * w_.c1, t_.c2 - middle_t * w_.c2}.deviation(rule->reach) / w;
-        const double moment =
-            (x_[0].norm() + rule->reach * (x_[1].norm() + rule->reach * x_[2].norm())) / (w * w);
-        const double error = 2 * rule->truncation * moment;
-        const double size = 2 * term_rounding * (x_[0].norm() + x_[1].norm() + x_[2].norm()) /
-                            std::min(square(w_(-1)), square(w_(1)));
-        const double far = std::max(t_(-1) / w_(-1), t_(1) / w_(1));
+        const double rounding = 2 * term_rounding * this->moment(1) / square(std::min(w_(-1.0), w_(1.0)));
+        const double middle_t = t_.c0 / w_.c0, turned_t = turned().deviation(r) / least_w;
+        const double error = truncation + rounding;
         for (const int side : {0, 1}) {
-            const radial_integrals::RoundFace& face = side == 0 ? left : right;
-            const Quadratic n{face.axis.dot(x_[0]), face.axis.dot(x_[1]), face.axis.dot(x_[2])};
-            double volume = 0, area = 0;
-            for (int i = 0; i < count; ++i) {
-                const double element = weight[i] * n(s[i]);
-                volume += element * face.volume_factor(t[i]);
-                area += element * face.area_factor(t[i]);
-            }
-            const auto bounds = factor_bounds(face, middle_t - turned_t, middle_t + turned_t);
-            const auto sizes = factors(face, far);
-            sum.sides[side].volume += {volume, error * bounds.volume + size * sizes.volume};
-            sum.sides[side].area += {area, error * bounds.area + size * sizes.area};
+            const auto bounds =
+                factor_bounds(side == 0 ? left : right, middle_t - turned_t, middle_t + turned_t);
+            sum.sides[side].volume.error += error * bounds.volume;
+            sum.sides[side].area.error += error * bounds.area;
+        }
+        switch (points) {
+            case 4:
+                return add_values<4>(left, right, sum);
+            case 6:
+                return add_values<6>(left, right, sum);
+            case 8:
+                return add_values<8>(left, right, sum);
+            case 10:
+                return add_values<10>(left, right, sum);
+            case 12:
+                return add_values<12>(left, right, sum);
+            default:
+                return add_values<most_points>(left, right, sum);
         }
     }
 
 private:
+    static constexpr int most_points = 14;
+
     explicit Conic(const Powers& a) : a_(a), t_{a[0][3], a[1][3], a[2][3]}, w_{a[0][4], a[1][4], a[2][4]} {
         // p x dp and dp, both times w^2: the powers that would be higher cancel.
         const Vec3 p0 = a[0].head<3>(), p1 = a[1].head<3>(), p2 = a[2].head<3>();
@@ -600,18 +599,56 @@ private:
         speed2_ = {y0.dot(y0), 2 * y0.dot(y1), y1.dot(y1) + 2 * y0.dot(y2), 2 * y1.dot(y2), y2.dot(y2)};
     }
 
-    static double square(double x) { return x * x; }
+    // Bound of |p x dp| w^2 on the disk.
+    double moment(double r) const { return x_[0].norm() + r * (x_[1].norm() + r * x_[2].norm()); }
 
-    // Nothing that the integrands divide by or take the root of changes by more than this part over the disk.
-    bool is_tame(double reach, double edge_of_t) const {
-        constexpr double part = 0.875;
-        const double change = w_.deviation(reach), middle_t = t_.c0 / w_.c0;
-        if (!(change <= part * w_.c0)) return false;
-        const Quadratic turned{0, t_.c1 - middle_t * w_.c1, t_.c2 - middle_t * w_.c2};
-        if (!(turned.deviation(reach) <= part * (w_.c0 - change) * (middle_t - edge_of_t))) return false;
-        double power = reach, speed_change = 0;
-        for (int i = 1; i < 5; ++i, power *= reach) speed_change += power * std::abs(speed2_[i]);
-        return speed_change <= part * speed2_[0];
+    // w (t - its value at 0).
+    Quadratic turned() const {
+        const double middle = t_.c0 / w_.c0;
+        return {0, t_.c1 - middle * w_.c1, t_.c2 - middle * w_.c2};
+    }
+
+    // The radius of a disk on which the integrands are analytic; NaN if there is none that helps. On it t keeps
+    // to its side of `edge_of_t`, and so does |dp|^2, which on a circle is a multiple of 1 / w^2.
+    double disk(double edge_of_t) const {
+        const auto reach = [](double linear, double quadratic, double bound) {
+            return 2 * bound / (linear + sqrt(square(linear) + 4 * quadratic * bound));
+        };
+        const double w1 = std::abs(w_.c1), w2 = std::abs(w_.c2), part = tame_part;
+        const double room = part * (t_.c0 / w_.c0 - edge_of_t);
+        const Quadratic t = turned();
+        double r =
+            std::min({widest_disk, reach(w1, w2, part * w_.c0),
+                      reach(std::abs(t.c1) + room * w1, std::abs(t.c2) + room * w2, room * w_.c0)});
+        const double mean = speed2_[0] / square(w_.c0);
+        const double rest1 = std::abs(speed2_[1] - 2 * mean * w_.c0 * w_.c1),
+                     rest2 = std::abs(speed2_[2] - mean * (w_.c1 * w_.c1 + 2 * w_.c0 * w_.c2)),
+                     rest3 = std::abs(speed2_[3] - 2 * mean * w_.c1 * w_.c2),
+                     rest4 = std::abs(speed2_[4] - mean * w_.c2 * w_.c2);
+        for (; r >= least_disk; r *= 0.875) {
+            const double least_w = w_.c0 - w_.deviation(r);
+            if (r * (rest1 + r * (rest2 + r * (rest3 + r * rest4))) <= part * mean * square(least_w)) return r;
+        }
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+
+    template <int n>
+    void add_values(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
+        const auto& [s, rule_weight] = NodeRule<n>::get();
+        const Nodes<n> reciprocal = 1 / w_(s), t = t_(s) * reciprocal;
+        const Nodes<n> weight = rule_weight * reciprocal.square();
+        const auto& v = speed2_;
+        const double length =
+            (weight * sqrt(v[0] + s * (v[1] + s * (v[2] + s * (v[3] + s * v[4]))))).sum();
+        sum.length += {length, term_rounding * length};
+        for (const int side : {0, 1}) {
+            const RoundFace& face = side == 0 ? left : right;
+            const Quadratic along{face.axis.dot(x_[0]), face.axis.dot(x_[1]), face.axis.dot(x_[2])};
+            const Nodes<n> element = weight * along(s);
+            const RoundFace::Factors<Nodes<n>> f = face.factors(t);
+            sum.sides[side].volume.value += (element * f.volume).sum();
+            sum.sides[side].area.value += (element * f.area).sum();
+        }
     }
 
     Powers a_;
@@ -706,7 +743,7 @@ void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const
     sum.length += {length, term_rounding * length};
     for (const int side : {0, 1}) {
         const auto& face = std::get<radial_integrals::RoundFace>(side == 0 ? left : right);
-        const auto f = factors(face, face.d1);
+        const auto f = face.factors(face.d1);
         const double turned = face.axis.dot(moment);
         sum.sides[side].volume += {f.volume * turned, f.volume * size};
         sum.sides[side].area += {f.area * turned, f.area * size};

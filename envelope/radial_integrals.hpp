@@ -76,13 +76,19 @@ struct RoundFace {
     Shape shape;
     Vec3 axis;                ///< b
     double d1, d2, c, delta;  ///< of a paraboloid d1 only
+    double root;              ///< sqrt(d1 d2)
     /// t = k / (e0 + e1 z)
     double k, e0, e1;
 
     RoundFace(const RadialBaseProblem& problem, FormId form);
     double least_distance() const { return d1; }
-    double volume_factor(double t) const;  ///< of b.(p x dp)
-    double area_factor(double t) const;
+    /// What b.(p x dp) is multiplied by at distance t: a number, or an array of them.
+    template <class T>
+    struct Factors {
+        T volume, area;
+    };
+    template <class T>
+    Factors<T> factors(const T& t) const;
     /// Bound on how the volume changes, to first order, where a stretch of a curve with t <= far leaves its
     /// place: times its length and the distance.
     double volume_slope(double far) const;
@@ -174,8 +180,8 @@ struct RadialIntegrals {
 };
 
 /// Of a rational quadratic over a sphere base that lies on both bisectors; control points (p w, w),
-/// canonical. Pre: both sides are RoundFaces. Error: truncation as proven in quadrature.hpp on ellipses of
-/// several sizes; rounding to first order, doubled.
+/// canonical. Pre: both sides are RoundFaces. Error: truncation as proven in quadrature.hpp, with as many points
+/// as bring it to some 2^-43 of the integrand's size; rounding to first order, doubled.
 void add_conic(const std::array<Eigen::Vector4d, 3>& points, const RadialFace& left, const RadialFace& right,
                RadialIntegrals& sum);
 /// Of a segment between flat bisectors over a sphere base.
