@@ -3,9 +3,13 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <vector>
+
+#include "small_vector.hpp"
 
 namespace vcell {
+
+/// Room for two quadratic spans inside.
+using Knots = SmallVector<double, 8>;
 
 /// A rational B-spline curve in R^Dim over a full, clamped knot vector.
 /// Control point i is points[i] = (x_1, ..., x_Dim, w): Euclidean coordinates (w already divided out)
@@ -16,8 +20,8 @@ struct RationalCurve {
     using ControlPoint = Eigen::Matrix<double, Dim + 1, 1>;
 
     int degree = 1;
-    std::vector<double> knots;
-    std::vector<ControlPoint> points;
+    Knots knots;
+    SmallVector<ControlPoint, 5> points;
 
     double domain_begin() const { return knots.front(); }
     double domain_end() const { return knots.back(); }
@@ -41,7 +45,7 @@ struct RationalPatch {
     int degree_v = 1;
     std::array<double, 2> domain_u{0, 1};
     std::array<double, 2> domain_v{0, 1};
-    std::vector<Eigen::Vector4d> points;
+    SmallVector<Eigen::Vector4d, 9> points;
 
     const Eigen::Vector4d& point(int i, int j) const { return points[i * (degree_v + 1) + j]; }
     /// The surface point at (u, v); valid outside the domain too (the polynomial extension).

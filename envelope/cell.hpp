@@ -23,7 +23,7 @@ std::string to_string(CurveKind kind);  ///< "line", "circle", ...
 struct CellVertex {
     Vec3 point;
     double radius = 0;        ///< clearance
-    std::vector<Site> sites;  ///< all that attain it, ascending; the base is not listed
+    SmallVector<Site, 4> sites;  ///< all that attain it, ascending; the base is not listed
     double error = 0;         ///< bound on the distance of `point` from the true vertex
 };
 
@@ -31,7 +31,7 @@ struct CellVertex {
 struct CellEdge {
     std::array<Site, 2> sites;            ///< left and right of the edge, seen against the base normal
     std::vector<Site> extra_sites;        ///< further sites that attain the minimum all along it
-    std::vector<std::uint32_t> vertices;  ///< {start, end}, or empty for a closed edge without vertex
+    SmallVector<std::uint32_t, 2> vertices;  ///< {start, end}, or empty for a closed edge without vertex
     CurveKind kind = CurveKind::Line;
     /// Bound on the distance from the true arc; 0: exact up to rounding. It bounds |S(c(t)) - C(t)| too, for the
     /// trimming curves c of this edge, the surfaces S they lie on and this space curve C.

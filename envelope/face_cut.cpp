@@ -155,7 +155,7 @@ std::vector<CutPart> cut_face(const std::vector<std::vector<BoundaryRun>>& loops
 
 std::array<std::array<double, 2>, 2> curve_bounds(const RationalCurve2& curve) {
     std::array<Range, 2> box{empty_range, empty_range};
-    const std::vector<Vector3d>& p = curve.points;
+    const std::span<const Vector3d> p = curve.points;
     for (std::size_t first = 0; first + 1 < p.size(); first += curve.degree) {
         for (int i = 0; i < 2; ++i) {
             if (curve.degree == 2) {

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <vector>
+
+#include "../core/bspline.hpp"
 
 namespace vcell {
 
@@ -15,8 +16,8 @@ constexpr Range empty_range{std::numeric_limits<double>::infinity(),
                             -std::numeric_limits<double>::infinity()};
 
 /// Knots of `spans` Bezier pieces of one degree, joined: full, clamped and uniform on [0, 1].
-inline std::vector<double> joined_knots(int degree, std::size_t spans) {
-    std::vector<double> knots;
+inline Knots joined_knots(int degree, std::size_t spans) {
+    Knots knots;
     knots.reserve(degree * (spans + 1) + 2);
     knots.insert(knots.end(), degree + 1, 0.0);
     for (std::size_t i = 1; i < spans; ++i)
@@ -60,8 +61,8 @@ inline void extend_by_polynomial(Range& range, std::span<const double> coefficie
     extend_by_polynomial(range, {right.data(), n + 1}, halvings - 1);
 }
 
-template <class T>
-void sort_unique(std::vector<T>& items) {
+template <class Items>
+void sort_unique(Items& items) {
     std::sort(items.begin(), items.end());
     items.erase(std::unique(items.begin(), items.end()), items.end());
 }

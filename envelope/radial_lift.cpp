@@ -989,7 +989,7 @@ private:
         const std::size_t n = spans.size();
         RationalCurve2 curve;
         curve.degree = 5;
-        const std::vector<double> knots = joined_knots(5, n);
+        const Knots knots = joined_knots(5, n);
         curve.knots.assign(knots.begin() + 5 * first, knots.begin() + 5 * last + 7);
         curve.knots.front() = curve.knots[1];
         curve.knots.back() = curve.knots[curve.knots.size() - 2];

@@ -166,8 +166,8 @@ public:
 private:
     using Kind = InputError::Kind;
 
-    template <class T, class F>
-    void list(std::vector<T>& items, F item) {
+    template <class Items, class F>
+    void list(Items& items, F item) {
         in_.array([&](std::size_t) { items.push_back(item()); });
     }
 

@@ -44,7 +44,7 @@ std::string loop_path(std::size_t f, std::size_t p, std::size_t l) {
 
 std::string title(const Site& s) { return s.is_object() ? "object " + to_string(s) : to_string(s); }
 
-bool contains(const std::vector<Site>& sites, const Site& s) {
+bool contains(std::span<const Site> sites, const Site& s) {
     return std::ranges::find(sites, s) != sites.end();
 }
 
@@ -407,8 +407,7 @@ private:
             const CellEdge& edge = cell_.edges[e];
             for (const std::uint32_t v : edge.vertices) {
                 around[v].push_back(e);
-                for (const auto& sites :
-                     {std::vector<Site>(edge.sites.begin(), edge.sites.end()), edge.extra_sites})
+                for (const std::span<const Site> sites : {std::span<const Site>(edge.sites), std::span<const Site>(edge.extra_sites)})
                     for (const Site& s : sites)
                         if (!contains(cell_.vertices[v].sites, s))
                             note(vertex_path(v) + ".sites", fmt::format("lack {} of edge {}", title(s), e));

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <concepts>
 #include <cstdint>
 #include <iosfwd>
+#include <ranges>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace vcell {
 
@@ -63,10 +64,11 @@ public:
             for (const double x : v) value(x);
         });
     }
-    template <class T>
-    void value(const std::vector<T>& values) {
+    template <std::ranges::input_range Values>
+        requires(!std::convertible_to<const Values&, std::string_view>)
+    void value(const Values& values) {
         array([&] {
-            for (const T& v : values) value(v);
+            for (const auto& v : values) value(v);
         });
     }
 

@@ -200,7 +200,7 @@ private:
 
     /// A curve over [knots.front(), knots.back()]. Four pieces for each span: none turns by a quarter.
     template <class Curve>
-    Directions sampled(const std::vector<double>& knots, const Curve& curve) const {
+    Directions sampled(const Knots& knots, const Curve& curve) const {
         Directions points{curve(knots.front())};
         for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
             const double step = 0.25 * (knots[i + 1] - knots[i]);

@@ -30,7 +30,7 @@ RationalCurve3 random_curve(std::mt19937_64& rng, int degree) {
 }
 
 /// B_{i,p}(t) by the definition of Cox and de Boor, half-open spans.
-double basis(const std::vector<double>& knots, int i, int p, double t) {
+double basis(const Knots& knots, int i, int p, double t) {
     if (p == 0) return knots[i] <= t && t < knots[i + 1] ? 1 : 0;
     double value = 0;
     if (knots[i + p] > knots[i])
