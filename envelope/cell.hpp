@@ -22,19 +22,19 @@ std::string to_string(CurveKind kind);  ///< "line", "circle", ...
 /// Vertices on a box side, or over the rim of the base region, list that side among the sites.
 struct CellVertex {
     Vec3 point;
-    double radius = 0;        ///< clearance
+    double radius = 0;           ///< clearance
     SmallVector<Site, 4> sites;  ///< all that attain it, ascending; the base is not listed
-    double error = 0;         ///< bound on the distance of `point` from the true vertex
+    double error = 0;            ///< bound on the distance of `point` from the true vertex
 };
 
 /// A trisector arc, maximal between vertices, or an arc of a box side or of the region's rim.
 struct CellEdge {
-    std::array<Site, 2> sites;            ///< left and right of the edge, seen against the base normal
-    std::vector<Site> extra_sites;        ///< further sites that attain the minimum all along it
+    std::array<Site, 2> sites;               ///< left and right of the edge, seen against the base normal
+    std::vector<Site> extra_sites;           ///< further sites that attain the minimum all along it
     SmallVector<std::uint32_t, 2> vertices;  ///< {start, end}, or empty for a closed edge without vertex
     CurveKind kind = CurveKind::Line;
-    /// Bound on the distance from the true arc; 0: exact up to rounding. It bounds |S(c(t)) - C(t)| too, for the
-    /// trimming curves c of this edge, the surfaces S they lie on and this space curve C.
+    /// Bound on the distance from the true arc; 0: exact up to rounding. It bounds |S(c(t)) - C(t)| too, for
+    /// the trimming curves c of this edge, the surfaces S they lie on and this space curve C.
     double error = 0;
     double length = 0;
     RationalCurve3 curve;
@@ -64,13 +64,13 @@ struct CellFace {
 };
 
 struct Measures {
-    double volume = 0, volume_error = 0;  ///< whole cell inside the box, the base's own body included
-    double body_volume = 0;               ///< the base body's share
-    double area = 0, area_error = 0;      ///< cell boundary without its box sides
-    double box_area = 0;                  ///< the box sides' part
-    double base_area = 0;                 ///< the base region
+    double volume = 0, volume_error = 0;          ///< whole cell inside the box, the base's own body included
+    double body_volume = 0;                       ///< the base body's share
+    double area = 0, area_error = 0;              ///< cell boundary without its box sides
+    double box_area = 0;                          ///< the box sides' part
+    double base_area = 0;                         ///< the base region
     double min_clearance = 0, max_clearance = 0;  ///< over the faces, box sides included
-    bool touches_box = false;  ///< over a plane base always: its region ends at the box
+    bool touches_box = false;                     ///< over a plane base always: its region ends at the box
 };
 
 struct Report {

@@ -18,11 +18,12 @@ constexpr Range empty_range{std::numeric_limits<double>::infinity(),
 /// Knots of `spans` Bezier pieces of one degree, joined: full, clamped and uniform on [0, 1].
 inline Knots joined_knots(int degree, std::size_t spans) {
     Knots knots;
-    knots.reserve(degree * (spans + 1) + 2);
-    knots.insert(knots.end(), degree + 1, 0.0);
-    for (std::size_t i = 1; i < spans; ++i)
-        knots.insert(knots.end(), degree, static_cast<double>(i) / static_cast<double>(spans));
-    knots.insert(knots.end(), degree + 1, 1.0);
+    knots.resize(degree * (spans + 1) + 2);
+    double* knot = knots.data();
+    *knot++ = 0;
+    for (std::size_t i = 0; i <= spans; ++i)
+        knot = std::fill_n(knot, degree, static_cast<double>(i) / static_cast<double>(spans));
+    *knot = 1;
     return knots;
 }
 

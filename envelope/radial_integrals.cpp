@@ -154,13 +154,12 @@ static T atanh_excess(const T& square, int halvings = 8) {
                          (1.0 / 7 +
                           square *
                               (1.0 / 9 +
-                               square *
-                                   (1.0 / 11 +
-                                    square *
-                                        (1.0 / 13 +
-                                         square * (1.0 / 15 +
-                                                   square * (1.0 / 17 +
-                                                             square * (1.0 / 19 + square * (1.0 / 21))))))))));
+                               square * (1.0 / 11 +
+                                         square * (1.0 / 13 +
+                                                   square * (1.0 / 15 +
+                                                             square * (1.0 / 17 +
+                                                                       square * (1.0 / 19 +
+                                                                                 square * (1.0 / 21))))))))));
     const T root = 1 + sqrt(1 - square);
     const T half = square / (root * root), excess = atanh_excess(half, halvings - 1);
     return excess + half * (1 + excess);
@@ -491,9 +490,9 @@ namespace {
 // (p, t, w), homogeneous.
 using ConicPoint = Eigen::Matrix<double, 5, 1>;
 
-// Aimed at for the truncation of one span, as a part of what the integrand's bounds over the span integrate to:
-// no more than rounding comes to where many spans add up. What is reported is the bound that is reached.
-constexpr double aim = 0x1p-43;
+// Aimed at for the truncation of one span, as a part of the integrand's size: 1e-12, and the bounds are some
+// hundred times the error. What is reported is the bound that is reached.
+constexpr double aim = 0x1p-40;
 
 // Nothing that the integrands divide by or take the root of changes by more than this part over a disk.
 constexpr double tame_part = 0.75;
@@ -608,8 +607,8 @@ private:
         return {0, t_.c1 - middle * w_.c1, t_.c2 - middle * w_.c2};
     }
 
-    // The radius of a disk on which the integrands are analytic; NaN if there is none that helps. On it t keeps
-    // to its side of `edge_of_t`, and so does |dp|^2, which on a circle is a multiple of 1 / w^2.
+    // The radius of a disk on which the integrands are analytic; NaN if there is none that helps. On it t
+    // keeps to its side of `edge_of_t`, and so does |dp|^2, which on a circle is a multiple of 1 / w^2.
     double disk(double edge_of_t) const {
         const auto reach = [](double linear, double quadratic, double bound) {
             return 2 * bound / (linear + sqrt(square(linear) + 4 * quadratic * bound));
@@ -617,9 +616,8 @@ private:
         const double w1 = std::abs(w_.c1), w2 = std::abs(w_.c2), part = tame_part;
         const double room = part * (t_.c0 / w_.c0 - edge_of_t);
         const Quadratic t = turned();
-        double r =
-            std::min({widest_disk, reach(w1, w2, part * w_.c0),
-                      reach(std::abs(t.c1) + room * w1, std::abs(t.c2) + room * w2, room * w_.c0)});
+        double r = std::min({widest_disk, reach(w1, w2, part * w_.c0),
+                             reach(std::abs(t.c1) + room * w1, std::abs(t.c2) + room * w2, room * w_.c0)});
         const double mean = speed2_[0] / square(w_.c0);
         const double rest1 = std::abs(speed2_[1] - 2 * mean * w_.c0 * w_.c1),
                      rest2 = std::abs(speed2_[2] - mean * (w_.c1 * w_.c1 + 2 * w_.c0 * w_.c2)),
@@ -627,7 +625,8 @@ private:
                      rest4 = std::abs(speed2_[4] - mean * w_.c2 * w_.c2);
         for (; r >= least_disk; r *= 0.875) {
             const double least_w = w_.c0 - w_.deviation(r);
-            if (r * (rest1 + r * (rest2 + r * (rest3 + r * rest4))) <= part * mean * square(least_w)) return r;
+            if (r * (rest1 + r * (rest2 + r * (rest3 + r * rest4))) <= part * mean * square(least_w))
+                return r;
         }
         return std::numeric_limits<double>::quiet_NaN();
     }
@@ -638,8 +637,7 @@ private:
         const Nodes<n> reciprocal = 1 / w_(s), t = t_(s) * reciprocal;
         const Nodes<n> weight = rule_weight * reciprocal.square();
         const auto& v = speed2_;
-        const double length =
-            (weight * sqrt(v[0] + s * (v[1] + s * (v[2] + s * (v[3] + s * v[4]))))).sum();
+        const double length = (weight * sqrt(v[0] + s * (v[1] + s * (v[2] + s * (v[3] + s * v[4]))))).sum();
         sum.length += {length, term_rounding * length};
         for (const int side : {0, 1}) {
             const RoundFace& face = side == 0 ? left : right;

@@ -180,8 +180,8 @@ struct RadialIntegrals {
 };
 
 /// Of a rational quadratic over a sphere base that lies on both bisectors; control points (p w, w),
-/// canonical. Pre: both sides are RoundFaces. Error: truncation as proven in quadrature.hpp, with as many points
-/// as bring it to some 2^-43 of the integrand's size; rounding to first order, doubled.
+/// canonical. Pre: both sides are RoundFaces. Error: truncation as proven in quadrature.hpp, with as many
+/// points as bring it to some 2^-40 of the integrand's size; rounding to first order, doubled.
 void add_conic(const std::array<Eigen::Vector4d, 3>& points, const RadialFace& left, const RadialFace& right,
                RadialIntegrals& sum);
 /// Of a segment between flat bisectors over a sphere base.

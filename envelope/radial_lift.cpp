@@ -224,7 +224,7 @@ Vector4d moved_to_meet(const Vector4d& x, const std::array<Hyperplane, 3>& plane
     const double length = x.head<3>().norm();
     rows.row(3) << x.head<3>().transpose() / length, -1;
     residual[3] = length - x.w();
-    return x - rows.partialPivLu().solve(residual);
+    return x - rows.inverse() * residual;
 }
 
 // ---- The lift ---------------------------------------------------------------------------------------
@@ -239,7 +239,7 @@ public:
         add_kinds();
         add_arcs();
         add_patches();
-        halve_for_trims();
+        if (has_small_weights_) halve_for_trims();
         add_edges();
         add_faces();
         measure(problem_, diagram_, cell_);
@@ -284,6 +284,13 @@ private:
         return {p.x(), p.y(), p.z(), problem_.is_sphere ? p.norm() : std::hypot(p.x(), p.z())};
     }
 
+    const Hyperplane& hyperplane(FormId f) {
+        if (hyperplanes_.empty()) hyperplanes_.resize(problem_.objects.size());
+        std::optional<Hyperplane>& plane = hyperplanes_[f];
+        if (!plane) plane.emplace(problem_, f);
+        return *plane;
+    }
+
     // As met by the first three of its sites and ends.
     std::optional<SpaceEnd> settled(VertexId v, const SpaceEnd& near) const {
         std::array<SpaceSite, 3> sites;
@@ -299,7 +306,7 @@ private:
     }
 
     // (p, t) of a vertex and a bound on its distance from the true one.
-    Vector4d vertex_point(VertexId v, double& error) const {
+    Vector4d vertex_point(VertexId v, double& error) {
         const MinimizationDiagram::Vertex& from = diagram_.vertices[v];
         const double t = problem_.distance(from.point, from.height);
         const Vec3 p = problem_.point(from.point, t);
@@ -314,8 +321,8 @@ private:
             error = end->error + 16 * u * (t + std::abs(p.y()) + problem_.frame.origin.norm());
             return with_distance(end->point);
         }
-        const auto plane = [&](int i) { return Hyperplane(problem_, forms[i]); };
-        const Vector4d moved = moved_to_meet(x, {plane(0), plane(1), plane(2)});
+        const Vector4d moved =
+            moved_to_meet(x, {hyperplane(forms[0]), hyperplane(forms[1]), hyperplane(forms[2])});
         const double move = (moved - x).norm();
         if (!(move <= error)) return x;
         error += move;
@@ -326,7 +333,7 @@ private:
         cell_.vertices.reserve(diagram_.vertices.size());
         points_.reserve(diagram_.vertices.size());
         for (const VertexId v : diagram_.vertices.ids()) {
-            CellVertex vertex;
+            CellVertex& vertex = cell_.vertices.emplace_back();
             const Vector4d x = vertex_point(v, vertex.error);
             points_.push_back(x);
             vertex.point = problem_.frame.to_world(x.head<3>());
@@ -336,7 +343,6 @@ private:
                 vertex.sites.insert(vertex.sites.end(), problem_.sites[f].begin(), problem_.sites[f].end());
             for (const std::uint32_t side : diagram_.sides(v)) vertex.sites.push_back(end_site(side));
             sort_unique(vertex.sites);
-            cell_.vertices.push_back(std::move(vertex));
         }
     }
 
@@ -402,8 +408,7 @@ private:
         const CircularForm *f = &diagram_.forms[diagram_.edges[e].left],
                            *g = &diagram_.forms[diagram_.edges[e].right];
         if (magnitude(*g) < magnitude(*f)) std::swap(f, g);
-        const std::array planes{Hyperplane(problem_, diagram_.edges[e].left),
-                                Hyperplane(problem_, diagram_.edges[e].right)};
+        const std::array planes{hyperplane(diagram_.edges[e].left), hyperplane(diagram_.edges[e].right)};
         const std::span<const ArcSpan> arcs = arcs_.spans(e);
         const auto end_point = [&](const Vector2d& p) -> Vector4d {
             const double L = p.squaredNorm();
@@ -452,11 +457,11 @@ private:
         } while (h != start);
     }
 
-    static void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span,
-                               int halvings = 40) {
+    void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span, int halvings = 40) {
         const TrimSpan trim(patch, span);
         const double weight = trim.weight();
         if (!(weight >= least_weight) && halvings > 0) {
+            has_small_weights_ = true;
             for (const ConicSpan& half : span.halves()) extend_by_span(box, patch, half, halvings - 1);
             return;
         }
@@ -472,7 +477,7 @@ private:
         return row;
     }
 
-    Rectangle bounds(CcbId ccb, const RadialPatch& patch) const {
+    Rectangle bounds(CcbId ccb, const RadialPatch& patch) {
         Rectangle box{no_range, no_range};
         around(ccb, [&](EdgeId e, bool reversed) {
             if (is_spline(e)) {
@@ -931,7 +936,7 @@ private:
         cell_.edges.reserve(diagram_.edges.size());
         for (const EdgeId e : diagram_.edges.ids()) {
             const MinimizationDiagram::Edge& from = diagram_.edges[e];
-            CellEdge edge;
+            CellEdge& edge = cell_.edges.emplace_back();
             edge.sites = {main_site(from.left), from.on_rim() ? end_site(from.side) : main_site(from.right)};
             for (const FormId f : diagram_.label(e))
                 for (const Site site : problem_.sites[f])
@@ -945,37 +950,29 @@ private:
                 edge.error =
                     std::max(errors_[e].curve, errors_[e].trims) +
                     16 * u * (edge.curve.points.front().head<3>().norm() + problem_.frame.origin.norm());
-            cell_.edges.push_back(std::move(edge));
         }
     }
 
     RationalCurve3 space_curve(EdgeId e) const {
-        RationalCurve3 curve;
+        const int degree = is_line(e) ? 1 : is_spline(e) ? 5 : 2;
+        const std::size_t count = is_line(e) ? 1 : is_spline(e) ? splines_[e].size() : spans(e).size();
+        RationalCurve3 curve{degree, joined_knots(degree, count), {}};
+        curve.points.reserve(degree * count + 1);
         const auto add = [&](const Vec3& p, double w) {
             const Vec3 world = problem_.frame.to_world(p);
             curve.points.push_back({world.x(), world.y(), world.z(), w});
         };
         if (is_line(e)) {
-            curve.degree = 1;
-            curve.knots = joined_knots(1, 1);
             for (const VertexId v : {start(e), end(e)}) add(points_[v].head<3>(), 1);
             return curve;
         }
         if (is_spline(e)) {
-            const std::vector<SpaceSpan>& pieces = splines_[e];
-            curve.degree = 5;
-            curve.knots = joined_knots(5, pieces.size());
-            curve.points.reserve(5 * pieces.size() + 1);
-            for (const SpaceSpan& span : pieces)
+            for (const SpaceSpan& span : splines_[e])
                 for (int k = curve.points.empty() ? 0 : 1; k < 6; ++k) add(span.points.col(k).head<3>(), 1);
             return curve;
         }
-        const std::span<const ConicSpan> pieces = spans(e);
-        curve.degree = 2;
-        curve.knots = joined_knots(2, pieces.size());
-        curve.points.reserve(2 * pieces.size() + 1);
-        add(pieces.front().from.head<3>(), 1);
-        for (const ConicSpan& span : pieces) {
+        add(spans(e).front().from.head<3>(), 1);
+        for (const ConicSpan& span : spans(e)) {
             add(span.middle.head<3>() / span.weight, span.weight);
             add(span.to.head<3>(), 1);
         }
@@ -1007,21 +1004,18 @@ private:
 
     // The trim of an edge in the direction of its loop. Joined spans share their end's weight.
     RationalCurve2 trim_curve(const RadialPatch& patch, EdgeId e, bool reversed) const {
-        RationalCurve2 curve;
+        if (is_spline(e)) return spline_trim(e, reversed, 0, splines_[e].size());
+        const int degree = is_line(e) ? 1 : 2;
+        const std::size_t count = is_line(e) ? 1 : spans(e).size();
+        RationalCurve2 curve{degree, joined_knots(degree, count), {}};
+        curve.points.reserve(degree * count + 1);
         if (is_line(e)) {
-            curve.degree = 1;
-            curve.knots = joined_knots(1, 1);
             for (const VertexId v : {start(e), end(e)}) {
                 const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
                 curve.points.push_back({p.x(), p.y(), 1});
             }
-        } else if (is_spline(e)) {
-            return spline_trim(e, reversed, 0, splines_[e].size());
         } else {
             const std::span<const ConicSpan> pieces = spans(e);
-            curve.degree = 2;
-            curve.knots = joined_knots(2, pieces.size());
-            curve.points.reserve(2 * pieces.size() + 1);
             double scale = 1;
             const auto add = [&](const Eigen::Vector3d& p) {
                 curve.points.push_back({p.x() / p.z(), p.y() / p.z(), scale * p.z()});
@@ -1078,10 +1072,12 @@ private:
     const ChartArcs arcs_;
     Decisions decisions_;
     Cell cell_;
-    IdVector<VertexId, Vector4d> points_;  // (p, t)
+    IdVector<VertexId, Vector4d> points_;                      // (p, t)
+    IdVector<FormId, std::optional<Hyperplane>> hyperplanes_;  // of forms that were asked for
     IdVector<EdgeId, CurveKind> kinds_;
     std::vector<ConicSpan> conics_;
     std::vector<std::uint32_t> conic_offsets_;
+    bool has_small_weights_ = false;  // a trim of them, somewhere
     IdVector<EdgeId, std::vector<SpaceSpan>> splines_;
     IdVector<EdgeId, SpaceFitError> errors_;
     IdVector<FaceId, std::vector<CcbId>> loops_;  // the outer one first

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector4d;
 using Polynomial = std::array<double, 3>;  // ascending powers
 
-constexpr Polynomial one{1, 0, 0}, linear{0, 1, 0}, square{0, 0, 1};
+constexpr Polynomial one{1, 0, 0}, linear{0, 1, 0};
 constexpr Polynomial angle_weight{1, 0, 1}, angle_cos{1, 0, -1}, angle_sin{0, 2, 0};
 
 Vector4d vector(const Vec3& p) { return {p.x(), p.y(), p.z(), 0}; }
@@ -95,9 +95,9 @@ void RadialPatch::add(const Polynomial& f, const Polynomial& g, const Vector4d& 
 void RadialPatch::set_plane(const Vec3& point, const Vec3& normal) {
     const Vec3 x = normal.unitOrthogonal(), origin = point.dot(normal) * normal;
     set_axes(Kind::Planar, x, normal.cross(x), origin);
-    add(one, one, vector(origin) + weight);
-    add(linear, one, vector(axes_[0]));
-    add(one, linear, vector(axes_[1]));
+    add(0, 0, vector(origin) + weight);
+    add(1, 0, vector(axes_[0]));
+    add(0, 1, vector(axes_[1]));
 }
 
 // With h the distance from the plane: |S| = R0 + h and |S|^2 = (d - h)^2 + u^2 + v^2.
@@ -106,9 +106,9 @@ void RadialPatch::set_paraboloid(double distance, const Vec3& normal, double rad
     degree_ = {2, 2};
     const double before = 0.5 / (radius + distance);
     const Vector4d back = -vector(normal);
-    add(one, one, 0.5 * (distance - radius) * back);
-    add(square, one, before * back);
-    add(one, square, before * back);
+    add(0, 0, 0.5 * (distance - radius) * back);
+    add(2, 0, before * back);
+    add(0, 2, before * back);
 }
 
 void RadialPatch::set_stereographic(const Vec3& c, double delta, const Vec3& middle, bool wide) {
@@ -120,20 +120,20 @@ void RadialPatch::set_stereographic(const Vec3& c, double delta, const Vec3& mid
         const double cosine = -delta / length, sine = std::sqrt(squared) / length;
         const Vec3 opposite = sine * x - cosine * z, u_axis = sine * z + cosine * x;
         set_axes(Kind::Stereographic, u_axis, opposite.cross(u_axis), Vec3::Zero());
-        add(one, one, 2 * delta * weight);
-        add(linear, one, 2 * std::sqrt(squared) * weight);
+        add(0, 0, 2 * delta * weight);
+        add(1, 0, 2 * std::sqrt(squared) * weight);
     } else {
         set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
-        add(one, one, (length + delta) * weight);
-        add(square, one, (delta - length) * weight);
-        add(one, square, (delta - length) * weight);
+        add(0, 0, (length + delta) * weight);
+        add(2, 0, (delta - length) * weight);
+        add(0, 2, (delta - length) * weight);
     }
     const Vector4d pole = 0.5 * squared * vector(axes_[2]);
-    add(linear, one, squared * vector(axes_[0]));
-    add(one, linear, squared * vector(axes_[1]));
-    add(one, one, pole);
-    add(square, one, -pole);
-    add(one, square, -pole);
+    add(1, 0, squared * vector(axes_[0]));
+    add(0, 1, squared * vector(axes_[1]));
+    add(0, 0, pole);
+    add(2, 0, -pole);
+    add(0, 2, -pole);
 }
 
 // S = c + v d + t n / W with |S| = t - delta.
@@ -234,17 +234,21 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
         const double a = range[n == 1 ? i : i > 1], b = range[n == 1 ? i : i > 0];
         return {1, 0.5 * a + 0.5 * b, a * b};
     };
+    // Coefficients beyond the degrees are zero.
     const auto [m, n] = degree_;
     RationalPatch surface{m, n, u, v, {}};
-    surface.points.reserve((m + 1) * (n + 1));
+    std::array<std::array<Vector4d, 3>, 3> along_v;
+    for (int j = 0; j <= n; ++j) {
+        const Polynomial g = blossom(v, j, n);
+        for (int k = 0; k < 3; ++k)
+            along_v[j][k] = g[0] * coefficient(k, 0) + g[1] * coefficient(k, 1) + g[2] * coefficient(k, 2);
+    }
     double scale = 1;
     for (int i = 0; i <= m; ++i) {
         const Polynomial f = blossom(u, i, m);
         for (int j = 0; j <= n; ++j) {
-            const Polynomial g = blossom(v, j, n);
-            Vector4d h = Vector4d::Zero();
-            for (int k = 0; k <= m; ++k)
-                for (int l = 0; l <= n; ++l) h += f[k] * g[l] * coefficient(k, l);
+            const auto& row = along_v[j];
+            const Vector4d h = f[0] * row[0] + f[1] * row[1] + f[2] * row[2];
             if (!(h.w() > 0)) return std::nullopt;
             if (i == 0 && j == 0) scale = 1 / h.w();
             const Vec3 world = frame.to_world(h.head<3>() / h.w());

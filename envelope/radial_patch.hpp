@@ -125,6 +125,8 @@ private:
     void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C);
     void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
                         double y, bool wide);
+    /// Adds u^i v^j h.
+    void add(int i, int j, const Eigen::Vector4d& h) { coefficients_[3 * i + j] += h; }
     /// Adds f(u) g(v) h with polynomials f, g.
     void add(const std::array<double, 3>& f, const std::array<double, 3>& g, const Eigen::Vector4d& h);
 

@@ -407,7 +407,8 @@ private:
             const CellEdge& edge = cell_.edges[e];
             for (const std::uint32_t v : edge.vertices) {
                 around[v].push_back(e);
-                for (const std::span<const Site> sites : {std::span<const Site>(edge.sites), std::span<const Site>(edge.extra_sites)})
+                for (const std::span<const Site> sites :
+                     {std::span<const Site>(edge.sites), std::span<const Site>(edge.extra_sites)})
                     for (const Site& s : sites)
                         if (!contains(cell_.vertices[v].sites, s))
                             note(vertex_path(v) + ".sites", fmt::format("lack {} of edge {}", title(s), e));

@@ -65,8 +65,7 @@ public:
         });
     }
     template <std::ranges::input_range Values>
-        requires(!std::convertible_to<const Values&, std::string_view>)
-    void value(const Values& values) {
+    requires(!std::convertible_to<const Values&, std::string_view>) void value(const Values& values) {
         array([&] {
             for (const auto& v : values) value(v);
         });
