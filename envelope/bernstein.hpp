@@ -40,6 +40,17 @@ struct Bernstein {
         for (int k = 0; k <= N; ++k) m = std::max(m, std::abs(coefficient(k)));
         return m;
     }
+    /// The same from the coefficients of both halves (de Casteljau): closer where the polynomial oscillates.
+    double largest_of_halves() const {
+        std::array<double, N + 1> c;
+        for (int k = 0; k <= N; ++k) c[k] = coefficient(k);
+        double m = 0;
+        for (int last = N; last >= 0; --last) {
+            m = std::max({m, std::abs(c[0]), std::abs(c[last])});
+            for (int k = 0; k < last; ++k) c[k] = 0.5 * (c[k] + c[k + 1]);
+        }
+        return m;
+    }
     /// Lower bound of the value.
     double smallest_coefficient() const {
         double m = coefficient(0);
@@ -79,6 +90,17 @@ Bernstein<N + M> operator*(const Bernstein<N>& p, const Bernstein<M>& q) {
     Bernstein<N + M> r;
     for (int i = 0; i <= N; ++i)
         for (int j = 0; j <= M; ++j) r.scaled[i + j] += p.scaled[i] * q.scaled[j];
+    return r;
+}
+
+template <int N>
+Bernstein<2 * N> square(const Bernstein<N>& p) {
+    Bernstein<2 * N> r;
+    for (int i = 0; i <= N; ++i) {
+        r.scaled[2 * i] += p.scaled[i] * p.scaled[i];
+        const double twice = 2 * p.scaled[i];
+        for (int j = i + 1; j <= N; ++j) r.scaled[i + j] += twice * p.scaled[j];
+    }
     return r;
 }
 

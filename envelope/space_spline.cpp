@@ -32,14 +32,44 @@ constexpr double rounding = 64 * u;
 
 double square(double a) { return a * a; }
 
-Bernstein<5> row(const Points& points, int i) {
-    return Bernstein<5>::from([&](int k) { return points(i, k); });
+Bernstein<5> row(const Points& points, int i, double origin = 0) {
+    return Bernstein<5>::from([&](int k) { return points(i, k) - origin; });
 }
 
 template <class T>
 T dot(const Vec3& a, const std::array<T, 3>& b) {
     return a.x() * b[0] + a.y() * b[1] + a.z() * b[2];
 }
+
+// A span's coordinates (p - foot, t) as polynomials, and |p - foot|^2 - t^2, which all round objects share.
+struct SpanPolynomials {
+    Vec3 foot;
+    std::array<Bernstein<5>, 4> X;
+    Bernstein<10> square;
+    std::array<double, 4> largest;
+
+    SpanPolynomials(const Points& points, const Vec3& origin)
+        : foot(origin),
+          X{row(points, 0, foot.x()), row(points, 1, foot.y()), row(points, 2, foot.z()), row(points, 3)},
+          square(vcell::square(X[0]) + vcell::square(X[1]) + vcell::square(X[2]) - vcell::square(X[3])) {
+        for (int i = 0; i < 4; ++i) largest[i] = X[i].largest();
+    }
+
+    // f.(p - foot, t) + c
+    Bernstein<5> linear(const Vec3& f, double along_t, double c) const {
+        return f.x() * X[0] + f.y() * X[1] + f.z() * X[2] + along_t * X[3] + c;
+    }
+    Bernstein<5> operator()(const Linear& f) const {
+        return linear(f.head<3>(), f[3], f[4] + f.head<3>().dot(foot));
+    }
+    // Bounds the terms of a linear function.
+    double size(const Linear& f) const {
+        double sum = std::abs(f[4]) + std::abs(f[3]) * largest[3];
+        for (int i = 0; i < 3; ++i) sum += std::abs(f[i]) * (largest[i] + std::abs(foot[i]));
+        return sum;
+    }
+    double size() const { return largest[0] + largest[1] + largest[2] + largest[3]; }
+};
 
 // G(X) and its derivatives, of a round object (the base too) or of something plane.
 class Equation {
@@ -51,11 +81,11 @@ public:
         e.is_round_ = true;
         e.delta_ = rho - base_radius;
         e.point_ = point;
-        e.reach_ = point.norm() + rho + base_radius;
+        e.reach_ = point.norm() + (near - point).norm() + rho + base_radius;
         if (axis != Vec3::Zero()) {
             e.axis_ = axis.normalized();
             e.point_ += e.axis_.dot(near - point) * e.axis_;
-            e.reach_ += (near - point).norm() + e.point_.norm();
+            e.reach_ += e.point_.norm();
         }
         return e;
     }
@@ -83,16 +113,24 @@ public:
         result << (is_round_ ? across(X.head<3>() - point_).normalized() : axis_), -kappa_;
         return result;
     }
-    // How far the gradient may be from its computed value at X, within a radius.
-    double variation(const Vector4d& X, double radius) const {
+    // How far what is within `room` of the hull of the points is from X, across the axis.
+    double reach(const Vector4d& X, const Points& points, double room) const {
+        if (!is_round_) return 0;
+        double squared = 0;
+        for (int k = 0; k < points.cols(); ++k)
+            squared = std::max(squared, across(points.col(k).head<3>() - X.head<3>()).squaredNorm());
+        return std::sqrt(squared) + room;
+    }
+    // How far the gradient may be from its computed value at X, within a reach.
+    double variation(const Vector4d& X, double reach) const {
         if (!is_round_) return rounding;
-        const double d = across(X.head<3>() - point_).norm(), s = radius / d;
+        const double d = across(X.head<3>() - point_).norm(), s = reach / d;
         if (!(s < 1)) return infinity;
         return sqrt2 * s / std::sqrt(1 + std::sqrt(1 - s * s)) + rounding * (1 + size(X) / d);
     }
-    // Of |Hess G| within a radius of X, less than what makes variation() infinite.
-    double curvature_bound(const Vector4d& X, double radius) const {
-        return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - radius) : 0;
+    // Of |Hess G| within a reach that is less than what makes variation() infinite.
+    double curvature_bound(const Vector4d& X, double reach) const {
+        return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - reach) : 0;
     }
     // The second derivative in the direction T.
     double second(const Vector4d& X, const Vector4d& T) const {
@@ -104,18 +142,22 @@ public:
 
     // Bound of |G|.
     double residual(const Vector4d& X) const { return std::abs((*this)(X)) + rounding * size(X); }
-    // Step 1 of the certificate: |G| along a span; infinite if it cannot tell.
-    double residual(const Points& points) const {
-        const Bernstein<5> x = row(points, 0) - point_.x(), y = row(points, 1) - point_.y(),
-                           z = row(points, 2) - point_.z(), t = kappa_ * row(points, 3) + delta_;
-        const Bernstein<5> along = axis_.x() * x + axis_.y() * y + axis_.z() * z;
-        const double m = x.largest() + y.largest() + z.largest(), largest_t = t.largest();
-        if (!is_round_) return (along - t).largest() + rounding * (m + largest_t + reach_);
-        const double size = (m + largest_t) * (m + largest_t + reach_);
-        const double Q = (x * x + y * y + z * z - along * along - t * t).largest() + rounding * size;
-        // d^2 = t^2 + Q
-        const double least = t.smallest_coefficient(), below = least * least - Q;
-        return least > 0 && below > 0 ? Q / (least + std::sqrt(below)) : infinity;
+    // Step 1 of the certificate: |G| along a span; infinite if it cannot tell. With m = point - foot
+    //     d^2 - (t + delta)^2 = square - 2 m.(p - foot) - 2 delta t + |m|^2 - delta^2  (- (axis.(p -
+    //     point))^2).
+    double residual(const SpanPolynomials& span) const {
+        const Vec3 m = point_ - span.foot;
+        const double size = span.size() + reach_, offset = axis_.dot(m);
+        if (!is_round_)
+            return span.linear(axis_, -kappa_, -(offset + delta_)).largest() +
+                   rounding * (size + span.foot.norm());
+        Bernstein<10> Q =
+            span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
+        if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -offset));
+        const double bound = Q.largest_of_halves() + rounding * square(size);
+        // d^2 = (t + delta)^2 + Q
+        const double least = span.X[3].smallest_coefficient() + delta_, below = least * least - bound;
+        return least > 0 && below > 0 ? bound / (least + std::sqrt(below)) : infinity;
     }
 
     // t where the ray from f = (0, y, 0) along the unit normal w meets G = 0, by the quadratic of
@@ -232,9 +274,9 @@ public:
                          : arc.start       ? arc.start->point.y()
                          : rim             ? rim->point.y()
                                            : arc.pieces.back().end.y();
-        const Vec3 foot(0, y, 0);
-        equations_[0] = base_equation(problem, foot);
-        for (int i = 0; i < 2; ++i) equations_[i + 1] = equation(problem, arc.sites[i], foot);
+        foot_ = Vec3(0, y, 0);
+        equations_[0] = base_equation(problem, foot_);
+        for (int i = 0; i < 2; ++i) equations_[i + 1] = equation(problem, arc.sites[i], foot_);
     }
 
     SpaceFitError run() {
@@ -244,27 +286,30 @@ public:
         // No edge is known better than its ends.
         tolerance_ = std::max(tolerance_, 4 * slack_);
         const bool on_rim = arc_.pieces.empty();
-        if (on_rim)
-            place_rim_nodes();
-        else
-            place_nodes();
+        start_ = arc_.start ? node(with_distance(problem_, arc_.start->point))
+                 : on_rim   ? rim_node(0)
+                            : inner_node(arc_.pieces.back());
+        end_ = arc_.end ? node(with_distance(problem_, arc_.end->point)) : start_;
         last_ = Tube{0, 0, 0, start_error, 0};
-        const bool is_loop = !arc_.end || arc_.end->point == arc_.start->point;
-        nodes_.front().is_terminal = is_loop;
-        nodes_.back().is_terminal = true;
-        terminal_ = nodes_.back().X;
+        start_.is_terminal = !arc_.end || arc_.end->point == arc_.start->point;
+        end_.is_terminal = true;
         if (arc_.end) final_ = Tube{0, 0, end_error, 0, 0};
         if (!arc_.start && !on_rim) last_->end = start_deviation();
-        fit(0, nodes_.size() - 1);
+        if (on_rim) {
+            fit_rim();
+        } else {
+            int halvings = most_halvings * static_cast<int>(arc_.pieces.size());
+            fit(start_, end_, arc_.pieces, deepest, halvings);
+        }
         return error_;
     }
 
 private:
-    // Between two nodes given: what a singular end needs, and what no proof in reach may cost.
+    // What a singular end needs, and what no proof in reach may cost (per piece).
     static constexpr int deepest = 40, most_halvings = 256;
     static constexpr int deepest_proof = 4;  // halvings of a span for its certificate
 
-    // A point of the arc with derivatives along it, per length of p.
+    // A point of the arc with derivatives along it, by the length of the curve (p, t).
     struct Node {
         Vector4d X, T, second;
         bool is_terminal = false;  // the end of the edge
@@ -278,8 +323,10 @@ private:
         std::array<std::uint32_t, 2> part{};
         Patches patches{};           // of those parts
         std::optional<Linear> seam;  // crossed
+        double expected = infinity;  // error, of a span that was not certified in full
 
         double error() const { return std::max(tube.curve, tube.trims); }
+        bool is_near() const { return tube.curve < infinity; }
     };
     struct Frame {
         std::array<Vector4d, 3> gradients;
@@ -305,10 +352,9 @@ private:
 
     Node node(const Vector4d& X) const {
         const Frame f = frame(X);
-        const Vector4d T = f.T / f.T.head<3>().norm();
         Vector4d bend = Vector4d::Zero();
-        for (int i = 0; i < 3; ++i) bend[i] = -equations_[i].second(X, T);
-        return {X, T, f.matrix().inverse() * bend};
+        for (int i = 0; i < 3; ++i) bend[i] = -equations_[i].second(X, f.T);
+        return {X, f.T, f.matrix().inverse() * bend};
     }
 
     // Newton's method across the curve (or for its point where `seam` vanishes), to the level of rounding.
@@ -351,19 +397,14 @@ private:
         return found ? *found : node(X);
     }
 
-    void place_nodes() {
-        nodes_.push_back(arc_.start ? node(with_distance(problem_, arc_.start->point))
-                                    : inner_node(arc_.pieces.back()));
-        for (const Piece& piece : arc_.pieces.first(arc_.pieces.size() - 1))
-            nodes_.push_back(inner_node(piece));
-        nodes_.push_back(arc_.end ? node(with_distance(problem_, arc_.end->point)) : nodes_.front());
-    }
-
     // Around a cylinder: with growing angle on the lower end, the region lying on the left.
-    void place_rim_nodes() {
+    Node rim_node(double angle) const {
+        const double y = std::get<Plane>(arc_.sites[1].object).point.y();
+        return node(over(y, Vec3(std::sin(angle), 0, std::cos(angle))));
+    }
+    void fit_rim() {
         constexpr double widest = pi / 3;
-        const Plane& end = std::get<Plane>(arc_.sites[1].object);
-        const double sign = end.normal.y() < 0 ? 1 : -1, y = end.point.y();
+        const double sign = std::get<Plane>(arc_.sites[1].object).normal.y() < 0 ? 1 : -1;
         const auto angle = [](const SpaceEnd& e) { return std::atan2(e.point.x(), e.point.z()); };
         const double first = arc_.start ? angle(*arc_.start) : 0;
         double turn = 2 * pi;
@@ -372,14 +413,12 @@ private:
             if (turn < 0) turn += 2 * pi;
         }
         const int n = std::max(1, static_cast<int>(std::ceil(turn / widest)));
-        for (int i = 0; i <= n; ++i) {
-            const double a = first + sign * turn * i / n;
-            if (i == 0 && arc_.start)
-                nodes_.push_back(node(with_distance(problem_, arc_.start->point)));
-            else if (i == n)
-                nodes_.push_back(arc_.end ? node(with_distance(problem_, arc_.end->point)) : nodes_.front());
-            else
-                nodes_.push_back(node(over(y, Vec3(std::sin(a), 0, std::cos(a)))));
+        Node from = start_;
+        for (int i = 1; i <= n; ++i) {
+            int halvings = most_halvings;
+            const Node to = i == n ? end_ : rim_node(first + sign * turn * i / n);
+            fit(from, to, {}, deepest, halvings);
+            from = to;
         }
     }
 
@@ -412,50 +451,85 @@ private:
         const double e = piece.error;
         const auto box =
             enclosure({piece.end.x() - e, piece.end.x() + e, piece.end.y() - e, piece.end.y() + e});
-        const Vector4d& X = nodes_.front().X;
+        const Vector4d& X = start_.X;
         return (X - box[0]).cwiseAbs().cwiseMax((X - box[1]).cwiseAbs()).norm();
     }
 
-    void fit(std::size_t first, std::size_t last) {
-        const Node &from = nodes_[first], &to = nodes_[last];
-        if (last == first + 1) {
-            int halvings = most_halvings;
-            return fit(from, to, first < arc_.pieces.size() ? &arc_.pieces[first] : nullptr, deepest,
-                       halvings);
+    // Along these pieces, or the rim. A span that is not good enough is divided; several pieces of which
+    // nothing is proved yet where one of them ends.
+    void fit(const Node& from, const Node& to, std::span<const Piece> pieces, int deeper, int& halvings) {
+        const Fit spline = smooth(from, to, tolerance_);
+        if (accept(spline, to)) return;
+        if (spline.is_near() && !spline.seam && deeper > 0 && halvings > 0 && !is_lost()) {
+            const std::vector<Node> inner = divide(from, to, spline);
+            for (std::size_t i = 0; i < inner.size(); ++i) {
+                const Node &start = i == 0 ? from : inner[i - 1], &end = inner[i];
+                const std::size_t first = ends_before(end.X, to.X - from.X, pieces);
+                --halvings;
+                fit(start, end, pieces.first(std::min(first + 1, pieces.size())), deeper - 1, halvings);
+                pieces = pieces.subspan(first);
+            }
+            if (!inner.empty()) return fit(inner.back(), to, pieces, deeper - 1, halvings);
         }
-        if (accept(smooth(from, to), from, to)) return;
-        const std::size_t half = first + (last - first) / 2;
-        fit(first, half);
-        fit(half, last);
-    }
-
-    void fit(const Node& from, const Node& to, const Piece* piece, int deeper, int& halvings) {
-        const Fit spline = smooth(from, to);
-        if (accept(spline, from, to)) return;
-        const Fit straight = chord(from, to, piece);
-        if (accept(straight, from, to)) return;
-        const bool is_lost = std::isinf(error_.curve) || std::isinf(error_.trims);
-        if (deeper > 0 && halvings > 0 && !is_lost) {
+        if (pieces.size() > 1) {
+            const std::size_t half = pieces.size() / 2;
+            const Node end = inner_node(pieces[half - 1]);
+            fit(from, end, pieces.first(half), deeper, halvings);
+            fit(end, to, pieces.subspan(half), deeper, halvings);
+            return;
+        }
+        const Piece* piece = pieces.empty() ? nullptr : &pieces.front();
+        // Both ends are in the enclosure that vouches for a chord.
+        if ((to.X - from.X).norm() <= tolerance_ && accept(chord(from, to, piece), to)) return;
+        if (deeper > 0 && halvings > 0 && !is_lost()) {
             if (const auto middle = half_way(from, to, piece, spline)) {
                 --halvings;
-                fit(from, *middle, piece, deeper - 1, halvings);
-                fit(*middle, to, piece, deeper - 1, halvings);
+                fit(from, *middle, pieces, deeper - 1, halvings);
+                fit(*middle, to, pieces, deeper - 1, halvings);
                 return;
             }
         }
-        append(spline.error() < straight.error() ? spline : straight);
+        const Fit best = smooth(from, to, infinity), straight = chord(from, to, piece);
+        append(best.error() < straight.error() ? best : straight);
     }
 
-    bool accept(Fit fit, const Node& from, const Node& to) {
+    bool is_lost() const { return std::isinf(error_.curve) || std::isinf(error_.trims); }
+
+    // Points of the arc between parts that will do, as errors fall with the sixth power of the length.
+    std::vector<Node> divide(const Node& from, const Node& to, const Fit& spline) const {
+        constexpr double most_parts = 4, reserve = 2;
+        const int parts = static_cast<int>(std::clamp(
+            std::ceil(std::pow(reserve * spline.expected / tolerance_, 1.0 / 6)), 2.0, most_parts));
+        std::vector<Node> inner;
+        const Node* last = &from;
+        for (int k = 1; k < parts; ++k) {
+            const auto found = find(point(spline.points, static_cast<double>(k) / parts));
+            if (!found || !is_between(*last, *found, to)) return {};
+            inner.push_back(*found);
+            last = &inner.back();
+        }
+        return inner;
+    }
+
+    // How many of the pieces end before a point as seen along the chord, all but the last one at most.
+    std::size_t ends_before(const Vector4d& X, const Vector4d& chord, std::span<const Piece> pieces) const {
+        const auto is_before = [&](const Piece& p) { return chord.dot(lifted(p.end) - X) < 0; };
+        std::size_t n = 0;
+        while (n + 1 < pieces.size() && is_before(pieces[n])) ++n;
+        return n;
+    }
+
+    bool accept(const Fit& fit, const Node& to) {
         if (!(fit.error() <= tolerance_)) return false;
         if (!fit.is_chord) {
             if (last_ && !joins(*last_, fit.tube)) return false;
-            if (&to != &nodes_.back() && !fit.tube.is_joint()) return false;
-            if (&to == &nodes_.back()) {
+            const bool is_end = to.X == end_.X && to.is_terminal;
+            if (!is_end && !fit.tube.is_joint()) return false;
+            if (is_end) {
                 const std::optional<Tube>& next = final_ ? final_ : first_;
                 if (next && !joins(fit.tube, *next)) return false;
             }
-            if (&from == &nodes_.front()) first_ = fit.tube;
+            if (spans_.size() == first_span_) first_ = fit.tube;
         }
         append(fit);
         return true;
@@ -476,7 +550,7 @@ private:
             if (const auto crossing = sign_change(spline.points, *spline.seam))
                 if (const auto found = find(*crossing, &*spline.seam); found && is_between(from, *found, to))
                     return found;
-        if (spline.seam || spline.tube.is_proved())
+        if (spline.seam)
             if (const auto found = find(middle(spline.points)); found && is_between(from, *found, to))
                 return found;
         if (!piece) {
@@ -560,20 +634,34 @@ private:
         return problem_.chart * (Vec3(2 * d.x(), 2 * d.y(), -dW) / W - n * (dW / (W * W)));
     }
 
+    // At both ends and at four nodes in between, where the sextic that vanishes there stays smallest
+    // (Chebyshev's, stretched): that leaves a 25th of the error that Hermite's data at the ends do.
+    struct Interpolation {
+        Eigen::Matrix<double, 6, 6> values;        // of the Bernstein polynomials (rows) at the nodes
+        Eigen::Matrix<double, 6, 6> coefficients;  // the inverse
+
+        static const Interpolation& get() {
+            static const Interpolation value = [] {
+                Interpolation r;
+                for (int k = 0; k < 6; ++k) {
+                    const double s = 0.5 - 0.5 * std::cos((2 * k + 1) * pi / 12) / std::cos(pi / 12);
+                    double power = 1;
+                    for (int i = 0; i < 6; ++i, power *= s)
+                        r.values(i, k) = detail::binomials<5>()[i] * power * std::pow(1 - s, 5 - i);
+                }
+                r.coefficients = r.values.inverse();
+                return r;
+            }();
+            return value;
+        }
+    };
+
     // Value, first and second derivative in the span's parameter.
     using Jet = Eigen::Matrix<double, 4, 3>;
 
-    static Eigen::RowVector3d jet(const PatchCoordinate& c, const Jet& X) {
-        const Vector4d n = c.numerator.head<4>(), d = c.divisor.head<4>();
-        const double value = c(X.col(0)), divisor = d.dot(X.col(0)) + c.divisor[4];
-        const double first = (n - value * d).dot(X.col(1)) / divisor;
-        return {value, first, ((n - value * d).dot(X.col(2)) - 2 * first * d.dot(X.col(1))) / divisor};
-    }
-
     // The quintic with the given ends.
-    template <class T>
-    static auto quintic(const T& a, const T& b) {
-        Eigen::Matrix<double, T::RowsAtCompileTime, 6> p;
+    static Eigen::Matrix<double, 4, 6> quintic(const Jet& a, const Jet& b) {
+        Eigen::Matrix<double, 4, 6> p;
         p << a.col(0), a.col(0) + a.col(1) / 5, a.col(0) + 2 * a.col(1) / 5 + a.col(2) / 20,
             b.col(0) - 2 * b.col(1) / 5 + b.col(2) / 20, b.col(0) - b.col(1) / 5, b.col(0);
         return p;
@@ -587,8 +675,10 @@ private:
     static Vector4d middle(const Points& p) { return point(p, 0.5); }
 
     // Chooses the parts and puts the trims below the curve; not if it leaves a part.
-    void trim(const std::array<Jet, 2>& ends, Fit& fit) const {
+    void trim(Fit& fit) const {
         const Vector4d X = middle(fit.points);
+        const Interpolation& interpolation = Interpolation::get();
+        const Eigen::Matrix<double, 4, 6> at_nodes = fit.points.topRows<4>() * interpolation.values;
         for (int side = 0; side < 2; ++side) {
             const std::vector<SpacePart>& parts = arc_.sites[side].parts;
             if (parts.empty()) continue;
@@ -602,9 +692,14 @@ private:
             fit.patches[side] = &best->patch;
             fit.seam = crossed_seam(*best, fit.points);
             if (fit.seam) return;
-            for (int i = 0; i < 2; ++i)
-                fit.points.row(4 + 2 * side + i) =
-                    quintic(jet(best->patch[i], ends[0]), jet(best->patch[i], ends[1]));
+            for (int i = 0; i < 2; ++i) {
+                Eigen::Matrix<double, 1, 6> at;
+                for (int k = 0; k < 6; ++k) at[k] = best->patch[i](at_nodes.col(k));
+                auto row = fit.points.row(4 + 2 * side + i);
+                row = at * interpolation.coefficients;
+                row[0] = at[0];
+                row[5] = at[5];
+            }
         }
     }
     // The linear function of X that vanishes where u is at an end of its range, if the span crosses that.
@@ -622,33 +717,79 @@ private:
     double seam_width(const Points& points, const Linear& f) const {
         return std::min(0x1p-32 * magnitude(points, f), 0.25 * tolerance_);
     }
+    static double magnitude(const Points& points, const Linear& f) {
+        return f.head<4>().cwiseAbs().dot(points.topRows<4>().cwiseAbs().rowwise().maxCoeff()) +
+               std::abs(f[4]);
+    }
     static double at(const Linear& f, const Vector4d& X) { return f.head<4>().dot(X) + f[4]; }
 
-    // With the coordinate x along the chord and s = e.T:
-    //     dX/dx = T / s,   d^2X/dx^2 = (X'' - (e.X'') T / s) / s^2.
-    Fit smooth(const Node& from, const Node& to) const {
+    // At constant speed: with X' = length T and X'' = length^2 K at both ends, K the curvature vector, a
+    // quintic has
+    //     X'(1/2) = 15/8 (X1 - X0) - 7/16 (X0' + X1') + 1/32 (X1'' - X0''),
+    // and the speed there is to be `length`, too: that determines it to the order of the quintic's own error.
+    static double length_between(const Node& from, const Node& to) {
+        const Vector4d chord = to.X - from.X, T = from.T + to.T, K = to.second - from.second;
+        double length = chord.norm();
+        constexpr int steps = 3;  // of Newton's method
+        for (int i = 0; i < steps; ++i) {
+            const Vector4d velocity = 1.875 * chord - 0.4375 * length * T + square(length) / 32 * K;
+            const double speed = velocity.norm();
+            const double slope = velocity.dot(length / 16 * K - 0.4375 * T) / speed - 1;
+            length -= (speed - length) / slope;
+        }
+        return length;
+    }
+
+    // Takes a span from Hermite's data at the ends to the arc at the inner nodes, by a step of Newton's
+    // method each, if its residuals there are no larger than `most`. Returns the largest.
+    double interpolate(Points& points, double most) const {
+        const Interpolation& interpolation = Interpolation::get();
+        Eigen::Matrix<double, 4, 6> at_nodes = points.topRows<4>() * interpolation.values;
+        std::array<Vector4d, 6> G;
+        double largest = 0;
+        for (int k = 1; k < 5; ++k) {
+            G[k] = Vector4d::Zero();
+            for (int i = 0; i < 3; ++i) G[k][i] = equations_[i](at_nodes.col(k));
+            largest = std::max(largest, G[k].cwiseAbs().maxCoeff());
+        }
+        if (!(largest <= most)) return largest;
+        for (int k = 1; k < 5; ++k) at_nodes.col(k) -= frame(at_nodes.col(k)).matrix().inverse() * G[k];
+        points.block<4, 4>(0, 1) = at_nodes * interpolation.coefficients.middleCols<4>(1);
+        return largest;
+    }
+
+    // Certified if it may err by no more than `most`: in the certificate each |B_i| is 1 / sqrt(2) at least.
+    // Others that come near the arc are so without their trims: they tell where to divide it.
+    Fit smooth(const Node& from, const Node& to, double most) const {
         constexpr double flattest = 0.45;
         Fit fit;
         const Vec3 chord = to.X.head<3>() - from.X.head<3>();
-        const double length = chord.norm();
+        for (const Node& n : {from, to})
+            if (!(chord.dot(n.T.head<3>()) > flattest * chord.norm() * n.T.head<3>().norm())) return fit;
+        const double length = length_between(from, to);
         if (!(length > 0)) return fit;
         std::array<Jet, 2> ends;
-        for (int i = 0; i < 2; ++i) {
-            const Node& n = i == 0 ? from : to;
-            const Vec3 e = chord / length;
-            const double s = e.dot(n.T.head<3>());
-            if (!(s >= flattest)) return fit;
-            ends[i] << n.X, length / s * n.T,
-                square(length / s) * (n.second - e.dot(n.second.head<3>()) / s * n.T);
-        }
+        ends[0] << from.X, length * from.T, square(length) * from.second;
+        ends[1] << to.X, length * to.T, square(length) * to.second;
         fit.points.topRows<4>() = quintic(ends[0], ends[1]);
-        // What is far off is not worth a certificate.
-        constexpr double hopeless = 16;
-        for (const Equation& G : equations_)
-            if (!(G.residual(fit.points) <= hopeless * tolerance_)) return fit;
-        trim(ends, fit);
-        if (fit.seam) return fit;
-        fit.tube = certify(fit.points, fit.patches, from.is_terminal, to.is_terminal, deepest_proof);
+        constexpr double near = 4096, most_moved = 32, least_share = 0.7;
+        const double far = interpolate(fit.points, most_moved * most);
+        if (!(far <= near * most)) return fit;
+        const SpanPolynomials span(fit.points, foot_);
+        Residuals residuals{curve_residuals(span), {}};
+        const double largest = std::ranges::max(residuals.curve);
+        const bool is_good = least_share * largest <= most;
+        if (is_good) {
+            trim(fit);
+            if (fit.seam) return fit;
+            add_trims(fit, span, residuals);
+        }
+        fit.tube = certify(fit.points, fit.patches, residuals, is_good ? most : infinity, from.is_terminal,
+                           to.is_terminal, deepest_proof);
+        if (!is_good) fit.tube.trims = infinity;
+        constexpr double gain = 16;  // of interpolation, at least
+        fit.expected =
+            std::isfinite(fit.error()) ? fit.error() : fit.tube.curve / (far > most_moved * most ? gain : 1);
         return fit;
     }
 
@@ -663,33 +804,52 @@ private:
         ends[0] << from.X, to.X - from.X, Vector4d::Zero();
         ends[1] << to.X, to.X - from.X, Vector4d::Zero();
         fit.points.topRows<4>() = quintic(ends[0], ends[1]);
-        trim(ends, fit);
+        trim(fit);
         fit.tube = Tube{(high - low).norm(), 0, 0, 0, 0, 0};
-        add_trims(fit.points, fit.patches, Ball(fit.points, slack_), residuals(fit.points), fit.tube);
+        const SpanPolynomials span(fit.points, foot_);
+        Residuals residuals{curve_residuals(span), {}};
+        add_trims(fit, span, residuals);
+        const Neighbourhood D(fit.points, slack_, tolerance_);
+        fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center),
+                                     range(fit.points, D).variations, residuals, fit.tube.q);
         return fit;
     }
 
-    // D around a span, and the room in it beside the span.
-    struct Ball {
+    // D: what is within `room` of the hull of a span's points, and so within `radius` of its middle.
+    struct Neighbourhood {
         Vector4d center;
         double radius, room;
 
-        Ball(const Points& points, double slack) {
-            const Vector4d low = points.topRows<4>().rowwise().minCoeff(),
-                           high = points.topRows<4>().rowwise().maxCoeff();
-            center = 0.5 * (low + high);
-            const double half = 0.5 * (high - low).norm();
-            room = 0.25 * half + 16 * slack + rounding * center.norm();
+        // The room is what a bound of the distance may come to before it is too much; q grows with it.
+        Neighbourhood(const Points& points, double slack, double tolerance) {
+            const auto X = points.topRows<4>();
+            center = 0.5 * (X.rowwise().minCoeff() + X.rowwise().maxCoeff());
+            const double half = std::sqrt((X.colwise() - center).colwise().squaredNorm().maxCoeff());
+            room = std::min(0.25 * half, std::max(4 * tolerance, 0.03 * half)) + 16 * slack +
+                   rounding * center.norm();
             radius = half + room;
         }
     };
 
-    Tube certify(const Points& points, const Patches& patches, bool from_terminal, bool to_terminal,
-                 int halvings) const {
-        const Tube whole = tube(points, patches, from_terminal, to_terminal);
-        // q falls like the ball's radius, if it is finite.
-        const bool hopeless = std::isfinite(whole.q) && whole.q > std::ldexp(1, halvings);
-        if (whole.is_proved() || halvings == 0 || hopeless) return whole;
+    // Step 1: of the three equations, and of the trims in those of step 5, n - u d, with the divisors' least
+    // values.
+    struct Residuals {
+        std::array<double, 3> curve;
+        struct Trim {
+            std::array<double, 2> residual, divisor;
+        };
+        std::array<Trim, 2> trims;
+    };
+
+    // In parts where one D does not prove it, or not an error of `most`: q falls like the size of D,
+    // if it is finite, and with it 1 / (1 - q).
+    Tube certify(const Points& points, const Patches& patches, const Residuals& residuals, double most,
+                 bool from_terminal, bool to_terminal, int halvings) const {
+        const Tube whole = tube(points, patches, residuals, from_terminal, to_terminal);
+        const double error = std::max(whole.curve, whole.trims);
+        const bool hopeless = whole.is_proved() ? error <= most || error * (1 - whole.q) > most
+                                                : std::isfinite(whole.q) && whole.q > std::ldexp(1, halvings);
+        if (halvings == 0 || hopeless) return whole;
         // De Casteljau at 1/2.
         Points first, second, work = points;
         for (int k = 0; k <= 5; ++k) {
@@ -697,35 +857,31 @@ private:
             second.col(5 - k) = work.col(5 - k);
             for (int i = 0; i < 5 - k; ++i) work.col(i) = 0.5 * (work.col(i) + work.col(i + 1));
         }
-        const Tube a = certify(first, patches, from_terminal, false, halvings - 1);
-        if (!a.is_proved()) return Tube::failed();
-        const Tube b = certify(second, patches, false, to_terminal, halvings - 1);
-        if (!b.is_proved() || !joins(a, b)) return Tube::failed();
-        return {std::max(a.curve, b.curve),
-                std::max(a.trims, b.trims),
-                a.start,
-                b.end,
-                std::min(a.link, b.link),
-                0};
+        const Tube a = certify(first, patches, residuals, most, from_terminal, false, halvings - 1);
+        if (!a.is_proved()) return whole;
+        const Tube b = certify(second, patches, residuals, most, false, to_terminal, halvings - 1);
+        if (!b.is_proved() || !joins(a, b)) return whole;
+        return {std::max(a.curve, b.curve), std::max(a.trims, b.trims), a.start, b.end,
+                std::min(a.link, b.link),   std::max(a.q, b.q)};
     }
 
-    // Steps 1 to 5 in one ball.
-    Tube tube(const Points& points, const Patches& patches, bool from_terminal, bool to_terminal) const {
-        const Ball ball(points, slack_);
-        const Frame f = frame(ball.center);
-        std::array<double, 4> variations{};
-        for (int i = 0; i < 3; ++i) variations[i] = equations_[i].variation(ball.center, ball.radius);
+    // Steps 2 to 5 in one D.
+    Tube tube(const Points& points, const Patches& patches, const Residuals& residuals, bool from_terminal,
+              bool to_terminal) const {
+        const Neighbourhood D(points, slack_, tolerance_);
+        const Frame f = frame(D.center);
+        const auto [reach, variations] = range(points, D);
         const Solver solver(f.matrix(), variations);
         if (!solver.is_regular()) return Tube::failed(solver.q);
         for (int k = 0; k < 5; ++k)
             if (!(f.T.dot(points.col(k + 1).head<4>() - points.col(k).head<4>()) > 0)) return Tube::failed();
-        const auto e = residuals(points);
+        const auto& e = residuals.curve;
         const double distance = solver.distance({e[0], e[1], e[2], 0});
-        if (!(distance <= ball.room)) return Tube::failed();
+        if (!(distance <= D.room)) return Tube::failed();
         const Vector4d start = points.col(0).head<4>(), end = points.col(5).head<4>();
-        const double slack = slack_ + rounding * ball.center.norm();
-        const bool holds_end = (ball.center - terminal_).norm() <= ball.radius + slack &&
-                               f.T.dot(terminal_ - start) >= -slack && f.T.dot(terminal_ - end) <= slack;
+        const double slack = slack_ + rounding * D.center.norm();
+        const bool holds_end = (D.center - end_.X).norm() <= D.radius + slack &&
+                               f.T.dot(end_.X - start) >= -slack && f.T.dot(end_.X - end) <= slack;
         if (holds_end && !from_terminal && !to_terminal) return Tube::failed();
         // The slice through an end's point meets the curve next to it; the edge may end that much earlier.
         const double beyond = solver.distance({0, 0, 0, slack_});
@@ -733,20 +889,30 @@ private:
             distance + beyond, 0, solver.distance(residuals_at(start)), solver.distance(residuals_at(end)), 0,
             solver.q};
         // Step 4: a third of the room each for a, the value at the end and the curvature.
-        if (std::max(tube.start, tube.end) <= ball.room / 3) {
+        if (std::max(tube.start, tube.end) <= D.room / 3) {
             std::array<double, 4> curvatures{};
-            for (int i = 0; i < 3; ++i)
-                curvatures[i] = equations_[i].curvature_bound(ball.center, ball.radius) / 8;
-            tube.link = std::min(ball.room / 3, std::sqrt(ball.room / 3 / solver.distance(curvatures)));
+            for (int i = 0; i < 3; ++i) curvatures[i] = equations_[i].curvature_bound(D.center, reach[i]) / 8;
+            tube.link = std::min(D.room / 3, std::sqrt(D.room / 3 / solver.distance(curvatures)));
         }
-        add_trims(points, patches, ball, e, tube);
+        tube.trims = trims_error(points, patches, D, f, variations, residuals, tube.q);
         return tube;
     }
 
-    // Step 1, for all three equations.
-    std::array<double, 3> residuals(const Points& points) const {
-        return {equations_[0].residual(points), equations_[1].residual(points),
-                equations_[2].residual(points)};
+    // Of the three equations over D.
+    struct Range {
+        std::array<double, 3> reach;
+        std::array<double, 4> variations{};
+    };
+    Range range(const Points& points, const Neighbourhood& D) const {
+        Range r;
+        for (int i = 0; i < 3; ++i) {
+            r.reach[i] = equations_[i].reach(D.center, points, D.room);
+            r.variations[i] = equations_[i].variation(D.center, r.reach[i]);
+        }
+        return r;
+    }
+    std::array<double, 3> curve_residuals(const SpanPolynomials& span) const {
+        return {equations_[0].residual(span), equations_[1].residual(span), equations_[2].residual(span)};
     }
     std::array<double, 4> residuals_at(const Vector4d& X) const {
         std::array<double, 4> e{};
@@ -754,57 +920,67 @@ private:
         return e;
     }
 
-    // Step 5; `residuals` as above.
-    void add_trims(const Points& points, const Patches& patches, const Ball& ball,
-                   const std::array<double, 3>& residuals, Tube& tube) const {
-        for (int side = 0; side < 2; ++side)
-            if (patches[side])
-                tube.trims =
-                    std::max(tube.trims, trim_error(side, points, *patches[side], ball, residuals, tube.q));
+    static void add_trims(const Fit& fit, const SpanPolynomials& span, Residuals& residuals) {
+        for (int side = 0; side < 2; ++side) {
+            if (!fit.patches[side]) continue;
+            for (int i = 0; i < 2; ++i) {
+                const PatchCoordinate& c = (*fit.patches[side])[i];
+                const Bernstein<5> v = row(fit.points, 4 + 2 * side + i), numerator = span(c.numerator);
+                const double divisor_size = span.size(c.divisor);
+                double residual = 0, least = 0;
+                if (c.divisor.head<4>().isZero()) {
+                    residual = (numerator - c.divisor[4] * v).largest();
+                    least = c.divisor[4];
+                } else {
+                    const Bernstein<5> divisor = span(c.divisor);
+                    residual = (raised<10>(numerator) - v * divisor).largest_of_halves();
+                    least = divisor.smallest_coefficient();
+                }
+                residuals.trims[side].residual[i] =
+                    residual + rounding * (span.size(c.numerator) + divisor_size * v.largest());
+                residuals.trims[side].divisor[i] = least - rounding * divisor_size;
+            }
+        }
     }
-    double trim_error(int side, const Points& points, const PatchCoordinates& coordinates, const Ball& ball,
-                      const std::array<double, 3>& residuals, double& largest_q) const {
+
+    // Step 5. largest_q: of the steps before.
+    static double trims_error(const Points& points, const Patches& patches, const Neighbourhood& D,
+                              const Frame& frame, const std::array<double, 4>& gradient_variations,
+                              const Residuals& residuals, double& largest_q) {
+        double most = 0;
+        for (int side = 0; side < 2 && most < infinity; ++side)
+            if (patches[side])
+                most = std::max(most, trim_error(side, points, *patches[side], D, frame, gradient_variations,
+                                                 residuals, largest_q));
+        return most;
+    }
+    static double trim_error(int side, const Points& points, const PatchCoordinates& coordinates,
+                             const Neighbourhood& D, const Frame& frame,
+                             const std::array<double, 4>& gradient_variations, const Residuals& residuals,
+                             double& largest_q) {
         const std::array<int, 2> surface{0, side + 1};
+        const Residuals::Trim& trim = residuals.trims[side];
         Matrix4d M;
         std::array<double, 4> variations, e;
-        std::array<double, 2> scale;
         for (int i = 0; i < 2; ++i) {
-            const Equation& G = equations_[surface[i]];
-            M.row(i) = G.gradient(ball.center);
-            variations[i] = G.variation(ball.center, ball.radius);
-            e[i] = residuals[surface[i]];
+            M.row(i) = frame.gradients[surface[i]];
+            variations[i] = gradient_variations[surface[i]];
+            e[i] = residuals.curve[surface[i]];
             const PatchCoordinate& c = coordinates[i];
             const auto value = points.row(4 + 2 * side + i);
             const double low = value.minCoeff(), high = value.maxCoeff(), middle = 0.5 * (low + high);
             const Vector4d n = c.numerator.head<4>(), d = c.divisor.head<4>(), gradient = n - middle * d;
-            scale[i] = gradient.norm();
-            M.row(2 + i) = gradient / scale[i];
-            variations[2 + i] = 0.5 * (high - low) * d.norm() / scale[i];
+            const double scale = gradient.norm(), across = d.norm();
+            if (!(trim.divisor[i] > D.room * across)) return infinity;
+            M.row(2 + i) = gradient / scale;
+            variations[2 + i] = 0.5 * (high - low) * across / scale;
+            e[2 + i] = trim.residual[i] / scale;
         }
         const Solver solver(M, variations);
         largest_q = std::max(largest_q, solver.q);
         if (!solver.is_regular()) return infinity;
-        for (int i = 0; i < 2; ++i) {
-            const PatchCoordinate& c = coordinates[i];
-            const Bernstein<5> v = row(points, 4 + 2 * side + i), divisor = linear(points, c.divisor);
-            const double divisor_size = magnitude(points, c.divisor);
-            if (!(divisor.smallest_coefficient() >
-                  ball.room * c.divisor.head<4>().norm() + rounding * divisor_size))
-                return infinity;
-            const double size = magnitude(points, c.numerator) + divisor_size * v.largest();
-            e[2 + i] = ((raised<10>(linear(points, c.numerator)) - v * divisor).largest() + rounding * size) /
-                       scale[i];
-        }
         const double distance = solver.distance(e);
-        return distance <= ball.room ? distance : infinity;
-    }
-    static Bernstein<5> linear(const Points& points, const Linear& f) {
-        return f[0] * row(points, 0) + f[1] * row(points, 1) + f[2] * row(points, 2) + f[3] * row(points, 3) +
-               f[4];
-    }
-    static double magnitude(const Points& points, const Linear& f) {
-        return f.head<4>().cwiseAbs().dot(points.topRows<4>().cwiseAbs().rowwise().maxCoeff()) +
-               std::abs(f[4]);
+        return distance <= D.room ? distance : infinity;
     }
 
     const RadialBaseProblem& problem_;
@@ -812,8 +988,9 @@ private:
     double tolerance_;
     std::vector<SpaceSpan>& spans_;
     std::array<Equation, 3> equations_;  // base, left, right
-    std::vector<Node> nodes_;            // the ends of the pieces
-    Vector4d terminal_;                  // where the edge ends
+    Vec3 foot_;                          // near the curve, on the base's axis
+    Node start_, end_;                   // of the edge
+    std::size_t first_span_ = spans_.size();
     double slack_ = 0;                   // of the vertices
     std::optional<Tube> last_;           // the span before, the start at first; none: vouched for by a piece
     std::optional<Tube> first_, final_;  // the first span; the end
@@ -836,7 +1013,7 @@ PatchCoordinate PatchCoordinate::half_angle(const Vec3& point, const Vec3& zero,
     return c;
 }
 
-// Within D, the ball of twice the bound, the solution is unique by step 2, and the point is one.
+// Within a ball of twice the bound the solution is unique by step 2, and the point is one.
 std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
                                      const SpaceEnd& near) {
     const Vec3 foot(0, problem.is_sphere ? 0 : near.point.y(), 0);

@@ -13,22 +13,25 @@
 /// edge the left site is nearest on the left, so the edge runs along (g_left - g) x (g_right - g), g = grad
 /// of the base's distance (walls: g_wall instead of the difference).
 ///
-/// Both ends of a span lie on the arc. With the coordinate along the chord as parameter, first and second
-/// derivative at both ends follow from the equations and make a quintic that errs by the sixth power of the
-/// span. The patches' coordinates are quotients of linear functions of X (PatchCoordinate), so their
-/// derivatives follow too, and the trims are quintics in the same parameter. A span that is not good enough
-/// is halved at a point of the arc, found by Newton's method.
+/// Both ends of a span lie on the arc. First and second derivative at both ends, by the length of the curve
+/// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. One step of
+/// Newton's method takes it to the arc at four places in between, chosen so that the quintic through all six
+/// errs by a small part of that. The patches' coordinates are quotients of linear functions of X
+/// (PatchCoordinate); the trims have their values at the same six places. A span that is not good enough is
+/// divided at points of the arc, found by Newton's method, into as many parts as the sixth power asks for.
 ///
 /// *The certificate.* Let P(s) = (p, t)(s) be the fitted span.
 ///
 /// 1. Residuals. d^2 - (t + delta)^2 along the span is a polynomial of degree 10 (planes and walls: G, of
 ///    degree 5), and no larger than its largest Bernstein coefficient. Divided by d + t + delta it bounds
 ///    |G(P(s))| <= e.
-/// 2. Place. Take four equations F(X) = 0, a ball D around the span, M the Jacobian in its middle, B nearly
-///    the inverse of M, B_i its columns. Within r of a point at distance d from a centre or axis the unit
-///    vector from there turns by asin(r / d) at most; that bounds the rows of F' - M, and so q >= |I - B F'|
-///    in D. Let q < 1. Then X - B F(X) contracts, so F is one-to-one in D; and a solution lies within
-///    x = sum |B_i| |F_i(P)| / (1 - q) of P, if D contains the ball of this radius [Deuflhard04, sec. 2.1].
+/// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull
+/// of
+///    its control points), M the Jacobian in its middle, B nearly the inverse of M, B_i its columns. Within r
+///    of a point at distance d from a centre or axis the unit vector from there turns by asin(r / d) at most;
+///    that bounds the rows of F' - M, and so q >= |I - B F'| in D. Let q < 1. Then X - B F(X) contracts, so F
+///    is one-to-one in D; and a solution lies within x = sum |B_i| |F_i(P)| / (1 - q) of P, if D contains the
+///    ball of this radius [Deuflhard04, sec. 2.1].
 /// 3. The curve. F = (G, N . (X - P(s))) with N the unit null vector of the gradients in the middle. So in D
 ///    the curve G = 0 is a graph over N, and meets the slice across N through each P(s) within x. Since
 ///    N . P(s) increases, these points make up the curve's arc between the slices of P(0) and P(1), in the
@@ -37,14 +40,15 @@
 ///    D. On the way from P(0) to A |G_i| <= |G_i(P(0))| + c_i a^2 / 8; so the slices in between meet the
 ///    curve, too, as near as step 2 says. If that is in D, A lies on the graph of step 3. So consecutive
 ///    spans follow one arc, which starts at the edge's start and in its direction; and it reaches the edge's
-///    end with the last span only: no other span's ball holds the end between its slices. So it is the edge.
+///    end with the last span only: no other span's D holds the end between its slices. So it is the edge.
 ///    Of the diagram's pieces only guesses are taken, and for closed edges that one point is near the edge.
 /// 5. Trims. F = (G_base, G_site, n_u - u(s) d_u, n_v - v(s) d_v) for coordinates n / d: step 2 bounds the
 ///    distance of the patch's point at (u, v)(s) from P(s).
 ///
-/// A span too long for one ball is halved for the proof. Where an arc ends in a point with dependent
-/// gradients (objects that touch) the last span cannot be proved so: it is a chord, as good as the enclosure
-/// of the diagram's piece. All of it in double: residuals and gradients carry bounds of their rounding.
+/// A span too long for one D, or for a small q, is halved for the proof. Where an arc ends in a point with
+/// dependent gradients (objects that touch) the last span cannot be proved so: it is a chord, as good as the
+/// enclosure of the diagram's piece. All of it in double: residuals and gradients carry bounds of their
+/// rounding.
 #pragma once
 
 #include <Eigen/Core>

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 
+#include "../../envelope/bernstein.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
@@ -713,5 +714,24 @@ TEST_CASE("patch coordinates: tangents of half angles, and lengths") {
         CHECK(PatchCoordinate::half_angle(point, zero, quarter, distance - t)(X) ==
               doctest::Approx(tangent).epsilon(1e-9));
         CHECK(PatchCoordinate::linear(axis, point)(X) == doctest::Approx(length).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("bernstein: squares are products, and halves bound a polynomial more closely") {
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < 200; ++round) {
+        std::array<double, 6> c;
+        for (double& x : c) x = std::uniform_real_distribution(-1.0, 1.0)(rng);
+        const auto p = Bernstein<5>::from([&](int k) { return c[k]; });
+        const Bernstein<10> squared = square(p), product = p * p;
+        for (int k = 0; k <= 10; ++k)
+            CHECK(squared.coefficient(k) == doctest::Approx(product.coefficient(k)).epsilon(1e-14));
+        const double bound = p.largest_of_halves();
+        CHECK(bound <= p.largest());
+        for (double s = 0; s <= 1; s += 0x1p-6) {
+            double value = 0;
+            for (int k = 0; k <= 5; ++k) value += p.scaled[k] * std::pow(s, k) * std::pow(1 - s, 5 - k);
+            CHECK(std::abs(value) <= bound + 1e-15);
+        }
     }
 }
