@@ -67,6 +67,7 @@ struct LabelledPiece {
 
 Piece make_piece(std::vector<PieceSide> sides) {
     Piece p;
+    p.corners.reserve(sides.size());
     constexpr double inf = std::numeric_limits<double>::infinity();
     p.rect = {inf, -inf, inf, -inf};
     for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -229,6 +230,7 @@ private:
         const Rect& r = piece.rect;
         const Lengths along_x = lengths(r.y0, r.y1), along_y = lengths(r.x0, r.x1);
         Cut cut;
+        cut.beyond.reserve(piece.corners.size());
         cut.upright = along_x.at(r.x1) - along_x.at(r.x0) >= along_y.at(r.y1) - along_y.at(r.y0);
         const Lengths& along = cut.upright ? along_x : along_y;
         const double lo = cut.upright ? r.x0 : r.y0, hi = cut.upright ? r.x1 : r.y1, start = along.at(lo);
@@ -333,6 +335,11 @@ private:
             const auto cut = cut_at(piece, shift);
             if (!cut) continue;
             LabelledHalves halves;
+            for (LabelledPiece* half : {&halves.first, &halves.second}) {
+                half->piece.sides.reserve(n + 1);
+                half->labels.reserve(n + 1);
+                half->corner_ties.reserve(n + 1);
+            }
             const auto push = [](LabelledPiece& to, const PieceSide& side, SideLabels labels, std::vector<FormId> ties) {
                 to.piece.sides.push_back(side);
                 to.labels.push_back(std::move(labels));

@@ -189,9 +189,10 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     return spreads;
 }
 
-std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_supports(const NormalBox& box,
-                                                                  std::span<const FormId> candidates) const {
-    std::vector<Spread> spreads;
+std::vector<MixedAnalysis::Rival> MixedAnalysis::lowest_supports(const NormalBox& box,
+                                                                 std::span<const FormId> candidates) const {
+    std::vector<Rival> rivals;
+    rivals.reserve(candidates.size());
     Support best;
     double nearest = -infinity;
     for (const FormId f : candidates) {
@@ -200,24 +201,28 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_supports(const NormalBo
             nearest = q;
             best = s;
         }
-        spreads.push_back({f, s, {}, {}, {}, {}, {}});
+        rivals.push_back({f, s});
     }
-    std::erase_if(spreads, [&](const Spread& s) { return box.is_above(s.support, best); });
-    if (spreads.size() <= most_compared_in_pairs)
-        drop_dominated(spreads, [&](const Spread& a, const Spread& b) { return box.is_above(a.support, b.support); });
-    return spreads;
+    std::erase_if(rivals, [&](const Rival& r) { return box.is_above(r.support, best); });
+    if (rivals.size() > 2 && rivals.size() <= most_compared_in_pairs)
+        drop_dominated(rivals, [&](const Rival& a, const Rival& b) {
+            return box.middle(a.support) < box.middle(b.support) && box.is_above(a.support, b.support);
+        });
+    return rivals;
 }
 
 std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
     normals_.reset();
     if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]))) {
         normals_.emplace(box[0], box[1], box[2], box[3]);
-        spreads_ = lowest_supports(*normals_, candidates);
+        spreads_.clear();
+        for (const Rival& r : lowest_supports(*normals_, candidates)) spreads_.push_back({r.form, r.support, {}, {}, {}, {}, {}});
     } else {
         spreads_ = lowest_spreads(box, candidates);
     }
     decisions_.by_interval += candidates.size() - 1;
     std::vector<FormId> kept;
+    kept.reserve(spreads_.size());
     for (const Spread& s : spreads_) kept.push_back(s.form);
     return kept;
 }
@@ -279,8 +284,31 @@ std::vector<FormId> lowest_in_many_digits(const Heights& heights, const std::arr
 
 }  // namespace
 
+// In doubles, over a sphere.
+std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const {
+    if (!supports_ || !is_point(p[0]) || !is_point(p[1])) return std::nullopt;
+    const PointNormal n(p[0].mid(), p[1].mid());
+    FormId lowest;
+    double top = infinity, next = infinity;  // of the lowest one; the bottom of all others
+    for (const FormId f : candidates) {
+        const double v = supports_->value(f, n), r = supports_->value_error(f);
+        if (v < top) {
+            next = std::min(next, lowest.valid() ? top - 2 * supports_->value_error(lowest) : infinity);
+            top = v + r;
+            lowest = f;
+        } else {
+            next = std::min(next, v - r);
+        }
+    }
+    return top < next ? std::optional(lowest) : std::nullopt;
+}
+
 std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates) {
     const IntervalPoint p = corner_of(s, t);
+    if (const auto f = certainly_lowest(p, candidates)) {
+        ++decisions_.by_double;
+        return {*f};
+    }
     std::vector<FormId> lowest = possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
     ++decisions_.by_interval;
     if (lowest.size() == 1) return lowest;
@@ -292,6 +320,10 @@ std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide
 
 std::vector<FormId> MixedAnalysis::lowest_at(const Line& line, double s, std::span<const FormId> candidates) {
     const IntervalPoint p = line.at(Interval(s));
+    if (const auto f = certainly_lowest(p, candidates)) {
+        ++decisions_.by_double;
+        return {*f};
+    }
     const std::vector<FormId> lowest =
         possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
     ++decisions_.by_interval;
@@ -313,8 +345,9 @@ MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0
     Guess root{Interval(s0, s1).mid(), 0};
     for (int i = 0; i < most_newton_steps; ++i) {
         const IntervalPoint p = line.at(Interval(root.s));
+        const PointNormal n = supports_ ? PointNormal(p[0].mid(), p[1].mid()) : PointNormal();
         const auto jet = [&](FormId f) {
-            if (supports_) return supports_->jet(f, p[0].mid(), p[1].mid());
+            if (supports_) return supports_->jet(f, n);
             const HeightJet<Interval> j = heights_.jet(f, p[0], p[1]);
             return std::array{j.v.mid(), j.gx.mid(), j.gy.mid()};
         };
@@ -334,12 +367,31 @@ MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0
 RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope) {
     const Guess guess = approximate_root(line, s0, s1, before, after);
     const IntervalPoint near = line.at(Interval(guess.s));
-    const Interval residual = heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]);
-    const Interval root = Interval(guess.s) + Interval(-1.0, 1.0) * Interval(residual.magnitude()) / Interval(least_slope);
-    double lo = std::max(s0, root.lower()), hi = std::min(s1, root.upper());
-    if (!(lo <= hi)) throw InternalError("no root of a sign change along a side");
+    double lo = s0, hi = s1;
     const auto is_narrow = [&] { return hi - lo <= root_width * (s1 - s0); };
-    bool sharp = false, found = guess.slope <= most_steepening * least_slope && is_narrow();
+    const auto narrow_by = [&](const Interval& residual) {
+        const Interval root =
+            Interval(guess.s) + Interval(-1.0, 1.0) * Interval(residual.magnitude()) / Interval(least_slope);
+        lo = std::max(s0, root.lower());
+        hi = std::min(s1, root.upper());
+        if (!(lo <= hi)) throw InternalError("no root of a sign change along a side");
+        return guess.slope <= most_steepening * least_slope && is_narrow();
+    };
+    bool sharp = false, found = false;
+    if (compare_by_supports(s1 - s0) && is_point(near[0]) && is_point(near[1])) {
+        const PointNormal n(near[0].mid(), near[1].mid());
+        const Interval residual = Interval::ball(supports_->value(before, n) - supports_->value(after, n),
+                                                 supports_->value_error(before) + supports_->value_error(after));
+        found = narrow_by(residual);
+        if (!found && is_narrow()) {
+            const IntervalPoint range = line.at(Interval(lo, hi));
+            const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
+            const auto [gx, gy] = box.gradient(supports_->over(before, box), supports_->over(after, box));
+            least_slope = std::max(least_slope, line.along({{}, gx, gy}).lower());
+            found = narrow_by(residual);
+        }
+    }
+    if (!found) found = narrow_by(heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]));
     while (!found) {
         const double m = Interval(lo, hi).mid();
         const auto [value, slope] = sharp ? line.sharp_difference(heights_, before, after, m, lo, hi)
@@ -375,10 +427,11 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
     if (compare_by_supports(s1 - s0)) {
         const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
-        const std::vector<Spread> spreads = lowest_supports(box, candidates);
-        for (const Spread& s : spreads) out.forms.push_back(s.form);
-        if (spreads.size() == 2) {
-            const auto [gx, gy] = box.gradient(spreads[0].support, spreads[1].support);
+        const std::vector<Rival> rivals = lowest_supports(box, candidates);
+        out.forms.reserve(rivals.size());
+        for (const Rival& rival : rivals) out.forms.push_back(rival.form);
+        if (rivals.size() == 2) {
+            const auto [gx, gy] = box.gradient(rivals[0].support, rivals[1].support);
             out.least_slope = least(line.along({{}, gx, gy}));
         }
         return out;
@@ -645,6 +698,25 @@ System equal_heights(const Heights& heights, const std::array<FormId, 3>& forms,
     return {{a.v - b.v, a.v - c.v}, {{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}}};
 }
 
+// The same in doubles; over a point derivatives are rounded only.
+System equal_heights(const SphereSupports& supports, const std::array<FormId, 3>& forms, Interval x, Interval y) {
+    System s;
+    if (is_point(x) && is_point(y)) {
+        const PointNormal n(x.mid(), y.mid());
+        const auto a = supports.jet(forms[0], n);
+        for (const int i : {0, 1}) {
+            const auto b = supports.jet(forms[i + 1], n);
+            s.value[i] = Interval::ball(a[0] - b[0], supports.value_error(forms[0]) + supports.value_error(forms[i + 1]));
+            s.jacobian[i] = {Interval(a[1] - b[1]), Interval(a[2] - b[2])};
+        }
+        return s;
+    }
+    const NormalBox box(x.lower(), x.upper(), y.lower(), y.upper());
+    const Support a = supports.over(forms[0], box);
+    for (const int i : {0, 1}) s.jacobian[i] = box.gradient(a, supports.over(forms[i + 1], box));
+    return s;
+}
+
 // grad f = grad g.
 System equal_gradients(const Heights& heights, FormId f, FormId g, Interval x, Interval y) {
     const HeightJet<Interval> a = heights.jet(f, x, y), b = heights.jet(g, x, y);
@@ -670,6 +742,12 @@ struct MixedAnalysis::Work {
     const NormalBox* normals;  // these two are null unless rivals compare by supports
     const SphereSupports* supports;
     mutable std::optional<DividedBox> parts;  // made when asked for
+    mutable std::vector<FormId> parted;       // their forms
+    struct Direction {
+        FormId a, b;
+        std::optional<Vector2d> d;
+    };
+    mutable std::vector<Direction> directions;  // as found for the rivals as they are
     MixedPiece piece;
     std::vector<Spread> rivals;
     std::vector<Change> changes;
@@ -682,6 +760,7 @@ struct MixedAnalysis::Work {
     }
     std::vector<FormId> forms() const {
         std::vector<FormId> all;
+        all.reserve(rivals.size());
         for (const Spread& s : rivals) all.push_back(s.form);
         return all;
     }
@@ -720,17 +799,38 @@ struct MixedAnalysis::Work {
     }
     // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b.
     std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
+        for (const Direction& known : directions) {
+            if (known.a == a.form && known.b == b.form) return known.d;
+            if (known.a == b.form && known.b == a.form) return known.d ? std::optional<Vector2d>(-*known.d) : known.d;
+        }
+        directions.push_back({a.form, b.form, find_direction(a, b)});
+        return directions.back().d;
+    }
+    std::optional<Vector2d> find_direction(const Spread& a, const Spread& b) const {
         const auto [gx, gy] = gradient(a, b);
         const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
         if (d.allFinite() && (Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0) return d;
         if (!supports || rivals.size() > most_divided) return std::nullopt;
         const Vector2d across = across_ends(a.form, b.form).value_or(d);
-        if (!across.allFinite() || !divided().grows_along(place(a), place(b), across)) return std::nullopt;
+        if (!across.allFinite() || falls_on_rim(a.form, b.form, across)) return std::nullopt;
+        if (!divided().grows_along(place(a), place(b), across)) return std::nullopt;
         return across;
+    }
+    // Does a - b seem to fall where the two change on the rim? A cheap no to what would have to be proved.
+    bool falls_on_rim(FormId a, FormId b, const Vector2d& direction) const {
+        return std::ranges::any_of(changes, [&](const Change& c) {
+            if (!(c.before == a && c.after == b) && !(c.before == b && c.after == a)) return false;
+            const PointNormal n(piece.vertices[c.vertex].point.x(), piece.vertices[c.vertex].point.y());
+            const auto f = supports->jet(a, n), g = supports->jet(b, n);
+            return direction.x() * (f[1] - g[1]) + direction.y() * (f[2] - g[2]) < 0;
+        });
     }
     std::size_t place(const Spread& s) const { return static_cast<std::size_t>(&s - rivals.data()); }
     const DividedBox& divided() const {
-        if (!parts) parts.emplace(*supports, piece.box, forms());
+        if (!parts) {
+            parted = forms();
+            parts.emplace(*supports, piece.box, parted);
+        }
         return *parts;
     }
     // Right-hand of the chord between the places where two forms, and no others, change on the rim.
@@ -803,7 +903,7 @@ struct MixedAnalysis::Work {
 };
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
-    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, {}, {}, spreads_, {}, {}, {}, 0};
+    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, {}, {}, {}, {}, spreads_, {}, {}, {}, 0};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -816,6 +916,12 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
 
     MixedPiece& piece = work.piece;
     const std::size_t sides = boundary.sides.size();
+    std::size_t rim = sides;
+    for (const SideLabels& l : boundary.labels) rim += l.transitions.size();
+    piece.vertices.reserve(rim + 1);
+    piece.leaving.reserve(rim + 1);
+    piece.rim.reserve(rim);
+    work.changes.reserve(rim);
     const auto add_rim = [&](const Vector2d& p, double error, FormId before, FormId after, std::span<const FormId> ties) {
         const auto v = static_cast<std::uint32_t>(piece.vertices.size());
         piece.vertices.push_back({p, error, after, {ties.begin(), ties.end()}});
@@ -846,6 +952,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
         const bool bends = !normals_ || std::ranges::count_if(work.rivals, is_curved) > 1;
         if (bends) {
             bend(work.piece.box, work.rivals);
+            work.directions.clear();
             cull_by_curvature(work);
         }
         if (work.width < sharp_width * extent_) cull_sharply(work);
@@ -935,7 +1042,11 @@ bool MixedAnalysis::join_changes(Work& work) {
         }
         if (n == 3 && changes.size() == 3) {
             const std::array forms{changes[0].before, changes[1].before, changes[2].before};
-            const auto root = root_near([&](Interval x, Interval y) { return equal_heights(heights_, forms, x, y); }, work.middle());
+            const auto root = root_near(
+                [&](Interval x, Interval y) {
+                    return work.supports ? equal_heights(*work.supports, forms, x, y) : equal_heights(heights_, forms, x, y);
+                },
+                work.middle());
             const auto& box = work.piece.box;
             if (root && root->point.x() + root->error >= box[0] && root->point.x() - root->error <= box[1] &&
                 root->point.y() + root->error >= box[2] && root->point.y() - root->error <= box[3]) {
@@ -1096,18 +1207,28 @@ bool MixedAnalysis::join_pair(Work& work, const Vector2d& direction, FormId f, F
     return true;
 }
 
-// Contracts a box a little larger than the piece to the root, if there is one.
+// Contracts a box a little larger than the piece, or the part of it where all three meet, to the root, if there is one.
 MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out) {
-    const auto& box = work.piece.box;
+    std::array<double, 4> box = work.piece.box;
+    const bool by_supports = work.supports && work.rivals.size() <= most_divided;
+    if (by_supports) {
+        const auto place = [&](FormId f) { return work.place(*work.find(f)); };
+        const auto part = work.divided().meeting(place(forms[0]), place(forms[1]), place(forms[2]));
+        if (!part) return Inside::No;
+        box = *part;
+    }
+    const auto system = [&](Interval x, Interval y) {
+        return by_supports ? equal_heights(*work.supports, forms, x, y) : equal_heights(heights_, forms, x, y);
+    };
     const double dx = 0.25 * (box[1] - box[0]), dy = 0.25 * (box[3] - box[2]);
     Interval X(box[0] - dx, box[1] + dx), Y(box[2] - dy, box[3] + dy);
     bool exists = false;
     for (int i = 0; i < 20; ++i) {
         const Interval mx(X.mid()), my(Y.mid());
-        const System over_box = equal_heights(heights_, forms, X, Y);
+        const System over_box = system(X, Y);
         const Eigen::Matrix2d inverse = vcell::middle(over_box).inverse();
         if (!inverse.allFinite()) return Inside::Unknown;
-        const auto k = krawczyk(equal_heights(heights_, forms, mx, my), over_box, inverse, {X - mx, Y - my});
+        const auto k = krawczyk(system(mx, my), over_box, inverse, {X - mx, Y - my});
         const Interval kx = mx + k[0], ky = my + k[1];
         const double xl = std::max(X.lower(), kx.lower()), xh = std::min(X.upper(), kx.upper());
         const double yl = std::max(Y.lower(), ky.lower()), yh = std::min(Y.upper(), ky.upper());
@@ -1118,6 +1239,15 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
         Y = Interval(yl, yh);
         if (stalled) break;
     }
+    // Exactly one: so it is what is proved more closely in a part of the box.
+    if (exists)
+        if (const auto root = root_near(system, {X.mid(), Y.mid()})) {
+            const Interval x = Interval::ball(root->point.x(), root->error), y = Interval::ball(root->point.y(), root->error);
+            if (X.contains(x.lower()) && X.contains(x.upper()) && Y.contains(y.lower()) && Y.contains(y.upper())) {
+                X = x;
+                Y = y;
+            }
+        }
     bool inside = true;
     for (const PieceSide& s : work.boundary.sides) {
         const auto sign = (Interval(s.a) * X + Interval(s.b) * Y + Interval(s.c)).sign();

@@ -68,13 +68,13 @@ struct SideLabels {
     SideLabels reversed() const;
 };
 
-/// The labels around a piece: side i starts at corner i.
+/// The labels around a piece: side i starts at corner i. They must outlive this view.
 struct PieceBoundary {
-    std::vector<PieceSide> sides;
-    std::vector<IntervalPoint> corners;
-    std::vector<SideLabels> labels;
+    std::span<const PieceSide> sides;
+    std::span<const IntervalPoint> corners;
+    std::span<const SideLabels> labels;
     /// Forms that tie at corner i; empty where one form is lowest.
-    std::vector<std::vector<FormId>> corner_ties;
+    std::span<const std::vector<FormId>> corner_ties;
 };
 
 /// The diagram of a plain piece. Vertices 0 .. rim - 1 lie on the boundary, counter-clockwise.
@@ -166,7 +166,12 @@ private:
     bool compare_by_supports(double width) const { return supports_ && width > supports_width * extent_; }
     void bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const;
     std::vector<Spread> lowest_spreads(const std::array<double, 4>& box, std::span<const FormId> candidates) const;
-    std::vector<Spread> lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const;
+    struct Rival {
+        FormId form;
+        Support support;
+    };
+    std::vector<Rival> lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const;
+    std::optional<FormId> certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const;
     struct Rivals {
         std::vector<FormId> forms;
         double least_slope;

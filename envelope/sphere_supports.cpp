@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace vcell {
 
@@ -35,7 +36,7 @@ double least(double k, double a, double lo, double hi) {
 
 // With X = x m, Y = y m as in radial_height.hpp, u_xx = (X (2 X^2 - 3 m), Y (2 X^2 - m), m (2 X^2 - m)),
 // u_xy = (Y (2 X^2 - m), X (2 Y^2 - m), 2 X Y m), and u_yy as u_xx.
-NormalBox::Normal::Normal(double x, double y) {
+PointNormal::PointNormal(double x, double y) {
     const double m = 2 / (1 + x * x + y * y), X = x * m, Y = y * m;
     u = {X, Y, m - 1};
     ux = {m - X * X, -X * Y, -X * m};
@@ -46,7 +47,7 @@ NormalBox::NormalBox(double x0, double x1, double y0, double y1) : x0_(x0), x1_(
     const double x = std::midpoint(x0, x1), y = std::midpoint(y0, y1);
     rx_ = outwards * std::max(x1 - x, x - x0);
     ry_ = outwards * std::max(y1 - y, y - y0);
-    middle_ = Normal(x, y);
+    middle_ = PointNormal(x, y);
     struct Range {
         double lo, hi;  // of an absolute value
     };
@@ -122,9 +123,9 @@ SphereSupports::SphereSupports(const FormFamily& family) {
 // that of w_e into cos(t) grad w_e + sin(t) grad w_n, where |sin t| <= |w_n| / w_e if w_e is positive and 1 -
 // cos t <= sin^2 t.
 Support SphereSupports::over(FormId f, const NormalBox& box) const {
-    if (f.value < circular_.size()) return circular_[f.value];
-    const Cylinder& c = cylinders_[f.value - circular_.size()];
-    const double B = box.value(c.b), A = box.value(c.a), w = std::hypot(B, A);
+    if (is_circular(f)) return circular_[f.value];
+    const Cylinder& c = cylinder(f);
+    const double B = box.value(c.b), A = box.value(c.a), w = std::sqrt(B * B + A * A);
     const double cosine = w > 0 ? B / w : 1, sine = w > 0 ? A / w : 0;
     const NormalFunction along = combination(cosine, c.b, sine, c.a),
                          across = combination(-sine, c.b, cosine, c.a);
@@ -143,16 +144,22 @@ Support SphereSupports::over(FormId f, const NormalBox& box) const {
     return out;
 }
 
-std::array<double, 3> SphereSupports::jet(FormId f, double x, double y) const {
-    const NormalBox::Normal n(x, y);
+double SphereSupports::value(FormId f, const PointNormal& n) const {
+    const auto at = [&](const NormalFunction& l) { return NormalBox::dot(l, n.u) + l.s; };
+    if (is_circular(f)) return -at(circular_[f.value].plane);
+    const double b = at(cylinder(f).b), a = at(cylinder(f).a);
+    return -(b + std::sqrt(b * b + a * a));
+}
+
+std::array<double, 3> SphereSupports::jet(FormId f, const PointNormal& n) const {
     const auto gradient = [&](const NormalFunction& l) {
         return std::array{NormalBox::dot(l, n.u) + l.s, NormalBox::dot(l, n.ux), NormalBox::dot(l, n.uy)};
     };
     std::array<double, 3> q;
-    if (f.value < circular_.size()) {
+    if (is_circular(f)) {
         q = gradient(circular_[f.value].plane);
     } else {
-        const Cylinder& c = cylinders_[f.value - circular_.size()];
+        const Cylinder& c = cylinder(f);
         const auto b = gradient(c.b), a = gradient(c.a);
         const double w = std::hypot(b[0], a[0]), cosine = b[0] / w, sine = a[0] / w;
         q = {b[0] + w, b[1] + cosine * b[1] + sine * a[1], b[2] + cosine * b[2] + sine * a[2]};
@@ -162,61 +169,94 @@ std::array<double, 3> SphereSupports::jet(FormId f, double x, double y) const {
 
 DividedBox::DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
                        std::span<const FormId> forms)
-    : size_(forms.size()), meeting_(forms.size() * forms.size()) {
-    const auto at = [](int i, double lo, double hi) { return i == cuts ? hi : lo + i * ((hi - lo) / cuts); };
-    for (int i = 0; i < cuts; ++i)
-        for (int j = 0; j < cuts; ++j)
-            parts_[i * cuts + j] = NormalBox(at(i, box[0], box[1]), at(i + 1, box[0], box[1]),
-                                             at(j, box[2], box[3]), at(j + 1, box[2], box[3]));
-    for (const FormId f : forms)
-        for (const NormalBox& part : parts_) supports_.push_back(supports.over(f, part));
+    : all_(supports), forms_(forms) {
+    constexpr std::size_t usual = 25;
+    parts_.reserve(usual);
+    normals_.reserve(usual);
+    supports_.reserve(usual * forms.size());
+    parts_.push_back({box});
+    normals_.emplace_back(box[0], box[1], box[2], box[3]);
+    supports_.resize(forms.size());
 }
 
-const DividedBox::Parts& DividedBox::meeting(std::size_t f, std::size_t g) const {
-    std::optional<Parts>& parts = meeting_[std::min(f, g) * size_ + std::max(f, g)];
-    if (parts) return *parts;
-    parts.emplace();
-    for (int i = 0; i < cuts * cuts; ++i) {
-        const Support &a = support(f, i), &b = support(g, i);
-        (*parts)[i] = !parts_[i].is_above(a, b) && !parts_[i].is_above(b, a);
+// The first of a part's quarters.
+DividedBox::Part DividedBox::quarter(Part part) const {
+    if (parts_[part].first != 0) return parts_[part].first;
+    const auto first = static_cast<Part>(parts_.size());
+    parts_[part].first = first;
+    const auto [x0, x1, y0, y1] = parts_[part].box;
+    const double x = std::midpoint(x0, x1), y = std::midpoint(y0, y1);
+    for (const Box& b : {Box{x0, x, y0, y}, Box{x, x1, y0, y}, Box{x0, x, y, y1}, Box{x, x1, y, y1}}) {
+        parts_.push_back({b});
+        normals_.emplace_back(b[0], b[1], b[2], b[3]);
     }
-    return *parts;
+    supports_.resize(parts_.size() * forms_.size());
+    return first;
+}
+
+const Support& DividedBox::support(std::size_t f, Part part) const {
+    if (const Support* everywhere = all_.everywhere(forms_[f])) return *everywhere;
+    std::optional<Support>& s = supports_[part * forms_.size() + f];
+    if (!s) s = all_.over(forms_[f], normals_[part]);
+    return *s;
+}
+
+bool DividedBox::meet(std::size_t f, std::size_t g, Part part) const {
+    return normals_[part].meet(support(f, part), support(g, part));
 }
 
 bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const {
-    const Parts& parts = meeting(f, g);
-    for (int i = 0; i < cuts * cuts; ++i) {
-        if (!parts[i]) continue;
-        const auto [x, y] = parts_[i].gradient(support(f, i), support(g, i));
-        if (!((Interval(direction.x()) * x + Interval(direction.y()) * y).lower() > 0)) return false;
-    }
+    return grows_along(f, g, direction, 0, 0);
+}
+
+bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, Part part,
+                             int level) const {
+    const auto [x, y] = normals_[part].gradient(support(f, part), support(g, part));
+    const Interval growth = Interval(direction.x()) * x + Interval(direction.y()) * y;
+    if (growth.lower() > 0 || !meet(f, g, part)) return true;
+    // Where it falls in the middle of a small part it most likely does so on the trisector, too.
+    constexpr int small = 2;
+    if (level == levels || (level >= small && growth.mid() < 0)) return false;
+    const Part first = quarter(part);
+    for (Part q = first; q < first + 4; ++q)
+        if (!grows_along(f, g, direction, q, level + 1)) return false;
     return true;
 }
 
-std::optional<Sign> DividedBox::turn(std::size_t f, std::size_t g, std::size_t h) const {
-    const Parts parts = meeting(f, g) & meeting(f, h) & meeting(g, h);
-    int x0 = cuts, x1 = -1, y0 = cuts, y1 = -1;
-    for (int i = 0; i < cuts * cuts; ++i) {
-        if (!parts[i]) continue;
-        x0 = std::min(x0, i / cuts);
-        x1 = std::max(x1, i / cuts);
-        y0 = std::min(y0, i % cuts);
-        y1 = std::max(y1, i % cuts);
+// Extends `hull` by the smallest parts in which every two of the forms may be equal.
+void DividedBox::enclose_meeting(const std::array<std::size_t, 3>& forms, Part part, int level,
+                                 Box& hull) const {
+    const auto& [f, g, h] = forms;
+    if (!meet(f, g, part) || !meet(f, h, part) || !meet(g, h, part)) return;
+    if (level == levels) {
+        const Box& b = parts_[part].box;
+        hull = {std::min(hull[0], b[0]), std::max(hull[1], b[1]), std::min(hull[2], b[2]),
+                std::max(hull[3], b[3])};
+        return;
     }
-    if (parts.none()) return Sign::Positive;
-    std::array<Interval, 2> to_g, to_h;
-    bool first = true;
-    for (int i = x0; i <= x1; ++i)
-        for (int j = y0; j <= y1; ++j) {
-            const int part = i * cuts + j;
-            const auto g_here = parts_[part].gradient(support(g, part), support(f, part)),
-                       h_here = parts_[part].gradient(support(h, part), support(f, part));
-            for (const int k : {0, 1}) {
-                to_g[k] = first ? g_here[k] : hull(to_g[k], g_here[k]);
-                to_h[k] = first ? h_here[k] : hull(to_h[k], h_here[k]);
-            }
-            first = false;
-        }
+    const Part first = quarter(part);
+    for (Part q = first; q < first + 4; ++q) enclose_meeting(forms, q, level + 1, hull);
+}
+
+const std::optional<DividedBox::Box>& DividedBox::meeting(std::size_t f, std::size_t g, std::size_t h) const {
+    std::array forms{f, g, h};
+    std::ranges::sort(forms);
+    const auto known = std::ranges::find(meetings_, forms, &Meeting::forms);
+    if (known != meetings_.end()) return known->box;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box hull{infinity, -infinity, infinity, -infinity};
+    enclose_meeting(forms, 0, 0, hull);
+    meetings_.push_back({forms, hull[0] < hull[1] ? std::optional(hull) : std::nullopt});
+    return meetings_.back().box;
+}
+
+std::optional<Sign> DividedBox::turn(std::size_t f, std::size_t g, std::size_t h) const {
+    const std::optional<Box>& hull = meeting(f, g, h);
+    if (!hull) return Sign::Positive;
+    const NormalBox box((*hull)[0], (*hull)[1], (*hull)[2], (*hull)[3]);
+    const Support a = all_.over(forms_[f], box);
+    const auto to_g = box.gradient(all_.over(forms_[g], box), a),
+               to_h = box.gradient(all_.over(forms_[h], box), a);
     return (to_g[0] * to_h[1] - to_g[1] * to_h[0]).sign();
 }
 

@@ -15,7 +15,7 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <bitset>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -40,6 +40,14 @@ struct Support {
     double rounding;  ///< bounds that of the plane's values
 };
 
+/// The unit normal over a point of the chart, and its chart derivatives, rounded.
+struct PointNormal {
+    PointNormal() = default;
+    PointNormal(double x, double y);
+
+    std::array<double, 3> u, ux, uy;
+};
+
 /// A box of the chart and the unit normals over it.
 class NormalBox {
 public:
@@ -50,18 +58,16 @@ public:
     double middle(const Support& a) const { return value(a.plane); }
     /// Is a met certainly later than b (f_a > f_b) all over the box?
     bool is_above(const Support& a, const Support& b) const;
+    /// May a and b be equal somewhere in the box? Only the one that is met later in the middle can be so all
+    /// over it.
+    bool meet(const Support& a, const Support& b) const {
+        return middle(a) < middle(b) ? !is_above(a, b) : !is_above(b, a);
+    }
     /// Encloses the gradient of f_a - f_b.
     std::array<Interval, 2> gradient(const Support& a, const Support& b) const;
 
 private:
     friend class SphereSupports;
-
-    struct Normal {  // and its chart derivatives, rounded
-        Normal() = default;
-        Normal(double x, double y);
-
-        std::array<double, 3> u, ux, uy;
-    };
 
     static double dot(const NormalFunction& f, const std::array<double, 3>& v) {
         return f.p[0] * v[0] + f.p[1] * v[1] + f.p[2] * v[2];
@@ -74,7 +80,7 @@ private:
     std::array<double, 2> steepest(const NormalFunction& f) const;
 
     double x0_, x1_, y0_, y1_, rx_, ry_;
-    Normal middle_;
+    PointNormal middle_;
     std::array<double, 3> ux_range_, uy_range_;  // what they differ by over the box
     double m_;                                   // bounds 2 / W
 };
@@ -86,43 +92,73 @@ public:
 
     /// The plane touches where the box has its middle.
     Support over(FormId f, const NormalBox& box) const;
+    /// That of a circular form, over every box; null for cylinders.
+    const Support* everywhere(FormId f) const { return is_circular(f) ? &circular_[f.value] : nullptr; }
     /// f and its chart derivatives at a point, rounded.
-    std::array<double, 3> jet(FormId f, double x, double y) const;
+    std::array<double, 3> jet(FormId f, const PointNormal& n) const;
+    /// The value alone; it errs by value_error(f) at most.
+    double value(FormId f, const PointNormal& n) const;
+    double value_error(FormId f) const {
+        return is_circular(f) ? circular_[f.value].rounding : cylinder(f).rounding;
+    }
 
 private:
     struct Cylinder {
         NormalFunction b, a;
         double rounding;
     };
+    bool is_circular(FormId f) const { return f.value < circular_.size(); }
+    const Cylinder& cylinder(FormId f) const { return cylinders_[f.value - circular_.size()]; }
+
     std::vector<Support> circular_;
     std::vector<Cylinder> cylinders_;
 };
 
-/// A box of the chart in parts, for statements about the points of it in which forms are equal.
+/// A box of the chart in parts, for statements about the points of it in which forms are equal: quarters, and
+/// quarters of those in which it is not clear yet.
 class DividedBox {
 public:
-    /// `box`: {x0, x1, y0, y1}.
+    /// `box`: {x0, x1, y0, y1}. `supports` and `forms` must outlive this object.
     DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
                std::span<const FormId> forms);
 
     /// Does f - g certainly grow in the unit vector `direction` wherever f = g? Forms are named by their
     /// place here.
     bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const;
+    using Box = std::array<double, 4>;
+    /// A box that holds all points with f = g = h; none if there are none.
+    const std::optional<Box>& meeting(std::size_t f, std::size_t g, std::size_t h) const;
     /// The sign of (grad g - grad f) x (grad h - grad f) all over a box that holds all points with f = g = h;
     /// any sign if there are none.
     std::optional<Sign> turn(std::size_t f, std::size_t g, std::size_t h) const;
 
 private:
-    static constexpr int cuts = 4;
-    using Parts = std::bitset<cuts * cuts>;
+    static constexpr int levels = 4;
 
-    const Support& support(std::size_t f, int part) const { return supports_[f * cuts * cuts + part]; }
-    const Parts& meeting(std::size_t f, std::size_t g) const;
+    using Part = std::uint32_t;
+    struct Quartering {
+        Box box;
+        Part first = 0;  // of four parts; 0: not made yet
+    };
 
-    std::size_t size_;
-    std::array<NormalBox, cuts * cuts> parts_;
-    std::vector<Support> supports_;
-    mutable std::vector<std::optional<Parts>> meeting_;  // where two forms may be equal
+    Part quarter(Part part) const;
+    const Support& support(std::size_t f, Part part) const;
+    bool meet(std::size_t f, std::size_t g, Part part) const;
+    bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, Part part,
+                     int level) const;
+    void enclose_meeting(const std::array<std::size_t, 3>& forms, Part part, int level, Box& hull) const;
+
+    const SphereSupports& all_;
+    std::span<const FormId> forms_;
+    // What has been asked for; part 0 is the whole.
+    mutable std::vector<Quartering> parts_;
+    mutable std::vector<NormalBox> normals_;
+    mutable std::vector<std::optional<Support>> supports_;
+    struct Meeting {
+        std::array<std::size_t, 3> forms;
+        std::optional<Box> box;
+    };
+    mutable std::vector<Meeting> meetings_;
 };
 
 }  // namespace vcell

@@ -79,7 +79,12 @@ TEST_CASE("sphere supports: heights and gradients lie where they say") {
                     CHECK(gradient[0].upper() >= (p.gx - q.gx).lower());
                     CHECK(gradient[1].lower() <= (p.gy - q.gy).upper());
                     CHECK(gradient[1].upper() >= (p.gy - q.gy).lower());
-                    const auto jet = supports.jet(f, x, y);
+                    const auto jet = supports.jet(f, PointNormal(x, y));
+                    const Interval value =
+                        Interval::ball(supports.value(f, PointNormal(x, y)), supports.value_error(f));
+                    CHECK(value.lower() <= p.v.upper());
+                    CHECK(value.upper() >= p.v.lower());
+                    CHECK(value.radius() < slop);
                     CHECK(jet[0] == doctest::Approx(p.v.mid()).epsilon(slop));
                     CHECK(jet[1] == doctest::Approx(p.gx.mid()).epsilon(1e3 * slop));
                     CHECK(jet[2] == doctest::Approx(p.gy.mid()).epsilon(1e3 * slop));
@@ -124,13 +129,15 @@ TEST_CASE("divided box: lines in a direction of growth meet a trisector once") {
         // They tie somewhere in the box.
         const auto difference = [&, x = mx, y = my] {
             const SphereSupports supports(family);
-            const auto f = supports.jet(forms[0], x, y), g = supports.jet(forms[1], x, y);
+            const PointNormal n(x, y);
+            const auto f = supports.jet(forms[0], n), g = supports.jet(forms[1], n);
             return std::array{f[0] - g[0], f[1] - g[1], f[2] - g[2]};
         };
         CircularForm& form = family.forms[forms[0]];
         form.e -= form.w * (1 + mx * mx + my * my) * difference()[0];
         const Heights heights(family);
-        const DividedBox parts(SphereSupports(family), box, forms);
+        const SphereSupports supports(family);
+        const DividedBox parts(supports, box, forms);
         const auto gradient = difference();
         const Eigen::Vector2d d = Eigen::Vector2d(gradient[1], gradient[2]).normalized();
         if (!parts.grows_along(0, 1, d)) continue;
@@ -158,6 +165,33 @@ TEST_CASE("divided box: lines in a direction of growth meet a trisector once") {
     }
     CHECK(grows > 200);
     CHECK(crossings > 200);
+}
+
+// Two circular forms and a cylinder's that tie in a point of the box.
+TEST_CASE("divided box: what holds all common points of three forms holds one") {
+    Samples samples;
+    int small = 0;
+    for (int round = 0; round < 300; ++round) {
+        FormFamily family = samples.family();
+        const auto box = samples.box();
+        const auto [x, y] = samples.point(box);
+        const std::array forms{FormId{0}, FormId{1}, FormId{2}};
+        const double tied = SphereSupports(family).value(forms[2], PointNormal(x, y));
+        for (const FormId f : {forms[0], forms[1]}) {
+            CircularForm& form = family.forms[f];
+            form.e -=
+                form.w * (1 + x * x + y * y) * (SphereSupports(family).value(f, PointNormal(x, y)) - tied);
+        }
+        const SphereSupports supports(family);
+        const DividedBox parts(supports, box, forms);
+        const auto part = parts.meeting(0, 1, 2);
+        REQUIRE(part);
+        const auto& [x0, x1, y0, y1] = *part;
+        CHECK((x0 <= x && x <= x1 && y0 <= y && y <= y1));
+        CHECK(parts.meeting(2, 0, 1) == part);
+        small += 4 * (x1 - x0) < box[1] - box[0] && 4 * (y1 - y0) < box[3] - box[2];
+    }
+    CHECK(small > 100);
 }
 
 }  // namespace
