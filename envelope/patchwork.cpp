@@ -119,7 +119,6 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
             ties_.push_back(std::move(forms));
         }
     }
-    std::vector<std::vector<Index>> around(piece.vertices.size());
     for (Index i = 0; i < rim; ++i) {
         Edge& e = edges_.emplace_back();
         e.left = piece.rim[i].label;
@@ -127,7 +126,6 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
         const Index next = (i + 1) % rim;
         half_edges_.push_back({none, none, first_vertex + i, none});
         half_edges_.push_back({none, none, first_vertex + next, none});
-        around[i].push_back(2 * (first_edge + i));
     }
     for (const MixedPiece::Arc& a : piece.arcs) {
         Edge& e = edges_.emplace_back();
@@ -146,11 +144,12 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
         half_edges_.push_back({none, none, first_vertex + a.from, none});
         half_edges_.push_back({none, none, first_vertex + a.to, none});
     }
-    for (Index v = 0; v < around.size(); ++v)
-        for (const std::uint32_t h : piece.leaving[v]) around[v].push_back(2 * (first_edge + rim) + h);
-    for (Index i = 0; i < rim; ++i) around[i].push_back(2 * (first_edge + (i + rim - 1) % rim) + 1);
-    for (Index v = 0; v < around.size(); ++v) {
-        const std::vector<Index>& out = around[v];
+    std::vector<Index>& out = around_;
+    for (Index v = 0; v < piece.vertices.size(); ++v) {
+        out.clear();
+        if (v < rim) out.push_back(2 * (first_edge + v));
+        for (const std::uint32_t h : piece.leaving[v]) out.push_back(2 * (first_edge + rim) + h);
+        if (v < rim) out.push_back(2 * (first_edge + (v + rim - 1) % rim) + 1);
         if (out.empty()) continue;
         vertices_[first_vertex + v].out = out.front();
         for (std::size_t k = 0; k < out.size(); ++k) link(twin(out[k]), out[(k + out.size() - 1) % out.size()]);
@@ -166,8 +165,8 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
         }
     }
     // A vertex without edges is one of a piece without arcs.
-    for (Index v = rim; v < around.size(); ++v) {
-        if (!around[v].empty()) continue;
+    for (Index v = rim; v < piece.vertices.size(); ++v) {
+        if (!piece.leaving[v].empty()) continue;
         vertices_[first_vertex + v].isolated_in = static_cast<Index>(faces_.size() - 1);
         isolated_.push_back(first_vertex + v);
     }

@@ -108,7 +108,7 @@ private:
     std::vector<std::vector<FormId>> ties_;
     std::vector<std::vector<Link>> links_;
     std::vector<Index> isolated_;
-    std::vector<Index> face_map_, vertex_map_, edge_map_;  // working space of add()
+    std::vector<Index> face_map_, vertex_map_, edge_map_, around_;  // working space of add()
     std::uint32_t seams_ = 0;
     std::uint32_t upper_rim_ = UINT32_MAX;
     Index pole_face_ = none;
