@@ -93,6 +93,7 @@ private:
         Vector3d normal = Vector3d::Zero();
         double offset = 0, square = 0, length = 0;  // square and length: of the normal
         double error = 0;                           // as Linear's, of normal and offset
+        double apex_blur = 0;                       // what that changes about the apex
         // Where the tangents in the ends of a short arc meet: with those ends a triangle about the arc. Of a
         // long arc there is infinite doubt.
         Mark apex;
@@ -247,6 +248,7 @@ private:
         edge.square = edge.normal.squaredNorm();
         edge.length = std::sqrt(edge.square);
         edge.error = f.error + g.error;
+        edge.apex_blur = 1024 * edge.error / edge.length + 4 * slack;
     }
 
     void set_arc(Index e) {
@@ -268,7 +270,7 @@ private:
         // greatest is that of the radius, 2^5 times that of its square.
         if (!(radius2 < 4 * depth2)) return;
         edge.apex.p = center + radius2 / depth2 * middle;
-        edge.apex.error = 1024 * edge.error / edge.length + 32 * (p.error + q.error) + 4 * slack;
+        edge.apex.error = edge.apex_blur + 32 * (p.error + q.error);
         edge.apex.height = f(edge.apex.p);
         edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
         edge.apex.set_level(steepest_);
@@ -293,7 +295,9 @@ private:
         for (const bool last : {false, true}) {
             const double r = m.dot(p) - c, s = n.dot(p) - d, t = 0.5 * (p.squaredNorm() - 1),
                          det = along.dot(p);
-            if (!last) {
+            // A step gains nothing where the coefficients' errors matter more.
+            const bool is_near = std::abs(r) <= m_error && std::abs(s) <= n_error && std::abs(t) <= 8 * u;
+            if (!last && !is_near) {
                 p -= (r * n.cross(p) + s * p.cross(m) + t * along) / det;
                 continue;
             }
@@ -806,6 +810,11 @@ private:
         out.dcel.reserve(vertex_count, edge_count, family_.size());
         out.vertices.reserve(vertex_count);
         out.edges.reserve(edge_count);
+        out.edge_labels_.reserve(2 * edge_count);
+        out.edge_offsets_.reserve(edge_count + 1);
+        out.vertex_labels_.reserve(3 * vertex_count);
+        out.vertex_offsets_.reserve(vertex_count + 1);
+        out.face_forms.reserve(vertex_count / 2 + 2);  // Euler: V - E + F = 2, 2 E = 3 V
         for (Index e = 0; e < edges_.size(); ++e) {
             if (!edges_[e].is_alive) continue;
             std::array<VertexId, 2> ends;
