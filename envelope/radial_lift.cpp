@@ -285,7 +285,7 @@ private:
     }
 
     const Hyperplane& hyperplane(FormId f) {
-        if (hyperplanes_.empty()) hyperplanes_.resize(problem_.objects.size());
+        if (hyperplanes_.empty()) hyperplanes_ = decltype(hyperplanes_)(problem_.objects.size());
         std::optional<Hyperplane>& plane = hyperplanes_[f];
         if (!plane) plane.emplace(problem_, f);
         return *plane;
