@@ -203,9 +203,11 @@ private:
             forms_.push_back(Linear(-slope * direction, 0, 16 * u * slope));
         }
         faces_.resize(forms_.size());
-        vertices_.reserve(128);
-        edges_.reserve(192);
-        half_edges_.reserve(2 * 192);
+        // Euler: V = 2 F - 4 and E = 3 F - 6, and some that are gone.
+        const std::size_t room = forms_.size() + 64;
+        vertices_.reserve(2 * room);
+        edges_.reserve(3 * room);
+        half_edges_.reserve(6 * room);
         // Around the face about corner i, counter-clockwise, the vertices opposite to the others.
         constexpr Index around[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
         std::array<std::array<Index, 4>, 4> from_to{};  // the half-edge between two vertices, plus 1
@@ -494,15 +496,12 @@ private:
         }
         new_faces_.clear();
         face_tree_.search(
-            form,
-            [&](Index f) -> const Ball* {
-                if (faces_[f].start == none) return nullptr;
-                if (!faces_[f].is_ball_known) set_ball(f);
-                return &faces_[f].ball;
-            },
+            form, [&](Index f) { return faces_[f].start == none ? nullptr : &faces_[f].ball; },
             [&](Index f) { return faces_[f].top; },
             [&](Index f) {
-                if (faces_[f].start != none && may_conflict(form, f)) add_rival(f);
+                if (faces_[f].start == none) return;
+                if (!faces_[f].is_ball_known) set_ball(f);
+                if (may_conflict(form, f)) add_rival(f);
             });
         return true;
     }

@@ -157,7 +157,7 @@ private:
     struct Place {
         Index leaf = none, slot = 0;
     };
-    static constexpr std::size_t largest_leaf = 8;
+    static constexpr std::size_t largest_leaf = 16;
     static constexpr double least_half = 0x1p-20;
 
     void add_node(const Vector3d& center, double half) {
