@@ -109,6 +109,8 @@ public:
         append(count, item);
         return rotated(before, static_cast<std::ptrdiff_t>(count));
     }
+    T* insert(const T* at, const T& item) { return insert(at, 1, T(item)); }
+    T* erase(const T* at) { return erase(at, at + 1); }
     T* erase(const T* first, const T* last) {
         T* const at = data_ + (first - data_);
         size_ = std::copy(last, static_cast<const T*>(end()), at) - data_;

@@ -95,7 +95,7 @@ double length(const RationalCurve3& c) {
     return sum;
 }
 
-void add_edge(Cell& cell, Site left, Site right, std::vector<std::uint32_t> vertices, CurveKind kind,
+void add_edge(Cell& cell, Site left, Site right, decltype(CellEdge::vertices) vertices, CurveKind kind,
               const RationalCurve2& chart, const Height& h) {
     CellEdge e;
     e.sites = {left, right};
@@ -125,8 +125,8 @@ Cell two_spheres() {
     const Site west = Site::box_side(0), east = Site::box_side(1), south = Site::box_side(2),
                north = Site::box_side(3);
     const std::vector<Vec2> p{{-1, -1}, {0, -1}, {1, -1}, {1, 1}, {0, 1}, {-1, 1}};
-    const std::vector<std::vector<Site>> sites{{a, west, south}, {a, b, south}, {b, east, south},
-                                               {b, east, north}, {a, b, north}, {a, west, north}};
+    const std::vector<decltype(CellVertex::sites)> sites{{a, west, south}, {a, b, south}, {b, east, south},
+                                                         {b, east, north}, {a, b, north}, {a, west, north}};
     for (std::size_t i = 0; i < p.size(); ++i) {
         const Vec3 x = (p[i].x() <= 0 ? left : right).over(p[i]);
         cell.vertices.push_back({x, x.z(), sites[i], 1e-15});
@@ -207,7 +207,7 @@ Cell island() {
     TrimmedPatch outer{lid.patch(-1, 1, -1, 1), {{}, {}}};
     for (std::uint32_t i = 0; i < 4; ++i) {
         const Vec2 p(kCorners[i][0], kCorners[i][1]), q(kCorners[(i + 1) % 4][0], kCorners[(i + 1) % 4][1]);
-        std::vector<Site> sites{plane, sides[i], sides[(i + 3) % 4]};
+        decltype(CellVertex::sites) sites{plane, sides[i], sides[(i + 3) % 4]};
         std::ranges::sort(sites);
         cell.vertices.push_back({lid.over(p), 0.475, sites, 1e-15});
         add_edge(cell, plane, sides[i], {i, (i + 1) % 4}, CurveKind::Line, segment(p, q), lid);
