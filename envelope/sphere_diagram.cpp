@@ -112,7 +112,7 @@ private:
         double top = HUGE_VAL;  // upper bound of the form over the face
     };
 
-    static constexpr std::size_t spread = 8;          // forms that are to surround the base first
+    static constexpr std::size_t spread = 4;          // forms that are to surround the base first
     static constexpr std::size_t largest_small = 96;  // faces of a diagram without a tree
 
     static Index twin(Index h) { return h ^ 1u; }
