@@ -4,16 +4,18 @@
 //
 // The points of space where the new form c is the lowest are a convex polyhedron P, and it wins where P meets
 // the sphere. That tells how far to look:
-// - A part of P on the sphere within one face is all of a half-space c < f there, and one that crosses one
-//   edge alone all of two; P lies in those, so there are no other parts. If c wins at any vertex, then in
-//   each part at one at least, and from those the faces that it reaches are found across edges.
-// - A short arc lies in the triangle of its ends and its tangents there, and c - f is linear: signs in the
-//   three corners tell that c wins nowhere on it.
-// - A face f within a hemisphere is above, along any line towards the pole, the convex hull of its boundary.
-// If
-//   c loses on the boundary and c - f grows towards the pole, c loses in the face, too. The pole is where f
-//   is lowest, and what has lost against many faces mostly is flatter than f.
-// A small diagram is looked through for vertices, a large one has a tree of its faces.
+// - A part of P on the sphere that holds no vertex is the only one. It passes from face to face across edges
+//   without running in circles, as faces are discs; so it has a last face f, next to g. There it is all of
+//   c < f and c < g that lies in f, as three circles through two points leave nothing else, and what is left
+//   without f has one face less. With one face it is a whole cap, and P lies in the half-space of that.
+//   So, if c wins at any vertex, then in each part at one at least, and from those the faces that it
+//   reaches are found across edges.
+// - A short arc lies in the triangle of its ends and the point where its tangents there meet, and c - f is
+//   linear: signs in the three corners tell that c wins nowhere on it.
+// - A face f within a hemisphere lies above the convex hull of its boundary, seen along the axis to the pole.
+//   So where c loses on the boundary and c - f does not fall towards the pole, c loses in the face, too. The
+//   pole is where f is lowest, and a form that others have beaten is mostly flatter than f.
+// A small diagram is looked through for vertices, a large one has a tree of them.
 //
 // All bounds of rounding are generous multiples of first order ones: u = 2^-53, and no more than some tens of
 // operations lie between coefficients and signs.
