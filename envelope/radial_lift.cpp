@@ -187,6 +187,10 @@ public:
     const Vector4d& normal() const { return normal_; }
     // Of a homogeneous point of that weight.
     double residual(const Vector4d& x, double weight) const { return normal_.dot(x) - weight * k_; }
+    double weight(const Vector4d& x) const { return normal_.dot(x) / k_; }
+    // Of u, with 1 / t = gradient.u + a constant.
+    Vec3 gradient() const { return normal_.head<3>() / k_; }
+    double steepness() const { return 1 / std::abs(k_); }
 
 private:
     Vector4d normal_;  // unit
@@ -232,7 +236,7 @@ Vector4d moved_to_meet(const Vector4d& x, const std::array<Hyperplane, 3>& plane
 class RadialLifter {
 public:
     RadialLifter(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
-        : problem_(problem), diagram_(diagram), tolerance_(tolerance), arcs_(problem.family, diagram) {}
+        : problem_(problem), diagram_(diagram), tolerance_(tolerance) {}
 
     Cell lift() {
         add_vertices();
@@ -244,7 +248,7 @@ public:
         add_faces();
         measure(problem_, diagram_, cell_);
         cell_.report.decisions = diagram_.decisions;
-        cell_.report.decisions += arcs_.decisions();
+        if (arcs_) cell_.report.decisions += arcs_->decisions();
         cell_.report.decisions += decisions_;
         return std::move(cell_);
     }
@@ -409,7 +413,9 @@ private:
                            *g = &diagram_.forms[diagram_.edges[e].right];
         if (magnitude(*g) < magnitude(*f)) std::swap(f, g);
         const std::array planes{hyperplane(diagram_.edges[e].left), hyperplane(diagram_.edges[e].right)};
-        const std::span<const ArcSpan> arcs = arcs_.spans(e);
+        if (problem_.is_sphere && add_arc_on_sphere(e, planes)) return;
+        if (!arcs_) arcs_.emplace(problem_.family, diagram_);
+        const std::span<const ArcSpan> arcs = arcs_->spans(e);
         const auto end_point = [&](const Vector2d& p) -> Vector4d {
             const double L = p.squaredNorm();
             return moved_on_cone(lifted(p, L, 1) / root(*f, p, L, 1), planes);
@@ -429,6 +435,48 @@ private:
             add_halves({from, moved(scale * lifted(w * m, L, w), weight, planes), to, weight}, {}, conics_);
             from = to;
         }
+    }
+
+    // Between two vertices, from directions alone. Not where rounding could take a short arc for all but a
+    // full circle.
+    bool add_arc_on_sphere(EdgeId e, const std::array<Hyperplane, 2>& planes) {
+        if (!start(e).valid() || start(e) == end(e)) return false;
+        const Vec3 normal = planes[0].gradient() - planes[1].gradient();
+        const double length = normal.norm(), size = planes[0].gradient().norm() + planes[1].gradient().norm();
+        const Vector4d &from = points_[start(e)], &to = points_[end(e)];
+        const Vec3 u = from.head<3>() / from.w(), v = to.head<3>() / to.w();
+        const double radius2 = 1 - std::pow(normal.dot(u) / length, 2);
+        if (!(length > 0x1p-10 * size && radius2 > 0x1p-10 && (v - u).squaredNorm() > 0x1p-20 * radius2))
+            return false;
+        add_arc_about(normal / length, from, to, planes);
+        return true;
+    }
+
+    // The part of the cone over the circle's arc counter-clockwise about the unit normal, as seen from
+    // outside. With the half turn a that the arc makes about the circle's centre, the control points over its
+    // ends and over the point where the tangents there meet have weights t0, sqrt(t0 t1) cos a and t1 in (u,
+    // 1).
+    void add_arc_about(const Vec3& normal, const Vector4d& from, const Vector4d& to,
+                       const std::array<Hyperplane, 2>& planes) {
+        const Vec3 u = from.head<3>() / from.w(), v = to.head<3>() / to.w(), chord = v - u;
+        const Vec3 center = normal.dot(u) * normal, middle = 0.5 * (u + v) - center;
+        const double half2 = 0.25 * chord.squaredNorm(), depth2 = middle.squaredNorm(),
+                     radius2 = half2 + depth2;
+        const Hyperplane& plane = planes[planes[0].steepness() < planes[1].steepness() ? 0 : 1];
+        const Vec3 right = chord.cross(normal);
+        if (middle.dot(right) > 0 && depth2 > 0.5 * radius2) {
+            const double w = std::sqrt(from.w() * to.w() * depth2 / radius2);
+            Vector4d apex;
+            apex << w * (0.5 * (u + v) + half2 / depth2 * middle), w;
+            const double weight = plane.weight(apex);
+            add_halves({from, moved(apex, weight, planes), to, weight}, {}, conics_);
+            return;
+        }
+        Vector4d half_way;
+        half_way << center + std::sqrt(radius2) * right.normalized(), 1;
+        half_way = moved_on_cone(half_way / plane.weight(half_way), planes);
+        add_arc_about(normal, from, half_way, planes);
+        add_arc_about(normal, half_way, to, planes);
     }
 
     // Appends a span, halved until its weights in space and in the given parameters are large enough.
@@ -1069,7 +1117,7 @@ private:
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const double tolerance_;
-    const ChartArcs arcs_;
+    std::optional<ChartArcs> arcs_;  // where they were asked for
     Decisions decisions_;
     Cell cell_;
     IdVector<VertexId, Vector4d> points_;                      // (p, t)
