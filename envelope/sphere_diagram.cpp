@@ -114,7 +114,7 @@ private:
         double top = HUGE_VAL;  // upper bound of the form over the face
     };
 
-    static constexpr std::size_t spread = 4;          // forms that are to surround the base first
+    static constexpr std::size_t most_spread = 8;     // forms that are to surround the base first
     static constexpr std::size_t largest_small = 96;  // faces of a diagram without a tree
 
     static Index twin(Index h) { return h ^ 1u; }
@@ -154,10 +154,11 @@ private:
         order.reserve(family_.size());
         for (Index f = 0; f < family_.size(); ++f) order.emplace_back(forms_[f].e - forms_[f].slope, f);
         std::ranges::sort(order);
+        const std::size_t spread = attempt == 0 ? 4 : most_spread;
         const std::size_t low = std::min<std::size_t>(order.size(), 4 * spread);
         std::swap(order[0], order[attempt % low]);
-        std::array<Vector3d, 4 * spread> direction;
-        std::array<double, 4 * spread>
+        std::array<Vector3d, 4 * most_spread> direction;
+        std::array<double, 4 * most_spread>
             nearness;  // greatest cosine of the angle to a direction that was taken
         for (std::size_t i = 0; i < low; ++i) {
             const Linear& form = forms_[order[i].second];
@@ -174,10 +175,27 @@ private:
             std::swap(direction[taken + 1], direction[farthest]);
             std::swap(nearness[taken + 1], nearness[farthest]);
         }
+        // In rounds that double the diagram, each on a path from neighbour to neighbour, whose faces and
+        // vertices then are at hand.
+        for (std::size_t begin = 64; begin < order.size(); begin *= 2) {
+            const std::size_t end = std::min(2 * begin, order.size());
+            for (std::size_t i = begin; i < end; ++i) order[i].first = place_on_path(forms_[order[i].second]);
+            std::sort(order.begin() + begin, order.begin() + end);
+        }
         std::vector<Index> out;
         out.reserve(order.size());
         for (const auto& [height, f] : order) out.push_back(f);
         return out;
+    }
+
+    // Of the direction in which the form is lowest, on a path through an octree (Morton's).
+    static double place_on_path(const Linear& form) {
+        std::uint64_t place = 0;
+        std::array<std::uint32_t, 3> x;
+        for (int k = 0; k < 3; ++k) x[k] = static_cast<std::uint32_t>(512 * (1 - form.b[k] / form.slope));
+        for (int bit = 9; bit >= 0; --bit)
+            for (const std::uint32_t v : x) place = 2 * place + (v >> bit & 1u);
+        return static_cast<double>(place);
     }
 
     // Forms that lose in the end, so high are they: -slope t.p for points t of the sphere that no input
