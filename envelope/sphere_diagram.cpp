@@ -820,53 +820,71 @@ private:
         return out;
     }
 
+    // Faces after the pole's on the path, edges and vertices as they are met around faces: what comes after
+    // then finds neighbours near each other in memory.
     std::optional<MinimizationDiagram> diagram(Index pole_face) {
+        std::vector<std::pair<double, Index>> faces;
+        faces.reserve(vertices_.size() / 2 + 2);  // Euler: V - E + F = 2, 2 E = 3 V
+        for (Index f = 0; f < family_.size(); ++f)
+            if (faces_[f].start != none)
+                faces.emplace_back(f == pole_face ? -1 : place_on_path(forms_[f]), f);
+        std::ranges::sort(faces);
+
         MinimizationDiagram out;
         out.forms = family_.forms;
-        std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none);
         const std::size_t edge_count = edges_.size() - free_edges_.size(),
                           vertex_count = vertices_.size() - free_vertices_.size();
-        out.dcel.reserve(vertex_count, edge_count, family_.size());
+        out.dcel.reserve(vertex_count, edge_count, faces.size());
         out.vertices.reserve(vertex_count);
         out.edges.reserve(edge_count);
         out.edge_labels_.reserve(2 * edge_count);
         out.edge_offsets_.reserve(edge_count + 1);
         out.vertex_labels_.reserve(3 * vertex_count);
         out.vertex_offsets_.reserve(vertex_count + 1);
-        out.face_forms.reserve(vertex_count / 2 + 2);  // Euler: V - E + F = 2, 2 E = 3 V
-        for (Index e = 0; e < edges_.size(); ++e) {
-            if (!edges_[e].is_alive) continue;
-            std::array<VertexId, 2> ends;
-            for (const Index side : {0u, 1u}) {
-                const Index v = half_edges_[2 * e + side].origin;
-                if (vertex_map[v] == none) {
-                    if (!add_vertex(out, vertices_[v])) return std::nullopt;
-                    vertex_map[v] = out.dcel.add_vertex().value;
-                }
-                ends[side] = {vertex_map[v]};
-            }
-            edge_map[e] = out.dcel.add_edge(ends[0], ends[1]).value;
-            const FormId f{left(2 * e)}, g{right(2 * e)};
-            out.edges.push_back({f, g});
-            out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
-            out.edge_labels_.insert(out.edge_labels_.end(), {std::min(f, g), std::max(f, g)});
+        out.face_forms.reserve(faces.size());
+        std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none);
+        for (const auto& [place, f] : faces) {
+            Index h = faces_[f].start;
+            do {
+                if (edge_map[h >> 1] == none && !add_edge(out, h >> 1, vertex_map, edge_map))
+                    return std::nullopt;
+                h = half_edges_[h].next;
+            } while (h != faces_[f].start);
         }
         out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
         out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
         out.side_offsets_.assign(out.vertices.size() + 1, 0);
 
         const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
-        for (Index h = 0; h < half_edges_.size(); ++h)
-            if (edges_[h >> 1].is_alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
-        out.face_forms.push_back(FormId{pole_face});
-        out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(faces_[pole_face].start));
-        for (Index f = 0; f < family_.size(); ++f) {
-            if (f == pole_face || faces_[f].start == none) continue;
-            out.dcel.add_outer_ccb(out.dcel.add_face(), half_edge(faces_[f].start));
+        for (const auto& [place, f] : faces) {
+            for_cycle(f, [&](Index h) { out.dcel.link(half_edge(h), half_edge(half_edges_[h].next)); });
+            if (f == pole_face)
+                out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(faces_[f].start));
+            else
+                out.dcel.add_outer_ccb(out.dcel.add_face(), half_edge(faces_[f].start));
             out.face_forms.push_back(FormId{f});
         }
         out.decisions = decisions_;
         return out;
+    }
+
+    bool add_edge(MinimizationDiagram& out, Index e, std::vector<Index>& vertex_map,
+                  std::vector<Index>& edge_map) const {
+        std::array<VertexId, 2> ends;
+        for (const Index side : {0u, 1u}) {
+            const Index v = half_edges_[2 * e + side].origin;
+            if (vertex_map[v] == none) {
+                if (!add_vertex(out, vertices_[v])) return false;
+                vertex_map[v] = out.dcel.add_vertex().value;
+            }
+            ends[side] = {vertex_map[v]};
+        }
+        edge_map[e] = out.dcel.add_edge(ends[0], ends[1]).value;
+        const FormId f{left(2 * e)}, g{right(2 * e)};
+        out.edges.push_back({f, g});
+        out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
+        out.edge_labels_.insert(out.edge_labels_.end(), {std::min(f, g), std::max(f, g)});
+        return true;
     }
 
     bool add_vertex(MinimizationDiagram& out, const Vertex& v) const {
