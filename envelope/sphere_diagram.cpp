@@ -56,7 +56,7 @@ public:
 
     std::optional<MinimizationDiagram> run(std::size_t attempt) {
         double least_slope = HUGE_VAL;
-        forms_.reserve(family_.size() + 64);
+        forms_.reserve(family_.size() + 16);
         for (const CircularForm& f : family_.forms) {
             forms_.push_back(linear(f));
             least_slope = std::min(least_slope, forms_.back().slope);
@@ -65,7 +65,7 @@ public:
         const std::optional<Index> owner = owner_of_pole();
         if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
         // In each direction a side of the box is nearer than sqrt(3) times the farthest side.
-        if (!start(least_slope / 4, attempt < 2 ? 4 : attempt < 4 ? 16 : 64)) return std::nullopt;
+        if (!start(least_slope / 4, attempt < 2 ? 4 : 16)) return std::nullopt;
         for (const Index form : insertion_order(attempt)) {
             if (!insert(form)) return std::nullopt;
             ++inserted_;
@@ -929,7 +929,7 @@ private:
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
                                                           const EnvelopeOptions& options) {
     // What fails in the beginning, when faces are large, may succeed in another order.
-    constexpr std::size_t attempts = 6, beginning = 64;
+    constexpr std::size_t attempts = 4, beginning = 64;
     for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
         DiscDiagram diagram(family, options);
         if (auto result = diagram.run(attempt)) return result;
