@@ -25,8 +25,7 @@
 /// 1. Residuals. d^2 - (t + delta)^2 along the span is a polynomial of degree 10 (planes and walls: G, of
 ///    degree 5), and no larger than its largest Bernstein coefficient. Divided by d + t + delta it bounds
 ///    |G(P(s))| <= e.
-/// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull
-/// of
+/// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull of
 ///    its control points), M the Jacobian in its middle, B nearly the inverse of M, B_i its columns. Within r
 ///    of a point at distance d from a centre or axis the unit vector from there turns by asin(r / d) at most;
 ///    that bounds the rows of F' - M, and so q >= |I - B F'| in D. Let q < 1. Then X - B F(X) contracts, so F
