@@ -17,6 +17,7 @@
 
 #include "../core/exact.hpp"
 #include "check_curves.hpp"
+#include "check_patches.hpp"
 #include "check_scene.hpp"
 #include "trims.hpp"
 
@@ -27,9 +28,6 @@ using namespace check;
 
 /// Relative; what a quadrature of the cell's author may have left in a length, which states no error.
 constexpr double kLengthError = 1e-10;
-/// Relative to a face's extent in (u, v): base points this close to its boundary, beside its errors, are not
-/// asked about.
-constexpr double kNearEdge = 1e-9;
 /// Relative to an edge's parameters: trimming curves that share a place of it were rounded on their way
 /// there.
 constexpr double kPlaceRounding = 1e-12;
@@ -102,6 +100,11 @@ private:
                                r - geometry_.distance_to(*i, p));
         return std::nullopt;
     }
+
+    double edge_error(const TrimCurve& trim) const {
+        return trim.edge ? cell_.edges[*trim.edge].error : scene_tolerance();
+    }
+    double scene_tolerance() const { return scene_.tolerance.value_or(1e-7 * scene_.box.diagonal()); }
 
     // --- Structure ----------------------------------------------------------------------------------
 
@@ -211,26 +214,6 @@ private:
 
     // --- Preparation: pieces of all curves, uses of all edges ------------------------------------------
 
-    struct Trim {
-        const TrimCurve* curve;
-        std::vector<Bezier<2>> pieces;
-        double begin() const { return pieces.front().begin; }
-        double end() const { return pieces.back().end; }
-    };
-    struct Patch {
-        std::size_t face, index;
-        const RationalPatch* surface;
-        std::vector<std::vector<Trim>> loops;
-        Vec2 lo, hi;            // of the trimmed region, in (u, v)
-        Vec2 foot_lo, foot_hi;  // plane base: of its feet, in the chart
-        double control_size;    // largest coordinate of a control point
-        struct GridPoint {
-            Vec2 uv;
-            SurfacePoint surface;
-        };
-        std::vector<GridPoint> grid;      // rows of the rectangle lo, hi: where searches start
-        std::vector<GridPoint> boundary;  // ends of the loops' pieces: where the grid may be too coarse
-    };
     /// One side of an edge: the face there, which may take several patches to run all along it.
     struct Use {
         std::size_t face;
@@ -250,14 +233,14 @@ private:
     void prepare_patch(std::size_t f, std::size_t p) {
         const TrimmedPatch& trimmed = cell_.faces[f].patches[p];
         const Vec2 infinite = Vec2::Constant(HUGE_VAL);
-        Patch patch{f,        p,         &trimmed.surface,  {}, infinite, -infinite,
-                    infinite, -infinite, geometry_.scale(), {}, {}};
+        Patch patch{f,  p, &trimmed.surface, geometry_.scale(), {}, infinite, -infinite, infinite, -infinite,
+                    {}, {}};
         for (const auto& c : trimmed.surface.points)
             patch.control_size = std::max(patch.control_size, c.head<3>().cwiseAbs().maxCoeff());
         for (const auto& loop : trimmed.loops) {
             auto& trims = patch.loops.emplace_back();
             for (const TrimCurve& trim : loop) {
-                trims.push_back({&trim, pieces(trim.curve)});
+                trims.push_back({&trim, edge_error(trim), pieces(trim.curve)});
                 for (const auto& piece : trims.back().pieces)
                     for (std::size_t i = 0; i < piece.points.size(); ++i) {
                         patch.lo = patch.lo.cwiseMin(piece.control(i));
@@ -329,15 +312,6 @@ private:
             if (use.begin > curve.domain_begin() + near || use.end < curve.domain_end() - near)
                 note(edge_path(e),
                      fmt::format("face {} uses it from {} to {} only", use.face, use.begin, use.end));
-    }
-
-    /// Rounding of a surface point: that of its control points, and of (u, v) times the slopes.
-    static double surface_rounding(const Patch& patch, const SurfacePoint& s, const Vec2& uv) {
-        return kRounding *
-               (patch.control_size + s.pu.norm() * std::abs(uv.x()) + s.pv.norm() * std::abs(uv.y()));
-    }
-    static SurfacePoint lift(const Patch& patch, const Vec2& uv) {
-        return evaluate(*patch.surface, uv.x(), uv.y());
     }
 
     // --- Topology -----------------------------------------------------------------------------------
@@ -473,16 +447,11 @@ private:
             const Vec2 a = evaluate(trim.pieces, trim.end()), b = evaluate(next.pieces, next.begin());
             const SurfacePoint s = lift(patch, a);
             const double gap = (lift(patch, b).p - s.p).norm();
-            const double errors =
-                edge_error(trim) + edge_error(next) + (head ? 2 * cell_.vertices[*head].error : 0);
+            const double errors = trim.error + next.error + (head ? 2 * cell_.vertices[*head].error : 0);
             if (gap > errors + surface_rounding(patch, s, a))
                 return note(where, fmt::format("gap of {:.3g} after curve {}", gap, i));
         }
     }
-    double edge_error(const Trim& trim) const {
-        return trim.curve->edge ? cell_.edges[*trim.curve->edge].error : scene_tolerance();
-    }
-    double scene_tolerance() const { return scene_.tolerance.value_or(1e-7 * scene_.box.diagonal()); }
 
     void check_seams() {
         struct End {
@@ -771,29 +740,6 @@ private:
         }
     }
 
-    /// How far (u, v) moves at most per length on the surface.
-    static double parameters_per_length(const SurfacePoint& s) {
-        return (s.pu.norm() + s.pv.norm()) / s.pu.cross(s.pv).norm();
-    }
-
-    /// Is uv inside the loops? None: too near to them, where the edges' own errors decide.
-    std::optional<bool> inside(const Patch& patch, const Vec2& uv) const {
-        if ((uv.array() < patch.lo.array()).any() || (uv.array() > patch.hi.array()).any()) return false;
-        const double nearest = kNearEdge * (patch.hi - patch.lo).maxCoeff();
-        const double rate = parameters_per_length(lift(patch, uv));
-        double total = 0;
-        for (const auto& loop : patch.loops)
-            for (const Trim& trim : loop) {
-                const double near = nearest + rate * (edge_error(trim) + rounding());
-                for (const auto& piece : trim.pieces) {
-                    const auto angle = swept(piece, uv, near);
-                    if (!angle) return std::nullopt;
-                    total += *angle;
-                }
-            }
-        return std::lround(total / (2 * std::numbers::pi)) == 1;
-    }
-
     void check_patch_points(const Patch& patch) {
         const std::string where = patch_path(patch.face, patch.index);
         constexpr int kTries = 64, kEnough = 12;
@@ -802,7 +748,7 @@ private:
             // Points of the additive recurrence with the golden ratio's plane analogue: even coverage.
             const Vec2 s(std::fmod(0.7548776662466927 * k, 1.0), std::fmod(0.5698402909980532 * k, 1.0));
             const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
-            if (!inside(patch, uv).value_or(false)) continue;
+            if (!inside(patch, uv, rounding()).value_or(false)) continue;
             ++found;
             const SurfacePoint x = lift(patch, uv);
             if (geometry_.up(x.p).dot(x.pu.cross(x.pv)) <= 0)
@@ -834,54 +780,6 @@ private:
 
     // --- Completeness -------------------------------------------------------------------------------
 
-    /// The (u, v) whose surface point is on a ray: Newton from the points of the patch's grid and boundary
-    /// that are least aside. None where the ray misses the rectangle of the patch's loops, as far as that
-    /// tells.
-    std::optional<Vec2> parameters(const Patch& patch, const Ray& ray) const {
-        std::vector<std::pair<double, Vec2>> starts;
-        for (const auto* points : {&patch.grid, &patch.boundary})
-            for (const auto& point : *points)
-                if (const auto aside = geometry_.aside(ray, point.surface))
-                    starts.push_back({aside->value.norm(), point.uv});
-        constexpr std::size_t kStarts = 4;
-        const std::size_t count = std::min(kStarts, starts.size());
-        std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(count), starts.end(),
-                          [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (std::size_t i = 0; i < count; ++i)
-            if (const auto uv = newton(patch, ray, starts[i].second)) return uv;
-        return std::nullopt;
-    }
-
-    /// Damped: patches that reach far out turn fast in some part of their rectangle.
-    std::optional<Vec2> newton(const Patch& patch, const Ray& ray, Vec2 uv) const {
-        const Vec2 extent = patch.hi - patch.lo;
-        auto aside = geometry_.aside(ray, lift(patch, uv));
-        for (int k = 0; aside && k < 50; ++k) {
-            const Vec2 step = aside->derivative.inverse() * aside->value;
-            if (!step.allFinite()) return std::nullopt;
-            if (step.norm() <= kNearEdge * 1e-2 * extent.norm()) return uv - step;
-            constexpr double kLeast = 1e-3;
-            double damping = 1;
-            for (; damping > kLeast; damping *= 0.5) {
-                const Vec2 next = uv - damping * step;
-                if ((next - patch.lo).minCoeff() < -extent.norm() ||
-                    (patch.hi - next).minCoeff() < -extent.norm())
-                    continue;
-                const auto there = geometry_.aside(ray, lift(patch, next));
-                if (!there || !(there->value.norm() < aside->value.norm())) continue;
-                uv = next;
-                aside = there;
-                break;
-            }
-            // Not even a short step gets nearer: there is no such point, or only rounding left.
-            if (damping <= kLeast) {
-                const double noise = parameters_per_length(lift(patch, uv)) * rounding();
-                return step.norm() <= kNearEdge * extent.norm() + noise ? std::optional(uv) : std::nullopt;
-            }
-        }
-        return std::nullopt;
-    }
-
     void check_samples() {
         std::mt19937_64 rng(options_.seed);
         for (std::uint32_t k = 0; k < options_.samples; ++k) {
@@ -901,9 +799,9 @@ private:
             if (geometry_.is_plane() &&
                 ((q.array() < patch.foot_lo.array()).any() || (q.array() > patch.foot_hi.array()).any()))
                 continue;
-            const auto at = parameters(patch, ray);
+            const auto at = parameters(patch, ray, geometry_);
             if (!at) continue;
-            const auto in = inside(patch, *at);
+            const auto in = inside(patch, *at, rounding());
             if (!in) return true;
             if (!*in) continue;
             found.push_back(&patch);
@@ -1153,7 +1051,7 @@ private:
         double lowest = HUGE_VAL;
         for (const auto& point : patch.grid)
             if (const double h = height(point.surface.p);
-                h < lowest && inside(patch, point.uv).value_or(false)) {
+                h < lowest && inside(patch, point.uv, rounding()).value_or(false)) {
                 lowest = h;
                 uv = point.uv;
             }
@@ -1186,7 +1084,7 @@ private:
             if (!has_moved) break;
         }
         // On the boundary itself edges and seams tell.
-        if (!inside(patch, uv).value_or(false)) return std::nullopt;
+        if (!inside(patch, uv, rounding()).value_or(false)) return std::nullopt;
         return lowest;
     }
 

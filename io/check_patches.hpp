@@ -1,0 +1,59 @@
+/// Trimmed patches as the check sees them: which of their points lie inside the loops, and which are on a
+/// ray.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "../envelope/cell.hpp"
+#include "check_curves.hpp"
+#include "check_scene.hpp"
+
+namespace vcell::check {
+
+/// Relative to a face's extent in (u, v): points this close to its boundary, beside its errors, are not asked
+/// about.
+inline constexpr double kNearEdge = 1e-9;
+
+struct Trim {
+    const TrimCurve* curve;
+    double error;  ///< how far its edge or seam may be from the true one
+    std::vector<Bezier<2>> pieces;
+
+    double begin() const { return pieces.front().begin; }
+    double end() const { return pieces.back().end; }
+};
+
+struct Patch {
+    std::size_t face, index;
+    const RationalPatch* surface;
+    double control_size;  ///< largest coordinate of a control point, or of the scene
+    std::vector<std::vector<Trim>> loops;
+    Vec2 lo, hi;            ///< of the trimmed region, in (u, v)
+    Vec2 foot_lo, foot_hi;  ///< plane base: of its feet, in the chart
+    struct GridPoint {
+        Vec2 uv;
+        SurfacePoint surface;
+    };
+    std::vector<GridPoint> grid;      ///< rows of the rectangle lo, hi: where searches start
+    std::vector<GridPoint> boundary;  ///< ends of the loops' pieces: where the grid may be too coarse
+};
+
+inline SurfacePoint lift(const Patch& patch, const Vec2& uv) {
+    return evaluate(*patch.surface, uv.x(), uv.y());
+}
+
+/// Rounding of a surface point: that of its control points, and of (u, v) times the slopes.
+inline double surface_rounding(const Patch& patch, const SurfacePoint& s, const Vec2& uv) {
+    return kRounding * (patch.control_size + s.pu.norm() * std::abs(uv.x()) + s.pv.norm() * std::abs(uv.y()));
+}
+
+/// Is uv inside the loops? None: too near to them, where the edges' own errors decide. `rounding`: a length.
+std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding);
+
+/// The (u, v) whose surface point is on a ray: Newton from the points of the patch's grid and boundary that
+/// are least aside. None where the ray misses the rectangle of the patch's loops, as far as that tells.
+std::optional<Vec2> parameters(const Patch& patch, const Ray& ray, const SceneGeometry& geometry);
+
+}  // namespace vcell::check
