@@ -277,10 +277,7 @@ private:
                 const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
                 patch.grid.push_back({uv, lift(patch, uv)});
             }
-        for (const auto& loop : patch.loops)
-            for (const Trim& trim : loop)
-                for (const auto& piece : trim.pieces)
-                    patch.boundary.push_back({piece.control(0), lift(patch, piece.control(0))});
+        patch.part = part_of(trimmed.surface, patch.lo, patch.hi);
         patches_.push_back(std::move(patch));
     }
 
@@ -799,14 +796,16 @@ private:
             if (geometry_.is_plane() &&
                 ((q.array() < patch.foot_lo.array()).any() || (q.array() > patch.foot_hi.array()).any()))
                 continue;
-            const auto at = parameters(patch, ray, geometry_);
-            if (!at) continue;
-            const auto in = inside(patch, *at, rounding());
-            if (!in) return true;
-            if (!*in) continue;
-            found.push_back(&patch);
-            uv = *at;
-            surface = lift(patch, uv);
+            const auto places = parameters(patch, ray, geometry_);
+            if (!places) return true;
+            for (const Vec2& place : *places) {
+                const auto in = inside(patch, place, rounding());
+                if (!in) return true;
+                if (!*in) continue;
+                found.push_back(&patch);
+                uv = place;
+                surface = lift(patch, uv);
+            }
         }
         const double t = geometry_.brute_height(ray);
         const Vec3 top = ray.at(t), &f = ray.foot;

@@ -4,25 +4,16 @@
 
 namespace vcell::check {
 
-namespace {
-
-/// Bernstein polynomials of degree d at s and their derivatives.
-struct Bernstein {
-    Bernstein(int d, double s) {
-        value[0] = 1;
-        for (int n = 1; n <= d; ++n) {
-            if (n == d)
-                for (int i = 0; i <= d; ++i)
-                    slope[i] = d * ((i > 0 ? value[i - 1] : 0) - (i < d ? value[i] : 0));
-            value[n] = s * value[n - 1];
-            for (int i = n - 1; i > 0; --i) value[i] = (1 - s) * value[i] + s * value[i - 1];
-            value[0] *= 1 - s;
-        }
+Bernstein::Bernstein(int d, double s) {
+    value[0] = 1;
+    for (int n = 1; n <= d; ++n) {
+        if (n == d)
+            for (int i = 0; i <= d; ++i) slope[i] = d * ((i > 0 ? value[i - 1] : 0) - (i < d ? value[i] : 0));
+        value[n] = s * value[n - 1];
+        for (int i = n - 1; i > 0; --i) value[i] = (1 - s) * value[i] + s * value[i - 1];
+        value[0] *= 1 - s;
     }
-    std::array<double, kMaxDegree + 1> value, slope;
-};
-
-}  // namespace
+}
 
 SurfacePoint evaluate(const RationalPatch& s, double u, double v) {
     const double du = s.domain_u[1] - s.domain_u[0], dv = s.domain_v[1] - s.domain_v[0];

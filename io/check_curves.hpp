@@ -102,6 +102,13 @@ struct SurfacePoint {
     Vec3 p, pu, pv;
 };
 
+/// Bernstein polynomials of degree d, up to kMaxDegree, at s and their derivatives.
+struct Bernstein {
+    Bernstein(int d, double s);
+
+    std::array<double, kMaxDegree + 1> value, slope;
+};
+
 /// Pre: degrees up to kMaxDegree.
 SurfacePoint evaluate(const RationalPatch& s, double u, double v);
 

@@ -36,9 +36,12 @@ struct Patch {
         Vec2 uv;
         SurfacePoint surface;
     };
-    std::vector<GridPoint> grid;      ///< rows of the rectangle lo, hi: where searches start
-    std::vector<GridPoint> boundary;  ///< ends of the loops' pieces: where the grid may be too coarse
+    std::vector<GridPoint> grid;  ///< rows of the rectangle lo, hi
+    RationalPatch part;           ///< the surface over that rectangle
 };
+
+/// The same surface over lo, hi of its domain.
+RationalPatch part_of(const RationalPatch& surface, const Vec2& lo, const Vec2& hi);
 
 inline SurfacePoint lift(const Patch& patch, const Vec2& uv) {
     return evaluate(*patch.surface, uv.x(), uv.y());
@@ -52,8 +55,9 @@ inline double surface_rounding(const Patch& patch, const SurfacePoint& s, const 
 /// Is uv inside the loops? None: too near to them, where the edges' own errors decide. `rounding`: a length.
 std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding);
 
-/// The (u, v) whose surface point is on a ray: Newton from the points of the patch's grid and boundary that
-/// are least aside. None where the ray misses the rectangle of the patch's loops, as far as that tells.
-std::optional<Vec2> parameters(const Patch& patch, const Ray& ray, const SceneGeometry& geometry);
+/// All (u, v) of the rectangle of the patch's loops whose surface points are on a ray, and perhaps some
+/// beside the rectangle. None: the ray touches the surface, or runs along it, as far as doubles tell.
+std::optional<std::vector<Vec2>> parameters(const Patch& patch, const Ray& ray,
+                                            const SceneGeometry& geometry);
 
 }  // namespace vcell::check

@@ -178,25 +178,6 @@ double SceneGeometry::distance_from_rim(const Site& s, const Vec3& p) const {
     return HUGE_VAL;
 }
 
-std::optional<SceneGeometry::Aside> SceneGeometry::aside(const Ray& ray, const SurfacePoint& s) const {
-    Aside result;
-    const Vec3 q = s.p - ray.at(ray.start);
-    const double ahead = plane_ ? 1 : ray.direction.dot(q);
-    if (!(ahead > 0)) return std::nullopt;
-    for (int i = 0; i < 2; ++i) {
-        // Along a cylinder's axis a length, otherwise the tangent of an angle.
-        const bool is_length = plane_ || (cylinder_ && i == 0);
-        const double divisor = is_length ? 1 : ahead;
-        const auto derivative = [&](const Vec3& d) {
-            const double turn = is_length ? 0 : result.value[i] * ray.direction.dot(d);
-            return (ray.across[i].dot(d) - turn) / divisor;
-        };
-        result.value[i] = ray.across[i].dot(q) / divisor;
-        result.derivative.row(i) << derivative(s.pu), derivative(s.pv);
-    }
-    return result;
-}
-
 /// A large square about the box's shadow, cut by the six sides.
 void SceneGeometry::find_region() {
     const Vec2 c = chart(0.5 * (scene_.box.min + scene_.box.max));

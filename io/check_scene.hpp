@@ -72,13 +72,10 @@ public:
     /// Plane: p's place in it.
     Vec2 chart(const Vec3& p) const { return {across_[0].dot(p - origin_), across_[1].dot(p - origin_)}; }
 
-    /// How far p is beside a ray, in two coordinates that are zero on it: lengths, or along the surface of
-    /// the base seen from its centre or axis. Nothing for p on the other side.
-    struct Aside {
-        Vec2 value;
-        Eigen::Matrix2d derivative;  ///< with respect to (u, v)
-    };
-    std::optional<Aside> aside(const Ray& ray, const SurfacePoint& s) const;
+    /// Is p on the side of the ray's start to which the ray runs? A plane's rays are lines.
+    bool is_ahead(const Ray& ray, const Vec3& p) const {
+        return is_plane() || ray.direction.dot(p - ray.at(ray.start)) > 0;
+    }
 
     // ---- Sites ----
 

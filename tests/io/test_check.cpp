@@ -346,6 +346,13 @@ TEST_CASE("check_cell: finds nothing wrong with scenes whose islands were once l
     }
 }
 
+TEST_CASE("check_cell: finds base points under the one face where a search by Newton's method erred") {
+    for (const std::string name : {"missed_patch_1.json", "missed_patch_2.json", "doubled_patch.json"}) {
+        CAPTURE(name);
+        expect_clean(voronoi_cell(read_scene(test_data(name))));
+    }
+}
+
 TEST_CASE("check_cell: names each damage to two faces that meet in a parabola") {
     const std::vector<Damage> damages{
         {"a vertex moved", "vertices[1]", [](Cell& c) { c.vertices[1].point.z() += 1e-6; }},
