@@ -32,26 +32,27 @@ SurfacePoint evaluate(const RationalPatch& s, double u, double v) {
 }
 
 // Where q is outside the box of the control points, curve and chord turn by the same angle, less than pi.
-std::optional<double> swept(const Bezier<2>& c, const Vec2& q, double near) {
+std::optional<double> swept(const Bezier<2>& c, const Vec2& q, const Vec2& near) {
     Vec2 lo = c.control(0), hi = lo;
     for (std::size_t i = 1; i < c.points.size(); ++i) {
         lo = lo.cwiseMin(c.control(i));
         hi = hi.cwiseMax(c.control(i));
     }
-    const bool outside = (q.array() < lo.array()).any() || (q.array() > hi.array()).any();
+    const bool outside = (q.array() < (lo - near).array()).any() || (q.array() > (hi + near).array()).any();
     if (outside) {
         const Vec2 a = c.control(0) - q, b = c.control(c.points.size() - 1) - q;
-        if (std::min(a.norm(), b.norm()) < near) return std::nullopt;
         return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
     }
     // A box that rounding keeps from shrinking holds q for ever: q lies on the curve as far as doubles tell.
-    const double least =
-        std::max(near, 4 * DBL_EPSILON * std::max(lo.cwiseAbs().maxCoeff(), hi.cwiseAbs().maxCoeff()));
-    if (!((hi - lo).maxCoeff() > least)) return std::nullopt;
-    const auto halves = c.halves();
-    const auto a = swept(halves[0], q, near), b = swept(halves[1], q, near);
-    if (!a || !b) return std::nullopt;
-    return *a + *b;
+    const Vec2 least = near.cwiseMax(4 * DBL_EPSILON * lo.cwiseAbs().cwiseMax(hi.cwiseAbs()));
+    if (!((hi - lo).array() > least.array()).any()) return std::nullopt;
+    double total = 0;
+    for (const auto& half : c.halves()) {
+        const auto angle = swept(half, q, near);
+        if (!angle) return std::nullopt;
+        total += *angle;
+    }
+    return total;
 }
 
 }  // namespace vcell::check

@@ -112,8 +112,9 @@ struct Bernstein {
 /// Pre: degrees up to kMaxDegree.
 SurfacePoint evaluate(const RationalPatch& s, double u, double v);
 
-/// Angle that the curve sweeps as seen from q; none when q is within `near` of it.
-std::optional<double> swept(const Bezier<2>& c, const Vec2& q, double near);
+/// Angle that the curve sweeps as seen from q; none when q is about as close to it as `near`, in either
+/// coordinate. Pre: near > 0.
+std::optional<double> swept(const Bezier<2>& c, const Vec2& q, const Vec2& near);
 
 template <class V>
 struct Integral {

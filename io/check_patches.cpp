@@ -12,9 +12,9 @@ namespace vcell::check {
 
 namespace {
 
-/// How far (u, v) moves at most per length on the surface.
-double parameters_per_length(const SurfacePoint& s) {
-    return (s.pu.norm() + s.pv.norm()) / s.pu.cross(s.pv).norm();
+/// How far u and v move at most per length on the surface.
+Vec2 parameters_per_length(const SurfacePoint& s) {
+    return Vec2(s.pv.norm(), s.pu.norm()) / s.pu.cross(s.pv).norm();
 }
 
 /// Two polynomials in Bernstein form over a rectangle, which is a part of the unit square. The coefficients
@@ -154,13 +154,12 @@ std::vector<Eigen::Vector4d> part_of(const std::vector<Eigen::Vector4d>& points,
 }  // namespace
 
 std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding) {
-    if ((uv.array() < patch.lo.array()).any() || (uv.array() > patch.hi.array()).any()) return false;
-    const double nearest = kNearEdge * (patch.hi - patch.lo).maxCoeff();
-    const double rate = parameters_per_length(lift(patch, uv));
+    const Vec2 within = uv.cwiseMax(patch.lo).cwiseMin(patch.hi);
+    const Vec2 rate = parameters_per_length(lift(patch, within));
     double total = 0;
     for (const auto& loop : patch.loops)
         for (const Trim& trim : loop) {
-            const double near = nearest + rate * (trim.error + rounding);
+            const Vec2 near = kNearEdge * (patch.hi - patch.lo) + (trim.error + rounding) * rate;
             for (const auto& piece : trim.pieces) {
                 const auto angle = swept(piece, uv, near);
                 if (!angle) return std::nullopt;

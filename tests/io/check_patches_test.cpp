@@ -40,6 +40,41 @@ RationalPatch random_surface(std::mt19937_64& rng) {
 
 }  // namespace
 
+TEST_CASE("inside: is undecided as near to the loops as their errors, in units of u and of v") {
+    constexpr double kWidth = 2e6, kError = 10;  // lengths; u is 0 to 1 across the width, v is a length
+    RationalPatch surface;
+    surface.degree_u = surface.degree_v = 1;
+    surface.domain_u = {0, 1};
+    surface.domain_v = {0, kWidth};
+    surface.points = {{0, 0, 2, 1}, {0, kWidth, 2, 1}, {kWidth, 0, 2, 1}, {kWidth, kWidth, 2, 1}};
+    const Vec2 lo(0.25, 0.25 * kWidth), hi(0.75, 0.75 * kWidth);
+    Patch patch = rectangle(surface, lo, hi, kWidth);
+    const std::array<Vec2, 4> corners{lo, Vec2(hi.x(), lo.y()), hi, Vec2(lo.x(), hi.y())};
+    auto& loop = patch.loops.emplace_back();
+    for (int i = 0; i < 4; ++i) {
+        RationalCurve2 side;
+        side.degree = 1;
+        side.knots = {0, 0, 1, 1};
+        for (const Vec2& q : {corners[i], corners[(i + 1) % 4]}) side.points.push_back({q.x(), q.y(), 1});
+        loop.push_back({nullptr, kError, pieces(side)});
+    }
+    const Vec2 unit(1 / kWidth, 1);  // of length, in (u, v)
+    for (int axis = 0; axis < 2; ++axis)
+        for (const double along : {0.3, 0.5, 0.61})
+            for (const double depth : {-1e5, -30.0, -5.0, 0.0, 5.0, 30.0, 1e5})
+                for (const bool is_upper : {false, true}) {
+                    CAPTURE(axis);
+                    CAPTURE(along);
+                    CAPTURE(depth);
+                    CAPTURE(is_upper);
+                    Vec2 uv(along, along * kWidth);
+                    uv[axis] = is_upper ? hi[axis] - depth * unit[axis] : lo[axis] + depth * unit[axis];
+                    const auto in = inside(patch, uv, 1e-9);
+                    CHECK(in.has_value() == (std::abs(depth) > kError));
+                    if (in) CHECK(*in == (depth > 0));
+                }
+}
+
 TEST_CASE("part_of: is the same surface") {
     std::mt19937_64 rng(test_seed());
     for (int k = 0; k < 100; ++k) {
