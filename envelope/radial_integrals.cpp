@@ -655,21 +655,48 @@ private:
     std::array<double, 5> speed2_;
 };
 
+// t^2 / 2 at a point of a span, and its derivative.
+std::array<double, 2> half_square(const SpanPoint<double>& p, bool is_sphere) {
+    const double y = is_sphere ? p.y : 0.0;
+    return {0.5 * (p.x * p.x + y * y + p.z * p.z), p.x * p.x1 + y * p.y1 + p.z * p.z1};
+}
+
 // The range of t along a span whose ends have slopes of different signs contains what is between them.
-template <class Distance, class Slope>
-void extend_by_extreme(Range& range, const Distance& distance, const Slope& slope) {
-    range = {std::min({range[0], distance(-1.0), distance(1.0)}),
-             std::max({range[1], distance(-1.0), distance(1.0)})};
+void extend_by_extreme(Range& range, const PowerSpan& span, bool is_sphere) {
+    const auto at = [&](double s) { return half_square(span.at(s), is_sphere); };
+    const auto extend_by = [&](double square) {
+        range = {std::min(range[0], sqrt(2 * square)), std::max(range[1], sqrt(2 * square))};
+    };
     double low = -1, high = 1;
-    const bool rises = slope(low) > 0;
-    if (rises == (slope(high) > 0)) return;
-    // Near an extreme half of the digits of s are enough.
-    constexpr int halvings = 30;
-    for (int i = 0; i < halvings; ++i) {
-        const double middle = 0.5 * (low + high);
-        (rises == (slope(middle) > 0) ? low : high) = middle;
+    std::array<double, 2> first = at(low), last = at(high);
+    extend_by(first[0]);
+    extend_by(last[0]);
+    if ((first[1] > 0) == (last[1] > 0)) return;
+    // Regula falsi, the end that stays weighted down ("Illinois"). Near an extreme half of the digits of s are
+    // enough.
+    constexpr int most_steps = 30;
+    constexpr double enough = 0x1p-30;
+    int moved_end = 0;  // the last one: -1 low, 1 high
+    for (int i = 0; i < most_steps; ++i) {
+        const double s = high - last[1] * (high - low) / (last[1] - first[1]);
+        const std::array<double, 2> next = at(s);
+        const bool is_first = (next[1] > 0) == (first[1] > 0);
+        const double moved = is_first ? s - low : high - s;
+        if (is_first) {
+            low = s;
+            first = next;
+            if (moved_end == -1) last[1] *= 0.5;
+            moved_end = -1;
+        } else {
+            high = s;
+            last = next;
+            if (moved_end == 1) first[1] *= 0.5;
+            moved_end = 1;
+        }
+        if (next[1] == 0 || std::min(moved, high - low) <= enough) break;
     }
-    range = {std::min(range[0], distance(low)), std::max(range[1], distance(low))};
+    extend_by(first[0]);
+    extend_by(last[0]);
 }
 
 // What a face takes of a point of its boundary.
@@ -761,17 +788,7 @@ void add_span(std::span<const Vector4d> points, bool is_sphere, const RadialFace
     sum.sides[1].area += parts[3];
     sum.length += parts[4];
     sum.end_area += parts[5];
-    const auto around = [&](double y) { return is_sphere ? y : 0.0; };
-    extend_by_extreme(
-        sum.distance,
-        [&](double s) {
-            const SpanPoint<double> p = span.at(s);
-            return std::hypot(p.x, around(p.y), p.z);
-        },
-        [&](double s) {
-            const SpanPoint<double> p = span.at(s);
-            return p.x * p.x1 + around(p.y) * p.y1 + p.z * p.z1;
-        });
+    extend_by_extreme(sum.distance, span, is_sphere);
 }
 
 RadialGap gap(std::span<const Vector4d> points, bool is_sphere, const RadialFace& left,
