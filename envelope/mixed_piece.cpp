@@ -48,8 +48,8 @@ bool is_point(Interval i) { return i.lower() == i.upper(); }
 double reach(Interval x, Interval y) { return Interval::up(std::hypot(x.radius(), y.radius())); }
 
 // Removes what is certainly above another one: v at the middle, slopes times half the extent on both sides.
-template <class Item, class Above>
-void drop_dominated(std::vector<Item>& items, Above&& certainly_above) {
+template <class Items, class Above>
+void drop_dominated(Items& items, Above&& certainly_above) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < items.size(); ++i) {
         bool above = false;
@@ -189,10 +189,9 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     return spreads;
 }
 
-std::vector<MixedAnalysis::Rival> MixedAnalysis::lowest_supports(const NormalBox& box,
-                                                                 std::span<const FormId> candidates) const {
-    std::vector<Rival> rivals;
-    rivals.reserve(candidates.size());
+SmallVector<MixedAnalysis::Rival, MixedAnalysis::usual_rivals> MixedAnalysis::lowest_supports(
+    const NormalBox& box, std::span<const FormId> candidates) const {
+    SmallVector<Rival, usual_rivals> rivals;
     Support best;
     double nearest = -infinity;
     for (const FormId f : candidates) {
@@ -203,7 +202,8 @@ std::vector<MixedAnalysis::Rival> MixedAnalysis::lowest_supports(const NormalBox
         }
         rivals.push_back({f, s});
     }
-    std::erase_if(rivals, [&](const Rival& r) { return box.is_above(r.support, best); });
+    rivals.erase(std::remove_if(rivals.begin(), rivals.end(), [&](const Rival& r) { return box.is_above(r.support, best); }),
+                 rivals.end());
     if (rivals.size() > 2 && rivals.size() <= most_compared_in_pairs)
         drop_dominated(rivals, [&](const Rival& a, const Rival& b) {
             return box.middle(a.support) < box.middle(b.support) && box.is_above(a.support, b.support);
@@ -318,18 +318,21 @@ std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide
     return lowest;
 }
 
-std::vector<FormId> MixedAnalysis::lowest_at(const Line& line, double s, std::span<const FormId> candidates) {
+SmallVector<FormId, MixedAnalysis::usual_rivals> MixedAnalysis::lowest_at(const Line& line, double s,
+                                                                          std::span<const FormId> candidates) {
     const IntervalPoint p = line.at(Interval(s));
     if (const auto f = certainly_lowest(p, candidates)) {
         ++decisions_.by_double;
         return {*f};
     }
-    const std::vector<FormId> lowest =
+    std::vector<FormId> lowest =
         possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
     ++decisions_.by_interval;
-    if (lowest.size() == 1) return lowest;
-    if (is_point(p[0]) && is_point(p[1])) return exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_);
-    return lowest_in_many_digits(heights_, line.wide_at(Wide(s)), lowest, decisions_);
+    if (lowest.size() > 1)
+        lowest = is_point(p[0]) && is_point(p[1])
+                     ? exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_)
+                     : lowest_in_many_digits(heights_, line.wide_at(Wide(s)), lowest, decisions_);
+    return {lowest.begin(), lowest.end()};
 }
 
 // A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
@@ -427,8 +430,7 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
     if (compare_by_supports(s1 - s0)) {
         const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
-        const std::vector<Rival> rivals = lowest_supports(box, candidates);
-        out.forms.reserve(rivals.size());
+        const auto rivals = lowest_supports(box, candidates);
         for (const Rival& rival : rivals) out.forms.push_back(rival.form);
         if (rivals.size() == 2) {
             const auto [gx, gy] = box.gradient(rivals[0].support, rivals[1].support);
@@ -491,21 +493,21 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         }
     if (s1 - s0 <= side_floor_width * extent_ || m <= s0 || m >= s1) {
         if (is_seam) {
-            obstacle_ = Assumption{{middle[0].mid(), middle[1].mid()}, s1 - s0, left};
+            obstacle_ = Assumption{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
             return false;
         }
-        RimTransition t{l0, l1, {middle[0].mid(), middle[1].mid()}, reach(range[0], range[1]), left};
-        assume(t.point, s1 - s0, left);
+        RimTransition t{l0, l1, {middle[0].mid(), middle[1].mid()}, reach(range[0], range[1]), {left.begin(), left.end()}};
+        assume(t.point, s1 - s0, t.ties);
         out.push_back(std::move(t));
         return true;
     }
     for (const double ratio : {0.48643, 0.53171, 0.41234}) {
         const double s = s0 + ratio * (s1 - s0);
-        const std::vector<FormId> lowest = lowest_at(line, s, left);
+        const auto lowest = lowest_at(line, s, left);
         if (lowest.size() != 1 && ratio != 0.41234) continue;
         if (lowest.size() != 1) {
             const IntervalPoint p = line.at(Interval(s));
-            const Assumption tie{{p[0].mid(), p[1].mid()}, s1 - s0, lowest};
+            const Assumption tie{{p[0].mid(), p[1].mid()}, s1 - s0, {lowest.begin(), lowest.end()}};
             if (!is_seam) throw TieError(tie);
             obstacle_ = tie;
             return false;
@@ -627,7 +629,7 @@ FormId MixedAnalysis::label_beside(const PieceSide& side, const IntervalPoint& f
     const Line line(side);
     const double p = line.coordinate(from).mid(), q = line.coordinate(to).mid();
     for (double part = side_floor_width; part < 1; part *= 16) {
-        const std::vector<FormId> lowest = lowest_at(line, p + part * (q - p), candidates);
+        const auto lowest = lowest_at(line, p + part * (q - p), candidates);
         if (lowest.size() == 1) return lowest[0];
     }
     throw TieError({{from[0].mid(), from[1].mid()}, std::abs(q - p), {candidates.begin(), candidates.end()}});
@@ -747,7 +749,7 @@ struct MixedAnalysis::Work {
         FormId a, b;
         std::optional<Vector2d> d;
     };
-    mutable std::vector<Direction> directions;  // as found for the rivals as they are
+    mutable SmallVector<Direction, 6> directions;  // as found for the rivals as they are
     MixedPiece piece;
     std::vector<Spread> rivals;
     std::vector<Change> changes;
@@ -797,7 +799,7 @@ struct MixedAnalysis::Work {
         return {intersection(gx, p.middle.gx - q.middle.gx + (p.curvature.xx - q.curvature.xx) * p.dx + xy * p.dy),
                 intersection(gy, p.middle.gy - q.middle.gy + xy * p.dx + (p.curvature.yy - q.curvature.yy) * p.dy)};
     }
-    // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b.
+    // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b are lowest.
     std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
         for (const Direction& known : directions) {
             if (known.a == a.form && known.b == b.form) return known.d;
@@ -815,6 +817,10 @@ struct MixedAnalysis::Work {
         if (!across.allFinite() || falls_on_rim(a.form, b.form, across)) return std::nullopt;
         if (!divided().grows_along(place(a), place(b), across)) return std::nullopt;
         return across;
+    }
+    // Does every line in this direction of theirs meet a = b at most once?
+    bool crosses_once(const Spread& a, const Spread& b, const Vector2d& direction) const {
+        return !parts || rivals.size() == 2 || parts->grows_throughout(place(a), place(b), direction);
     }
     // Does a - b seem to fall where the two change on the rim? A cheap no to what would have to be proved.
     bool falls_on_rim(FormId a, FormId b, const Vector2d& direction) const {
@@ -847,7 +853,8 @@ struct MixedAnalysis::Work {
         const Vector2d chord = *end - *start;
         return Vector2d(chord.y(), -chord.x()).normalized();
     }
-    // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points with a = b = c; the three in one order always, as another one need not tell.
+    // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points where a = b = c are
+    // lowest; the three in one order always, as another one need not tell.
     std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) const {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
@@ -1015,12 +1022,14 @@ void MixedAnalysis::cull_sharply(Work& work) {
 bool MixedAnalysis::is_plain(const Work& work) const {
     const std::vector<Spread>& r = work.rivals;
     const std::size_t n = r.size();
+    // Triples first: three forms are often equal in two points, which takes less to see than all directions.
     for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = i + 1; j < n; ++j) {
-            if (!work.direction(r[i], r[j])) return false;
+        for (std::size_t j = i + 1; j < n; ++j)
             for (std::size_t k = j + 1; k < n; ++k)
                 if (!work.turn(r[i], r[j], r[k])) return false;
-        }
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j)
+            if (!work.direction(r[i], r[j])) return false;
     return true;
 }
 
@@ -1078,10 +1087,10 @@ MixedAnalysis::AtKnot MixedAnalysis::ends_at_knot(const Work& work) {
     return inward == Sign::Negative && work.matched_pair() ? AtKnot::All : AtKnot::Unknown;
 }
 
-// Every trisector is a graph over the line across its direction, and its visible stretches begin and end, in turn,
-// at the rim's changes and at the vertices. Around a vertex the forms follow each other counter-clockwise as
-// their gradients do on their convex hull, since the lowest one in a direction has the gradient farthest
-// against it.
+// Every visible stretch of a trisector is a graph over the line across its direction. If it has two ends, at the rim's
+// changes and at the vertices, it is one stretch; if it has more, all of the trisector is to be a graph, along which
+// stretches begin and end in turn. Around a vertex the forms follow each other counter-clockwise as their gradients do on
+// their convex hull, since the lowest one in a direction has the gradient farthest against it.
 bool MixedAnalysis::join_all(Work& work) {
     const std::vector<Spread>& r = work.rivals;
     const std::size_t n = r.size(), rim = work.piece.vertices.size();
@@ -1156,12 +1165,15 @@ bool MixedAnalysis::join_all(Work& work) {
                         ends.push_back({static_cast<std::uint32_t>(rim + v), r[q].form, r[p].form});
                 }
             }
-            if (!ends.empty() && !join_pair(work, *work.direction(r[i], r[j]), r[i].form, r[j].form, ends)) return false;
+            if (ends.empty()) continue;
+            const Vector2d direction = *work.direction(r[i], r[j]);
+            if (ends.size() > 2 && !work.crosses_once(r[i], r[j], direction)) return false;
+            if (!join_pair(work, direction, r[i].form, r[j].form, ends)) return false;
         }
     // Around inner vertices: by hull order.
     for (std::size_t v = 0; v < inner.size(); ++v) {
-        std::vector<std::uint32_t>& leaving = work.piece.leaving[rim + v];
-        std::vector<std::uint32_t> sorted;
+        MixedPiece::HalfEdges& leaving = work.piece.leaving[rim + v];
+        MixedPiece::HalfEdges sorted;
         for (std::size_t k = 0; k < inner[v].hull.size(); ++k) {
             const FormId right = r[inner[v].hull[k]].form;
             for (const std::uint32_t h : leaving) {

@@ -8,8 +8,10 @@
 ///   * for every three the Jacobian of their two differences is regular all over: by the mean value theorem
 ///     on a convex set, they are equal in one point at most.
 ///
-/// Both are needed only where two forms are equal, and all over a box around the points where three are: over a sphere,
-/// where forms are compared cheaply (sphere_supports.hpp), the piece is looked at in parts, and most of them are left out.
+/// Both are needed only where two forms are equal and lowest, and all over a box around the points where three are: over
+/// a sphere, where forms are compared cheaply (sphere_supports.hpp), the piece is looked at in parts, and most of them
+/// are left out. What is said about lines then holds for each visible stretch of the trisector; where there is more than
+/// one of them, it is asked of all of it.
 ///
 /// Then the labels along the piece's boundary and the points in which three competitors are lowest determine the
 /// diagram inside: on each trisector's graph the ends of its visible stretches alternate. In the common cases
@@ -33,6 +35,7 @@
 #include <span>
 #include <vector>
 
+#include "../core/small_vector.hpp"
 #include "heights.hpp"
 #include "minimization_diagram.hpp"
 #include "sphere_supports.hpp"
@@ -96,12 +99,13 @@ struct MixedPiece {
         /// Stretches from one end to the other, if one direction and the piece's box will not do for all.
         std::vector<MinimizationDiagram::ArcPiece> pieces;
     };
+    using HalfEdges = SmallVector<std::uint32_t, 4>;
     std::vector<Vertex> vertices;
     std::vector<RimEdge> rim;
     std::vector<Arc> arcs;
     /// The arcs' half-edges that leave each vertex (2k: arc k from its start, 2k + 1: from its end),
     /// counter-clockwise; on the rim from its edge to the next vertex on.
-    std::vector<std::vector<std::uint32_t>> leaving;
+    std::vector<HalfEdges> leaving;
     std::array<double, 4> box;
 };
 
@@ -148,6 +152,8 @@ public:
     std::optional<MixedPiece> resolve(const PieceBoundary& boundary);
 
 private:
+    static constexpr std::size_t usual_rivals = 8;
+
     struct Spread {  // over a box: a support, or value at the middle, gradient and values all over it
         FormId form;
         Support support;
@@ -170,16 +176,16 @@ private:
         FormId form;
         Support support;
     };
-    std::vector<Rival> lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const;
+    SmallVector<Rival, usual_rivals> lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const;
     std::optional<FormId> certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const;
     struct Rivals {
-        std::vector<FormId> forms;
+        SmallVector<FormId, usual_rivals> forms;
         double least_slope;
     };
     Rivals rivals_along(const Line& line, double s0, double s1, std::span<const FormId> candidates);
     bool descend(const Line& line, double s0, FormId l0, double s1, FormId l1, std::span<const FormId> candidates,
                  bool is_seam, std::vector<RimTransition>& out);
-    std::vector<FormId> lowest_at(const Line& line, double s, std::span<const FormId> candidates);
+    SmallVector<FormId, usual_rivals> lowest_at(const Line& line, double s, std::span<const FormId> candidates);
     RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope);
     struct Guess {
         double s, slope;

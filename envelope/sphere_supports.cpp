@@ -1,9 +1,9 @@
 #include "sphere_supports.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace vcell {
 
@@ -44,7 +44,7 @@ PointNormal::PointNormal(double x, double y) {
 }
 
 NormalBox::NormalBox(double x0, double x1, double y0, double y1) : x0_(x0), x1_(x1), y0_(y0), y1_(y1) {
-    const double x = std::midpoint(x0, x1), y = std::midpoint(y0, y1);
+    const double x = 0.5 * x0 + 0.5 * x1, y = 0.5 * y0 + 0.5 * y1;
     rx_ = outwards * std::max(x1 - x, x - x0);
     ry_ = outwards * std::max(y1 - y, y - y0);
     middle_ = PointNormal(x, y);
@@ -71,15 +71,9 @@ NormalBox::NormalBox(double x0, double x1, double y0, double y1) : x0_(x0), x1_(
     m_ = outwards * m.hi;
 }
 
-// How much f differs from its value at the middle; the gradient's own variation counts half on the way.
-double NormalBox::variation(const NormalFunction& f) const {
-    return (std::abs(dot(f, middle_.ux)) + 0.5 * bound(f, ux_range_)) * rx_ +
-           (std::abs(dot(f, middle_.uy)) + 0.5 * bound(f, uy_range_)) * ry_;
-}
-
-std::array<double, 2> NormalBox::steepest(const NormalFunction& f) const {
-    return {std::abs(dot(f, middle_.ux)) + bound(f, ux_range_),
-            std::abs(dot(f, middle_.uy)) + bound(f, uy_range_)};
+NormalBox::Slopes NormalBox::slopes(const NormalFunction& f) const {
+    return {{std::abs(dot(f, middle_.ux)), std::abs(dot(f, middle_.uy))},
+            {bound(f, ux_range_), bound(f, uy_range_)}};
 }
 
 // W (p.u + s) = (s - p_z) (x^2 + y^2) + 2 p_x x + 2 p_y y + s + p_z.
@@ -97,6 +91,16 @@ std::array<Interval, 2> NormalBox::gradient(const Support& a, const Support& b) 
         Interval::ball(dot(d, middle_.ux), outwards * (bound(d, ux_range_) + a.bend[0] + b.bend[0] + unsure)),
         Interval::ball(dot(d, middle_.uy),
                        outwards * (bound(d, uy_range_) + a.bend[1] + b.bend[1] + unsure))};
+}
+
+NormalBox::Growth NormalBox::growth(const Support& a, const Support& b,
+                                    const Eigen::Vector2d& direction) const {
+    const NormalFunction d = combination(1, b.plane, -1, a.plane);
+    const double unsure = m_ * (a.rounding + b.rounding);
+    const double x = bound(d, ux_range_) + a.bend[0] + b.bend[0] + unsure,
+                 y = bound(d, uy_range_) + a.bend[1] + b.bend[1] + unsure;
+    return {direction.x() * dot(d, middle_.ux) + direction.y() * dot(d, middle_.uy),
+            outwards * (std::abs(direction.x()) * x + std::abs(direction.y()) * y)};
 }
 
 SphereSupports::SphereSupports(const FormFamily& family) {
@@ -129,8 +133,9 @@ Support SphereSupports::over(FormId f, const NormalBox& box) const {
     const double cosine = w > 0 ? B / w : 1, sine = w > 0 ? A / w : 0;
     const NormalFunction along = combination(cosine, c.b, sine, c.a),
                          across = combination(-sine, c.b, cosine, c.a);
-    const double least_along = box.value(along) - box.variation(along) - c.rounding,
-                 most_across = std::abs(box.value(across)) + box.variation(across) + c.rounding;
+    const NormalBox::Slopes growth = box.slopes(along), turn = box.slopes(across);
+    const double least_along = box.value(along) - box.variation(growth) - c.rounding,
+                 most_across = std::abs(box.value(across)) + box.variation(turn) + c.rounding;
     Support out{combination(1, c.b, 1, along), most_across + 2 * std::max(0.0, -least_along), {}, c.rounding};
     double turned = 1, shortened = 2;
     if (least_along > most_across) {
@@ -138,8 +143,8 @@ Support SphereSupports::over(FormId f, const NormalBox& box) const {
         shortened = turned * turned;
         out.excess = 0.5 * most_across * turned;
     }
-    const auto growth = box.steepest(along), turn = box.steepest(across);
-    for (const int i : {0, 1}) out.bend[i] = outwards * (shortened * growth[i] + turned * turn[i]);
+    for (const int i : {0, 1})
+        out.bend[i] = outwards * (shortened * growth.steepest(i) + turned * turn.steepest(i));
     out.excess *= outwards;
     return out;
 }
@@ -170,13 +175,53 @@ std::array<double, 3> SphereSupports::jet(FormId f, const PointNormal& n) const 
 DividedBox::DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
                        std::span<const FormId> forms)
     : all_(supports), forms_(forms) {
-    constexpr std::size_t usual = 25;
+    assert(forms.size() <= most_forms);
+    constexpr std::size_t usual = 45;
     parts_.reserve(usual);
     normals_.reserve(usual);
     supports_.reserve(usual * forms.size());
-    parts_.push_back({box});
+    parts_.push_back({box, ~Pairs{0}});
     normals_.emplace_back(box[0], box[1], box[2], box[3]);
     supports_.resize(forms.size());
+}
+
+// Of the pairs that may be lowest in the part around this one, those that are not certainly different here,
+// and neither of which is certainly above another form.
+DividedBox::Pairs DividedBox::lowest(Part part) const {
+    if (parts_[part].is_compared) return parts_[part].lowest;
+    const Pairs before = parts_[part].lowest;
+    const NormalBox& box = normals_[part];
+    struct Rival {
+        std::size_t form;
+        double middle;
+        const Support* support;
+    };
+    std::array<Rival, most_forms> here;  // of these pairs, the one met first in the middle leading
+    std::size_t n = 0;
+    for (std::size_t f = 0; f < forms_.size(); ++f) {
+        if ((before & pairs_of(f)) == 0) continue;
+        const Support& s = support(f, part);
+        const double middle = box.middle(s);
+        std::size_t k = n++;
+        for (; k > 0 && here[k - 1].middle < middle; --k) here[k] = here[k - 1];
+        here[k] = {f, middle, &s};
+    }
+    Pairs after = 0;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Rival r = here[i];
+        Pairs meeting = 0;
+        bool is_lowest = true;
+        for (std::size_t j = 0; j < kept && is_lowest; ++j) {
+            is_lowest = !box.is_above(*r.support, *here[j].support);
+            meeting |= pair(r.form, here[j].form);
+        }
+        if (!is_lowest) continue;
+        here[kept++] = r;
+        after |= meeting;
+    }
+    parts_[part].is_compared = true;
+    return parts_[part].lowest = before & after;
 }
 
 // The first of a part's quarters.
@@ -184,10 +229,11 @@ DividedBox::Part DividedBox::quarter(Part part) const {
     if (parts_[part].first != 0) return parts_[part].first;
     const auto first = static_cast<Part>(parts_.size());
     parts_[part].first = first;
+    const Pairs pairs = parts_[part].lowest;
     const auto [x0, x1, y0, y1] = parts_[part].box;
-    const double x = std::midpoint(x0, x1), y = std::midpoint(y0, y1);
+    const double x = 0.5 * x0 + 0.5 * x1, y = 0.5 * y0 + 0.5 * y1;
     for (const Box& b : {Box{x0, x, y0, y}, Box{x, x1, y0, y}, Box{x0, x, y, y1}, Box{x, x1, y, y1}}) {
-        parts_.push_back({b});
+        parts_.push_back({b, pairs});
         normals_.emplace_back(b[0], b[1], b[2], b[3]);
     }
     supports_.resize(parts_.size() * forms_.size());
@@ -201,63 +247,77 @@ const Support& DividedBox::support(std::size_t f, Part part) const {
     return *s;
 }
 
-bool DividedBox::meet(std::size_t f, std::size_t g, Part part) const {
-    return normals_[part].meet(support(f, part), support(g, part));
-}
-
 bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const {
-    return grows_along(f, g, direction, 0, 0);
+    return grows_along(
+        f, g, direction, [&](Part part) { return (lowest(part) & pair(f, g)) != 0; }, 0, 0);
 }
 
-bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, Part part,
-                             int level) const {
-    const auto [x, y] = normals_[part].gradient(support(f, part), support(g, part));
-    const Interval growth = Interval(direction.x()) * x + Interval(direction.y()) * y;
-    if (growth.lower() > 0 || !meet(f, g, part)) return true;
-    // Where it falls in the middle of a small part it most likely does so on the trisector, too.
-    constexpr int small = 2;
-    if (level == levels || (level >= small && growth.mid() < 0)) return false;
+bool DividedBox::grows_throughout(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const {
+    const auto meet = [&](Part part) { return normals_[part].meet(support(f, part), support(g, part)); };
+    return grows_along(f, g, direction, meet, 0, 0);
+}
+
+template <class Meet>
+bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, const Meet& meet,
+                             Part part, int level) const {
+    if (!meet(part)) return true;
+    const auto [middle, change] = normals_[part].growth(support(f, part), support(g, part), direction);
+    if (middle > change) return true;
+    if (level == levels) return false;
     const Part first = quarter(part);
     for (Part q = first; q < first + 4; ++q)
-        if (!grows_along(f, g, direction, q, level + 1)) return false;
+        if (!grows_along(f, g, direction, meet, q, level + 1)) return false;
     return true;
 }
 
-// Extends `hull` by the smallest parts in which every two of the forms may be equal.
-void DividedBox::enclose_meeting(const std::array<std::size_t, 3>& forms, Part part, int level,
-                                 Box& hull) const {
-    const auto& [f, g, h] = forms;
-    if (!meet(f, g, part) || !meet(f, h, part) || !meet(g, h, part)) return;
-    if (level == levels) {
+// Extends `hull` by the smallest parts in which all of the pairs may be equal and lowest.
+void DividedBox::enclose_meeting(Pairs pairs, Part part, int levels_left, Box& hull) const {
+    if ((lowest(part) & pairs) != pairs) return;
+    if (levels_left == 0) {
         const Box& b = parts_[part].box;
         hull = {std::min(hull[0], b[0]), std::max(hull[1], b[1]), std::min(hull[2], b[2]),
                 std::max(hull[3], b[3])};
         return;
     }
     const Part first = quarter(part);
-    for (Part q = first; q < first + 4; ++q) enclose_meeting(forms, q, level + 1, hull);
+    for (Part q = first; q < first + 4; ++q) enclose_meeting(pairs, q, levels_left - 1, hull);
 }
 
-const std::optional<DividedBox::Box>& DividedBox::meeting(std::size_t f, std::size_t g, std::size_t h) const {
+void DividedBox::refine(Meeting& m) const {
+    const auto& [f, g, h] = m.forms;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box hull{infinity, -infinity, infinity, -infinity};
+    m.levels = std::max(m.levels + 1, coarse_levels);
+    enclose_meeting(pair(f, g) | pair(f, h) | pair(g, h), 0, m.levels, hull);
+    m.box = hull[0] < hull[1] ? std::optional(hull) : std::nullopt;
+}
+
+DividedBox::Meeting& DividedBox::find_meeting(std::size_t f, std::size_t g, std::size_t h) const {
     std::array forms{f, g, h};
     std::ranges::sort(forms);
     const auto known = std::ranges::find(meetings_, forms, &Meeting::forms);
-    if (known != meetings_.end()) return known->box;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Box hull{infinity, -infinity, infinity, -infinity};
-    enclose_meeting(forms, 0, 0, hull);
-    meetings_.push_back({forms, hull[0] < hull[1] ? std::optional(hull) : std::nullopt});
-    return meetings_.back().box;
+    if (known != meetings_.end()) return *known;
+    meetings_.push_back({forms});
+    refine(meetings_.back());
+    return meetings_.back();
 }
 
+const std::optional<DividedBox::Box>& DividedBox::meeting(std::size_t f, std::size_t g, std::size_t h) const {
+    return find_meeting(f, g, h).box;
+}
+
+// In a box as small as it takes.
 std::optional<Sign> DividedBox::turn(std::size_t f, std::size_t g, std::size_t h) const {
-    const std::optional<Box>& hull = meeting(f, g, h);
-    if (!hull) return Sign::Positive;
-    const NormalBox box((*hull)[0], (*hull)[1], (*hull)[2], (*hull)[3]);
-    const Support a = all_.over(forms_[f], box);
-    const auto to_g = box.gradient(all_.over(forms_[g], box), a),
-               to_h = box.gradient(all_.over(forms_[h], box), a);
-    return (to_g[0] * to_h[1] - to_g[1] * to_h[0]).sign();
+    for (Meeting& m = find_meeting(f, g, h);; refine(m)) {
+        if (!m.box) return Sign::Positive;
+        const auto [x0, x1, y0, y1] = *m.box;
+        const NormalBox box(x0, x1, y0, y1);
+        const Support a = all_.over(forms_[f], box);
+        const auto to_g = box.gradient(all_.over(forms_[g], box), a),
+                   to_h = box.gradient(all_.over(forms_[h], box), a);
+        const auto sign = (to_g[0] * to_h[1] - to_g[1] * to_h[0]).sign();
+        if (sign || m.levels == levels) return sign;
+    }
 }
 
 }  // namespace vcell

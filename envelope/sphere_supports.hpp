@@ -14,6 +14,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -65,6 +66,11 @@ public:
     }
     /// Encloses the gradient of f_a - f_b.
     std::array<Interval, 2> gradient(const Support& a, const Support& b) const;
+    /// The derivative of f_a - f_b in a unit vector: at the middle, and how much it may change over the box.
+    struct Growth {
+        double middle, change;
+    };
+    Growth growth(const Support& a, const Support& b, const Eigen::Vector2d& direction) const;
 
 private:
     friend class SphereSupports;
@@ -76,8 +82,17 @@ private:
         return std::abs(f.p[0]) * v[0] + std::abs(f.p[1]) * v[1] + std::abs(f.p[2]) * v[2];
     }
     double value(const NormalFunction& f) const { return dot(f, middle_.u) + f.s; }
-    double variation(const NormalFunction& f) const;
-    std::array<double, 2> steepest(const NormalFunction& f) const;
+    // Of a function, along x and y: absolute values at the middle, and how much they may change over the box.
+    struct Slopes {
+        std::array<double, 2> middle, change;
+
+        double steepest(int i) const { return middle[i] + change[i]; }
+    };
+    Slopes slopes(const NormalFunction& f) const;
+    // How much a function differs from its value at the middle; on the way changes of slopes count half.
+    double variation(const Slopes& s) const {
+        return (s.middle[0] + 0.5 * s.change[0]) * rx_ + (s.middle[1] + 0.5 * s.change[1]) * ry_;
+    }
 
     double x0_, x1_, y0_, y1_, rx_, ry_;
     PointNormal middle_;
@@ -114,39 +129,56 @@ private:
     std::vector<Cylinder> cylinders_;
 };
 
-/// A box of the chart in parts, for statements about the points of it in which forms are equal: quarters, and
-/// quarters of those in which it is not clear yet.
+/// A box of the chart in parts, for statements about the points of it in which some of its forms are equal
+/// and lowest of all: quarters, and quarters of those in which it is not clear yet.
 class DividedBox {
 public:
-    /// `box`: {x0, x1, y0, y1}. `supports` and `forms` must outlive this object.
+    static constexpr std::size_t most_forms = 8;
+
+    /// `box`: {x0, x1, y0, y1}. `supports` and `forms` must outlive this object. Pre: most_forms at most.
     DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
                std::span<const FormId> forms);
 
-    /// Does f - g certainly grow in the unit vector `direction` wherever f = g? Forms are named by their
-    /// place here.
+    /// Does f - g certainly grow in the unit vector `direction` wherever f = g are lowest? Forms are named by
+    /// their place here.
     bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const;
+    /// The same wherever f = g.
+    bool grows_throughout(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const;
     using Box = std::array<double, 4>;
-    /// A box that holds all points with f = g = h; none if there are none.
+    /// A box that holds all points where f = g = h are lowest; none if there are none.
     const std::optional<Box>& meeting(std::size_t f, std::size_t g, std::size_t h) const;
-    /// The sign of (grad g - grad f) x (grad h - grad f) all over a box that holds all points with f = g = h;
-    /// any sign if there are none.
+    /// The sign of (grad g - grad f) x (grad h - grad f) all over a box that holds all points where f = g = h
+    /// are lowest; any sign if there are none.
     std::optional<Sign> turn(std::size_t f, std::size_t g, std::size_t h) const;
 
 private:
-    static constexpr int levels = 4;
+    // More of them find more pieces plain, and take longer where one is not.
+    static constexpr int levels = 5, coarse_levels = 3;  // the second: of boxes that may do
 
     using Part = std::uint32_t;
+    using Pairs = std::uint64_t;  // a set of them
     struct Quartering {
         Box box;
+        Pairs lowest;    // those that may be equal and lowest here; at first, in the part around it
         Part first = 0;  // of four parts; 0: not made yet
+        bool is_compared = false;
     };
 
+    // A symmetric matrix of bits.
+    static Pairs pair(std::size_t f, std::size_t g) {
+        return Pairs{1} << (most_forms * f + g) | Pairs{1} << (most_forms * g + f);
+    }
+    static Pairs pairs_of(std::size_t f) { return ((Pairs{1} << most_forms) - 1) << (most_forms * f); }
+    Pairs lowest(Part part) const;
     Part quarter(Part part) const;
     const Support& support(std::size_t f, Part part) const;
-    bool meet(std::size_t f, std::size_t g, Part part) const;
-    bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, Part part,
-                     int level) const;
-    void enclose_meeting(const std::array<std::size_t, 3>& forms, Part part, int level, Box& hull) const;
+    template <class Meet>
+    bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, const Meet& meet,
+                     Part part, int level) const;
+    void enclose_meeting(Pairs pairs, Part part, int levels_left, Box& hull) const;
+    struct Meeting;
+    Meeting& find_meeting(std::size_t f, std::size_t g, std::size_t h) const;
+    void refine(Meeting& m) const;
 
     const SphereSupports& all_;
     std::span<const FormId> forms_;
@@ -156,7 +188,8 @@ private:
     mutable std::vector<std::optional<Support>> supports_;
     struct Meeting {
         std::array<std::size_t, 3> forms;
-        std::optional<Box> box;
+        int levels = 0;
+        std::optional<Box> box{};
     };
     mutable std::vector<Meeting> meetings_;
 };

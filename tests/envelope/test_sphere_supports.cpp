@@ -167,6 +167,58 @@ TEST_CASE("divided box: lines in a direction of growth meet a trisector once") {
     CHECK(crossings > 200);
 }
 
+// Points of the trisector on chords of the box; a third form hides some of them.
+TEST_CASE("divided box: a difference grows as said where two forms are equal and lowest") {
+    Samples samples;
+    int visible = 0, hidden = 0;
+    for (int round = 0; round < 1000; ++round) {
+        FormFamily family = samples.family();
+        const auto box = samples.box();
+        const auto [mx, my] = samples.point(box);
+        const std::array forms{FormId{0}, FormId{2}, FormId{3}};
+        CircularForm& form = family.forms[forms[0]];
+        {
+            const SphereSupports supports(family);
+            const PointNormal n(mx, my);
+            form.e -= form.w * (1 + mx * mx + my * my) *
+                      (supports.value(forms[0], n) - supports.value(forms[1], n));
+        }
+        const SphereSupports supports(family);
+        const auto difference = [&](const Eigen::Vector2d& p) {
+            const PointNormal n(p.x(), p.y());
+            const auto f = supports.jet(forms[0], n), g = supports.jet(forms[1], n);
+            return std::array{f[0] - g[0], f[1] - g[1], f[2] - g[2]};
+        };
+        const auto gradient = difference({mx, my});
+        const Eigen::Vector2d d = Eigen::Vector2d(gradient[1], gradient[2]).normalized();
+        const DividedBox parts(supports, box, forms);
+        if (!parts.grows_along(0, 1, d)) continue;
+        const bool is_partial = !parts.grows_throughout(0, 1, d);
+        for (int chord = 0; chord < 10; ++chord) {
+            const auto [px, py] = samples.point(box);
+            const auto [qx, qy] = samples.point(box);
+            Eigen::Vector2d p(px, py), q(qx, qy);
+            if ((difference(p)[0] > 0) == (difference(q)[0] > 0)) continue;
+            const bool falls = difference(p)[0] > 0;
+            for (int i = 0; i < 60; ++i) {
+                const Eigen::Vector2d half = 0.5 * (p + q);
+                ((difference(half)[0] > 0) == falls ? p : q) = half;
+            }
+            const PointNormal n(p.x(), p.y());
+            if (supports.value(forms[2], n) < supports.value(forms[0], n)) {
+                hidden += is_partial;
+                continue;
+            }
+            ++visible;
+            const auto at_zero = difference(p);
+            CAPTURE(round);
+            CHECK(d.x() * at_zero[1] + d.y() * at_zero[2] > -slop);
+        }
+    }
+    CHECK(visible > 200);
+    CHECK(hidden > 10);
+}
+
 // Two circular forms and a cylinder's that tie in a point of the box.
 TEST_CASE("divided box: what holds all common points of three forms holds one") {
     Samples samples;
@@ -189,7 +241,7 @@ TEST_CASE("divided box: what holds all common points of three forms holds one") 
         const auto& [x0, x1, y0, y1] = *part;
         CHECK((x0 <= x && x <= x1 && y0 <= y && y <= y1));
         CHECK(parts.meeting(2, 0, 1) == part);
-        small += 4 * (x1 - x0) < box[1] - box[0] && 4 * (y1 - y0) < box[3] - box[2];
+        small += x1 - x0 < 0.6 * (box[1] - box[0]) && y1 - y0 < 0.6 * (box[3] - box[2]);
     }
     CHECK(small > 100);
 }
