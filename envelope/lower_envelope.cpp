@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "../core/errors.hpp"
+#include "../core/small_vector.hpp"
 #include "minimization_diagram.hpp"
 #include "mixed_piece.hpp"
 #include "patchwork.hpp"
@@ -51,10 +52,13 @@ struct Rect {
     double x0, x1, y0, y1;
 };
 
+constexpr std::size_t usual_sides = 6;
+using Sides = SmallVector<PieceSide, usual_sides>;
+
 // A convex piece of the region and the rectangle around it.
 struct Piece {
-    std::vector<PieceSide> sides;
-    std::vector<IntervalPoint> corners;  // corner i: start of side i
+    Sides sides;
+    SmallVector<IntervalPoint, usual_sides> corners;  // corner i: start of side i
     Rect rect;
 };
 
@@ -65,7 +69,7 @@ struct LabelledPiece {
     std::vector<std::vector<FormId>> corner_ties;
 };
 
-Piece make_piece(std::vector<PieceSide> sides) {
+Piece make_piece(Sides sides) {
     Piece p;
     p.corners.reserve(sides.size());
     constexpr double inf = std::numeric_limits<double>::infinity();
@@ -146,8 +150,8 @@ private:
         return result;
     }
 
-    static std::vector<PieceSide> sides_of(const ConvexRegion& region) {
-        std::vector<PieceSide> sides;
+    static Sides sides_of(const ConvexRegion& region) {
+        Sides sides;
         for (std::uint32_t i = 0; i < region.sides.size(); ++i)
             sides.push_back({region.sides[i].a, region.sides[i].b, region.sides[i].c, i});
         return sides;
@@ -206,7 +210,7 @@ private:
     struct Cut {
         bool upright;
         double at;
-        std::vector<bool> beyond;
+        SmallVector<bool, usual_sides> beyond;
 
         PieceSide side() const { return {upright ? 1.0 : 0.0, upright ? 0.0 : 1.0, -at, UINT32_MAX}; }
         PieceSide opposite() const { return {upright ? -1.0 : -0.0, upright ? -0.0 : -1.0, at, UINT32_MAX}; }
@@ -251,7 +255,7 @@ private:
             if (!cut) continue;
             PieceSide side = cut->side(), opposite = cut->opposite();
             side.id = opposite.id = patchwork_.new_seam();
-            std::vector<PieceSide> first, second;
+            Sides first, second;
             for (std::size_t i = 0; i < n; ++i) {
                 const bool from = cut->beyond[i], to = cut->beyond[(i + 1) % n];
                 if (!from || !to) first.push_back(piece.sides[i]);
