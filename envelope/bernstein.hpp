@@ -40,17 +40,6 @@ struct Bernstein {
         for (int k = 0; k <= N; ++k) m = std::max(m, std::abs(coefficient(k)));
         return m;
     }
-    /// The same from the coefficients of both halves (de Casteljau): closer where the polynomial oscillates.
-    double largest_of_halves() const {
-        std::array<double, N + 1> c;
-        for (int k = 0; k <= N; ++k) c[k] = coefficient(k);
-        double m = 0;
-        for (int last = N; last >= 0; --last) {
-            m = std::max({m, std::abs(c[0]), std::abs(c[last])});
-            for (int k = 0; k < last; ++k) c[k] = 0.5 * (c[k] + c[k + 1]);
-        }
-        return m;
-    }
     /// Lower bound of the value.
     double smallest_coefficient() const {
         double m = coefficient(0);

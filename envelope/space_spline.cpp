@@ -9,6 +9,7 @@
 
 #include "../core/interval.hpp"
 #include "bernstein.hpp"
+#include "quintic_nodes.hpp"
 
 namespace vcell {
 
@@ -154,7 +155,7 @@ public:
         Bernstein<10> Q =
             span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
         if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -offset));
-        const double bound = Q.largest_of_halves() + rounding * square(size);
+        const double bound = QuinticNodes::get().largest(Q) + rounding * square(size);
         // d^2 = (t + delta)^2 + Q
         const double least = span.X[3].smallest_coefficient() + delta_, below = least * least - bound;
         return least > 0 && below > 0 ? bound / (least + std::sqrt(below)) : infinity;
@@ -256,7 +257,8 @@ struct Tube {
     double link = 0;              // points of the curve so close to an end are on the same arc
     double q = 0;                 // the largest of step 2
 
-    bool is_proved() const { return curve < infinity && trims < infinity; }
+    double error() const { return std::max(curve, trims); }
+    bool is_proved() const { return error() < infinity; }
     // Will the next span join, if it is about as good?
     bool is_joint() const { return 4 * end <= link; }
     static Tube failed(double q = 0) { return {infinity, infinity, infinity, infinity, 0, q}; }
@@ -323,9 +325,9 @@ private:
         std::array<std::uint32_t, 2> part{};
         Patches patches{};           // of those parts
         std::optional<Linear> seam;  // crossed
-        double expected = infinity;  // error, of a span that was not certified in full
+        double expected = infinity;  // error, but for q
 
-        double error() const { return std::max(tube.curve, tube.trims); }
+        double error() const { return tube.error(); }
         bool is_near() const { return tube.curve < infinity; }
     };
     struct Frame {
@@ -497,7 +499,7 @@ private:
 
     // Points of the arc between parts that will do, as errors fall with the sixth power of the length.
     std::vector<Node> divide(const Node& from, const Node& to, const Fit& spline) const {
-        constexpr double most_parts = 4, reserve = 2;
+        constexpr double most_parts = 4, reserve = 1.5;
         const int parts = static_cast<int>(std::clamp(
             std::ceil(std::pow(reserve * spline.expected / tolerance_, 1.0 / 6)), 2.0, most_parts));
         std::vector<Node> inner;
@@ -634,28 +636,6 @@ private:
         return problem_.chart * (Vec3(2 * d.x(), 2 * d.y(), -dW) / W - n * (dW / (W * W)));
     }
 
-    // At both ends and at four nodes in between, where the sextic that vanishes there stays smallest
-    // (Chebyshev's, stretched): that leaves a 25th of the error that Hermite's data at the ends do.
-    struct Interpolation {
-        Eigen::Matrix<double, 6, 6> values;        // of the Bernstein polynomials (rows) at the nodes
-        Eigen::Matrix<double, 6, 6> coefficients;  // the inverse
-
-        static const Interpolation& get() {
-            static const Interpolation value = [] {
-                Interpolation r;
-                for (int k = 0; k < 6; ++k) {
-                    const double s = 0.5 - 0.5 * std::cos((2 * k + 1) * pi / 12) / std::cos(pi / 12);
-                    double power = 1;
-                    for (int i = 0; i < 6; ++i, power *= s)
-                        r.values(i, k) = detail::binomials<5>()[i] * power * std::pow(1 - s, 5 - i);
-                }
-                r.coefficients = r.values.inverse();
-                return r;
-            }();
-            return value;
-        }
-    };
-
     // Value, first and second derivative in the span's parameter.
     using Jet = Eigen::Matrix<double, 4, 3>;
 
@@ -677,8 +657,8 @@ private:
     // Chooses the parts and puts the trims below the curve; not if it leaves a part.
     void trim(Fit& fit) const {
         const Vector4d X = middle(fit.points);
-        const Interpolation& interpolation = Interpolation::get();
-        const Eigen::Matrix<double, 4, 6> at_nodes = fit.points.topRows<4>() * interpolation.values;
+        const QuinticNodes& nodes = QuinticNodes::get();
+        const Eigen::Matrix<double, 4, 6> at_nodes = fit.points.topRows<4>() * nodes.values;
         for (int side = 0; side < 2; ++side) {
             const std::vector<SpacePart>& parts = arc_.sites[side].parts;
             if (parts.empty()) continue;
@@ -696,7 +676,7 @@ private:
                 Eigen::Matrix<double, 1, 6> at;
                 for (int k = 0; k < 6; ++k) at[k] = best->patch[i](at_nodes.col(k));
                 auto row = fit.points.row(4 + 2 * side + i);
-                row = at * interpolation.coefficients;
+                row = at * nodes.coefficients;
                 row[0] = at[0];
                 row[5] = at[5];
             }
@@ -741,21 +721,25 @@ private:
     }
 
     // Takes a span from Hermite's data at the ends to the arc at the inner nodes, by a step of Newton's
-    // method each, if its residuals there are no larger than `most`. Returns the largest.
-    double interpolate(Points& points, double most) const {
-        const Interpolation& interpolation = Interpolation::get();
-        Eigen::Matrix<double, 4, 6> at_nodes = points.topRows<4>() * interpolation.values;
-        std::array<Vector4d, 6> G;
-        double largest = 0;
-        for (int k = 1; k < 5; ++k) {
-            G[k] = Vector4d::Zero();
-            for (int i = 0; i < 3; ++i) G[k][i] = equations_[i](at_nodes.col(k));
-            largest = std::max(largest, G[k].cwiseAbs().maxCoeff());
+    // method each, or two where residuals are not small. Not if they are larger than `most`.
+    bool interpolate(Points& points, double most, double small) const {
+        constexpr int most_steps = 2;
+        const QuinticNodes& nodes = QuinticNodes::get();
+        Eigen::Matrix<double, 4, 6> at_nodes = points.topRows<4>() * nodes.values;
+        double largest = infinity;
+        for (int step = 0; step < most_steps && largest > small; ++step) {
+            std::array<Vector4d, 6> G;
+            largest = 0;
+            for (int k = 1; k < 5; ++k) {
+                G[k] = Vector4d::Zero();
+                for (int i = 0; i < 3; ++i) G[k][i] = equations_[i](at_nodes.col(k));
+                largest = std::max(largest, G[k].cwiseAbs().maxCoeff());
+            }
+            if (!(largest <= most)) return false;
+            for (int k = 1; k < 5; ++k) at_nodes.col(k) -= frame(at_nodes.col(k)).matrix().inverse() * G[k];
         }
-        if (!(largest <= most)) return largest;
-        for (int k = 1; k < 5; ++k) at_nodes.col(k) -= frame(at_nodes.col(k)).matrix().inverse() * G[k];
-        points.block<4, 4>(0, 1) = at_nodes * interpolation.coefficients.middleCols<4>(1);
-        return largest;
+        points.block<4, 4>(0, 1) = at_nodes * nodes.coefficients.middleCols<4>(1);
+        return true;
     }
 
     // Certified if it may err by no more than `most`: in the certificate each |B_i| is 1 / sqrt(2) at least.
@@ -772,9 +756,8 @@ private:
         ends[0] << from.X, length * from.T, square(length) * from.second;
         ends[1] << to.X, length * to.T, square(length) * to.second;
         fit.points.topRows<4>() = quintic(ends[0], ends[1]);
-        constexpr double near = 4096, most_moved = 32, least_share = 0.7;
-        const double far = interpolate(fit.points, most_moved * most);
-        if (!(far <= near * most)) return fit;
+        constexpr double near = 4096, small = 32, least_share = 0.7;
+        if (!interpolate(fit.points, near * most, small * most)) return fit;
         const SpanPolynomials span(fit.points, foot_);
         Residuals residuals{curve_residuals(span), {}};
         const double largest = std::ranges::max(residuals.curve);
@@ -787,9 +770,9 @@ private:
         fit.tube = certify(fit.points, fit.patches, residuals, is_good ? most : infinity, from.is_terminal,
                            to.is_terminal, deepest_proof);
         if (!is_good) fit.tube.trims = infinity;
-        constexpr double gain = 16;  // of interpolation, at least
-        fit.expected =
-            std::isfinite(fit.error()) ? fit.error() : fit.tube.curve / (far > most_moved * most ? gain : 1);
+        constexpr double of_trims = 4;  // roughly, over that of the curve
+        const double error = std::isfinite(fit.error()) ? fit.error() : of_trims * fit.tube.curve;
+        fit.expected = error * (1 - fit.tube.q);  // parts have a smaller q
         return fit;
     }
 
@@ -841,14 +824,15 @@ private:
         std::array<Trim, 2> trims;
     };
 
-    // In parts where one D does not prove it, or not an error of `most`: q falls like the size of D,
-    // if it is finite, and with it 1 / (1 - q).
+    // In parts where one D does not prove it, or not an error of `most` though quarters should: q falls like
+    // the size of D, if it is finite, and with it 1 / (1 - q).
     Tube certify(const Points& points, const Patches& patches, const Residuals& residuals, double most,
                  bool from_terminal, bool to_terminal, int halvings) const {
         const Tube whole = tube(points, patches, residuals, from_terminal, to_terminal);
-        const double error = std::max(whole.curve, whole.trims);
-        const bool hopeless = whole.is_proved() ? error <= most || error * (1 - whole.q) > most
-                                                : std::isfinite(whole.q) && whole.q > std::ldexp(1, halvings);
+        const double error = whole.error();
+        const bool hopeless = whole.is_proved()
+                                  ? error <= most || error * (1 - whole.q) > most * (1 - 0.25 * whole.q)
+                                  : std::isfinite(whole.q) && whole.q > std::ldexp(1, halvings);
         if (halvings == 0 || hopeless) return whole;
         // De Casteljau at 1/2.
         Points first, second, work = points;
@@ -858,7 +842,7 @@ private:
             for (int i = 0; i < 5 - k; ++i) work.col(i) = 0.5 * (work.col(i) + work.col(i + 1));
         }
         const Tube a = certify(first, patches, residuals, most, from_terminal, false, halvings - 1);
-        if (!a.is_proved()) return whole;
+        if (!a.is_proved() || a.error() > most) return whole;
         const Tube b = certify(second, patches, residuals, most, false, to_terminal, halvings - 1);
         if (!b.is_proved() || !joins(a, b)) return whole;
         return {std::max(a.curve, b.curve), std::max(a.trims, b.trims), a.start, b.end,
@@ -933,7 +917,7 @@ private:
                     least = c.divisor[4];
                 } else {
                     const Bernstein<5> divisor = span(c.divisor);
-                    residual = (raised<10>(numerator) - v * divisor).largest_of_halves();
+                    residual = QuinticNodes::get().largest(raised<10>(numerator) - v * divisor);
                     least = divisor.smallest_coefficient();
                 }
                 residuals.trims[side].residual[i] =

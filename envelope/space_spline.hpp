@@ -14,17 +14,18 @@
 /// of the base's distance (walls: g_wall instead of the difference).
 ///
 /// Both ends of a span lie on the arc. First and second derivative at both ends, by the length of the curve
-/// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. One step of
-/// Newton's method takes it to the arc at four places in between, chosen so that the quintic through all six
-/// errs by a small part of that. The patches' coordinates are quotients of linear functions of X
-/// (PatchCoordinate); the trims have their values at the same six places. A span that is not good enough is
-/// divided at points of the arc, found by Newton's method, into as many parts as the sixth power asks for.
+/// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. Steps of
+/// Newton's method take it to the arc at four places in between, chosen so that the quintic through all six
+/// errs by a small part of that (quintic_nodes.hpp). The patches' coordinates are quotients of linear
+/// functions of X (PatchCoordinate); the trims have their values at the same six places. A span that is not
+/// good enough is divided at points of the arc, found by Newton's method, into as many parts as the sixth
+/// power asks for.
 ///
 /// *The certificate.* Let P(s) = (p, t)(s) be the fitted span.
 ///
 /// 1. Residuals. d^2 - (t + delta)^2 along the span is a polynomial of degree 10 (planes and walls: G, of
-///    degree 5), and no larger than its largest Bernstein coefficient. Divided by d + t + delta it bounds
-///    |G(P(s))| <= e.
+///    degree 5) that all but vanishes at those six places: that bounds it closely. Divided by d + t + delta
+///    it bounds |G(P(s))| <= e.
 /// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull of
 ///    its control points), M the Jacobian in its middle, B nearly the inverse of M, B_i its columns. Within r
 ///    of a point at distance d from a centre or axis the unit vector from there turns by asin(r / d) at most;

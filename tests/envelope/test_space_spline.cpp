@@ -11,6 +11,7 @@
 #include <random>
 
 #include "../../envelope/bernstein.hpp"
+#include "../../envelope/quintic_nodes.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
@@ -717,21 +718,49 @@ TEST_CASE("patch coordinates: tangents of half angles, and lengths") {
     }
 }
 
-TEST_CASE("bernstein: squares are products, and halves bound a polynomial more closely") {
+namespace {
+
+template <int N>
+Bernstein<N> random_polynomial(std::mt19937_64& rng, double size) {
+    std::uniform_real_distribution<double> coefficient(-size, size);
+    return Bernstein<N>::from([&](int) { return coefficient(rng); });
+}
+
+template <int N>
+double largest_sample(const Bernstein<N>& p) {
+    double most = 0;
+    for (double s = 0; s <= 1; s += 0x1p-7) {
+        double value = 0;
+        for (int k = 0; k <= N; ++k) value += p.scaled[k] * std::pow(s, k) * std::pow(1 - s, N - k);
+        most = std::max(most, std::abs(value));
+    }
+    return most;
+}
+
+}  // namespace
+
+TEST_CASE("bernstein: squares are products, and coefficients bound a polynomial") {
     std::mt19937_64 rng(test_seed());
     for (int round = 0; round < 200; ++round) {
-        std::array<double, 6> c;
-        for (double& x : c) x = std::uniform_real_distribution(-1.0, 1.0)(rng);
-        const auto p = Bernstein<5>::from([&](int k) { return c[k]; });
+        const auto p = random_polynomial<5>(rng, 1);
         const Bernstein<10> squared = square(p), product = p * p;
         for (int k = 0; k <= 10; ++k)
             CHECK(squared.coefficient(k) == doctest::Approx(product.coefficient(k)).epsilon(1e-14));
-        const double bound = p.largest_of_halves();
-        CHECK(bound <= p.largest());
-        for (double s = 0; s <= 1; s += 0x1p-6) {
-            double value = 0;
-            for (int k = 0; k <= 5; ++k) value += p.scaled[k] * std::pow(s, k) * std::pow(1 - s, 5 - k);
-            CHECK(std::abs(value) <= bound + 1e-15);
-        }
+        CHECK(largest_sample(p) <= p.largest() + 1e-15);
+    }
+}
+
+TEST_CASE("quintic nodes: polynomials are bounded, closely if they all but vanish there") {
+    std::mt19937_64 rng(test_seed());
+    const QuinticNodes& nodes = QuinticNodes::get();
+    CHECK(largest_sample(nodes.sextic) == doctest::Approx(1).epsilon(1e-3));
+    for (int round = 0; round < 200; ++round) {
+        const Bernstein<4> steady = random_polynomial<4>(rng, 0.1) + 1;
+        const Bernstein<10> vanishing = nodes.sextic * steady + random_polynomial<10>(rng, 1e-4);
+        const double sampled = largest_sample(vanishing);
+        CHECK(nodes.largest(vanishing) >= sampled);
+        CHECK(nodes.largest(vanishing) <= 1.2 * sampled);
+        const auto other = random_polynomial<10>(rng, 1);
+        CHECK(nodes.largest(other) >= largest_sample(other));
     }
 }
