@@ -596,6 +596,9 @@ private:
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : diagram_.edges.ids())
             if (is_spline(e)) to_fit.push_back(e);
+        for (const FaceId face : diagram_.face_forms.ids())
+            if (problem_.is_sphere && diagram_.face_forms[face].valid() && !holds_vertices(face))
+                change_patch(face);
         // A spline's trims are fitted to the patches, and whether a patch holds its face is known from the
         // trims.
         for (bool is_settled = false; !is_settled;) {
@@ -614,6 +617,18 @@ private:
             }
             sort_unique(to_fit);
         }
+    }
+
+    // Trims for a patch that does not even do that are not worth fitting.
+    bool holds_vertices(FaceId face) const {
+        Rectangle box{no_range, no_range};
+        for (const CcbId ccb : loops_[face])
+            around(ccb, [&](EdgeId e, bool) {
+                if (!start(e).valid()) return;
+                const Vec2 p = patches_[face].parameters(Vec3(points_[start(e)].head<3>()));
+                for (int i = 0; i < 2; ++i) box[i] = {std::min(box[i][0], p[i]), std::max(box[i][1], p[i])};
+            });
+        return box[0][0] > box[0][1] || patches_[face].patch(box[0], box[1], problem_.frame);
     }
 
     bool add_surface(FaceId face) {
