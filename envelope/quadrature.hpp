@@ -52,6 +52,18 @@ const RuleOf<n>& rule() {
     return value;
 }
 
+/// Seven points of degree 11, among them Gauss's three of degree 5: both rules for one price [Patterson68].
+struct NestedRule {
+    struct Node {
+        double x, weight;  ///< the rule is symmetric
+        double gauss;      ///< weight in Gauss's rule, or 0
+    };
+    double center_weight = 0.450916538658474142, center_gauss = 8.0 / 9;
+    std::array<Node, 3> nodes{{{0.434243749346802558, 0.401397414775962223, 0},
+                               {0.774596669241483377, 0.268488089868333441, 5.0 / 9},
+                               {0.960491268708020283, 0.104656226026467265, 0}}};
+};
+
 /// Calls visit(point, step) at the nodes of one span: the sum of g(point) . step approximates the line
 /// integral of g. With m the middle of the arc, d the chord and d' the chord turned left, the point at
 /// angle a from the middle is m + (sin a d + (1 - cos a) d') / (2 sin half_angle).

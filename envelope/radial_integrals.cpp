@@ -55,8 +55,8 @@ double tube_area(double K, double E2, double v) {
     return (0.5 * K - 0.125 * E2) * common + 0.25 * v * s * s * s;
 }
 double tube_area_size(double K, double E2, double v) {
-    const double s = sqrt(E2 + v * v), far = std::abs(v);
-    return (0.5 * K + 0.125 * E2) * (far * s + E2 * std::asinh(far / sqrt(E2))) + 0.25 * far * s * s * s;
+    const double s2 = E2 + v * v, s = sqrt(s2), far = std::abs(v);  // asinh x < x
+    return far * s * (K + 0.25 * (E2 + s2));
 }
 
 // The integral of (K + x^2)^2 over 0 <= x <= v.
@@ -482,6 +482,7 @@ RadialIntegrals& RadialIntegrals::operator+=(const RadialIntegrals& o) {
     length += o.length;
     end_area += o.end_area;
     distance = {std::min(distance[0], o.distance[0]), std::max(distance[1], o.distance[1])};
+    gap = {std::max(gap.from_curve, o.gap.from_curve), std::max(gap.apart, o.gap.apart)};
     return *this;
 }
 
@@ -672,8 +673,8 @@ void extend_by_extreme(Range& range, const PowerSpan& span, bool is_sphere) {
     extend_by(first[0]);
     extend_by(last[0]);
     if ((first[1] > 0) == (last[1] > 0)) return;
-    // Regula falsi, the end that stays weighted down ("Illinois"). Near an extreme half of the digits of s are
-    // enough.
+    // Regula falsi, the end that stays weighted down ("Illinois"). Near an extreme half of the digits of s
+    // are enough.
     constexpr int most_steps = 30;
     constexpr double enough = 0x1p-30;
     int moved_end = 0;  // the last one: -1 low, 1 high
@@ -716,6 +717,22 @@ double gap_to(const Face& f, const SpanPoint<double>&, const Ray& ray, double t)
 }
 double gap_to(const radial_integrals::FlatFace& f, const SpanPoint<double>& p, const Ray&, double) {
     return f.offset - f.normal.dot(Vec3(p.x, p.y, p.z));
+}
+
+// Where splines err most (space_spline.cpp): between the nodes of their interpolation.
+void extend_by_gaps(RadialGap& most, const PowerSpan& span, bool is_sphere, const RadialFace& left,
+                    const RadialFace* right) {
+    for (const double s : {-0.5, 0.0, 0.5}) {
+        const SpanPoint<double> p = span.at(s);
+        const Ray ray = ray_to(p, is_sphere);
+        const double t = sqrt(2 * half_square(p, is_sphere)[0]);
+        const auto off = [&](const RadialFace& face) {
+            return std::visit([&](const auto& f) { return gap_to(f, p, ray, t); }, face);
+        };
+        const double l = off(left), r = right != nullptr ? off(*right) : 0;
+        most.from_curve = std::max({most.from_curve, std::abs(l), std::abs(r)});
+        most.apart = std::max(most.apart, std::abs(l - r));
+    }
 }
 
 struct SpanIntegrand {
@@ -789,24 +806,7 @@ void add_span(std::span<const Vector4d> points, bool is_sphere, const RadialFace
     sum.length += parts[4];
     sum.end_area += parts[5];
     extend_by_extreme(sum.distance, span, is_sphere);
-}
-
-RadialGap gap(std::span<const Vector4d> points, bool is_sphere, const RadialFace& left,
-              const RadialFace* right) {
-    const PowerSpan span(points);
-    RadialGap most;
-    for (const double s : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
-        const SpanPoint<double> p = span.at(s);
-        const Ray ray = ray_to(p, is_sphere);
-        const double t = std::hypot(p.x, is_sphere ? p.y : 0.0, p.z);
-        const auto off = [&](const RadialFace& face) {
-            return std::visit([&](const auto& f) { return gap_to(f, p, ray, t); }, face);
-        };
-        const double l = off(left), r = right != nullptr ? off(*right) : 0;
-        most.from_curve = std::max({most.from_curve, std::abs(l), std::abs(r)});
-        most.apart = std::max(most.apart, std::abs(l - r));
-    }
-    return most;
+    extend_by_gaps(sum.gap, span, is_sphere, left, right);
 }
 
 }  // namespace vcell

@@ -165,6 +165,12 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, doubl
 /// stretch; infinite if there is none.
 double least_distance(const RadialFace& face);
 
+/// How far the rays' points on the bisectors are from the curve (`from_curve`) and from each other
+/// (`apart`), the largest at some points of the spans. No right side: apart is from the curve, too.
+struct RadialGap {
+    double from_curve = 0, apart = 0;
+};
+
 /// What an edge's span adds to its two faces, to the length and to the flat end of a cylinder's cell.
 struct RadialIntegrals {
     struct Side {
@@ -175,6 +181,7 @@ struct RadialIntegrals {
     Integral length;
     Integral end_area;                                                           ///< t^2 / 2 d theta
     std::array<double, 2> distance{std::numeric_limits<double>::infinity(), 0};  ///< range of t
+    RadialGap gap;  ///< of add_span()
 
     RadialIntegrals& operator+=(const RadialIntegrals& o);
 };
@@ -191,13 +198,5 @@ void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const
 /// Error: truncation estimated from two rules (integrate_estimated()); rounding to first order, doubled.
 void add_span(std::span<const Eigen::Vector4d> points, bool is_sphere, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum);
-
-/// How far the rays' points on the bisectors are from the curve (`from_curve`) and from each other
-/// (`apart`), the largest at some points of the span. No right side: apart is from the curve, too.
-struct RadialGap {
-    double from_curve = 0, apart = 0;
-};
-RadialGap gap(std::span<const Eigen::Vector4d> points, bool is_sphere, const RadialFace& left,
-              const RadialFace* right);
 
 }  // namespace vcell

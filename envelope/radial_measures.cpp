@@ -109,13 +109,10 @@ private:
         const std::uint32_t left = face(e, 0), right = face(e, 1);
         const RadialFace* right_face = right != no_face ? &faces_[right] : nullptr;
         RadialIntegrals sum;
-        RadialGap gaps;
         for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
             const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
             if (!is_smooth(e)) {
                 add_span(span, problem_.is_sphere, faces_[left], right_face, sum);
-                const RadialGap g = gap(span, problem_.is_sphere, faces_[left], right_face);
-                gaps = {std::max(gaps.from_curve, g.from_curve), std::max(gaps.apart, g.apart)};
             } else if (curve.degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {
@@ -133,7 +130,7 @@ private:
             // The rim at the lower end runs about the axis counter-clockwise.
             box_area_.add(std::abs(sum.end_area.value));
         }
-        add_position_error(edge, left, right, sum, gaps, is_smooth(e));
+        add_position_error(edge, left, right, sum, is_smooth(e));
     }
 
     void add_side(std::uint32_t face, const RadialIntegrals::Side& side, double sign) {
@@ -145,7 +142,7 @@ private:
     // derivative across the strip counts; elsewhere the gap between the two bisectors, which closes towards
     // the true edge. Both doubled, and to first order.
     void add_position_error(const CellEdge& edge, std::uint32_t left, std::uint32_t right,
-                            const RadialIntegrals& sum, const RadialGap& gaps, bool is_smooth) {
+                            const RadialIntegrals& sum, bool is_smooth) {
         double error = edge.error + 4 * u * (sum.distance[1] + problem_.frame.origin.norm());
         for (const std::uint32_t v : edge.vertices)
             error = std::max(error, edge.error + cell_.vertices[v].error);
@@ -156,10 +153,10 @@ private:
                     0, length * error *
                            std::get<radial_integrals::RoundFace>(faces_[side]).volume_slope(sum.distance[1]));
         } else {
-            volume_.add(0, length * (error + gaps.from_curve) * gaps.apart);
+            volume_.add(0, length * (error + sum.gap.from_curve) * sum.gap.apart);
         }
         for (const std::uint32_t side : {left, right})
-            if (side != no_face) areas_[side].add(0, length * (error + gaps.from_curve));
+            if (side != no_face) areas_[side].add(0, length * (error + sum.gap.from_curve));
     }
 
     const RadialBaseProblem& problem_;

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 
+#include "../../envelope/quadrature.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../primitives/radial_base.hpp"
 #include "../test_support.hpp"
@@ -183,6 +184,21 @@ void check_by_sampling(const Scene& scene) {
 }
 
 }  // namespace
+
+TEST_CASE("quadrature: the nested rules are exact up to their degrees") {
+    constexpr quadrature::NestedRule rule;
+    for (int degree = 0; degree <= 11; ++degree) {
+        double fine = degree == 0 ? rule.center_weight : 0, gauss = degree == 0 ? rule.center_gauss : 0;
+        for (const auto& node : rule.nodes)
+            for (const double x : {-node.x, node.x}) {
+                fine += node.weight * std::pow(x, degree);
+                gauss += node.gauss * std::pow(x, degree);
+            }
+        const double integral = degree % 2 == 0 ? 2.0 / (degree + 1) : 0;
+        CHECK(std::abs(fine - integral) < 1e-15);
+        CHECK((std::abs(gauss - integral) < 1e-15) == (degree <= 5 || degree % 2 != 0));
+    }
+}
 
 TEST_CASE("radial measures: a ball alone fills the box") {
     const Box box{{-1, -2, -3}, {4, 2, 1}};
