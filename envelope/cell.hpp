@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@
 #include "../primitives/site.hpp"
 
 namespace vcell {
+
+/// What a length, an area or a measure is that was not asked for (CellOptions::measure).
+constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
 
 enum class CurveKind : std::uint8_t { Line, Circle, Ellipse, Parabola, Hyperbola, Spline };
 std::string to_string(CurveKind kind);  ///< "line", "circle", ...
@@ -36,7 +40,7 @@ struct CellEdge {
     /// Bound on the distance from the true arc; 0: exact up to rounding. It bounds |S(c(t)) - C(t)| too, for
     /// the trimming curves c of this edge, the surfaces S they lie on and this space curve C.
     double error = 0;
-    double length = 0;
+    double length = not_measured;
     RationalCurve3 curve;
 };
 
@@ -59,18 +63,19 @@ struct CellFace {
     Site site;
     std::vector<Site> extra_sites;  ///< further sites that attain the minimum all over it
     std::string bisector;           ///< "paraboloid", "plane", "box", ...
-    double area = 0;
+    double area = not_measured;
     std::vector<TrimmedPatch> patches;
 };
 
+/// All not_measured, and touches_box false, where measures were not asked for.
 struct Measures {
-    double volume = 0, volume_error = 0;          ///< whole cell inside the box, the base's own body included
-    double body_volume = 0;                       ///< the base body's share
-    double area = 0, area_error = 0;              ///< cell boundary without its box sides
-    double box_area = 0;                          ///< the box sides' part
-    double base_area = 0;                         ///< the base region
-    double min_clearance = 0, max_clearance = 0;  ///< over the faces, box sides included
-    bool touches_box = false;                     ///< over a plane base always: its region ends at the box
+    double volume = not_measured, volume_error = not_measured;  ///< whole cell inside the box with the base's body
+    double body_volume = not_measured;                          ///< the base body's share
+    double area = not_measured, area_error = not_measured;      ///< cell boundary without its box sides
+    double box_area = not_measured;                             ///< the box sides' part
+    double base_area = not_measured;                            ///< the base region
+    double min_clearance = not_measured, max_clearance = not_measured;  ///< over the faces, box sides included
+    bool touches_box = false;  ///< over a plane base always: its region ends at the box
 };
 
 struct Report {

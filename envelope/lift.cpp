@@ -26,12 +26,16 @@ public:
           arcs_(problem.family, diagram),
           mixed_(problem, diagram, tolerance) {}
 
-    Cell lift() {
+    Cell lift(bool with_measures) {
         add_vertices();
         add_edges();
         add_faces();
-        measure(problem_, diagram_, arcs_, mixed_, cell_);
-        cell_.measures.max_clearance = max_height_;
+        if (with_measures) {
+            measure(problem_, diagram_, arcs_, mixed_, cell_);
+            cell_.measures.max_clearance = max_height_;
+        } else {
+            rank_neighbors(cell_);
+        }
         cell_.report.decisions = diagram_.decisions;
         cell_.report.decisions += arcs_.decisions();
         return std::move(cell_);
@@ -347,8 +351,9 @@ private:
 
 }  // namespace
 
-Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance) {
-    return Lifter(problem, diagram, tolerance).lift();
+Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+          bool with_measures) {
+    return Lifter(problem, diagram, tolerance).lift(with_measures);
 }
 
 }  // namespace vcell

@@ -18,7 +18,9 @@ namespace vcell {
 /// within `tolerance` (length) of the true arc (spline_fit.hpp).
 /// Vertex i, edge i and face i + 1 of the diagram (face 0 is the unbounded one) become vertex, edge
 /// and face i of the cell.
+/// Measures are left out (CellOptions::measure) without `with_measures`.
 /// Pre: diagram is the lower envelope of problem.family over problem.region; tolerance > 0.
-Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance);
+Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+          bool with_measures = true);
 
 }  // namespace vcell

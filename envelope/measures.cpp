@@ -212,6 +212,7 @@ public:
         m.area = area_.value();
         m.area_error = area_.bound();
         m.box_area = box_area_.value();
+        m.body_volume = 0;
         m.base_area = region_area(problem_.region);
         // The base region is cut out by the box, so the cell always ends at its sides.
         m.touches_box = true;

@@ -18,7 +18,7 @@ namespace vcell {
 void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
              const MixedArcs& mixed, Cell& cell);
 
-/// Fills in neighbors from the areas of the faces.
+/// Fills in neighbors from the areas of the faces; ascending where those are not_measured.
 void rank_neighbors(Cell& cell);
 
 }  // namespace vcell

@@ -13,6 +13,7 @@
 #include "chart_arc.hpp"
 #include "face_cut.hpp"
 #include "joined_spans.hpp"
+#include "measures.hpp"
 #include "radial_measures.hpp"
 #include "radial_patch.hpp"
 #include "space_spline.hpp"
@@ -238,7 +239,7 @@ public:
     RadialLifter(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
         : problem_(problem), diagram_(diagram), tolerance_(tolerance) {}
 
-    Cell lift() {
+    Cell lift(bool with_measures) {
         add_vertices();
         add_kinds();
         add_arcs();
@@ -246,7 +247,10 @@ public:
         if (has_small_weights_) halve_for_trims();
         add_edges();
         add_faces();
-        measure(problem_, diagram_, cell_);
+        if (with_measures)
+            measure(problem_, diagram_, cell_);
+        else
+            rank_neighbors(cell_);
         cell_.report.decisions = diagram_.decisions;
         if (arcs_) cell_.report.decisions += arcs_->decisions();
         cell_.report.decisions += decisions_;
@@ -1153,8 +1157,9 @@ private:
 
 }  // namespace
 
-Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance) {
-    return RadialLifter(problem, diagram, tolerance).lift();
+Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+          bool with_measures) {
+    return RadialLifter(problem, diagram, tolerance).lift(with_measures);
 }
 
 }  // namespace vcell

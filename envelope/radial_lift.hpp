@@ -17,6 +17,7 @@ namespace vcell {
 /// whose pole lies outside it. Everything else (faces of cylinders, edges beside them or on a cylinder base)
 /// has patches of the bisector's rational parametrization and splines within `tolerance` (length) of the true
 /// arc. Pre: diagram is the lower envelope of problem.family over the whole base; tolerance > 0.
-Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance);
+Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+          bool with_measures = true);
 
 }  // namespace vcell

@@ -79,7 +79,8 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    Cell cell = lift(problem, diagram, scene.tolerance.value_or(1e-7 * scene.box.diagonal()));
+    Cell cell = lift(problem, diagram, scene.tolerance.value_or(1e-7 * scene.box.diagonal()),
+                     options.measure);
     report("patches", 1);
     cell.scene = scene;
     cell.report.seconds_bisectors = seconds_bisectors;

@@ -11,6 +11,7 @@ namespace vcell {
 
 /// Every double reads back as itself. The sites that coincide with an owner all along an edge or all over
 /// a face are listed under "extra_sites", where there are any.
+/// Throws InternalError where a number is not finite: of cells that are not measured (CellOptions::measure).
 void write_cell(std::ostream& out, const Cell& cell);
 
 /// The cell of a file's text. Keys, types and shapes are checked, and the scene is validated; values are

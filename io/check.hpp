@@ -33,7 +33,7 @@ struct CheckOptions {
 };
 
 /// All that is wrong with the cell; empty: nothing found. Geometry is judged only where the structure
-/// allows.
+/// allows. What is not_measured (CellOptions::measure) is wrong.
 std::vector<Finding> check_cell(const Cell& cell, const CheckOptions& options = {});
 
 }  // namespace vcell

@@ -110,6 +110,7 @@ struct Maker {
 Measures sampled(const Scene& scene, const RadialBaseProblem& problem, int rays) {
     const double far = 2 * scene.box.diagonal();
     Measures sum;
+    sum.volume = sum.area = sum.box_area = 0;
     const auto add = [&](const Vec3& from, const Vec3& direction, double weight) {
         double t = far;
         Site owner;

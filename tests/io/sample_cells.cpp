@@ -111,6 +111,7 @@ Cell one_sphere_cell(double height) {
         CellFace box;
         box.site = Site::box_side(5);
         box.bisector = "box";
+        box.area = 3;
         box.patches = {ceiling(height)};
         add_rim(cell, box.patches[0], box.site, false, height);
         const double r = std::sqrt(w * height - e);
@@ -126,11 +127,9 @@ Cell one_sphere_cell(double height) {
         box.patches[0].loops.push_back({{4u, std::nullopt, true, reversed(c)}});
         face.patches[0].loops.push_back({{4u, std::nullopt, false, c}});
         cell.faces = {face, box};
-        cell.measures.touches_box = true;
     }
     cell.faces[0].area = 1.0 / 3;
-    cell.measures.volume = 1.0 / 7;
-    cell.measures.volume_error = 1e-300;
+    cell.measures = {1.0 / 7, 1e-300, 0, 2, 0, 1, 4, 0.25, 0.5, island};
     cell.report.decisions.by_exact = UINT64_MAX;
     cell.report.warnings = {"a \"quoted\"\nwarning \\ \x01"};
     return cell;

@@ -167,6 +167,7 @@ Cell two_spheres() {
     cell.measures.area = 2 * area;
     cell.measures.volume_error = cell.measures.area_error = 1e-14;
     cell.measures.box_area = (4 * (1.0 / 12 + 1 + 15.0 / 16) + 2 * 2 * (0.25 + 1.0 / 3 + 15.0 / 16)) / 2.5;
+    cell.measures.body_volume = 0;
     cell.measures.base_area = 4;
     cell.measures.min_clearance = 0.375;
     cell.measures.max_clearance = 0.875;
@@ -226,6 +227,7 @@ Cell island() {
     cell.measures.area = lid_area + bowl_area;
     cell.measures.volume_error = cell.measures.area_error = 1e-14;
     cell.measures.box_area = 8 * 0.475;
+    cell.measures.body_volume = 0;
     cell.measures.base_area = 4;
     cell.measures.min_clearance = 0.375;
     cell.measures.max_clearance = 0.475;
