@@ -43,17 +43,29 @@ Gradient gradient_of_difference(const CircularForm& f, const CircularForm& g, co
 }  // namespace
 
 ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram)
+    : ChartArcs(family, diagram, diagram.edges.ids(), diagram.edges.size()) {}
+
+ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram,
+                     std::span<const EdgeId> edges)
+    : ChartArcs(family, diagram, edges, edges.size()) {}
+
+template <class Edges>
+ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, const Edges& edges,
+                     std::size_t count)
     : family_(family),
       diagram_(diagram),
       errors_(diagram.edges.size(), 0.0),
       is_line_(diagram.edges.size(), true) {
-    spans_.reserve(diagram.edges.size());
+    spans_.reserve(count);
     offsets_.reserve(diagram.edges.size() + 1);
-    offsets_.push_back(0);
-    for (const EdgeId e : diagram.edges.ids()) {
+    const auto pass_to = [&](std::size_t edge) {
+        offsets_.resize(edge + 1, static_cast<std::uint32_t>(spans_.size()));
+    };
+    for (const EdgeId e : edges) {
+        pass_to(e.value);
         add_edge(e);
-        offsets_.push_back(static_cast<std::uint32_t>(spans_.size()));
     }
+    pass_to(diagram.edges.size());
 }
 
 void ChartArcs::add_edge(EdgeId e) {

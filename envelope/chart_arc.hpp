@@ -63,6 +63,8 @@ private:
 class ChartArcs {
 public:
     ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram);
+    /// Of these edges only, ascending; the others have none.
+    ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, std::span<const EdgeId> edges);
 
     std::span<const ArcSpan> spans(EdgeId e) const {
         return {spans_.data() + offsets_[e.value], spans_.data() + offsets_[e.value + 1]};
@@ -78,6 +80,9 @@ private:
         Eigen::Vector2d center;
         double radius;
     };
+
+    template <class Edges>
+    ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, const Edges& edges, std::size_t count);
 
     void add_edge(EdgeId e);
     void add_line(EdgeId e);

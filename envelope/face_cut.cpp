@@ -94,8 +94,9 @@ private:
 
     void add_seam(std::uint32_t from, std::uint32_t to, double side) {
         const double u = side * reaches_[runs_[from].sector];
-        RationalCurve2 curve{
-            1, joined_knots(1, 1), {{u, end(runs_[from]).y(), 1}, {u, start(runs_[to]).y(), 1}}};
+        RationalCurve2 curve;
+        begin_joined(curve, 1, 1);
+        curve.points = {{u, end(runs_[from]).y(), 1}, {u, start(runs_[to]).y(), 1}};
         next_[from] = static_cast<std::uint32_t>(runs_.size());
         next_.push_back(to);
         runs_.push_back({{{}, seams_, false, std::move(curve)}, runs_[from].sector});

@@ -15,16 +15,23 @@ using Range = std::array<double, 2>;  ///< {least, greatest}
 constexpr Range empty_range{std::numeric_limits<double>::infinity(),
                             -std::numeric_limits<double>::infinity()};
 
-/// Knots of `spans` Bezier pieces of one degree, joined: full, clamped and uniform on [0, 1].
-inline Knots joined_knots(int degree, std::size_t spans) {
-    Knots knots;
-    knots.resize(degree * (spans + 1) + 2);
-    double* knot = knots.data();
-    *knot++ = 0;
-    for (std::size_t i = 0; i <= spans; ++i)
-        knot = std::fill_n(knot, degree, static_cast<double>(i) / static_cast<double>(spans));
-    *knot = 1;
-    return knots;
+/// Makes knots those of `spans` Bezier pieces of one degree, joined: full, clamped and uniform on [0, 1].
+inline void join_knots(Knots& knots, int degree, std::size_t spans) {
+    knots.assign(degree + 1, 0.0);
+    for (std::size_t i = 1; i <= spans; ++i) {
+        const double t = static_cast<double>(i) / static_cast<double>(spans);
+        for (int k = 0; k < degree; ++k) knots.push_back(t);
+    }
+    knots.push_back(1);
+}
+
+/// Makes the curve one of so many Bezier pieces, whose control points are still to come.
+template <int Dim>
+void begin_joined(RationalCurve<Dim>& curve, int degree, std::size_t spans) {
+    curve.degree = degree;
+    join_knots(curve.knots, degree, spans);
+    curve.points.clear();
+    curve.points.reserve(degree * spans + 1);
 }
 
 /// Extends a range by one coordinate of a rational quadratic with controls a, b, c and weights 1, w, 1.

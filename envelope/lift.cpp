@@ -88,9 +88,7 @@ private:
     // Chart control points (x, y, w) of an edge, in the direction of its loop.
     static RationalCurve2 trim_curve(std::span<const ArcSpan> spans, int degree, bool reversed) {
         RationalCurve2 curve;
-        curve.degree = degree;
-        curve.knots = joined_knots(degree, spans.size());
-        curve.points.reserve(degree * spans.size() + 1);
+        begin_joined(curve, degree, spans.size());
         const auto add = [&](const Vector2d& p, double w) { curve.points.push_back({p.x(), p.y(), w}); };
         add(spans.front().from, 1);
         for (const ArcSpan& span : spans) {
@@ -106,9 +104,7 @@ private:
     template <class Curve, class Control>
     static Curve joined(std::span<const MixedSpan> spans, int degree, Control control) {
         Curve curve;
-        curve.degree = degree;
-        curve.knots = joined_knots(degree, spans.size());
-        curve.points.reserve(degree * spans.size() + 1);
+        begin_joined(curve, degree, spans.size());
         curve.points.push_back(control(spans.front(), 0));
         for (const MixedSpan& span : spans)
             for (int k = 1; k <= degree; ++k) curve.points.push_back(control(span, k));
@@ -167,9 +163,7 @@ private:
         const auto height = [&](const Vector2d& p) { return f(p.x(), p.y()); };
 
         RationalCurve3 curve;
-        curve.degree = degree;
-        curve.knots = joined_knots(degree, spans.size());
-        curve.points.reserve(degree * spans.size() + 1);
+        begin_joined(curve, degree, spans.size());
         const auto add = [&](const Vector2d& p, double z, double w) {
             const Vec3 world = problem_.frame.to_world({p.x(), p.y(), z});
             curve.points.push_back({world.x(), world.y(), world.z(), w});

@@ -252,7 +252,6 @@ public:
         else
             rank_neighbors(cell_);
         cell_.report.decisions = diagram_.decisions;
-        if (arcs_) cell_.report.decisions += arcs_->decisions();
         cell_.report.decisions += decisions_;
         return std::move(cell_);
     }
@@ -269,7 +268,7 @@ private:
     bool is_line(EdgeId e) const { return kinds_[e] == CurveKind::Line; }
     bool is_spline(EdgeId e) const { return kinds_[e] == CurveKind::Spline; }
     std::span<const ConicSpan> spans(EdgeId e) const {
-        return {conics_.data() + conic_offsets_[e.value], conics_.data() + conic_offsets_[e.value + 1]};
+        return {conics_.data() + slices_[e].first, conics_.data() + slices_[e].last};
     }
 
     // At a chart distance of e from p, W = 1 + |p|^2 (half angles: 1 + x^2) differs by at most dW = (2 |p| +
@@ -400,15 +399,28 @@ private:
     // control point m: p0.(2 m - p0) = p2.(2 m - p2).
     void add_arcs() {
         conics_.reserve(2 * diagram_.edges.size());
-        conic_offsets_.reserve(diagram_.edges.size() + 1);
-        conic_offsets_.push_back(0);
+        slices_.resize(diagram_.edges.size());
+        std::vector<EdgeId> in_chart;
         for (const EdgeId e : diagram_.edges.ids()) {
-            if (!is_line(e) && !is_spline(e)) add_arc(e);
-            conic_offsets_.push_back(static_cast<std::uint32_t>(conics_.size()));
+            if (is_line(e) || is_spline(e)) continue;
+            const std::array planes{hyperplane(diagram_.edges[e].left), hyperplane(diagram_.edges[e].right)};
+            const auto first = static_cast<std::uint32_t>(conics_.size());
+            if (problem_.is_sphere && add_arc_on_sphere(e, planes))
+                slices_[e] = {first, static_cast<std::uint32_t>(conics_.size())};
+            else
+                in_chart.push_back(e);
+        }
+        if (in_chart.empty()) return;
+        const ChartArcs arcs(problem_.family, diagram_, in_chart);
+        decisions_ += arcs.decisions();
+        for (const EdgeId e : in_chart) {
+            slices_[e].first = static_cast<std::uint32_t>(conics_.size());
+            add_chart_arc(e, arcs.spans(e));
+            slices_[e].last = static_cast<std::uint32_t>(conics_.size());
         }
     }
 
-    void add_arc(EdgeId e) {
+    void add_chart_arc(EdgeId e, std::span<const ArcSpan> arcs) {
         // The form that is evaluated with less cancellation.
         const auto magnitude = [](const CircularForm& f) {
             return (std::abs(f.k) + std::abs(f.a) + std::abs(f.b) + std::abs(f.e)) / f.w;
@@ -417,9 +429,6 @@ private:
                            *g = &diagram_.forms[diagram_.edges[e].right];
         if (magnitude(*g) < magnitude(*f)) std::swap(f, g);
         const std::array planes{hyperplane(diagram_.edges[e].left), hyperplane(diagram_.edges[e].right)};
-        if (problem_.is_sphere && add_arc_on_sphere(e, planes)) return;
-        if (!arcs_) arcs_.emplace(problem_.family, diagram_);
-        const std::span<const ArcSpan> arcs = arcs_->spans(e);
         const auto end_point = [&](const Vector2d& p) -> Vector4d {
             const double L = p.squaredNorm();
             return moved_on_cone(lifted(p, L, 1) / root(*f, p, L, 1), planes);
@@ -509,11 +518,12 @@ private:
         } while (h != start);
     }
 
-    void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span, int halvings = 40) {
+    // Halved until the weights are large enough.
+    static void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span,
+                               int halvings = 40) {
         const TrimSpan trim(patch, span);
         const double weight = trim.weight();
         if (!(weight >= least_weight) && halvings > 0) {
-            has_small_weights_ = true;
             for (const ConicSpan& half : span.halves()) extend_by_span(box, patch, half, halvings - 1);
             return;
         }
@@ -529,35 +539,38 @@ private:
         return row;
     }
 
-    Rectangle bounds(CcbId ccb, const RadialPatch& patch) {
-        Rectangle box{no_range, no_range};
-        around(ccb, [&](EdgeId e, bool reversed) {
-            if (is_spline(e)) {
-                for (const SpaceSpan& span : splines_[e])
-                    for (int i = 0; i < 2; ++i) extend_by_polynomial(box[i], trim_row(span, reversed, i));
-            } else if (is_line(e)) {
-                for (const VertexId v : {start(e), end(e)}) {
-                    const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
-                    for (int i = 0; i < 2; ++i)
-                        box[i] = {std::min(box[i][0], p[i]), std::max(box[i][1], p[i])};
-                }
-            } else {
-                for (const ConicSpan& span : spans(e)) extend_by_span(box, patch, span);
+    void extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim) {
+        const auto& p = trim.curve.points;
+        if (trim.curve.degree != 2) {
+            const Rectangle bounds = curve_bounds(trim.curve);
+            for (int k = 0; k < 2; ++k)
+                box[k] = {std::min(box[k][0], bounds[k][0]), std::max(box[k][1], bounds[k][1])};
+            return;
+        }
+        for (std::size_t i = 0; i + 2 < p.size(); i += 2) {
+            const double weight = p[i + 1].z() / std::sqrt(p[i].z() * p[i + 2].z());
+            if (!(weight >= least_weight)) {
+                has_small_weights_ = true;
+                for (const ConicSpan& span : spans(EdgeId{*trim.edge})) extend_by_span(box, patch, span);
+                return;
             }
-        });
-        return box;
+            for (int k = 0; k < 2; ++k) extend(box[k], p[i][k], p[i + 1][k], p[i + 2][k], weight);
+        }
     }
 
-    // The loops' rectangles; the largest is the outer loop's, which contains the others.
-    Rectangle face_bounds(FaceId face, const RadialPatch& patch) {
-        std::vector<CcbId>& ccbs = loops_[face];
+    // The rectangle of a face's trims. Of the loops' the largest is the outer one's, which contains the others and
+    // comes first from here on.
+    Rectangle face_bounds(FaceId face) {
+        std::vector<std::vector<TrimCurve>>& loops = trimmed_[face].loops;
         Rectangle outer{no_range, no_range};
         const auto extent = [](const Rectangle& r) { return r[0][1] - r[0][0] + (r[1][1] - r[1][0]); };
-        for (std::size_t i = 0; i < ccbs.size(); ++i) {
-            const Rectangle box = bounds(ccbs[i], patch);
+        for (std::size_t i = 0; i < loops.size(); ++i) {
+            Rectangle box{no_range, no_range};
+            for (const TrimCurve& trim : loops[i]) extend_by_trim(box, patches_[face], trim);
             if (i > 0 && !(extent(box) > extent(outer))) continue;
             outer = box;
-            std::swap(ccbs[0], ccbs[i]);
+            std::swap(loops[0], loops[i]);
+            std::swap(loops_[face][0], loops_[face][i]);
         }
         widen(outer);
         return outer;
@@ -586,7 +599,7 @@ private:
         const std::size_t count = diagram_.dcel.face_count();
         loops_.resize(count);
         patches_.resize(count);
-        surfaces_.resize(count);
+        trimmed_.resize(count);
         for (const FaceId face : diagram_.face_forms.ids()) {
             if (!diagram_.face_forms[face].valid()) continue;
             loops_[face] = diagram_.dcel.inner_ccbs(face);
@@ -600,9 +613,9 @@ private:
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : diagram_.edges.ids())
             if (is_spline(e)) to_fit.push_back(e);
-        for (const FaceId face : diagram_.face_forms.ids())
-            if (problem_.is_sphere && diagram_.face_forms[face].valid() && !holds_vertices(face))
-                change_patch(face);
+        if (problem_.is_sphere && !to_fit.empty())
+            for (const FaceId face : diagram_.face_forms.ids())
+                if (diagram_.face_forms[face].valid() && !holds_vertices(face)) change_patch(face);
         // A spline's trims are fitted to the patches, and whether a patch holds its face is known from the
         // trims.
         for (bool is_settled = false; !is_settled;) {
@@ -635,11 +648,28 @@ private:
         return box[0][0] > box[0][1] || patches_[face].patch(box[0], box[1], problem_.frame);
     }
 
+    std::vector<std::vector<TrimCurve>> trims(FaceId face) const {
+        std::vector<std::vector<TrimCurve>> loops;
+        loops.reserve(loops_[face].size());
+        for (const CcbId ccb : loops_[face]) {
+            std::vector<TrimCurve>& loop = loops.emplace_back();
+            std::size_t length = 0;
+            around(ccb, [&](EdgeId, bool) { ++length; });
+            loop.reserve(length);
+            around(ccb, [&](EdgeId e, bool reversed) {
+                set_trim(patches_[face], e, reversed, loop.emplace_back());
+            });
+        }
+        return loops;
+    }
+
     bool add_surface(FaceId face) {
         if (is_cut(face)) return add_cut_surfaces(face);
-        const auto [box_u, box_v] = face_bounds(face, patches_[face]);
+        TrimmedPatch& trimmed = trimmed_[face];
+        trimmed.loops = trims(face);
+        const auto [box_u, box_v] = face_bounds(face);
         std::optional<RationalPatch> surface = patches_[face].patch(box_u, box_v, problem_.frame);
-        if (surface) surfaces_[face] = std::move(*surface);
+        if (surface) trimmed.surface = std::move(*surface);
         return surface.has_value();
     }
 
@@ -853,7 +883,8 @@ private:
                     const Vec3 p = 0.5 * (points_[start(e)] + points_[end(e)]).head<3>();
                     const std::uint32_t sector = sector_of(face, p);
                     const RadialPatch& patch = sectors_[face].sectors[sector].patch;
-                    loop.push_back({{e.value, {}, reversed, trim_curve(patch, e, reversed)}, sector});
+                    loop.push_back({{}, sector});
+                    set_trim(patch, e, reversed, loop.back().trim);
                     return;
                 }
                 const std::vector<SpaceSpan>& spans = splines_[e];
@@ -864,8 +895,8 @@ private:
                 for (std::size_t first = 0, last; first < n; first = last) {
                     last = first + 1;
                     while (last < n && sector(last) == sector(first)) ++last;
-                    loop.push_back(
-                        {{e.value, {}, reversed, spline_trim(e, reversed, first, last)}, sector(first)});
+                    loop.push_back({{e.value, {}, reversed, {}}, sector(first)});
+                    set_spline_trim(e, reversed, first, last, loop.back().trim.curve);
                 }
             });
         }
@@ -980,16 +1011,16 @@ private:
 
     void halve_for_trims() {
         std::vector<ConicSpan> halved;
-        std::vector<std::uint32_t> offsets{0};
         halved.reserve(conics_.size());
-        offsets.reserve(conic_offsets_.size());
         for (const EdgeId e : diagram_.edges.ids()) {
             const std::array patches{&left_patch(e), &right_patch(e)};
+            const auto first = static_cast<std::uint32_t>(halved.size());
             for (const ConicSpan& span : spans(e)) add_halves(span, patches, halved);
-            offsets.push_back(static_cast<std::uint32_t>(halved.size()));
+            slices_[e] = {first, static_cast<std::uint32_t>(halved.size())};
         }
         conics_ = std::move(halved);
-        conic_offsets_ = std::move(offsets);
+        for (const FaceId face : diagram_.face_forms.ids())
+            if (diagram_.face_forms[face].valid()) trimmed_[face].loops = trims(face);
     }
 
     const RadialPatch& left_patch(EdgeId e) const { return patches_[diagram_.dcel.face(Dcel::half_edge(e))]; }
@@ -1011,7 +1042,7 @@ private:
             sort_unique(edge.extra_sites);
             if (start(e).valid()) edge.vertices = {start(e).value, end(e).value};
             edge.kind = kinds_[e];
-            edge.curve = space_curve(e);
+            set_space_curve(e, edge.curve);
             // The motion back, as for vertices.
             if (is_spline(e))
                 edge.error =
@@ -1020,40 +1051,37 @@ private:
         }
     }
 
-    RationalCurve3 space_curve(EdgeId e) const {
+    void set_space_curve(EdgeId e, RationalCurve3& curve) const {
         const int degree = is_line(e) ? 1 : is_spline(e) ? 5 : 2;
         const std::size_t count = is_line(e) ? 1 : is_spline(e) ? splines_[e].size() : spans(e).size();
-        RationalCurve3 curve{degree, joined_knots(degree, count), {}};
-        curve.points.reserve(degree * count + 1);
+        begin_joined(curve, degree, count);
         const auto add = [&](const Vec3& p, double w) {
             const Vec3 world = problem_.frame.to_world(p);
             curve.points.push_back({world.x(), world.y(), world.z(), w});
         };
         if (is_line(e)) {
             for (const VertexId v : {start(e), end(e)}) add(points_[v].head<3>(), 1);
-            return curve;
-        }
-        if (is_spline(e)) {
+        } else if (is_spline(e)) {
             for (const SpaceSpan& span : splines_[e])
                 for (int k = curve.points.empty() ? 0 : 1; k < 6; ++k) add(span.points.col(k).head<3>(), 1);
-            return curve;
+        } else {
+            add(spans(e).front().from.head<3>(), 1);
+            for (const ConicSpan& span : spans(e)) {
+                add(span.middle.head<3>() / span.weight, span.weight);
+                add(span.to.head<3>(), 1);
+            }
         }
-        add(spans(e).front().from.head<3>(), 1);
-        for (const ConicSpan& span : spans(e)) {
-            add(span.middle.head<3>() / span.weight, span.weight);
-            add(span.to.head<3>(), 1);
-        }
-        return curve;
     }
 
     // Of the spans first ... last - 1, counted in the direction of the loop; the knots are those of the
     // whole.
-    RationalCurve2 spline_trim(EdgeId e, bool reversed, std::size_t first, std::size_t last) const {
+    void set_spline_trim(EdgeId e, bool reversed, std::size_t first, std::size_t last,
+                         RationalCurve2& curve) const {
         const std::vector<SpaceSpan>& spans = splines_[e];
         const std::size_t n = spans.size();
-        RationalCurve2 curve;
+        Knots knots;
+        join_knots(knots, 5, n);
         curve.degree = 5;
-        const Knots knots = joined_knots(5, n);
         curve.knots.assign(knots.begin() + 5 * first, knots.begin() + 5 * last + 7);
         curve.knots.front() = curve.knots[1];
         curve.knots.back() = curve.knots[curve.knots.size() - 2];
@@ -1066,38 +1094,37 @@ private:
                 curve.points.push_back({x[at], y[at], 1});
             }
         }
-        return curve;
     }
 
     // The trim of an edge in the direction of its loop. Joined spans share their end's weight.
-    RationalCurve2 trim_curve(const RadialPatch& patch, EdgeId e, bool reversed) const {
-        if (is_spline(e)) return spline_trim(e, reversed, 0, splines_[e].size());
-        const int degree = is_line(e) ? 1 : 2;
-        const std::size_t count = is_line(e) ? 1 : spans(e).size();
-        RationalCurve2 curve{degree, joined_knots(degree, count), {}};
-        curve.points.reserve(degree * count + 1);
+    void set_trim(const RadialPatch& patch, EdgeId e, bool reversed, TrimCurve& trim) const {
+        trim.edge = e.value;
+        trim.reversed = reversed;
+        RationalCurve2& curve = trim.curve;
+        if (is_spline(e)) return set_spline_trim(e, reversed, 0, splines_[e].size(), curve);
         if (is_line(e)) {
+            begin_joined(curve, 1, 1);
             for (const VertexId v : {start(e), end(e)}) {
                 const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
                 curve.points.push_back({p.x(), p.y(), 1});
             }
         } else {
             const std::span<const ConicSpan> pieces = spans(e);
+            begin_joined(curve, 2, pieces.size());
             double scale = 1;
             const auto add = [&](const Eigen::Vector3d& p) {
                 curve.points.push_back({p.x() / p.z(), p.y() / p.z(), scale * p.z()});
             };
             for (std::size_t i = 0; i < pieces.size(); ++i) {
-                const TrimSpan trim(patch, pieces[i]);
-                scale = (i == 0 ? 1 : curve.points.back().z()) / trim.from.z();
-                if (i == 0) add(trim.from);
-                add(trim.middle);
-                add(trim.to);
+                const TrimSpan span(patch, pieces[i]);
+                scale = (i == 0 ? 1 : curve.points.back().z()) / span.from.z();
+                if (i == 0) add(span.from);
+                add(span.middle);
+                add(span.to);
             }
         }
         // The knots are uniform: only the order changes.
         if (reversed) std::reverse(curve.points.begin(), curve.points.end());
-        return curve;
     }
 
     void add_faces() {
@@ -1112,44 +1139,30 @@ private:
             if (is_cut(id))
                 face.patches = std::move(sectors_[id].parts);
             else
-                face.patches.push_back(whole_face(id));
+                face.patches.push_back(std::move(trimmed_[id]));
             cell_.faces.push_back(std::move(face));
         }
-    }
-
-    TrimmedPatch whole_face(FaceId face) {
-        TrimmedPatch trimmed;
-        trimmed.surface = std::move(surfaces_[face]);
-        trimmed.loops.reserve(loops_[face].size());
-        for (const CcbId ccb : loops_[face]) {
-            std::vector<TrimCurve>& loop = trimmed.loops.emplace_back();
-            std::size_t length = 0;
-            around(ccb, [&](EdgeId, bool) { ++length; });
-            loop.reserve(length);
-            around(ccb, [&](EdgeId e, bool reversed) {
-                loop.push_back({e.value, {}, reversed, trim_curve(patches_[face], e, reversed)});
-            });
-        }
-        return trimmed;
     }
 
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const double tolerance_;
-    std::optional<ChartArcs> arcs_;  // where they were asked for
     Decisions decisions_;
     Cell cell_;
     IdVector<VertexId, Vector4d> points_;                      // (p, t)
     IdVector<FormId, std::optional<Hyperplane>> hyperplanes_;  // of forms that were asked for
     IdVector<EdgeId, CurveKind> kinds_;
     std::vector<ConicSpan> conics_;
-    std::vector<std::uint32_t> conic_offsets_;
+    struct Slice {
+        std::uint32_t first = 0, last = 0;
+    };
+    IdVector<EdgeId, Slice> slices_;  // of conics_
     bool has_small_weights_ = false;  // a trim of them, somewhere
     IdVector<EdgeId, std::vector<SpaceSpan>> splines_;
     IdVector<EdgeId, SpaceFitError> errors_;
     IdVector<FaceId, std::vector<CcbId>> loops_;  // the outer one first
     IdVector<FaceId, RadialPatch> patches_;
-    IdVector<FaceId, RationalPatch> surfaces_;
+    IdVector<FaceId, TrimmedPatch> trimmed_;  // of faces that are not cut
     IdVector<FaceId, bool> wide_;  // Stereographic with the pole on the circle at infinity
     IdVector<FaceId, Sectors> sectors_;
     std::uint32_t seams_ = 0;

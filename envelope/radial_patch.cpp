@@ -81,9 +81,12 @@ void RadialPatch::set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& 
     origin_ = origin;
     // The tangent of half the angle between q and an axis is the component across over |q| plus that along
     // it.
-    projection_ = {{vector(x), vector(y), Vector4d::Zero()}, {-x.dot(origin), -y.dot(origin), 1}};
+    projection_.linear.setZero();
+    projection_.linear.row(0) = vector(x);
+    projection_.linear.row(1) = vector(y);
+    projection_.constants << -x.dot(origin), -y.dot(origin), 1, 0;
     if (kind == Kind::Planar) return;
-    projection_.rows[2] = vector(axes_[2]) + weight;
+    projection_.linear.row(2) = vector(axes_[2]) + weight;
     projection_.constants.z() = 0;
 }
 

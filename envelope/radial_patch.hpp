@@ -89,14 +89,15 @@ public:
         return {u, v};
     }
 
-    /// Planar and Stereographic: with t the distance from the base's centre, (u w, v w, w) is linear in (p,
-    /// t, 1), with some w > 0: rows[i].(p, t) + constants[i]. So along rational curves (p, t) these
+    /// Planar and Stereographic: with t the distance from the base's centre, (u w, v w, w, 0) is the product
+    /// of `linear` and (p, t), plus `constants`, with some w > 0. So along rational curves (p, t) these
     /// parameters are rational, of their degree.
     struct Projection {
-        std::array<Eigen::Vector4d, 3> rows;
-        Eigen::Vector3d constants;
+        Eigen::Matrix4d linear;
+        Eigen::Vector4d constants;
         Eigen::Vector3d operator()(const Eigen::Vector4d& x, double weight) const {
-            return Eigen::Vector3d(rows[0].dot(x), rows[1].dot(x), rows[2].dot(x)) + weight * constants;
+            const Eigen::Vector4d y = linear * x + weight * constants;
+            return y.head<3>();
         }
     };
     const Projection& projection() const { return projection_; }
