@@ -403,6 +403,7 @@ void rank_neighbors(Cell& cell) {
         double area;
     };
     std::vector<Share> shares;
+    shares.reserve(cell.faces.size());
     for (const CellFace& face : cell.faces)
         if (face.site.is_object()) shares.push_back({face.site.index, face.area});
     std::sort(shares.begin(), shares.end(),
@@ -417,6 +418,7 @@ void rank_neighbors(Cell& cell) {
     shares.resize(objects);
     std::stable_sort(shares.begin(), shares.end(),
                      [](const Share& a, const Share& b) { return a.area > b.area; });
+    cell.neighbors.reserve(shares.size());
     for (const Share& share : shares) cell.neighbors.push_back(share.object);
 }
 

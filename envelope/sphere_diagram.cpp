@@ -85,7 +85,6 @@ private:
         Index out = none;  // while a form is inserted: the edge of its face that leaves here
         Index stamp = 0;   // current: compared with the challenger
         Index taken = 0;   // current: the challenger is lower
-        bool is_alive = true;
     };
     struct HalfEdge {
         Index next, prev, origin, face;
@@ -101,7 +100,6 @@ private:
         Mark apex;
         Index stamp = 0;
         Index cut = none;  // while a form is inserted that crosses the edge: its vertex there
-        bool is_alive = true;
     };
     struct Face {            // of the form of the same number
         Index start = none;  // none: the form has no face
@@ -223,6 +221,10 @@ private:
             forms_.push_back(Linear(-slope * direction, 0, 16 * u * slope));
         }
         faces_.resize(forms_.size());
+        for (std::vector<Index>* some :
+             {&rivals_, &swallowed_, &new_edges_, &middles_, &alive_faces_, &free_vertices_, &free_edges_})
+            some->reserve(32);
+        cuts_.reserve(32);
         // Euler: V = 2 F - 4 and E = 3 F - 6, and some that are gone.
         const std::size_t room = forms_.size() + 64;
         vertices_.reserve(2 * room);
@@ -387,7 +389,7 @@ private:
     void plant_trees() {
         vertex_tree_.emplace();
         for (Index v = 0; v < vertices_.size(); ++v)
-            if (vertices_[v].is_alive) vertex_tree_->add(v, vertices_);
+            if (!vertices_[v].is_gone()) vertex_tree_->add(v, vertices_);
         new_faces_ = alive_faces_;
     }
 
@@ -473,9 +475,7 @@ private:
         if (!rivals_.empty()) return true;
         is_beaten = is_beaten_on_edges(form);
         for (const Index f : alive_faces_)
-            if (!(is_beaten &&
-                  ((grows_to_pole(form, forms_[f]) && is_in_hemisphere(f)) || is_within(form, f))))
-                add_rival(f);
+            if (!(is_beaten && is_beaten_in(form, f))) add_rival(f);
         is_beaten = rivals_.empty();
         if (is_beaten && !is_top_known_) set_top();
         return true;
@@ -592,6 +592,11 @@ private:
     static bool grows_to_pole(const Linear& form, const Linear& rival) {
         return form.b[0] * rival.b[0] + form.b[1] * rival.b[1] + form.b[2] * rival.b[2] <
                rival.square - (form.error + rival.error) * rival.slope;
+    }
+
+    // Of a form that is beaten on the face's boundary: in the face, too?
+    bool is_beaten_in(const Linear& form, Index face) {
+        return (grows_to_pole(form, forms_[face]) && is_in_hemisphere(face)) || is_within(form, face);
     }
 
     // Does the face lie in the hemisphere about the point where its form is lowest? Then it does so for ever.
@@ -745,15 +750,13 @@ private:
         } while (h != last);
     }
     void remove_vertex(Index v) {
-        if (!vertices_[v].is_alive) return;
-        vertices_[v].is_alive = false;
+        if (vertices_[v].is_gone()) return;
         vertices_[v].remove();
         if (vertex_tree_) vertex_tree_->remove(v);
         free_vertices_.push_back(v);
     }
     void remove_edge(Index e) {
-        if (!edges_[e].is_alive) return;
-        edges_[e].is_alive = false;
+        if (edges_[e].apex.is_gone()) return;
         edges_[e].apex.remove();
         free_edges_.push_back(e);
     }
@@ -788,10 +791,11 @@ private:
         faces_[challenger].start = start;
         for (const Index e : new_edges_) set_arc(e);
         for (const Cut& c : cuts_) {
-            set_arc(c.leaving >> 1);
+            // Of the parts of an edge that was crossed twice one is no more.
+            if (!edges_[c.leaving >> 1].apex.is_gone()) set_arc(c.leaving >> 1);
             faces_[c.face].is_hemisphere_known = faces_[c.face].is_in_hemisphere;
+            faces_[c.face].is_ball_known = false;
         }
-        for (const Cut& c : cuts_) faces_[c.face].is_ball_known = false;
         if (vertex_tree_) {
             for (const Index e : new_edges_) vertex_tree_->add(half_edges_[2 * e].origin, vertices_);
             new_faces_.push_back(challenger);

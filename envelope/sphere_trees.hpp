@@ -81,6 +81,7 @@ struct Mark {
     // No form that is compared has a greater slope than the steepest.
     void set_level(double steepest) { level = height + doubt + steepest * error; }
     void remove() { level = -HUGE_VAL; }
+    bool is_gone() const { return level == -HUGE_VAL; }
 
     // Is the form certainly higher in the true place?
     bool is_below(const Linear& form) const {
@@ -90,6 +91,14 @@ struct Mark {
         return height - form(p) > 2 * form.error + doubt + form.slope * error;
     }
 };
+
+/// The octant of a cube about `center` in which p lies, and the centres of the octants' own cubes, of half the size.
+inline Index octant(const Vector3d& center, const Vector3d& p) {
+    return (p.x() > center.x()) + 2 * (p.y() > center.y()) + 4 * (p.z() > center.z());
+}
+inline Vector3d octant_center(const Vector3d& center, double half, Index octant) {
+    return center + half * Vector3d(octant & 1 ? 1 : -1, octant & 2 ? 1 : -1, octant & 4 ? 1 : -1);
+}
 
 /// Vertices by place: an octree. A node knows how high the diagram gets at its vertices.
 class VertexTree {
@@ -166,8 +175,7 @@ private:
         nodes_.push_back(std::move(n));
     }
     Index child(Index n, const Vector3d& p) const {
-        const Vector3d& c = nodes_[n].center;
-        return nodes_[n].first + (p.x() > c.x()) + 2 * (p.y() > c.y()) + 4 * (p.z() > c.z());
+        return nodes_[n].first + octant(nodes_[n].center, p);
     }
     void put(Index v, Index leaf) {
         if (places_.size() <= v) places_.resize(2 * static_cast<std::size_t>(v) + 64);
@@ -182,8 +190,7 @@ private:
         const double half = 0.5 * nodes_[n].half;
         const Vector3d center = nodes_[n].center;
         nodes_[n].first = static_cast<Index>(nodes_.size());
-        for (int i = 0; i < 8; ++i)
-            add_node(center + half * Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1), half);
+        for (Index i = 0; i < 8; ++i) add_node(octant_center(center, half, i), half);
         for (const Index v : all) {
             const Index leaf = child(n, vertices[v].p);
             put(v, leaf);
@@ -245,9 +252,7 @@ private:
             node.set_reach(std::max(node.reach, (node.center - ball.center).norm() + ball.radius + slack));
             node.top = std::max(node.top, top);
             if (node.first == none) break;
-            const Vector3d& c = node.center;
-            n = node.first + (ball.center.x() > c.x()) + 2 * (ball.center.y() > c.y()) +
-                4 * (ball.center.z() > c.z());
+            n = node.first + octant(node.center, ball.center);
         }
         nodes_[n].faces.push_back(face);
     }
@@ -296,8 +301,7 @@ private:
         const double half = 0.5 * nodes_[n].half;
         const Vector3d center = nodes_[n].center;
         nodes_[n].first = static_cast<Index>(nodes_.size());
-        for (int i = 0; i < 8; ++i)
-            add_node(center + half * Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1), half);
+        for (Index i = 0; i < 8; ++i) add_node(octant_center(center, half, i), half);
         for (const Index f : faces) add(n, f, *ball(f), top(f));
     }
 
