@@ -13,8 +13,8 @@
 //
 // Each is the time of voronoi_cell(), patches and measures included. Sizes above N (default 100,000) are left
 // out, and atoms without FOLDER. Counters: n objects; cells; median_us and p90_us, over the cells, of each
-// one's least CPU time; of that call bisectors_us, envelope_us and patches_us, wall clock, medians; V, E, F
-// (means); the signs that each rung of the ladder decided, summed up, `assumed` ones by none of them;
+// one's least CPU time; of that call bisectors_us, envelope_us and patches_us, wall clock, medians;
+// unmeasured_us as median_us, without measures (CellOptions::measure); V, E, F (means); the signs that each rung of the ladder decided, summed up, `assumed` ones by none of them;
 // warnings; the paper's own time, where it has one.
 //
 // Cells of up to 2000 objects are checked by check_cell(), of larger ones a hundred vertices against all
@@ -80,15 +80,23 @@ std::string find_fault(const Cell& cell) {
     return {};
 }
 
-/// Seconds of a cell and of its stages.
+/// Seconds of a cell and of its stages, and of the cell without measures.
 struct Times {
-    double cell = HUGE_VAL, bisectors = 0, envelope = 0, patches = 0;
+    double cell = HUGE_VAL, bisectors = 0, envelope = 0, patches = 0, unmeasured = HUGE_VAL;
 };
 
 double cpu_seconds() {
     std::timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double seconds_unmeasured(const Scene& scene) {
+    CellOptions options;
+    options.measure = false;
+    const double start = cpu_seconds();
+    const Cell cell = voronoi_cell(scene, options);
+    return cpu_seconds() - start;
 }
 
 /// Scenes of a kind, measured together.
@@ -113,9 +121,11 @@ void measure(benchmark::State& state, const Family& family) {
             const double seconds = cpu_seconds() - start;
             state.PauseTiming();
             const Report& report = cell.report;
+            const double unmeasured = std::min(best[i].unmeasured, seconds_unmeasured(scenes[i]));
             if (seconds < best[i].cell)
                 best[i] = {seconds, report.seconds_bisectors, report.seconds_envelope,
                            report.seconds_patches};
+            best[i].unmeasured = unmeasured;
             if (first) {
                 decisions += report.decisions;
                 warnings += report.warnings.size();
@@ -141,6 +151,7 @@ void measure(benchmark::State& state, const Family& family) {
     count(state, "cells", cells);
     count(state, "median_us", median(total));
     count(state, "p90_us", total[total.size() * 9 / 10]);
+    count(state, "unmeasured_us", median(times(&Times::unmeasured)));
     count(state, "bisectors_us", median(times(&Times::bisectors)));
     count(state, "envelope_us", median(times(&Times::envelope)));
     count(state, "patches_us", median(times(&Times::patches)));

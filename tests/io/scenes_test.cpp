@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <boost/property_tree/xml_parser.hpp>
 #include <filesystem>
 #include <map>
@@ -36,6 +37,36 @@ TEST_CASE("example scenes: cells survive the file and pass the check") {
         const Cell read = parse_cell(text);
         CHECK(cell_text(read) == text);
         for (const Finding& f : check_cell(read)) FAIL_CHECK(f.where << ": " << f.what);
+    }
+}
+
+TEST_CASE("example scenes: cells without measures differ in nothing else") {
+    CellOptions options;
+    options.measure = false;
+    for (const char* name : {"figure6", "figure8", "figure9", "figure10"}) {
+        CAPTURE(name);
+        const Scene scene = read_scene(VCELL_EXAMPLE_SCENES "/" + std::string(name) + ".json");
+        const Cell measured = voronoi_cell(scene);
+        Cell cell = voronoi_cell(scene, options);
+        CHECK(std::isnan(cell.measures.volume));
+        CHECK(std::isnan(cell.measures.body_volume));
+        CHECK(std::isnan(cell.measures.max_clearance));
+        CHECK(std::ranges::is_sorted(cell.neighbors));
+        CHECK(std::ranges::is_permutation(cell.neighbors, measured.neighbors));
+        REQUIRE(cell.edges.size() == measured.edges.size());
+        REQUIRE(cell.faces.size() == measured.faces.size());
+        for (std::size_t e = 0; e < cell.edges.size(); ++e) {
+            CHECK(std::isnan(cell.edges[e].length));
+            cell.edges[e].length = measured.edges[e].length;
+        }
+        for (std::size_t f = 0; f < cell.faces.size(); ++f) {
+            CHECK(std::isnan(cell.faces[f].area));
+            cell.faces[f].area = measured.faces[f].area;
+        }
+        cell.measures = measured.measures;
+        cell.neighbors = measured.neighbors;
+        cell.report = measured.report;
+        CHECK(cell_text(cell) == cell_text(measured));
     }
 }
 
