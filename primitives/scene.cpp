@@ -22,22 +22,22 @@ const char* type_name(const Object& object) {
     return names[object.index()];
 }
 
-// Checks the numbers of one object (or the base, with no_object) under its path.
+// Checks the numbers of an object, or (no_object) of what is at `path`. An object's path is only composed
+// when something is wrong: scenes may hold a million objects.
 class Checker {
 public:
-    Checker(std::uint32_t object, std::string path) : object_(object), path_(std::move(path)) {}
+    Checker(const Scene& scene, std::uint32_t object, const char* path)
+        : scene_(scene), object_(object), path_(path) {}
 
-    void number(const std::string& field, double x) const {
-        if (std::abs(x) <= largest_magnitude) return;
-        if (!std::isfinite(x)) fail(Kind::NotFinite, field, "must be finite, is " + to_text(x));
-        fail(Kind::OutOfRange, field,
-             "must not exceed " + to_text(largest_magnitude) + " in magnitude, is " + to_text(x));
+    void number(const char* field, double x) const {
+        if (!is_within_range(x)) fail_number(field, x);
     }
-    void point(const std::string& field, const Vec3& p) const {
-        if (p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_magnitude) return;
-        for (int i = 0; i < 3; ++i) number(field + "[" + std::to_string(i) + "]", p[i]);
+    void point(const char* field, const Vec3& p) const {
+        if (is_within_range(p.x()) && is_within_range(p.y()) && is_within_range(p.z())) return;
+        for (int i = 0; i < 3; ++i)
+            if (!is_within_range(p[i])) fail_number(field + ("[" + std::to_string(i) + "]"), p[i]);
     }
-    void direction(const std::string& field, const Vec3& d) const {
+    void direction(const char* field, const Vec3& d) const {
         point(field, d);
         const double size = d.cwiseAbs().maxCoeff();
         if (size == 0) fail(Kind::ZeroAxis, field, "must not be zero");
@@ -46,12 +46,13 @@ public:
                  "must have a component of at least " + to_text(smallest_extent) + ", the largest is " +
                      to_text(size));
     }
-    void radius(const std::string& field, double r) const {
+    void radius(const char* field, double r) const {
         number(field, r);
         if (r < 0) fail(Kind::NegativeRadius, field, "must be >= 0, is " + to_text(r));
     }
     [[noreturn]] void fail(Kind kind, const std::string& field, const std::string& what) const {
-        throw InputError(kind, object_, path_.empty() ? field : path_ + "." + field, what);
+        const std::string path = object_ == InputError::no_object ? path_ : object_path(scene_, object_);
+        throw InputError(kind, object_, path.empty() ? field : path + "." + field, what);
     }
 
     void operator()(const Plane& plane) const {
@@ -84,25 +85,30 @@ public:
     }
 
 private:
+    // False for a NaN.
+    static bool is_within_range(double x) { return std::abs(x) <= largest_magnitude; }
+
+    [[noreturn]] void fail_number(const std::string& field, double x) const {
+        if (!std::isfinite(x)) fail(Kind::NotFinite, field, "must be finite, is " + to_text(x));
+        fail(Kind::OutOfRange, field,
+             "must not exceed " + to_text(largest_magnitude) + " in magnitude, is " + to_text(x));
+    }
+
+    const Scene& scene_;
     std::uint32_t object_;
-    std::string path_;
+    const char* path_;
 };
 
 }  // namespace
 
 void validate(const Scene& scene) {
-    std::visit(Checker(InputError::no_object, std::string("base.") + type_name(scene.base)), scene.base);
-    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        // The path is only needed when something is wrong, and scenes may hold a million objects.
-        try {
-            std::visit(Checker(static_cast<std::uint32_t>(i), {}), scene.objects[i]);
-        } catch (const InputError&) {
-            std::visit(Checker(static_cast<std::uint32_t>(i), object_path(scene, i)), scene.objects[i]);
-        }
-    }
-    Checker(InputError::no_object, "box")(scene.box);
+    const std::string base_path = std::string("base.") + type_name(scene.base);
+    std::visit(Checker(scene, InputError::no_object, base_path.c_str()), scene.base);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        std::visit(Checker(scene, static_cast<std::uint32_t>(i), ""), scene.objects[i]);
+    Checker(scene, InputError::no_object, "box")(scene.box);
     if (scene.tolerance) {
-        const Checker top(InputError::no_object, {});
+        const Checker top(scene, InputError::no_object, "");
         top.number("tolerance", *scene.tolerance);
         if (!(*scene.tolerance > 0))
             top.fail(Kind::OutOfRange, "tolerance", "must be > 0, is " + to_text(*scene.tolerance));
