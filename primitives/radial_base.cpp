@@ -94,10 +94,13 @@ public:
     // tie with them along whole curves of the base. `mirrored` are images of a base cylinder in sides of the
     // box: on the side, base and image are equally far.
     void drop_hidden_and_equal(const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
-        const std::vector<std::uint32_t> first_ball = first_equal(balls.items);
-        for (std::size_t i = 0; i < balls.size(); ++i)
-            if (first_ball[i] < i) merge(balls.objects[i], balls.objects[first_ball[i]]);
-        drop_nested_balls(first_ball);
+        const BallNesting nesting = ball_nesting(balls.items);
+        for (std::size_t i = 0; i < balls.size(); ++i) {
+            if (const std::uint32_t first = nesting.first_equal[i]; first < i)
+                merge(balls.objects[i], balls.objects[first]);
+            if (const std::uint32_t k = nesting.enclosing[i]; k != none)
+                hide(balls.objects[i], " in ", object_title(scene_, balls.objects[k]));
+        }
         std::vector<std::array<Exact, 4>> rays;
         for (const HalfSpace& h : planes.items) rays.push_back({h.n.x(), h.n.y(), h.n.z(), h.d});
         // Planes that are multiples of each other are one plane, though |n| may round differently.
@@ -105,6 +108,7 @@ public:
         for (std::size_t i = 0; i < planes.size(); ++i)
             if (first_plane[i] < i) merge(planes.objects[i], planes.objects[first_plane[i]]);
         for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, rays, mirrored);
+        if (cylinders.size() + mirrored.size() == 0) return;
         for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
     }
 
@@ -134,25 +138,6 @@ private:
     void hide(std::uint32_t object, const char* how, const std::string& where) {
         owner_[object] = none;
         hidden_.emplace_back(object, object_title(scene_, object) + how + where);
-    }
-
-    void drop_nested_balls(const std::vector<std::uint32_t>& first) {
-        const auto same = [](const Ball& a, const Ball& b) { return a.rho == b.rho; };
-        if (std::ranges::adjacent_find(balls.items, std::not_fn(same)) == balls.items.end()) return;
-        std::vector<Ball> distinct;
-        std::vector<std::uint32_t> objects, place(balls.size());
-        distinct.reserve(balls.size());
-        objects.reserve(balls.size());
-        for (std::size_t i = 0; i < balls.size(); ++i) {
-            place[i] = static_cast<std::uint32_t>(first[i] < i ? place[first[i]] : distinct.size());
-            if (first[i] < i) continue;
-            distinct.push_back(balls.items[i]);
-            objects.push_back(balls.objects[i]);
-        }
-        const std::vector<std::uint32_t> enclosing = enclosing_balls(distinct);
-        for (std::size_t i = 0; i < balls.size(); ++i)
-            if (const std::uint32_t k = enclosing[place[i]]; k != none)
-                hide(balls.objects[i], " in ", object_title(scene_, objects[k]));
     }
 
     void drop_if_hidden(std::size_t i, const std::vector<std::array<Exact, 4>>& half_spaces,

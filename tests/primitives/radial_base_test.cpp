@@ -598,28 +598,37 @@ TEST_CASE("nested balls: as comparing all pairs exactly tells") {
         std::vector<Ball> balls;
         const int count = 1 + static_cast<int>(r.rng() % 400);
         const double scale = r.pick({1e-30, 1, 1e30});
+        // Radii of all sizes make many pairs; alike, they leave few that could be nested.
+        const bool alike = round % 3 == 0;
         for (int i = 0; i < count; ++i) {
             // Multiples of 1/4: many touch from within; one ulp more or less decides.
             const auto grid = [&] { return scale * std::round(16 * r.unit()) / 4; };
-            Ball ball{grid(), grid(), round % 2 ? 0 : grid(), std::abs(grid())};
+            const double rho = alike ? scale * r.pick({2, 2.25}) : std::abs(grid());
+            Ball ball{grid(), grid(), alike || round % 2 ? 0 : grid(), rho};
             if (r.rng() % 4 == 0) ball.rho = std::nextafter(ball.rho, r.pick({0, 1e60}));
-            if (std::ranges::find(balls, ball) == balls.end()) balls.push_back(ball);
+            balls.push_back(i > 0 && r.rng() % 16 == 0 ? balls[r.rng() % balls.size()] : ball);
         }
         const auto lies_in = [](const Ball& in, const Ball& out) {
             const Exact x = Exact(in.cx) - out.cx, y = Exact(in.cy) - out.cy, z = Exact(in.cz) - out.cz,
                         gap = Exact(out.rho) - in.rho;
-            return gap.sign() != Sign::Negative &&
+            return gap.sign() == Sign::Positive &&
                    (gap * gap - x * x - y * y - z * z).sign() != Sign::Negative;
         };
-        const std::vector<std::uint32_t> found = enclosing_balls(balls);
+        const BallNesting found = ball_nesting(balls);
         int nested = 0;
         for (std::size_t i = 0; i < balls.size(); ++i) {
-            bool any = false;
-            for (std::size_t k = 0; k < balls.size(); ++k) any |= k != i && lies_in(balls[i], balls[k]);
-            nested += any;
-            REQUIRE((found[i] != UINT32_MAX) == any);
-            if (any) CHECK((found[i] != i && lies_in(balls[i], balls[found[i]])));
+            std::uint32_t first = UINT32_MAX, enclosing = UINT32_MAX;
+            for (std::uint32_t k = 0; k < balls.size(); ++k) {
+                if (first == UINT32_MAX && balls[k] == balls[i]) first = k;
+                if (lies_in(balls[i], balls[k]) &&
+                    (enclosing == UINT32_MAX || balls[k].rho > balls[enclosing].rho))
+                    enclosing = k;
+            }
+            nested += enclosing != UINT32_MAX;
+            CHECK(found.first_equal[i] == first);
+            CHECK(found.enclosing[i] == enclosing);
         }
-        if (count > 60) CHECK(nested > 0);
+        if (count > 100) CHECK(nested > 0);
     }
+    CHECK(ball_nesting({}).first_equal.empty());
 }
