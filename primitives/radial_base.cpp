@@ -83,7 +83,11 @@ public:
         return i;
     }
     bool is_kept(std::uint32_t i) const { return owner_[i] == i; }
-    void merge(std::uint32_t i, std::uint32_t j) { owner_[std::max(i, j)] = std::min(i, j); }
+    void merge(std::uint32_t i, std::uint32_t j) {
+        owner_[std::max(i, j)] = std::min(i, j);
+        has_merged_ = true;
+    }
+    bool has_merged() const { return has_merged_; }
     // Pre: object i is not listed.
     void leave_out_unmet(std::uint32_t i) {
         owner_[i] = none;
@@ -123,6 +127,7 @@ public:
             for (auto& [object, text] : sorted) texts.push_back(std::move(text));
             warnings.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
         }
+        if (!sites.has_shared_forms()) return;
         for (const FormId f : sites.ids()) {
             const std::span<const Site> group = sites[f];
             if (group.size() < 2) continue;
@@ -174,6 +179,7 @@ private:
 
     const Scene& scene_;
     std::vector<std::uint32_t> owner_;
+    bool has_merged_ = false;
     std::vector<std::string> unmet_;
     std::vector<std::pair<std::uint32_t, std::string>> hidden_;  // object, where it hides
 };
@@ -192,9 +198,13 @@ HalfSpace half_space(const Vec3& point, const Vec3& normal, const ExactVector& i
 // How a plane lies to a convex body whose points inner +- reach (in length) see it nearest.
 const char* cuts_or_touches(Sign clearance) { return clearance == Sign::Zero ? "touches" : "cuts"; }
 
-// A coefficient of a form, zero only if it is exactly zero.
-void check_range(double x, Site site, const Scene& scene) {
-    if (x == 0 || (std::abs(x) >= smallest_coefficient && std::abs(x) <= 1 / smallest_coefficient)) return;
+// A coefficient of a form is zero only if it is exactly zero.
+bool is_in_range(double coefficient) {
+    const double size = std::abs(coefficient);
+    return (size >= smallest_coefficient && size <= 1 / smallest_coefficient) || size == 0;
+}
+
+[[noreturn]] void fail_range(Site site, const Scene& scene) {
     const std::string what =
         "is so close to the base, or so nearly opposite to its chart's pole, that its height leaves the "
         "range of "
@@ -224,7 +234,7 @@ struct FoundForms {
     }
     // The sites of objects that have another one's form.
     void add_twins(const Objects& all) {
-        for (std::uint32_t i = 0; i < of_object.size(); ++i) {
+        for (std::uint32_t i = 0; all.has_merged() && i < of_object.size(); ++i) {
             const std::uint32_t owner = all.owner(i);
             if (owner != none && owner != i) sites.join(of_object[owner], Site::object(i));
         }
@@ -339,10 +349,11 @@ public:
         size_ += std::abs(p);
     }
     long double value() const { return value_; }
+    long double size() const { return size_; }
     // Is it within 0.4 u? With e = 2^-64, differences, products and sums leave less than 12 e of the size.
     bool is_certain() const {
         constexpr long double e = std::numeric_limits<long double>::epsilon() / 2, u = 0x1p-53L;
-        return std::abs(value_) >= 30 * (e / u) * size_ && (size_ >= 0x1p-600L || size_ == 0);
+        return std::abs(value_) >= 30 * (e / u) * size_;
     }
 
 private:
@@ -384,91 +395,108 @@ struct BallDifferences {
     }
 };
 
-// C of a ball within 1.01 u, if sums tell.
-std::optional<double> rounded_power(const Ball& ball, const Vec3& center, double radius) {
-    const ExtendedSum C = ExtendedBall(ball, center, radius).power();
-    if (C.is_certain()) return static_cast<double>(C.value());
-    return BallDifferences(ball, center, radius).power().value();
-}
-
-// SphereFrame::form() in sums, where they suffice.
-class FastForms {
-public:
-    explicit FastForms(const SphereFrame& frame)
-        : frame_(frame), norm_(frame.rotation.norm), delta_(Four(0, 0, -norm_.value, norm_.value)) {
-        for (int k = 0; k < 3; ++k) {
-            const auto row = frame.rotation.matrix.row(k);
-            row_.emplace_back(Four(row[0], row[1], row[2], row[2]));
-        }
-    }
-
-    std::optional<CircularForm> form(const Ball& ball) const {
-        if (const auto f = extended_form(ball)) return f;
-        const BallDifferences d(ball, frame_.center, frame_.radius);
-        // P0, P1, K and -C side by side.
-        CompensatedSum<Four> sums;
-        for (int k = 0; k < 3; ++k) sums.add(row_[k], d.c[k]);
-        sums.add(delta_, d.delta);
-        const auto f = sums.value();
-        const auto w = d.power().times(norm_).value();
-        if (!f || !w) return std::nullopt;
-        return scaled_form((*f)[2], -2 * (*f)[0], -2 * (*f)[1], -(*f)[3], 0.5 * *w);
-    }
-
-    std::optional<CircularForm> form(const WorldSide& side) const {
-        CompensatedSum<> distance;
-        distance.add(norm_, Difference(side.bound, frame_.center[side.axis]));
-        const auto w = distance.value();
-        if (!w) return std::nullopt;
-        const Vec3 P = side.sign * frame_.rotation.matrix.row(side.axis).transpose();
-        return scaled_form(P.z(), -2 * P.x(), -2 * P.y(), -P.z(), side.sign * *w);
-    }
-
-private:
-    using Four = Eigen::Array4d;
-
-    std::optional<CircularForm> extended_form(const Ball& ball) const {
-        const ExtendedBall d(ball, frame_.center, frame_.radius);
-        const ExtendedSum C = d.power();
-        if (!C.is_certain()) return std::nullopt;
-        ExtendedSum P0, P1, along, K, minus_C;
-        for (int k = 0; k < 3; ++k) {
-            const auto row = frame_.rotation.matrix.row(k);
-            P0.add(row[0], d.c[k]);
-            P1.add(row[1], d.c[k]);
-            along.add(row[2], d.c[k]);
-        }
-        K = minus_C = along;
-        K.add(-norm_.value, d.delta);
-        minus_C.add(norm_.value, d.delta);
-        for (const ExtendedSum& sum : {P0, P1, K, minus_C})
-            if (!sum.is_certain()) return std::nullopt;
-        const auto rounded = [](const ExtendedSum& sum) { return static_cast<double>(sum.value()); };
-        return scaled_form(rounded(K), -2 * rounded(P0), -2 * rounded(P1), -rounded(minus_C),
-                           static_cast<double>(0.5L * norm_.value * C.value()));
-    }
-
-    const SphereFrame& frame_;
-    Halves<> norm_;
-    Halves<Four> delta_;
-    std::vector<Halves<Four>> row_;
+// C of a ball, within 0.4 u if it is certain, otherwise within 1.01 u.
+struct BallPower {
+    long double value;
+    bool is_certain;
 };
 
+BallPower ball_power(const Ball& ball, const SphereFrame& frame) {
+    const ExtendedSum C = ExtendedBall(ball, frame.center, frame.radius).power();
+    // Far from where doubles lose digits. So are the ball's other coefficients then, or they are exact:
+    // multiples of the least double, like coordinates and radii.
+    if (C.is_certain() && C.size() >= 0x1p-600L) return {C.value(), true};
+    const auto c = BallDifferences(ball, frame.center, frame.radius).power().value();
+    return {c ? *c : 2 * nearest(frame.height(ball).w), false};
+}
+
+// SphereFrame::form() of balls and sides of the box in sums, where they suffice: first in long double, with
+// the ball's power C found before.
+
+std::optional<CircularForm> extended_form(const Ball& ball, long double C, const SphereFrame& frame) {
+    const ExtendedBall d(ball, frame.center, frame.radius);
+    const Eigen::Matrix3d& m = frame.rotation.matrix;
+    const double norm = frame.rotation.norm;
+    const auto column = [&](int j) {
+        ExtendedSum P;
+        for (int k = 0; k < 3; ++k) P.add(m(k, j), d.c[k]);
+        return P;
+    };
+    const ExtendedSum P0 = column(0), P1 = column(1);
+    ExtendedSum K = column(2), minus_C = K;
+    K.add(-norm, d.delta);
+    minus_C.add(norm, d.delta);
+    if (!(P0.is_certain() && P1.is_certain() && K.is_certain() && minus_C.is_certain())) return std::nullopt;
+    return scaled_form(static_cast<double>(K.value()), -2 * static_cast<double>(P0.value()),
+                       -2 * static_cast<double>(P1.value()), -static_cast<double>(minus_C.value()),
+                       static_cast<double>(0.5L * norm * C));
+}
+
+std::optional<CircularForm> compensated_form(const Ball& ball, const SphereFrame& frame) {
+    using Four = Eigen::Array4d;
+    const BallDifferences d(ball, frame.center, frame.radius);
+    const double norm = frame.rotation.norm;
+    // P0, P1, K and -C side by side.
+    CompensatedSum<Four> sums;
+    for (int k = 0; k < 3; ++k) {
+        const auto row = frame.rotation.matrix.row(k);
+        sums.add(Halves<Four>(Four(row[0], row[1], row[2], row[2])), d.c[k]);
+    }
+    sums.add(Halves<Four>(Four(0, 0, -norm, norm)), d.delta);
+    const auto f = sums.value();
+    const auto w = d.power().times(norm).value();
+    if (!f || !w) return std::nullopt;
+    return scaled_form((*f)[2], -2 * (*f)[0], -2 * (*f)[1], -(*f)[3], 0.5 * *w);
+}
+
+CircularForm rounded_form(const Ball& ball, const BallPower& C, const SphereFrame& frame) {
+    if (C.is_certain)
+        if (const auto f = extended_form(ball, C.value, frame)) return *f;
+    if (const auto f = compensated_form(ball, frame)) return *f;
+    return rounded(frame.form(frame.height(ball)));
+}
+
+CircularForm rounded_form(const WorldSide& side, const SphereFrame& frame) {
+    CompensatedSum<> distance;
+    distance.add(Halves<>(frame.rotation.norm), Difference(side.bound, frame.center[side.axis]));
+    const auto w = distance.value();
+    if (!w) return rounded(frame.form(frame.height(side)));
+    const Vec3 P = side.sign * frame.rotation.matrix.row(side.axis).transpose();
+    return scaled_form(P.z(), -2 * P.x(), -2 * P.y(), -P.z(), side.sign * *w);
+}
+
 // ---- Sphere base: the problem -----------------------------------------------------------------------
+
+// What the forms are made of, for those who ask for their exact coefficients.
+struct FormSources {
+    enum class Kind : std::uint8_t { Ball, Plane, Side };
+    struct Source {
+        Kind kind;
+        std::uint32_t index;  // of `balls` or `planes`, or as in Site::box_side()
+    };
+    SphereFrame frame;
+    Box box;
+    std::vector<Ball> balls;
+    std::vector<ExactForm> planes;
+    IdVector<FormId, Source> forms;
+
+    ExactForm exact(FormId f) const {
+        const Source& source = forms[f];
+        if (source.kind == Kind::Plane) return planes[source.index];
+        return frame.form(source.kind == Kind::Ball ? frame.height(balls[source.index])
+                                                    : frame.height(WorldSide(box, source.index)));
+    }
+};
 
 class SphereProblem {
 public:
     SphereProblem(const Scene& scene, const Sphere& base)
-        : scene_(scene),
-          frame_(std::make_shared<SphereFrame>(SphereFrame{base.center, base.radius, {}})),
-          objects_(scene) {}
+        : scene_(scene), frame_{base.center, base.radius, {}}, objects_(scene) {}
 
     RadialBaseProblem build() {
         check_box();
-        const auto is_ball = [](const Object& object) { return std::holds_alternative<Sphere>(object); };
-        const auto ball_count = static_cast<std::size_t>(std::ranges::count_if(scene_.objects, is_ball));
-        objects_.balls.reserve(ball_count);
-        powers_.reserve(ball_count);
+        objects_.balls.reserve(scene_.objects.size());
+        powers_.reserve(scene_.objects.size());
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
             std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
         objects_.drop_hidden_and_equal({});
@@ -479,12 +507,10 @@ public:
     }
 
 private:
-    using FormSource = std::variant<Ball, WorldSide, std::shared_ptr<const ExactForm>>;
-
     void check_box() const {
         for (std::uint32_t s = 0; s < 6; ++s) {
             const WorldSide side(scene_.box, s);
-            const double center = frame_->center[side.axis], radius = frame_->radius;
+            const double center = frame_.center[side.axis], radius = frame_.radius;
             const auto by_interval = (side.sign * (Interval(side.bound) - center) - radius).sign();
             const Sign room =
                 by_interval ? *by_interval : (side.sign * (Exact(side.bound) - center) - radius).sign();
@@ -498,27 +524,26 @@ private:
 
     void add(std::uint32_t i, const Sphere& sphere) {
         const Ball ball{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
-        auto C = rounded_power(ball, frame_->center, frame_->radius);
-        if (!C) C = 2 * nearest(frame_->height(ball).w);
-        if (!(*C > 0)) {
-            const bool same = ball.rho == frame_->radius && sphere.center == frame_->center;
+        const BallPower C = ball_power(ball, frame_);
+        if (!(C.value > 0)) {
+            const bool same = ball.rho == frame_.radius && sphere.center == frame_.center;
             objects_.fail(Kind::TouchesBase, i,
-                          same                         ? "is the base itself"
-                          : ball.rho >= frame_->radius ? "contains the base"
-                                                       : "lies in the base");
+                          same                        ? "is the base itself"
+                          : ball.rho >= frame_.radius ? "contains the base"
+                                                      : "lies in the base");
         }
         objects_.balls.add(ball, i);
-        powers_.push_back(*C);
+        powers_.push_back(C);
     }
 
     void add(std::uint32_t i, const Plane& plane) {
-        const ExactVector center(frame_->center);
+        const ExactVector center(frame_.center);
         const HalfSpace h = half_space(plane.point, plane.normal, center);
         const ExactVector n(h.n);
-        const Exact value = value_at(h, center), reach = Exact(frame_->radius) * frame_->radius * dot(n, n);
+        const Exact value = value_at(h, center), reach = Exact(frame_.radius) * frame_.radius * dot(n, n);
         const Sign clearance = (value * value - reach).sign();
         if (clearance != Sign::Positive) {
-            const Vec3 place = frame_->center - h.n * (nearest(value) / h.length / h.length);
+            const Vec3 place = frame_.center - h.n * (nearest(value) / h.length / h.length);
             objects_.fail(Kind::TouchesBase, i,
                           std::string(cuts_or_touches(clearance)) + " the base at " + to_text(place));
         }
@@ -529,9 +554,9 @@ private:
         const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
         const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
         // Independent of the chart, which is still the identity.
-        if (frame_->form(form).c[0].sign() != Sign::Positive)
+        if (frame_.form(form).c[0].sign() != Sign::Positive)
             objects_.fail(Kind::TouchesBase, i,
-                          cylinder.radius >= frame_->radius
+                          cylinder.radius >= frame_.radius
                               ? "contains the base"
                               : "runs through the base so near to its centre that base and cylinder have no "
                                 "bisector all around");
@@ -542,14 +567,15 @@ private:
     void merge_mirrored_balls() {
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             const Ball& ball = objects_.balls.items[i];
-            if (ball.rho != frame_->radius || !objects_.is_kept(objects_.balls.objects[i])) continue;
+            if (ball.rho != frame_.radius || !objects_.is_kept(objects_.balls.objects[i])) continue;
             const Vec3 c(ball.cx, ball.cy, ball.cz);
+            if ((c.array() == frame_.center.array()).count() < 2) continue;
             for (std::uint32_t s = 0; s < 6; ++s) {
                 const WorldSide side(scene_.box, s);
                 Vec3 beside = c;
-                beside[side.axis] = frame_->center[side.axis];
-                if (beside != frame_->center) continue;
-                if (Exact(c[side.axis]) + frame_->center[side.axis] == 2.0 * Exact(side.bound))
+                beside[side.axis] = frame_.center[side.axis];
+                if (beside != frame_.center) continue;
+                if (Exact(c[side.axis]) + frame_.center[side.axis] == 2.0 * Exact(side.bound))
                     side_twin_[s] = objects_.balls.objects[i];
             }
         }
@@ -558,15 +584,16 @@ private:
     // A huge ball can have the very height of a plane whose |n| has been rounded down: a plane's C is
     // proportional to |n| - rounded |n|.
     void merge_planelike_balls() {
+        if (objects_.planes.size() == 0) return;
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             const Ball& ball = objects_.balls.items[i];
-            const double size = ball.rho - frame_->radius;
-            if (powers_[i] > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
+            const double size = ball.rho - frame_.radius;
+            if (powers_[i].value > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
                 continue;
-            const std::array<Exact, 5> of_ball = ray(frame_->height(ball));
+            const std::array<Exact, 5> of_ball = ray(frame_.height(ball));
             for (std::size_t k = 0; k < objects_.planes.size(); ++k)
                 if (objects_.is_kept(objects_.planes.objects[k]) &&
-                    compare_rays(of_ball, ray(frame_->height(objects_.planes.items[k]))) == 0)
+                    compare_rays(of_ball, ray(frame_.height(objects_.planes.items[k]))) == 0)
                     objects_.merge(objects_.balls.objects[i], objects_.planes.objects[k]);
         }
     }
@@ -575,19 +602,20 @@ private:
     void choose_chart() {
         Nearness nearness;
         nearness.linear.reserve(objects_.balls.size() + objects_.planes.size() + 6);
-        const Vec3& center = frame_->center;
-        const double radius = frame_->radius;
+        const Vec3& center = frame_.center;
+        const double radius = frame_.radius;
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             if (!objects_.is_kept(objects_.balls.objects[i])) continue;
-            const Ball& ball = objects_.balls.items[i];
-            const double scale = 2 / powers_[i];
-            nearness.linear.push_back(
-                {scale * (Vec3(ball.cx, ball.cy, ball.cz) - center), scale * (ball.rho - radius)});
+            const Ball& b = objects_.balls.items[i];
+            const double scale = 2 / static_cast<double>(powers_[i].value);
+            const Vec3 p(scale * (b.cx - center.x()), scale * (b.cy - center.y()),
+                         scale * (b.cz - center.z()));
+            nearness.linear.push_back({p, scale * (b.rho - radius)});
         }
         for (std::size_t i = 0; i < objects_.planes.size(); ++i) {
             if (!objects_.is_kept(objects_.planes.objects[i])) continue;
             const HalfSpace& h = objects_.planes.items[i];
-            const double scale = 1 / nearest(frame_->height(h).w);
+            const double scale = 1 / nearest(frame_.height(h).w);
             nearness.linear.push_back({-scale * h.n, scale * h.length});
         }
         for (std::uint32_t s = 0; s < 6; ++s) {
@@ -603,7 +631,7 @@ private:
             const Vec3 p = Vec3(f.px, f.py, f.pz) - center, axis = Vec3(f.ax, f.ay, f.az).normalized();
             const double length2 = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
             nearness.cylindrical.push_back(
-                {p - axis * axis.dot(p), axis, f.rho - radius, nearest(frame_->form(f).c[0]) / length2});
+                {p - axis * axis.dot(p), axis, f.rho - radius, nearest(frame_.form(f).c[0]) / length2});
         }
         const auto rotation = chart_rotation(nearness);
         if (!rotation)
@@ -611,39 +639,40 @@ private:
                 "no direction from the base sphere (base.sphere) has one object nearest in it by a margin "
                 "that "
                 "doubles can see");
-        frame_->rotation = *rotation;
+        frame_.rotation = *rotation;
     }
 
     RadialBaseProblem make_problem() {
         const std::size_t n = scene_.objects.size();
         FoundForms found(n);
-        auto sources = std::make_shared<std::vector<FormSource>>();
-        IdVector<FormId, CircularForm> forms;
-        sources->reserve(n + 6);
+        const auto sources = std::make_shared<FormSources>(FormSources{frame_, scene_.box, {}, {}, {}});
+        RadialBaseProblem problem;
+        IdVector<FormId, CircularForm>& forms = problem.family.forms;
+        sources->forms.reserve(n + 6);
         forms.reserve(n + 6);
-        const FastForms fast(*frame_);
-        const auto add = [&](const CircularForm& f, FormSource source) {
-            const Site site = found.sites[FormId{static_cast<std::uint32_t>(forms.size())}].front();
-            for (const double x : {f.a, f.b, f.e, f.w}) check_range(x, site, scene_);
+        const auto add = [&](Site site, const Object& canonical, const CircularForm& f,
+                             FormSources::Source source) {
+            if (!(is_in_range(f.a) && is_in_range(f.b) && is_in_range(f.e) && is_in_range(f.w)))
+                fail_range(site, scene_);
+            found.add(site, canonical);
             forms.push_back(f);
-            sources->push_back(std::move(source));
+            sources->forms.push_back(source);
         };
-        std::size_t next_ball = 0;
+        using Kind = FormSources::Kind;
+        std::uint32_t next_ball = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
             const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]);
-            const std::size_t k = sphere != nullptr ? next_ball++ : 0;
+            const std::uint32_t k = sphere != nullptr ? next_ball++ : 0;
             if (!objects_.is_kept(i)) continue;
+            const Site site = Site::object(i);
             if (sphere != nullptr) {
-                const Ball& ball = objects_.balls.items[k];
-                found.add(Site::object(i), Sphere{sphere->center - frame_->center, sphere->radius});
-                const auto f = fast.form(ball);
-                add(f ? *f : rounded(frame_->form(frame_->height(ball))), ball);
+                add(site, Sphere{sphere->center - frame_.center, sphere->radius},
+                    rounded_form(objects_.balls.items[k], powers_[k], frame_), {Kind::Ball, k});
             } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
-                found.add(Site::object(i), Plane{plane->point - frame_->center, plane->normal});
-                auto exact =
-                    std::make_shared<const ExactForm>(frame_->form(frame_->height(objects_.planes.of(i))));
-                const CircularForm f = rounded(*exact);
-                add(f, std::move(exact));
+                const auto place = static_cast<std::uint32_t>(sources->planes.size());
+                sources->planes.push_back(frame_.form(frame_.height(objects_.planes.of(i))));
+                add(site, Plane{plane->point - frame_.center, plane->normal}, rounded(sources->planes.back()),
+                    {Kind::Plane, place});
             }
         }
         for (std::uint32_t s = 0; s < 6; ++s) {
@@ -654,36 +683,27 @@ private:
             }
             const WorldSide side(scene_.box, s);
             Plane canonical{Vec3::Zero(), Vec3::Zero()};
-            canonical.point[side.axis] = side.bound - frame_->center[side.axis];
+            canonical.point[side.axis] = side.bound - frame_.center[side.axis];
             canonical.normal[side.axis] = side.sign;
-            found.add(site, canonical);
-            const auto f = fast.form(side);
-            add(f ? *f : rounded(frame_->form(frame_->height(side))), side);
+            add(site, canonical, rounded_form(side, frame_), {Kind::Side, s});
         }
+        sources->balls = std::move(objects_.balls.items);
 
-        RadialBaseProblem problem;
         for (std::size_t k = 0; k < objects_.cylinders.size(); ++k) {
             const std::uint32_t i = objects_.cylinders.objects[k];
             if (!objects_.is_kept(i)) continue;
             const auto& cylinder = std::get<Cylinder>(scene_.objects[i]);
             found.add(Site::object(i),
-                      Cylinder{cylinder.point - frame_->center, cylinder.axis, cylinder.radius});
-            problem.family.radial.push_back(frame_->form(objects_.cylinders.items[k]));
+                      Cylinder{cylinder.point - frame_.center, cylinder.axis, cylinder.radius});
+            problem.family.radial.push_back(frame_.form(objects_.cylinders.items[k]));
         }
         found.add_twins(objects_);
-        problem.frame.origin = frame_->center;
+        problem.frame.origin = frame_.center;
         problem.is_sphere = true;
-        problem.radius = frame_->radius;
-        problem.chart = frame_->rotation.matrix / frame_->rotation.norm;
+        problem.radius = frame_.radius;
+        problem.chart = frame_.rotation.matrix / frame_.rotation.norm;
         problem.family.chart = RadialChart::Stereographic;
-        problem.family.forms = std::move(forms);
-        problem.family.exact = [sources,
-                                frame = std::shared_ptr<const SphereFrame>(frame_)](FormId f) -> ExactForm {
-            const FormSource& source = (*sources)[f.value];
-            if (const auto* b = std::get_if<Ball>(&source)) return frame->form(frame->height(*b));
-            if (const auto* side = std::get_if<WorldSide>(&source)) return frame->form(frame->height(*side));
-            return *std::get<std::shared_ptr<const ExactForm>>(source);
-        };
+        problem.family.exact = [sources](FormId f) { return sources->exact(f); };
         objects_.warn(found.sites, problem.warnings);
         problem.sites = std::move(found.sites);
         problem.objects = std::move(found.objects);
@@ -691,9 +711,9 @@ private:
     }
 
     const Scene& scene_;
-    std::shared_ptr<SphereFrame> frame_;
+    SphereFrame frame_;
     Objects objects_;
-    std::vector<double> powers_;  // C of objects_.balls
+    std::vector<BallPower> powers_;  // of objects_.balls
     std::array<std::uint32_t, 6> side_twin_{none, none, none, none, none, none};
 };
 
@@ -974,12 +994,6 @@ private:
 };
 
 }  // namespace
-
-FormId FormSites::add(Site site) {
-    sites_.push_back(site);
-    begins_.push_back(static_cast<std::uint32_t>(sites_.size()));
-    return {static_cast<std::uint32_t>(size() - 1)};
-}
 
 void FormSites::settle() {
     if (joined_.empty()) return;

@@ -38,7 +38,11 @@ public:
         begins_.reserve(forms + 1);
     }
     /// The next form.
-    FormId add(Site site);
+    FormId add(Site site) {
+        sites_.push_back(site);
+        begins_.push_back(static_cast<std::uint32_t>(sites_.size()));
+        return {static_cast<std::uint32_t>(size() - 1)};
+    }
     /// Another site of a form. It is listed after settle() only.
     void join(FormId form, Site site) { joined_.emplace_back(form, site); }
     void settle();
@@ -47,6 +51,8 @@ public:
         return {sites_.data() + begins_[f.value], sites_.data() + begins_[f.value + 1]};
     }
     std::size_t size() const { return begins_.size() - 1; }
+    /// Pre: settled.
+    bool has_shared_forms() const { return sites_.size() > size(); }
     IdVector<FormId, Site>::IdRange ids() const { return {static_cast<std::uint32_t>(size())}; }
 
 private:

@@ -153,7 +153,7 @@ Pole widest_pole(const Nearness& nearness) {
     return best;
 }
 
-// The rotation of an integer quaternion (w, x, y, z), times its squared norm; common factors cancelled.
+// The rotation of an integer quaternion (w, x, y, z), times its squared norm.
 IntegerRotation rotation(const Eigen::Vector4d& q) {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
     IntegerRotation r;
@@ -161,8 +161,15 @@ IntegerRotation rotation(const Eigen::Vector4d& q) {
         2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),          //
         2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z;
     r.norm = q.squaredNorm();
+    return r;
+}
+
+IntegerRotation reduced(IntegerRotation r) {
     auto common = static_cast<long long>(r.norm);
-    for (const double entry : r.matrix.reshaped()) common = std::gcd(common, static_cast<long long>(entry));
+    for (const double entry : r.matrix.reshaped()) {
+        if (common == 1) return r;
+        common = std::gcd(common, static_cast<long long>(entry));
+    }
     r.matrix /= static_cast<double>(common);
     r.norm /= static_cast<double>(common);
     return r;
@@ -182,7 +189,7 @@ std::optional<IntegerRotation> chart_rotation(const Nearness& nearness) {
         const Eigen::Vector4d q =
             (turn * (std::ldexp(1.0, bits) / turn.cwiseAbs().maxCoeff())).array().round();
         const IntegerRotation r = rotation(q);
-        if ((r.matrix.col(2) / r.norm - t).norm() <= 0.25 * std::min(pole.room, 1.0)) return r;
+        if ((r.matrix.col(2) / r.norm - t).norm() <= 0.25 * std::min(pole.room, 1.0)) return reduced(r);
     }
     return std::nullopt;
 }
