@@ -248,25 +248,25 @@ const Support& DividedBox::support(std::size_t f, Part part) const {
 }
 
 bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const {
-    return grows_along(
-        f, g, direction, [&](Part part) { return (lowest(part) & pair(f, g)) != 0; }, 0, 0);
+    return grows_along(f, g, direction, Where::Lowest, 0, 0);
 }
 
 bool DividedBox::grows_throughout(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const {
-    const auto meet = [&](Part part) { return normals_[part].meet(support(f, part), support(g, part)); };
-    return grows_along(f, g, direction, meet, 0, 0);
+    return grows_along(f, g, direction, Where::Equal, 0, 0);
 }
 
-template <class Meet>
-bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, const Meet& meet,
+// By what is known of the part around it, by what the two forms do, and last by what takes all of them.
+bool DividedBox::grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, Where where,
                              Part part, int level) const {
-    if (!meet(part)) return true;
-    const auto [middle, change] = normals_[part].growth(support(f, part), support(g, part), direction);
+    if (where == Where::Lowest && (parts_[part].lowest & pair(f, g)) == 0) return true;
+    const Support &a = support(f, part), &b = support(g, part);
+    const auto [middle, change] = normals_[part].growth(a, b, direction);
     if (middle > change) return true;
+    if (where == Where::Lowest ? (lowest(part) & pair(f, g)) == 0 : !normals_[part].meet(a, b)) return true;
     if (level == levels) return false;
     const Part first = quarter(part);
     for (Part q = first; q < first + 4; ++q)
-        if (!grows_along(f, g, direction, meet, q, level + 1)) return false;
+        if (!grows_along(f, g, direction, where, q, level + 1)) return false;
     return true;
 }
 

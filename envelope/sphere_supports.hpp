@@ -172,9 +172,9 @@ private:
     Pairs lowest(Part part) const;
     Part quarter(Part part) const;
     const Support& support(std::size_t f, Part part) const;
-    template <class Meet>
-    bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, const Meet& meet,
-                     Part part, int level) const;
+    enum class Where { Equal, Lowest };
+    bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction, Where where, Part part,
+                     int level) const;
     void enclose_meeting(Pairs pairs, Part part, int levels_left, Box& hull) const;
     struct Meeting;
     Meeting& find_meeting(std::size_t f, std::size_t g, std::size_t h) const;
