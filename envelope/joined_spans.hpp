@@ -50,23 +50,26 @@ inline void extend(Range& range, double a, double b, double c, double w) {
     range[1] = std::max(range[1], value);
 }
 
-/// Extends a range by a polynomial with the given Bezier coefficients (degree at most 5), to rounding: halves
-/// where the coefficients reach beyond what its ends have reached.
-inline void extend_by_polynomial(Range& range, std::span<const double> coefficients, int halvings = 52) {
+/// Extends a range by a polynomial with the given Bezier coefficients (degree at most 5), to rounding: divides
+/// it where the coefficients reach beyond what its ends have reached. Every second time where a linear
+/// derivative with its ends would vanish: near an extremum that soon meets it; halves meet it for certain.
+inline void extend_by_polynomial(Range& range, std::span<const double> coefficients, int divisions = 52) {
     range[0] = std::min({range[0], coefficients.front(), coefficients.back()});
     range[1] = std::max({range[1], coefficients.front(), coefficients.back()});
     const auto [low, high] = std::ranges::minmax(coefficients);
     const double slack = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(low), std::abs(high));
-    if ((low >= range[0] - slack && high <= range[1] + slack) || halvings == 0) return;
+    if ((low >= range[0] - slack && high <= range[1] + slack) || divisions == 0) return;
     std::array<double, 6> left, right;
     std::ranges::copy(coefficients, right.begin());
     const std::size_t n = coefficients.size() - 1;
+    const double first = right[1] - right[0], last = right[n] - right[n - 1];
+    const double t = divisions % 2 == 0 && first * last < 0 ? first / (first - last) : 0.5;
     for (std::size_t level = 0; level <= n; ++level) {
         left[level] = right[0];
-        for (std::size_t i = 0; i < n - level; ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
+        for (std::size_t i = 0; i < n - level; ++i) right[i] += t * (right[i + 1] - right[i]);
     }
-    extend_by_polynomial(range, {left.data(), n + 1}, halvings - 1);
-    extend_by_polynomial(range, {right.data(), n + 1}, halvings - 1);
+    extend_by_polynomial(range, {left.data(), n + 1}, divisions - 1);
+    extend_by_polynomial(range, {right.data(), n + 1}, divisions - 1);
 }
 
 template <class Items>
