@@ -325,10 +325,10 @@ private:
         std::array<std::uint32_t, 2> part{};
         Patches patches{};           // of those parts
         std::optional<Linear> seam;  // crossed
-        double expected = infinity;  // error, but for q
+        double expected = infinity;  // error, but for q; finite if this is near the arc
 
         double error() const { return tube.error(); }
-        bool is_near() const { return tube.curve < infinity; }
+        bool is_near() const { return expected < infinity; }
     };
     struct Frame {
         std::array<Vector4d, 3> gradients;
@@ -743,7 +743,7 @@ private:
     }
 
     // Certified if it may err by no more than `most`: in the certificate each |B_i| is 1 / sqrt(2) at least.
-    // Others that come near the arc are so without their trims: they tell where to divide it.
+    // Others that come near the arc tell where to divide it, and by their residuals into how many parts.
     Fit smooth(const Node& from, const Node& to, double most) const {
         constexpr double flattest = 0.45;
         Fit fit;
@@ -761,18 +761,18 @@ private:
         const SpanPolynomials span(fit.points, foot_);
         Residuals residuals{curve_residuals(span), {}};
         const double largest = std::ranges::max(residuals.curve);
-        const bool is_good = least_share * largest <= most;
-        if (is_good) {
-            trim(fit);
-            if (fit.seam) return fit;
-            add_trims(fit, span, residuals);
-        }
-        fit.tube = certify(fit.points, fit.patches, residuals, is_good ? most : infinity, from.is_terminal,
-                           to.is_terminal, deepest_proof);
-        if (!is_good) fit.tube.trims = infinity;
-        constexpr double of_trims = 4;  // roughly, over that of the curve
-        const double error = std::isfinite(fit.error()) ? fit.error() : of_trims * fit.tube.curve;
-        fit.expected = error * (1 - fit.tube.q);  // parts have a smaller q
+        constexpr double usual_share = 6;  // of errors, of trims mostly, but for q
+        fit.expected = usual_share * largest;
+        if (!(least_share * largest <= most)) return fit;
+        trim(fit);
+        if (fit.seam) return fit;
+        add_trims(fit, span, residuals);
+        fit.tube = certify(fit.points, fit.patches, residuals, most, from.is_terminal, to.is_terminal,
+                           deepest_proof);
+        if (fit.tube.is_proved())
+            fit.expected = fit.error() * (1 - fit.tube.q);  // parts have a smaller q
+        else if (fit.tube.curve == infinity)
+            fit.expected = infinity;
         return fit;
     }
 
