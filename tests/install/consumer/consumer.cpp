@@ -1,5 +1,5 @@
 // Exit status 0 when the installed headers and archive compute a cell: the point (0, 0, 1) over the plane
-// z = 0 is 1/2 away from the paraboloid halfway.
+// z = 0 is 1/2 away from the paraboloid halfway, whose patch has that point above the middle of the box.
 #include <vcell/vcell.hpp>
 
 int main() {
@@ -8,5 +8,7 @@ int main() {
     scene.objects = {vcell::Sphere{{0, 0, 1}, 0}};
     scene.box = {{-1, -1, 0}, {1, 1, 4}};
     const vcell::Cell cell = vcell::voronoi_cell(scene);
-    return cell.faces.size() == 1 && cell.measures.min_clearance == 0.5 ? 0 : 1;
+    if (cell.faces.size() != 1 || cell.measures.min_clearance != 0.5) return 1;
+    const vcell::RationalPatch surface = cell.faces[0].patches[0].surface;
+    return (surface.evaluate(0, 0) - vcell::Vec3(0, 0, 0.5)).norm() < 1e-15 ? 0 : 1;
 }
