@@ -17,6 +17,8 @@ constexpr Range empty_range{std::numeric_limits<double>::infinity(),
 
 /// Makes knots those of `spans` Bezier pieces of one degree, joined: full, clamped and uniform on [0, 1].
 inline void join_knots(Knots& knots, int degree, std::size_t spans) {
+    static constexpr std::array<double, 6> conic{0, 0, 0, 1, 1, 1};
+    if (degree == 2 && spans == 1) return knots.assign(conic.begin(), conic.end());
     knots.assign(degree + 1, 0.0);
     for (std::size_t i = 1; i <= spans; ++i) {
         const double t = static_cast<double>(i) / static_cast<double>(spans);

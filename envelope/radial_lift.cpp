@@ -125,14 +125,16 @@ Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem
 // as the Gram determinant of (b_f, b0_f) and (b_g, b0_g) in the cone's metric is positive, zero or negative.
 class ConicKind {
 public:
+    using Approximate = Functional<Vec3, double>;
+
     ConicKind(const RadialBaseProblem& problem, Decisions& decisions)
         : problem_(problem), decisions_(decisions) {}
 
-    CurveKind operator()(FormId f, FormId g) {
+    // p and q: the forms' functionals.
+    CurveKind operator()(FormId f, FormId g, const Approximate& p, const Approximate& q) {
         // b0 = 0: the bisector is a plane.
         if (is_flat(problem_, f) && is_flat(problem_, g)) return CurveKind::Line;
         // The plane lies across the axis of both bisectors, which are surfaces of revolution.
-        const Approximate p = functional(problem_, f), q = functional(problem_, g);
         if (are_parallel(f, g, p.b, q.b)) return CurveKind::Circle;
         const Sign sign = gram_sign(f, g, p, q);
         return sign == Sign::Positive   ? CurveKind::Hyperbola
@@ -141,8 +143,6 @@ public:
     }
 
 private:
-    using Approximate = Functional<Vec3, double>;
-
     bool are_parallel(FormId f, FormId g, const Vec3& p, const Vec3& q) {
         if (p.cross(q).cwiseAbs().maxCoeff() > 4 * u * p.norm() * q.norm()) {
             ++decisions_.by_double;
@@ -179,12 +179,13 @@ private:
 // where their functionals say, by the least that does.
 class Hyperplane {
 public:
-    Hyperplane(const RadialBaseProblem& problem, FormId f) {
-        const Functional<Vec3, double> g = functional(problem, f);
-        const double scale = 1 / std::sqrt(g.b.squaredNorm() + g.b0 * g.b0);
-        normal_ << scale * g.b, scale * g.b0;
-        k_ = scale * g.k;
+    Hyperplane(const RadialBaseProblem& problem, FormId f) : functional_(vcell::functional(problem, f)) {
+        const auto& [b, b0, square, k] = functional_;
+        const double scale = 1 / std::sqrt(b.squaredNorm() + b0 * b0);
+        normal_ << scale * b, scale * b0;
+        k_ = scale * k;
     }
+    const Functional<Vec3, double>& functional() const { return functional_; }
     const Vector4d& normal() const { return normal_; }
     // Of a homogeneous point of that weight.
     double residual(const Vector4d& x, double weight) const { return normal_.dot(x) - weight * k_; }
@@ -194,21 +195,23 @@ public:
     double steepness() const { return 1 / std::abs(k_); }
 
 private:
+    Functional<Vec3, double> functional_;
     Vector4d normal_;  // unit
     double k_;
 };
 
 // To the common points of both. Where they are all but parallel, to those of the first.
-Vector4d moved(const Vector4d& x, double weight, const std::array<Hyperplane, 2>& planes) {
+Vector4d moved(const Vector4d& x, double weight, const std::array<const Hyperplane*, 2>& planes) {
     const auto& [p, q] = planes;
-    const double a = p.residual(x, weight), b = q.residual(x, weight), inner = p.normal().dot(q.normal());
+    const double a = p->residual(x, weight), b = q->residual(x, weight),
+                 inner = p->normal().dot(q->normal());
     const double determinant = 1 - inner * inner;
-    if (determinant < 0x1p-30) return x - a * p.normal();
-    return x - ((a - inner * b) * p.normal() + (b - inner * a) * q.normal()) / determinant;
+    if (determinant < 0x1p-30) return x - a * p->normal();
+    return x - ((a - inner * b) * p->normal() + (b - inner * a) * q->normal()) / determinant;
 }
 
 // The same, and to the cone |p| = t.
-Vector4d moved_on_cone(const Vector4d& x, const std::array<Hyperplane, 2>& planes) {
+Vector4d moved_on_cone(const Vector4d& x, const std::array<const Hyperplane*, 2>& planes) {
     const Vector4d y = moved(x, 1, planes);
     // On along the line in both hyperplanes that changes |p| - t most.
     const double length = y.head<3>().norm();
@@ -219,12 +222,12 @@ Vector4d moved_on_cone(const Vector4d& x, const std::array<Hyperplane, 2>& plane
 }
 
 // To three hyperplanes and the cone: a step of Newton's method. May fail with numbers that are not finite.
-Vector4d moved_to_meet(const Vector4d& x, const std::array<Hyperplane, 3>& planes) {
+Vector4d moved_to_meet(const Vector4d& x, const std::array<const Hyperplane*, 3>& planes) {
     Eigen::Matrix4d rows;
     Vector4d residual;
     for (int i = 0; i < 3; ++i) {
-        rows.row(i) = planes[i].normal();
-        residual[i] = planes[i].residual(x, 1);
+        rows.row(i) = planes[i]->normal();
+        residual[i] = planes[i]->residual(x, 1);
     }
     const double length = x.head<3>().norm();
     rows.row(3) << x.head<3>().transpose() / length, -1;
@@ -243,10 +246,10 @@ public:
         add_vertices();
         add_kinds();
         add_arcs();
+        add_faces();
         add_patches();
         if (has_small_weights_) halve_for_trims();
         add_edges();
-        add_faces();
         if (with_measures)
             measure(problem_, diagram_, cell_);
         else
@@ -329,7 +332,7 @@ private:
             return with_distance(end->point);
         }
         const Vector4d moved =
-            moved_to_meet(x, {hyperplane(forms[0]), hyperplane(forms[1]), hyperplane(forms[2])});
+            moved_to_meet(x, {&hyperplane(forms[0]), &hyperplane(forms[1]), &hyperplane(forms[2])});
         const double move = (moved - x).norm();
         if (!(move <= error)) return x;
         error += move;
@@ -345,9 +348,8 @@ private:
             points_.push_back(x);
             vertex.point = problem_.frame.to_world(x.head<3>());
             vertex.radius = x.w() - problem_.radius;
-            vertex.sites.reserve(diagram_.label(v).size());
             for (const FormId f : diagram_.label(v))
-                vertex.sites.insert(vertex.sites.end(), problem_.sites[f].begin(), problem_.sites[f].end());
+                for (const Site site : problem_.sites[f]) vertex.sites.push_back(site);
             for (const std::uint32_t side : diagram_.sides(v)) vertex.sites.push_back(end_site(side));
             sort_unique(vertex.sites);
         }
@@ -359,7 +361,8 @@ private:
         for (const MinimizationDiagram::Edge& e : diagram_.edges) {
             const bool is_conic =
                 diagram_.is_circular(e.left) && !e.on_rim() && diagram_.is_circular(e.right);
-            kinds_.push_back(is_conic                            ? kind(e.left, e.right)
+            const auto functional = [&](FormId f) -> const auto& { return hyperplane(f).functional(); };
+            kinds_.push_back(is_conic ? kind(e.left, e.right, functional(e.left), functional(e.right))
                              : !problem_.is_sphere && is_line(e) ? CurveKind::Line
                                                                  : CurveKind::Spline);
         }
@@ -403,7 +406,7 @@ private:
         std::vector<EdgeId> in_chart;
         for (const EdgeId e : diagram_.edges.ids()) {
             if (is_line(e) || is_spline(e)) continue;
-            const std::array planes{hyperplane(diagram_.edges[e].left), hyperplane(diagram_.edges[e].right)};
+            const std::array planes{&hyperplane(diagram_.edges[e].left), &hyperplane(diagram_.edges[e].right)};
             const auto first = static_cast<std::uint32_t>(conics_.size());
             if (problem_.is_sphere && add_arc_on_sphere(e, planes))
                 slices_[e] = {first, static_cast<std::uint32_t>(conics_.size())};
@@ -428,7 +431,7 @@ private:
         const CircularForm *f = &diagram_.forms[diagram_.edges[e].left],
                            *g = &diagram_.forms[diagram_.edges[e].right];
         if (magnitude(*g) < magnitude(*f)) std::swap(f, g);
-        const std::array planes{hyperplane(diagram_.edges[e].left), hyperplane(diagram_.edges[e].right)};
+        const std::array planes{&hyperplane(diagram_.edges[e].left), &hyperplane(diagram_.edges[e].right)};
         const auto end_point = [&](const Vector2d& p) -> Vector4d {
             const double L = p.squaredNorm();
             return moved_on_cone(lifted(p, L, 1) / root(*f, p, L, 1), planes);
@@ -452,10 +455,10 @@ private:
 
     // Between two vertices, from directions alone. Not where rounding could take a short arc for all but a
     // full circle.
-    bool add_arc_on_sphere(EdgeId e, const std::array<Hyperplane, 2>& planes) {
+    bool add_arc_on_sphere(EdgeId e, const std::array<const Hyperplane*, 2>& planes) {
         if (!start(e).valid() || start(e) == end(e)) return false;
-        const Vec3 normal = planes[0].gradient() - planes[1].gradient();
-        const double length = normal.norm(), size = planes[0].gradient().norm() + planes[1].gradient().norm();
+        const Vec3 normal = planes[0]->gradient() - planes[1]->gradient();
+        const double length = normal.norm(), size = planes[0]->gradient().norm() + planes[1]->gradient().norm();
         const Vector4d &from = points_[start(e)], &to = points_[end(e)];
         const Vec3 u = from.head<3>() / from.w(), v = to.head<3>() / to.w();
         const double radius2 = 1 - std::pow(normal.dot(u) / length, 2);
@@ -470,12 +473,12 @@ private:
     // ends and over the point where the tangents there meet have weights t0, sqrt(t0 t1) cos a and t1 in (u,
     // 1).
     void add_arc_about(const Vec3& normal, const Vector4d& from, const Vector4d& to,
-                       const std::array<Hyperplane, 2>& planes) {
+                       const std::array<const Hyperplane*, 2>& planes) {
         const Vec3 u = from.head<3>() / from.w(), v = to.head<3>() / to.w(), chord = v - u;
         const Vec3 center = normal.dot(u) * normal, middle = 0.5 * (u + v) - center;
         const double half2 = 0.25 * chord.squaredNorm(), depth2 = middle.squaredNorm(),
                      radius2 = half2 + depth2;
-        const Hyperplane& plane = planes[planes[0].steepness() < planes[1].steepness() ? 0 : 1];
+        const Hyperplane& plane = *planes[planes[0]->steepness() < planes[1]->steepness() ? 0 : 1];
         const Vec3 right = chord.cross(normal);
         if (middle.dot(right) > 0 && depth2 > 0.5 * radius2) {
             const double w = std::sqrt(from.w() * to.w() * depth2 / radius2);
@@ -505,7 +508,21 @@ private:
         spans.push_back(span);
     }
 
-    // ---- Patches ----
+    // ---- Faces and patches ----
+
+    void add_faces() {
+        cell_.faces.reserve(diagram_.face_forms.size());
+        cell_faces_.resize(diagram_.face_forms.size());
+        for (const FaceId id : diagram_.face_forms.ids()) {
+            const FormId form = diagram_.face_forms[id];
+            if (!form.valid()) continue;
+            cell_faces_[id] = static_cast<std::uint32_t>(cell_.faces.size());
+            CellFace& face = cell_.faces.emplace_back();
+            face.site = main_site(form);
+            face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
+            face.bisector = bisector_name(problem_, form);
+        }
+    }
 
     // Calls use(edge, reversed) around a component.
     template <class Use>
@@ -561,7 +578,7 @@ private:
     // The rectangle of a face's trims. Of the loops' the largest is the outer one's, which contains the others and
     // comes first from here on.
     Rectangle face_bounds(FaceId face) {
-        std::vector<std::vector<TrimCurve>>& loops = trimmed_[face].loops;
+        std::vector<std::vector<TrimCurve>>& loops = trimmed(face).loops;
         Rectangle outer{no_range, no_range};
         const auto extent = [](const Rectangle& r) { return r[0][1] - r[0][0] + (r[1][1] - r[1][0]); };
         for (std::size_t i = 0; i < loops.size(); ++i) {
@@ -598,17 +615,23 @@ private:
     void add_patches() {
         const std::size_t count = diagram_.dcel.face_count();
         loops_.resize(count);
-        patches_.resize(count);
-        trimmed_.resize(count);
+        patches_.reserve(count);
         for (const FaceId face : diagram_.face_forms.ids()) {
-            if (!diagram_.face_forms[face].valid()) continue;
-            loops_[face] = diagram_.dcel.inner_ccbs(face);
+            const FormId form = diagram_.face_forms[face];
+            if (!form.valid()) {
+                patches_.push_back({});
+                continue;
+            }
+            const std::vector<CcbId>& inner = diagram_.dcel.inner_ccbs(face);
+            loops_[face].assign(inner.begin(), inner.end());
             if (const CcbId outer = diagram_.dcel.outer_ccb(face); outer.valid())
                 loops_[face].push_back(outer);
-            if (problem_.is_sphere)
-                patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0);
-            else
+            if (problem_.is_sphere) {
+                patches_.push_back(RadialPatch(problem_, form, middle(face), 0));
+            } else {
+                patches_.push_back({});
                 add_cylinder_patch(face);
+            }
         }
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : diagram_.edges.ids())
@@ -634,6 +657,15 @@ private:
             }
             sort_unique(to_fit);
         }
+        for (const FaceId face : diagram_.face_forms.ids())
+            if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);
+    }
+
+    // Of a face that is not cut.
+    TrimmedPatch& trimmed(FaceId face) {
+        std::vector<TrimmedPatch>& patches = cell_.faces[cell_faces_[face]].patches;
+        if (patches.empty()) patches.emplace_back();
+        return patches.front();
     }
 
     // Trims for a patch that does not even do that are not worth fitting.
@@ -665,11 +697,10 @@ private:
 
     bool add_surface(FaceId face) {
         if (is_cut(face)) return add_cut_surfaces(face);
-        TrimmedPatch& trimmed = trimmed_[face];
-        trimmed.loops = trims(face);
+        trimmed(face).loops = trims(face);
         const auto [box_u, box_v] = face_bounds(face);
         std::optional<RationalPatch> surface = patches_[face].patch(box_u, box_v, problem_.frame);
-        if (surface) trimmed.surface = std::move(*surface);
+        if (surface) trimmed(face).surface = std::move(*surface);
         return surface.has_value();
     }
 
@@ -1020,7 +1051,7 @@ private:
         }
         conics_ = std::move(halved);
         for (const FaceId face : diagram_.face_forms.ids())
-            if (diagram_.face_forms[face].valid()) trimmed_[face].loops = trims(face);
+            if (diagram_.face_forms[face].valid()) trimmed(face).loops = trims(face);
     }
 
     const RadialPatch& left_patch(EdgeId e) const { return patches_[diagram_.dcel.face(Dcel::half_edge(e))]; }
@@ -1127,23 +1158,6 @@ private:
         if (reversed) std::reverse(curve.points.begin(), curve.points.end());
     }
 
-    void add_faces() {
-        cell_.faces.reserve(diagram_.face_forms.size());
-        for (const FaceId id : diagram_.face_forms.ids()) {
-            const FormId form = diagram_.face_forms[id];
-            if (!form.valid()) continue;
-            CellFace face;
-            face.site = main_site(form);
-            face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
-            face.bisector = bisector_name(problem_, form);
-            if (is_cut(id))
-                face.patches = std::move(sectors_[id].parts);
-            else
-                face.patches.push_back(std::move(trimmed_[id]));
-            cell_.faces.push_back(std::move(face));
-        }
-    }
-
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const double tolerance_;
@@ -1160,9 +1174,9 @@ private:
     bool has_small_weights_ = false;  // a trim of them, somewhere
     IdVector<EdgeId, std::vector<SpaceSpan>> splines_;
     IdVector<EdgeId, SpaceFitError> errors_;
-    IdVector<FaceId, std::vector<CcbId>> loops_;  // the outer one first
+    IdVector<FaceId, std::uint32_t> cell_faces_;
+    IdVector<FaceId, SmallVector<CcbId, 2>> loops_;  // the outer one first
     IdVector<FaceId, RadialPatch> patches_;
-    IdVector<FaceId, TrimmedPatch> trimmed_;  // of faces that are not cut
     IdVector<FaceId, bool> wide_;  // Stereographic with the pole on the circle at infinity
     IdVector<FaceId, Sectors> sectors_;
     std::uint32_t seams_ = 0;
