@@ -935,8 +935,10 @@ private:
 
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
                                                           const EnvelopeOptions& options) {
-    // What fails in the beginning, when faces are large, may succeed in another order.
-    constexpr std::size_t attempts = 4, beginning = 64;
+    // What fails in the beginning, when faces are large, may succeed in another order. The more forms there are, the
+    // less it costs to try again, compared with the other engine.
+    constexpr std::size_t beginning = 64, many = 1024;
+    const std::size_t attempts = family.size() > many ? 16 : 4;
     for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
         DiscDiagram diagram(family, options);
         if (auto result = diagram.run(attempt)) return result;
