@@ -556,14 +556,14 @@ private:
         return row;
     }
 
+    static void extend_by_rectangle(Rectangle& box, const Rectangle& other) {
+        for (int i = 0; i < 2; ++i)
+            box[i] = {std::min(box[i][0], other[i][0]), std::max(box[i][1], other[i][1])};
+    }
+
     void extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim) {
         const auto& p = trim.curve.points;
-        if (trim.curve.degree != 2) {
-            const Rectangle bounds = curve_bounds(trim.curve);
-            for (int k = 0; k < 2; ++k)
-                box[k] = {std::min(box[k][0], bounds[k][0]), std::max(box[k][1], bounds[k][1])};
-            return;
-        }
+        if (trim.curve.degree != 2) return extend_by_rectangle(box, curve_bounds(trim.curve));
         for (std::size_t i = 0; i + 2 < p.size(); i += 2) {
             const double weight = p[i + 1].z() / std::sqrt(p[i].z() * p[i + 2].z());
             if (!(weight >= least_weight)) {
@@ -675,7 +675,7 @@ private:
             around(ccb, [&](EdgeId e, bool) {
                 if (!start(e).valid()) return;
                 const Vec2 p = patches_[face].parameters(Vec3(points_[start(e)].head<3>()));
-                for (int i = 0; i < 2; ++i) box[i] = {std::min(box[i][0], p[i]), std::max(box[i][1], p[i])};
+                extend_by_rectangle(box, {{{p.x(), p.x()}, {p.y(), p.y()}}});
             });
         return box[0][0] > box[0][1] || patches_[face].patch(box[0], box[1], problem_.frame);
     }
@@ -951,11 +951,7 @@ private:
         match_seams(all, parts, first_seam);
         for (CutPart& part : parts) {
             Rectangle box{no_range, no_range};
-            for (const TrimCurve& trim : part.loops.front()) {
-                const Rectangle bounds = curve_bounds(trim.curve);
-                for (int i = 0; i < 2; ++i)
-                    box[i] = {std::min(box[i][0], bounds[i][0]), std::max(box[i][1], bounds[i][1])};
-            }
+            for (const TrimCurve& trim : part.loops.front()) extend_by_rectangle(box, curve_bounds(trim.curve));
             widen(box);
             if (auto surface = all.sectors[part.sector].patch.patch(box[0], box[1], problem_.frame))
                 all.parts.push_back({std::move(*surface), std::move(part.loops)});
