@@ -8,6 +8,7 @@
 #include <memory>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace vcell {
 
@@ -27,7 +28,7 @@ public:
     using iterator = T*;
     using const_iterator = const T*;
 
-    SmallVector() = default;
+    SmallVector() {}  // not defaulted: value-initialization would fill what lies inside with zeros
     SmallVector(std::initializer_list<T> items) : SmallVector(items.begin(), items.end()) {}
     template <std::forward_iterator It>
     SmallVector(It first, It last) {
@@ -117,6 +118,14 @@ public:
         return at;
     }
 
+    /// As std::erase_if().
+    template <class Predicate>
+    friend std::size_t erase_if(SmallVector& all, const Predicate& goes) {
+        const std::size_t before = all.size();
+        all.erase(std::remove_if(all.begin(), all.end(), goes), all.end());
+        return before - all.size();
+    }
+
     friend bool operator==(const SmallVector& a, const SmallVector& b) {
         return std::equal(a.begin(), a.end(), b.begin(), b.end());
     }
@@ -172,5 +181,18 @@ private:
     std::size_t size_ = 0, capacity_ = N;
     alignas(T) std::byte inside_[N * sizeof(T)];
 };
+
+/// Appends T{} and returns it. As emplace_back(), but that fills an aggregate with zeros before its members
+/// are made, the room inside its short sequences too.
+template <class T>
+T& append_new(std::vector<T>& all) {
+    struct Maker {
+        operator T() const {
+            T element;
+            return element;
+        }
+    };
+    return all.emplace_back(Maker());
+}
 
 }  // namespace vcell

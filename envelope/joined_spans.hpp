@@ -19,6 +19,7 @@ constexpr Range empty_range{std::numeric_limits<double>::infinity(),
 inline void join_knots(Knots& knots, int degree, std::size_t spans) {
     static constexpr std::array<double, 6> conic{0, 0, 0, 1, 1, 1};
     if (degree == 2 && spans == 1) return knots.assign(conic.begin(), conic.end());
+    knots.reserve(degree * (spans + 1) + 2);
     knots.assign(degree + 1, 0.0);
     for (std::size_t i = 1; i <= spans; ++i) {
         const double t = static_cast<double>(i) / static_cast<double>(spans);

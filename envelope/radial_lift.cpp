@@ -248,7 +248,7 @@ public:
         add_arcs();
         add_faces();
         add_patches();
-        if (has_small_weights_) halve_for_trims();
+        halve_for_trims();
         add_edges();
         if (with_measures)
             measure(problem_, diagram_, cell_);
@@ -343,7 +343,7 @@ private:
         cell_.vertices.reserve(diagram_.vertices.size());
         points_.reserve(diagram_.vertices.size());
         for (const VertexId v : diagram_.vertices.ids()) {
-            CellVertex& vertex = cell_.vertices.emplace_back();
+            CellVertex& vertex = append_new(cell_.vertices);
             const Vector4d x = vertex_point(v, vertex.error);
             points_.push_back(x);
             vertex.point = problem_.frame.to_world(x.head<3>());
@@ -517,7 +517,7 @@ private:
             const FormId form = diagram_.face_forms[id];
             if (!form.valid()) continue;
             cell_faces_[id] = static_cast<std::uint32_t>(cell_.faces.size());
-            CellFace& face = cell_.faces.emplace_back();
+            CellFace& face = append_new(cell_.faces);
             face.site = main_site(form);
             face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
             face.bisector = bisector_name(problem_, form);
@@ -567,7 +567,7 @@ private:
         for (std::size_t i = 0; i + 2 < p.size(); i += 2) {
             const double weight = p[i + 1].z() / std::sqrt(p[i].z() * p[i + 2].z());
             if (!(weight >= least_weight)) {
-                has_small_weights_ = true;
+                bent_.push_back(EdgeId{*trim.edge});
                 for (const ConicSpan& span : spans(EdgeId{*trim.edge})) extend_by_span(box, patch, span);
                 return;
             }
@@ -664,7 +664,7 @@ private:
     // Of a face that is not cut.
     TrimmedPatch& trimmed(FaceId face) {
         std::vector<TrimmedPatch>& patches = cell_.faces[cell_faces_[face]].patches;
-        if (patches.empty()) patches.emplace_back();
+        if (patches.empty()) append_new(patches);
         return patches.front();
     }
 
@@ -688,9 +688,8 @@ private:
             std::size_t length = 0;
             around(ccb, [&](EdgeId, bool) { ++length; });
             loop.reserve(length);
-            around(ccb, [&](EdgeId e, bool reversed) {
-                set_trim(patches_[face], e, reversed, loop.emplace_back());
-            });
+            around(ccb,
+                   [&](EdgeId e, bool reversed) { set_trim(patches_[face], e, reversed, append_new(loop)); });
         }
         return loops;
     }
@@ -1037,17 +1036,22 @@ private:
     }
 
     void halve_for_trims() {
+        sort_unique(bent_);
         std::vector<ConicSpan> halved;
-        halved.reserve(conics_.size());
-        for (const EdgeId e : diagram_.edges.ids()) {
-            const std::array patches{&left_patch(e), &right_patch(e)};
-            const auto first = static_cast<std::uint32_t>(halved.size());
-            for (const ConicSpan& span : spans(e)) add_halves(span, patches, halved);
-            slices_[e] = {first, static_cast<std::uint32_t>(halved.size())};
+        for (const EdgeId e : bent_) {
+            halved.clear();
+            for (const ConicSpan& span : spans(e))
+                add_halves(span, std::array{&left_patch(e), &right_patch(e)}, halved);
+            const auto first = static_cast<std::uint32_t>(conics_.size());
+            conics_.insert(conics_.end(), halved.begin(), halved.end());
+            slices_[e] = {first, static_cast<std::uint32_t>(conics_.size())};
+            for (const unsigned side : {0u, 1u}) {
+                const FaceId face = diagram_.dcel.face(Dcel::half_edge(e, side));
+                for (std::vector<TrimCurve>& loop : trimmed(face).loops)
+                    for (TrimCurve& trim : loop)
+                        if (trim.edge == e.value) set_trim(patches_[face], e, trim.reversed, trim);
+            }
         }
-        conics_ = std::move(halved);
-        for (const FaceId face : diagram_.face_forms.ids())
-            if (diagram_.face_forms[face].valid()) trimmed(face).loops = trims(face);
     }
 
     const RadialPatch& left_patch(EdgeId e) const { return patches_[diagram_.dcel.face(Dcel::half_edge(e))]; }
@@ -1061,7 +1065,7 @@ private:
         cell_.edges.reserve(diagram_.edges.size());
         for (const EdgeId e : diagram_.edges.ids()) {
             const MinimizationDiagram::Edge& from = diagram_.edges[e];
-            CellEdge& edge = cell_.edges.emplace_back();
+            CellEdge& edge = append_new(cell_.edges);
             edge.sites = {main_site(from.left), from.on_rim() ? end_site(from.side) : main_site(from.right)};
             for (const FormId f : diagram_.label(e))
                 for (const Site site : problem_.sites[f])
@@ -1106,10 +1110,10 @@ private:
                          RationalCurve2& curve) const {
         const std::vector<SpaceSpan>& spans = splines_[e];
         const std::size_t n = spans.size();
-        Knots knots;
-        join_knots(knots, 5, n);
         curve.degree = 5;
-        curve.knots.assign(knots.begin() + 5 * first, knots.begin() + 5 * last + 7);
+        join_knots(curve.knots, 5, n);
+        curve.knots.erase(curve.knots.begin() + 5 * last + 7, curve.knots.end());
+        curve.knots.erase(curve.knots.begin(), curve.knots.begin() + 5 * first);
         curve.knots.front() = curve.knots[1];
         curve.knots.back() = curve.knots[curve.knots.size() - 2];
         curve.points.reserve(5 * (last - first) + 1);
@@ -1167,7 +1171,7 @@ private:
         std::uint32_t first = 0, last = 0;
     };
     IdVector<EdgeId, Slice> slices_;  // of conics_
-    bool has_small_weights_ = false;  // a trim of them, somewhere
+    std::vector<EdgeId> bent_;        // of conics_, where a trim turned so far that a weight was too small
     IdVector<EdgeId, std::vector<SpaceSpan>> splines_;
     IdVector<EdgeId, SpaceFitError> errors_;
     IdVector<FaceId, std::uint32_t> cell_faces_;
