@@ -28,6 +28,7 @@
 #include <limits>
 #include <utility>
 
+#include "../core/small_vector.hpp"
 #include "sphere_trees.hpp"
 
 namespace vcell {
@@ -66,7 +67,7 @@ public:
         if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
         // In each direction a side of the box is nearer than sqrt(3) times the farthest side.
         if (!start(least_slope / 4, attempt < 2 ? 4 : 16)) return std::nullopt;
-        for (const Index form : insertion_order(attempt)) {
+        for (const auto& [place, form] : insertion_order(attempt)) {
             if (!insert(form)) return std::nullopt;
             ++inserted_;
             if (options_.progress && inserted_ % 1024 == 0)
@@ -112,6 +113,8 @@ private:
         double top = HUGE_VAL;  // upper bound of the form over the face
     };
 
+    using SomeIndices = SmallVector<Index, 32>;
+
     static constexpr std::size_t most_spread = 8;     // forms that are to surround the base first
     static constexpr std::size_t largest_small = 96;  // faces of a diagram without a tree
 
@@ -147,8 +150,9 @@ private:
     // Lowest first, so that others are soon seen to lose; but before them some of the lowest that lie in all
     // directions, as faces that reach around the sphere are easily cut in two. Which of those is the first is
     // the choice that each attempt makes anew.
-    std::vector<Index> insertion_order(std::size_t attempt) const {
-        std::vector<std::pair<double, Index>> order;
+    using Order = std::vector<std::pair<double, Index>>;
+    Order insertion_order(std::size_t attempt) const {
+        Order order;
         order.reserve(family_.size());
         for (Index f = 0; f < family_.size(); ++f) order.emplace_back(forms_[f].e - forms_[f].slope, f);
         std::ranges::sort(order);
@@ -180,10 +184,7 @@ private:
             for (std::size_t i = begin; i < end; ++i) order[i].first = place_on_path(forms_[order[i].second]);
             std::sort(order.begin() + begin, order.begin() + end);
         }
-        std::vector<Index> out;
-        out.reserve(order.size());
-        for (const auto& [height, f] : order) out.push_back(f);
-        return out;
+        return order;
     }
 
     // Of the direction in which the form is lowest, on a path through an octree (Morton's).
@@ -223,11 +224,7 @@ private:
             const Vector3d direction = turn * Vector3d(r * std::cos(angle), r * std::sin(angle), z);
             forms_.push_back(Linear(-slope * direction, 0, 16 * u * slope));
         }
-        faces_.resize(forms_.size());
-        for (std::vector<Index>* some :
-             {&rivals_, &swallowed_, &new_edges_, &middles_, &alive_faces_, &free_vertices_, &free_edges_})
-            some->reserve(32);
-        cuts_.reserve(32);
+        faces_.assign(forms_.size(), Face());
         // Euler: V = 2 F - 4 and E = 3 F - 6, and some that are gone.
         const std::size_t room = forms_.size() + 64;
         vertices_.reserve(2 * room);
@@ -453,8 +450,7 @@ private:
         for (const Cut& c : cuts_) cut(challenger, c);
         for (const Index h : middles_) join(h);
         if (!vertex_tree_) {
-            if (!swallowed_.empty())
-                std::erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
+            if (!swallowed_.empty()) erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
             alive_faces_.push_back(challenger);
             top_ = HUGE_VAL;
             is_top_known_ = false;
@@ -556,11 +552,9 @@ private:
             const bool is_from_taken = is_taken(vertices_[half_edges_[h].origin]);
             bool is_crossed = is_from_taken != is_taken(to);
             Edge& edge = edges_[h >> 1];
-            if (!is_crossed && edge.stamp != stamp_) {
+            if (!is_crossed && !is_beside(edge, is_from_taken, form) && edge.stamp != stamp_) {
                 edge.stamp = stamp_;
-                const Middle middle = is_beside(edge, is_from_taken, form)
-                                          ? Middle::Same
-                                          : look_between(h >> 1, is_from_taken, form);
+                const Middle middle = look_between(h >> 1, is_from_taken, form);
                 if (middle == Middle::Unknown) return false;
                 is_crossed = middle == Middle::Differs;
                 if (is_crossed) split(h);
@@ -732,7 +726,7 @@ private:
     }
 
     template <class T>
-    static Index add(std::vector<T>& all, std::vector<Index>& free, const T& element) {
+    static Index add(std::vector<T>& all, SomeIndices& free, const T& element) {
         if (free.empty()) {
             all.push_back(element);
             return static_cast<Index>(all.size() - 1);
@@ -913,21 +907,21 @@ private:
     std::vector<HalfEdge> half_edges_;
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
-    std::vector<Index> free_vertices_, free_edges_;
-    std::vector<Index> alive_faces_;  // as long as there is no tree
-    double top_ = HUGE_VAL;           // the diagram is nowhere higher
+    SomeIndices free_vertices_, free_edges_;
+    SomeIndices alive_faces_;  // as long as there is no tree
+    double top_ = HUGE_VAL;    // the diagram is nowhere higher
     bool is_top_known_ = false;
     // Of large diagrams. The vertices tell where most forms win; faces are looked at when they do not.
     std::optional<VertexTree> vertex_tree_;
     FaceTree face_tree_;
-    std::vector<Index> new_faces_;  // not in the tree yet
+    SomeIndices new_faces_;  // not in the tree yet
     Decisions decisions_;
     Index stamp_ = 0;
     std::size_t inserted_ = 0;
     // Working space of insert().
-    std::vector<Index> rivals_, swallowed_, new_edges_;
-    std::vector<Index> middles_;  // half-edges that end at a vertex made by split() that is not taken
-    std::vector<Cut> cuts_;
+    SomeIndices rivals_, swallowed_, new_edges_;
+    SomeIndices middles_;  // half-edges that end at a vertex made by split() that is not taken
+    SmallVector<Cut, 32> cuts_;
     Vector3d middle_;
 };
 

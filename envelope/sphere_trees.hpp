@@ -9,6 +9,8 @@
 #include <numbers>
 #include <vector>
 
+#include "../core/small_vector.hpp"
+
 namespace vcell::discs {
 
 using Eigen::Vector3d;
@@ -120,7 +122,7 @@ public:
     }
     void remove(Index v) {
         if (v >= places_.size() || places_[v].leaf == none) return;
-        std::vector<Index>& leaf = nodes_[places_[v].leaf].vertices;
+        auto& leaf = nodes_[places_[v].leaf].vertices;
         leaf[places_[v].slot] = leaf.back();
         places_[leaf.back()].slot = places_[v].slot;
         leaf.pop_back();
@@ -154,21 +156,21 @@ public:
     }
 
 private:
+    static constexpr std::size_t largest_leaf = 16;
+    static constexpr double least_half = 0x1p-20;
+
     struct Node {
         Cap cap;  // holds the sphere within a cube
         double top =
             -HUGE_VAL;       // the vertices are certainly below forms that are higher than this in the cap
         Index first = none;  // of its children
-        std::vector<Index> vertices;
+        SmallVector<Index, largest_leaf + 2> vertices;
         Vector3d center;  // of the cube
         double half;      // of its side
     };
     struct Place {
         Index leaf = none, slot = 0;
     };
-    static constexpr std::size_t largest_leaf = 16;
-    static constexpr double least_half = 0x1p-20;
-
     void add_node(const Vector3d& center, double half) {
         Node n{.cap = {}, .vertices = {}, .center = center, .half = half};
         n.cap.shrink_to({center, half * std::numbers::sqrt3 + slack});
@@ -185,8 +187,7 @@ private:
 
     template <class Vertices>
     void divide(Index n, const Vertices& vertices) {
-        const std::vector<Index> all = std::move(nodes_[n].vertices);
-        nodes_[n].vertices.clear();
+        const auto all = std::move(nodes_[n].vertices);
         const double half = 0.5 * nodes_[n].half;
         const Vector3d center = nodes_[n].center;
         nodes_[n].first = static_cast<Index>(nodes_.size());
@@ -220,6 +221,11 @@ public:
     }
 
 private:
+    static constexpr double diagonal = std::numbers::sqrt3 * (1 + slack);  // of the cube about a unit ball
+    static constexpr std::size_t largest_leaf = 12;
+    static constexpr Index visits_between = 4;  // of a leaf, until it is tidied again
+    static constexpr double least_half = 0x1p-20;
+
     struct Node {
         Vector3d center;
         double half;               // of the cube's side
@@ -228,7 +234,7 @@ private:
         double top = -HUGE_VAL;    // their forms are no higher on them
         Index first = none;        // of its children
         Index visits = 0;
-        std::vector<Index> faces;
+        SmallVector<Index, largest_leaf + 2> faces;
 
         void set_reach(double to) {
             if (to == reach) return;
@@ -236,11 +242,6 @@ private:
             cap.shrink_to({center, reach});
         }
     };
-    static constexpr double diagonal = std::numbers::sqrt3 * (1 + slack);  // of the cube about a unit ball
-    static constexpr std::size_t largest_leaf = 12;
-    static constexpr Index visits_between = 4;  // of a leaf, until it is tidied again
-    static constexpr double least_half = 0x1p-20;
-
     void add_node(const Vector3d& center, double half) {
         Node n{.center = center, .half = half, .cap = {}, .faces = {}};
         nodes_.push_back(std::move(n));
@@ -285,7 +286,7 @@ private:
     template <class BallOf, class Top>
     void tidy(Index n, const BallOf& ball, const Top& top) {
         Node& node = nodes_[n];
-        std::erase_if(node.faces, [&](Index f) { return ball(f) == nullptr; });
+        erase_if(node.faces, [&](Index f) { return ball(f) == nullptr; });
         double reach = -HUGE_VAL;
         node.top = -HUGE_VAL;
         for (const Index f : node.faces) {
@@ -297,7 +298,7 @@ private:
 
     template <class BallOf, class Top>
     void divide(Index n, const BallOf& ball, const Top& top) {
-        const std::vector<Index> faces = std::move(nodes_[n].faces);
+        const auto faces = std::move(nodes_[n].faces);
         const double half = 0.5 * nodes_[n].half;
         const Vector3d center = nodes_[n].center;
         nodes_[n].first = static_cast<Index>(nodes_.size());
