@@ -322,11 +322,12 @@ struct SphereFrame {
 CircularForm scaled_form(double K, double A, double B, double C, double W) {
     const double scale = K == 0 ? 1 : std::abs(K);
     CircularForm f;
+    const Eigen::Array4d quotients = Eigen::Array4d(A, B, C, W) / scale;
     f.k = K / scale;
-    f.a = A / scale;
-    f.b = B / scale;
-    f.e = C / scale;
-    f.w = W / scale;
+    f.a = quotients[0];
+    f.b = quotients[1];
+    f.e = quotients[2];
+    f.w = quotients[3];
     return f;
 }
 
@@ -339,44 +340,24 @@ CircularForm rounded(const ExactForm& f) {
     return scaled_form(round(f.K), round(f.A), round(f.B), round(f.C), round(f.W));
 }
 
-// A sum of at most eight products of doubles and differences of two doubles, in long double. Where that has the
-// 64 bits of an x86, and at most six of them cancel, it suffices, at a fraction of a compensated sum's cost.
-class ExtendedSum {
-public:
-    void add(long double x, long double y) {
-        const long double p = x * y;
-        value_ += p;
-        size_ += std::abs(p);
+// c - center and rho - R0, each a high part plus a low one. The high parts are multiples of one unit, at most 2^25 of
+// it: of such numbers, four products with each other or with integers up to 2^26 have an exact sum [Rump, Ogita, Oishi,
+// Accurate floating-point summation I, section 3]. The low ones are at most 2^-24 of `size`, rounded once.
+struct SplitBall {
+    Eigen::Array4d high, low;
+    double size;  // the largest of the four
+
+    SplitBall(const Ball& ball, const Vec3& center, double radius) {
+        const Eigen::Array4d x(ball.cx, ball.cy, ball.cz, ball.rho),
+            y(center.x(), center.y(), center.z(), radius);
+        const Eigen::Array4d d = x - y, z = d - x;
+        size = d.abs().maxCoeff();
+        const double shift = 0x1p28 * size;
+        high = (d + shift) - shift;
+        low = ((x - (d - z)) - (y + z)) + (d - high);
     }
-    long double value() const { return value_; }
-    long double size() const { return size_; }
-    // Is it within 0.4 u? With e = 2^-64, differences, products and sums leave less than 12 e of the size.
-    bool is_certain() const {
-        constexpr long double e = std::numeric_limits<long double>::epsilon() / 2, u = 0x1p-53L;
-        return std::abs(value_) >= 30 * (e / u) * size_;
-    }
-
-private:
-    long double value_ = 0, size_ = 0;
-};
-
-// c - center, rho - R0
-struct ExtendedBall {
-    std::array<long double, 3> c;
-    long double delta;
-
-    ExtendedBall(const Ball& ball, const Vec3& center, double radius)
-        : c{static_cast<long double>(ball.cx) - center.x(), static_cast<long double>(ball.cy) - center.y(),
-            static_cast<long double>(ball.cz) - center.z()},
-          delta(static_cast<long double>(ball.rho) - radius) {}
-
-    // |c|^2 - delta^2
-    ExtendedSum power() const {
-        ExtendedSum C;
-        for (const long double x : c) C.add(x, x);
-        C.add(-delta, delta);
-        return C;
-    }
+    // Neither overflows nor underflows matter.
+    bool is_moderate() const { return size >= 0x1p-300 && size <= 0x1p300; }
 };
 struct BallDifferences {
     std::array<Difference, 3> c;
@@ -395,41 +376,45 @@ struct BallDifferences {
     }
 };
 
-// C of a ball, within 0.4 u if it is certain, otherwise within 1.01 u.
+// C of a ball. If it is certain, the high part has at most 52 bits and the sum is within u / 8, otherwise
+// within 1.01 u.
 struct BallPower {
-    long double value;
+    double high, low;
     bool is_certain;
+
+    double value() const { return high + low; }
 };
 
 BallPower ball_power(const Ball& ball, const SphereFrame& frame) {
-    const ExtendedSum C = ExtendedBall(ball, frame.center, frame.radius).power();
-    // Far from where doubles lose digits. So are the ball's other coefficients then, or they are exact:
-    // multiples of the least double, like coordinates and radii.
-    if (C.is_certain() && C.size() >= 0x1p-600L) return {C.value(), true};
+    const SplitBall d(ball, frame.center, frame.radius);
+    const Eigen::Array4d squares = d.high * d.high, rest = (2 * d.high + d.low) * d.low;
+    const BallPower C{squares.head<3>().sum() - squares[3], rest.head<3>().sum() - rest[3], true};
+    // Rounding leaves less than 2^-18 u of the size in the low part.
+    if (d.is_moderate() && std::abs(C.value()) >= 0x1p-15 * d.size * d.size) return C;
     const auto c = BallDifferences(ball, frame.center, frame.radius).power().value();
-    return {c ? *c : 2 * nearest(frame.height(ball).w), false};
+    return {c ? *c : 2 * nearest(frame.height(ball).w), 0, false};
 }
 
-// SphereFrame::form() of balls and sides of the box in sums, where they suffice: first in long double, with
+// SphereFrame::form() of balls and sides of the box in sums, where they suffice: first of split balls, with
 // the ball's power C found before.
 
-std::optional<CircularForm> extended_form(const Ball& ball, long double C, const SphereFrame& frame) {
-    const ExtendedBall d(ball, frame.center, frame.radius);
+std::optional<CircularForm> split_form(const Ball& ball, const BallPower& C, const SphereFrame& frame) {
+    const SplitBall d(ball, frame.center, frame.radius);
     const Eigen::Matrix3d& m = frame.rotation.matrix;
     const double norm = frame.rotation.norm;
-    const auto column = [&](int j) {
-        ExtendedSum P;
-        for (int k = 0; k < 3; ++k) P.add(m(k, j), d.c[k]);
-        return P;
-    };
-    const ExtendedSum P0 = column(0), P1 = column(1);
-    ExtendedSum K = column(2), minus_C = K;
-    K.add(-norm, d.delta);
-    minus_C.add(norm, d.delta);
-    if (!(P0.is_certain() && P1.is_certain() && K.is_certain() && minus_C.is_certain())) return std::nullopt;
-    return scaled_form(static_cast<double>(K.value()), -2 * static_cast<double>(P0.value()),
-                       -2 * static_cast<double>(P1.value()), -static_cast<double>(minus_C.value()),
-                       static_cast<double>(0.5L * norm * C));
+    if (!(norm <= 0x1p26)) return std::nullopt;
+    const Vec3 high = m.transpose() * d.high.head<3>().matrix(),
+               low = m.transpose() * d.low.head<3>().matrix();
+    const double P0 = high[0] + low[0], P1 = high[1] + low[1];
+    const double K = (high[2] - norm * d.high[3]) + (low[2] - norm * d.low[3]);
+    const double minus_C = (high[2] + norm * d.high[3]) + (low[2] + norm * d.low[3]);
+    // Each is within u, and 2^-19 u of this for the rounding of the low parts.
+    const double size = norm * d.size;
+    if (!(std::min({std::abs(P0), std::abs(P1), std::abs(K), std::abs(minus_C)}) >= 0x1p-16 * size))
+        return std::nullopt;
+    const Halves<> halves(C.high);
+    const double W = norm * halves.high + (norm * halves.low + norm * C.low);
+    return scaled_form(K, -2 * P0, -2 * P1, -minus_C, 0.5 * W);
 }
 
 std::optional<CircularForm> compensated_form(const Ball& ball, const SphereFrame& frame) {
@@ -451,7 +436,7 @@ std::optional<CircularForm> compensated_form(const Ball& ball, const SphereFrame
 
 CircularForm rounded_form(const Ball& ball, const BallPower& C, const SphereFrame& frame) {
     if (C.is_certain)
-        if (const auto f = extended_form(ball, C.value, frame)) return *f;
+        if (const auto f = split_form(ball, C, frame)) return *f;
     if (const auto f = compensated_form(ball, frame)) return *f;
     return rounded(frame.form(frame.height(ball)));
 }
@@ -525,7 +510,7 @@ private:
     void add(std::uint32_t i, const Sphere& sphere) {
         const Ball ball{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
         const BallPower C = ball_power(ball, frame_);
-        if (!(C.value > 0)) {
+        if (!(C.value() > 0)) {
             const bool same = ball.rho == frame_.radius && sphere.center == frame_.center;
             objects_.fail(Kind::TouchesBase, i,
                           same                        ? "is the base itself"
@@ -588,7 +573,7 @@ private:
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             const Ball& ball = objects_.balls.items[i];
             const double size = ball.rho - frame_.radius;
-            if (powers_[i].value > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
+            if (powers_[i].value() > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
                 continue;
             const std::array<Exact, 5> of_ball = ray(frame_.height(ball));
             for (std::size_t k = 0; k < objects_.planes.size(); ++k)
@@ -607,7 +592,7 @@ private:
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             if (!objects_.is_kept(objects_.balls.objects[i])) continue;
             const Ball& b = objects_.balls.items[i];
-            const double scale = 2 / static_cast<double>(powers_[i].value);
+            const double scale = 2 / powers_[i].value();
             const Vec3 p(scale * (b.cx - center.x()), scale * (b.cy - center.y()),
                          scale * (b.cz - center.z()));
             nearness.linear.push_back({p, scale * (b.rho - radius)});
