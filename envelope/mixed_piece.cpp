@@ -216,7 +216,11 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::s
     if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]))) {
         normals_.emplace(box[0], box[1], box[2], box[3]);
         spreads_.clear();
-        for (const Rival& r : lowest_supports(*normals_, candidates)) spreads_.push_back({r.form, r.support, {}, {}, {}, {}, {}});
+        for (const Rival& r : lowest_supports(*normals_, candidates)) {
+            Spread& s = append_new(spreads_);
+            s.form = r.form;
+            s.support = r.support;
+        }
     } else {
         spreads_ = lowest_spreads(box, candidates);
     }
@@ -621,7 +625,7 @@ std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const
             after = s + t.error;
         }
     }
-    return ascending ? labels : labels.reversed();
+    return ascending ? std::move(labels) : labels.reversed();
 }
 
 FormId MixedAnalysis::label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
@@ -751,8 +755,8 @@ struct MixedAnalysis::Work {
     };
     mutable SmallVector<Direction, 6> directions;  // as found for the rivals as they are
     MixedPiece piece;
-    std::vector<Spread> rivals;
-    std::vector<Change> changes;
+    std::vector<Spread>& rivals;  // as the last cull() left them, fewer as more is known
+    SmallVector<Change, 8> changes;
     std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
     std::optional<std::uint32_t> knot;           // a vertex of the rim in which more forms meet than change there
     double width = 0;
@@ -884,8 +888,8 @@ struct MixedAnalysis::Work {
         piece.leaving[to.vertex].push_back(h + 1);
     }
     // The changes counter-clockwise from a vertex of the rim on, without its own.
-    std::vector<Change> changes_after(std::uint32_t v) const {
-        std::vector<Change> all;
+    SmallVector<Change, 8> changes_after(std::uint32_t v) const {
+        SmallVector<Change, 8> all;
         for (const Change& c : changes)
             if (c.vertex > v) all.push_back(c);
         for (const Change& c : changes)
@@ -1036,7 +1040,7 @@ bool MixedAnalysis::is_plain(const Work& work) const {
 // Arcs of a plain piece. Without a change, two or three competitors leave no room for any: an arc's ends lie on
 // the rim or in the one point where all three are equal, and that one needs three ends on the rim.
 bool MixedAnalysis::join_changes(Work& work) {
-    const std::vector<Change>& changes = work.changes;
+    const auto& changes = work.changes;
     const std::size_t n = work.rivals.size();
     if (work.knot) {
         const AtKnot ends = ends_at_knot(work);
@@ -1514,7 +1518,7 @@ bool MixedAnalysis::join_at_tie(Work& work) {
     const std::vector<FormId> forms = work.forms();
     const auto fan = find_fan(forms, apex->differences, corners);
     if (!fan) return false;
-    const std::vector<Change> changes = apex->rim ? work.changes_after(*apex->rim) : work.changes;
+    const auto changes = apex->rim ? work.changes_after(*apex->rim) : work.changes;
     const std::vector<FanArm>& arms = fan->arms;
     const std::size_t n = arms.size();
     if (changes.size() != n) return false;
@@ -1624,7 +1628,7 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     const HeightCurvature<Interval> p = heights_.curvature(f, X, Y), q = heights_.curvature(g, X, Y);
     const Interval xx = p.xx - q.xx, xy = p.xy - q.xy, yy = p.yy - q.yy;
     if ((xx * yy - square(xy)).sign() != Sign::Negative || work.knot) return false;
-    const std::vector<Change>& changes = work.changes;
+    const auto& changes = work.changes;
     if (changes.empty()) return true;
     if (work.matched_pair()) {
         work.join(changes[0], changes[1]);

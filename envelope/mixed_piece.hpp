@@ -101,7 +101,7 @@ struct MixedPiece {
     };
     using HalfEdges = SmallVector<std::uint32_t, 4>;
     std::vector<Vertex> vertices;
-    std::vector<RimEdge> rim;
+    SmallVector<RimEdge, 8> rim;
     std::vector<Arc> arcs;
     /// The arcs' half-edges that leave each vertex (2k: arc k from its start, 2k + 1: from its end),
     /// counter-clockwise; on the rim from its edge to the next vertex on.
@@ -148,7 +148,8 @@ public:
     FormId label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
                         std::span<const FormId> candidates);
 
-    /// The diagram of the forms that the last cull() left over the piece, if it is plain. Pre: that was about its box.
+    /// The diagram of the forms that the last cull() left over the piece, if it is plain. Pre: that was about its box,
+    /// and not asked before.
     std::optional<MixedPiece> resolve(const PieceBoundary& boundary);
 
 private:

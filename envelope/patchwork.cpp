@@ -199,7 +199,7 @@ void Patchwork::merge_faces(Index f, Index g) {
 }
 
 // The half-edges along the seam, in their order on the outer boundary.
-std::vector<Patchwork::Index> Patchwork::side_chain(Index outer, std::uint32_t seam) const {
+Patchwork::Chain Patchwork::side_chain(Index outer, std::uint32_t seam) const {
     const auto on_seam = [&](Index h) { return edges_[h >> 1].side == seam; };
     Index h = outer;
     while (on_seam(h)) h = half_edges_[h].prev;
@@ -208,7 +208,7 @@ std::vector<Patchwork::Index> Patchwork::side_chain(Index outer, std::uint32_t s
         h = half_edges_[h].next;
         if (h == stop) throw InternalError("a piece does not reach its seam");
     } while (!on_seam(h));
-    std::vector<Index> chain;
+    Chain chain;
     for (; on_seam(h); h = half_edges_[h].next) chain.push_back(h);
     return chain;
 }
@@ -224,13 +224,13 @@ Patchwork::Index Patchwork::glue(Index piece, Index other, std::uint32_t seam) {
 // The same around the cylinder: the piece lies on both sides of the seam.
 void Patchwork::close(Index piece, std::uint32_t right, std::uint32_t left, double circumference, std::uint32_t upper) {
     upper_rim_ = upper;
-    const std::vector<Index> down = side_chain(piece, right), up = side_chain(piece, left);
+    const Chain down = side_chain(piece, right), up = side_chain(piece, left);
     for (const Index h : down) vertices_[half_edges_[h].origin].x -= circumference;
     vertices_[target(down.back())].x -= circumference;
     join(down, up);
 }
 
-Patchwork::Index Patchwork::join(const std::vector<Index>& down, const std::vector<Index>& up) {
+Patchwork::Index Patchwork::join(const Chain& down, const Chain& up) {
     const std::size_t k = down.size();
     if (up.size() != k) throw InternalError("a seam has " + std::to_string(k) + " edges on one side and " +
                                             std::to_string(up.size()) + " on the other");
@@ -243,7 +243,7 @@ Patchwork::Index Patchwork::join(const std::vector<Index>& down, const std::vect
     struct Junction {
         Index kept, other, outgoing, face;
     };
-    std::vector<Junction> junctions;
+    SmallVector<Junction, usual_chain + 1> junctions;
     junctions.reserve(k + 1);
     for (std::size_t j = 0; j <= k; ++j) {
         Junction v{j < k ? half_edges_[down[j]].origin : target(down[k - 1]),

@@ -94,11 +94,13 @@ private:
     void merge_faces(Index f, Index g);
     FormId left_of(Index h) const { return h & 1u ? edges_[h >> 1].right : edges_[h >> 1].left; }
     std::vector<FormId> label_of_edge(Index e) const;
-    std::vector<Index> side_chain(Index outer, std::uint32_t seam) const;
+    static constexpr std::size_t usual_chain = 8;
+    using Chain = SmallVector<Index, usual_chain>;
+    Chain side_chain(Index outer, std::uint32_t seam) const;
     void unite_vertices(Index kept, Index other, Index outgoing, Index face);
     void smooth(Index v);
     void join_links(Index edge, Index other, bool other_first, bool reverse_other);
-    Index join(const std::vector<Index>& down, const std::vector<Index>& up);
+    Index join(const Chain& down, const Chain& up);
 
     const FormFamily& family_;
     std::vector<Vertex> vertices_;

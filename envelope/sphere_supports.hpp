@@ -23,6 +23,7 @@
 
 #include "../core/circular_form.hpp"
 #include "../core/interval.hpp"
+#include "../core/small_vector.hpp"
 
 namespace vcell {
 
@@ -191,7 +192,7 @@ private:
         int levels = 0;
         std::optional<Box> box{};
     };
-    mutable std::vector<Meeting> meetings_;
+    mutable SmallVector<Meeting, 4> meetings_;
 };
 
 }  // namespace vcell
