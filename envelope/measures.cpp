@@ -416,8 +416,11 @@ void rank_neighbors(Cell& cell) {
             shares[objects++] = share;
     }
     shares.resize(objects);
-    std::stable_sort(shares.begin(), shares.end(),
-                     [](const Share& a, const Share& b) { return a.area > b.area; });
+    // Areas that were not measured are all the same.
+    std::sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) {
+        if (a.area > b.area || b.area > a.area) return a.area > b.area;
+        return a.object < b.object;
+    });
     cell.neighbors.reserve(shares.size());
     for (const Share& share : shares) cell.neighbors.push_back(share.object);
 }

@@ -248,6 +248,7 @@ public:
         add_arcs();
         add_faces();
         add_patches();
+        add_surfaces();
         halve_for_trims();
         add_edges();
         if (with_measures)
@@ -633,29 +634,43 @@ private:
                 add_cylinder_patch(face);
             }
         }
+    }
+
+    // A spline's trims are fitted to the patches, and whether a patch holds its face is known from the trims.
+    void add_surfaces() {
+        std::vector<FaceId> all;
+        all.reserve(patches_.size());
+        for (const FaceId face : diagram_.face_forms.ids())
+            if (diagram_.face_forms[face].valid()) all.push_back(face);
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : diagram_.edges.ids())
             if (is_spline(e)) to_fit.push_back(e);
         if (problem_.is_sphere && !to_fit.empty())
-            for (const FaceId face : diagram_.face_forms.ids())
-                if (diagram_.face_forms[face].valid() && !holds_vertices(face)) change_patch(face);
-        // A spline's trims are fitted to the patches, and whether a patch holds its face is known from the
-        // trims.
-        for (bool is_settled = false; !is_settled;) {
+            for (const FaceId face : all)
+                if (!holds_vertices(face)) change_patch(face);
+        for (std::vector<FaceId> to_make = all, again; !to_make.empty(); std::swap(to_make, again)) {
             for (const EdgeId e : to_fit) fit(e);
             to_fit.clear();
-            is_settled = true;
             seams_ = 0;
-            for (const FaceId face : diagram_.face_forms.ids()) {
-                if (!diagram_.face_forms[face].valid() || add_surface(face)) continue;
-                is_settled = false;
+            again.clear();
+            for (const FaceId face : to_make) {
+                if (add_surface(face)) continue;
                 change_patch(face);
+                again.push_back(face);
                 for (const CcbId ccb : loops_[face])
                     around(ccb, [&](EdgeId e, bool) {
                         if (is_spline(e)) to_fit.push_back(e);
                     });
             }
             sort_unique(to_fit);
+            if (problem_.is_sphere) {
+                for (const EdgeId e : to_fit)
+                    for (const unsigned side : {0u, 1u})
+                        again.push_back(diagram_.dcel.face(Dcel::half_edge(e, side)));
+                sort_unique(again);
+            } else if (!again.empty()) {
+                again = all;  // seams are numbered through
+            }
         }
         for (const FaceId face : diagram_.face_forms.ids())
             if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);

@@ -388,6 +388,7 @@ private:
 
     void plant_trees() {
         vertex_tree_.emplace();
+        face_tree_.emplace();
         for (Index v = 0; v < vertices_.size(); ++v)
             if (!vertices_[v].is_gone()) vertex_tree_->add(v, vertices_);
         new_faces_ = alive_faces_;
@@ -511,10 +512,10 @@ private:
         for (const Index f : new_faces_) {
             if (faces_[f].start == none) continue;
             set_ball(f);
-            face_tree_.add(f, faces_[f].ball, faces_[f].top);
+            face_tree_->add(f, faces_[f].ball, faces_[f].top);
         }
         new_faces_.clear();
-        face_tree_.search(
+        face_tree_->search(
             form, [&](Index f) { return faces_[f].start == none ? nullptr : &faces_[f].ball; },
             [&](Index f) { return faces_[f].top; },
             [&](Index f) {
@@ -913,7 +914,7 @@ private:
     bool is_top_known_ = false;
     // Of large diagrams. The vertices tell where most forms win; faces are looked at when they do not.
     std::optional<VertexTree> vertex_tree_;
-    FaceTree face_tree_;
+    std::optional<FaceTree> face_tree_;
     SomeIndices new_faces_;  // not in the tree yet
     Decisions decisions_;
     Index stamp_ = 0;
