@@ -1045,6 +1045,7 @@ private:
             arc.sites[1] = end_wall(edge.side);
         } else {
             arc.sites[1] = space_site(Dcel::half_edge(e, 1), edge.right);
+            arc.sites_cross = problem_.cross_equally(edge.left, edge.right);
         }
         splines_[e].clear();
         errors_[e] = fit_space_spline(problem_, arc, tolerance_, splines_[e]);

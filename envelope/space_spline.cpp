@@ -90,6 +90,13 @@ public:
         }
         return e;
     }
+    // One of the planes where two lines that cross in `center` are equally near. blur: bound on what rounding
+    // changed about `normal`, and about the center in lengths of what enters G.
+    static Equation between(const Vec3& center, const Vec3& normal, double blur) {
+        Equation e = plane(center, normal, 0, true);
+        e.blur_ = blur;
+        return e;
+    }
     // The distance along `gradient` (unit) from a point, plus R0 - t unless a wall.
     static Equation plane(const Vec3& point, const Vec3& gradient, double base_radius, bool is_wall) {
         Equation e;
@@ -124,7 +131,7 @@ public:
     }
     // How far the gradient may be from its computed value at X, within a reach.
     double variation(const Vector4d& X, double reach) const {
-        if (!is_round_) return rounding;
+        if (!is_round_) return rounding + blur_;
         const double d = across(X.head<3>() - point_).norm(), s = reach / d;
         if (!(s < 1)) return infinity;
         return sqrt2 * s / std::sqrt(1 + std::sqrt(1 - s * s)) + rounding * (1 + size(X) / d);
@@ -142,7 +149,7 @@ public:
     }
 
     // Bound of |G|.
-    double residual(const Vector4d& X) const { return std::abs((*this)(X)) + rounding * size(X); }
+    double residual(const Vector4d& X) const { return std::abs((*this)(X)) + (rounding + blur_) * size(X); }
     // Step 1 of the certificate: |G| along a span; infinite if it cannot tell. With m = point - foot
     //     d^2 - (t + delta)^2 = square - 2 m.(p - foot) - 2 delta t + |m|^2 - delta^2  (- (axis.(p -
     //     point))^2).
@@ -151,7 +158,7 @@ public:
         const double size = span.size() + reach_, offset = axis_.dot(m);
         if (!is_round_)
             return span.linear(axis_, -kappa_, -(offset + delta_)).largest() +
-                   rounding * (size + span.foot.norm());
+                   (rounding + blur_) * (size + span.foot.norm());
         Bernstein<10> Q =
             span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
         if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -offset));
@@ -186,6 +193,7 @@ private:
     double kappa_ = 1;
     double delta_ = 0;
     double reach_ = 0;
+    double blur_ = 0;
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
 };
 
@@ -279,6 +287,7 @@ public:
         foot_ = Vec3(0, y, 0);
         equations_[0] = base_equation(problem, foot_);
         for (int i = 0; i < 2; ++i) equations_[i + 1] = equation(problem, arc.sites[i], foot_);
+        if (arc.sites_cross) take_plane();
     }
 
     SpaceFitError run() {
@@ -332,7 +341,8 @@ private:
     };
     struct Frame {
         std::array<Vector4d, 3> gradients;
-        Vector4d T;  // null vector in the edge's direction; |T| = 1
+        Vector4d T;      // null vector in the edge's direction; |T| = 1
+        Vector4d right;  // gradient of the right site's equation
 
         Matrix4d matrix() const {
             Matrix4d M;
@@ -349,7 +359,51 @@ private:
         const Vec3 p = relative(f.gradients[1]).cross(relative(f.gradients[2]));
         f.T << p, g.dot(p);
         f.T.normalize();
+        f.right = right_ == 2 ? f.gradients[2] : equations_[right_].gradient(X);
         return f;
+    }
+
+    // Where cylinders of one radius cross, their equations depend on each other in the points over both axes.
+    // An arc lies in one of the planes between the axes, whose equation takes the place of the right one's.
+    // Which plane, and on which side of it the right one is nearer, an inner point of the arc tells.
+    void take_plane() {
+        const auto inner = inner_point();
+        if (!inner) return;
+        const auto &f = std::get<Cylinder>(arc_.sites[0].object),
+                   &g = std::get<Cylinder>(arc_.sites[1].object);
+        const Vec3 a = f.axis.normalized(), b = g.axis.normalized(), normal = a.cross(b);
+        const Vec3 center = f.point + (g.point - f.point).cross(b).dot(normal) / normal.squaredNorm() * a;
+        const std::array<Vec3, 2> sums{a - b, a + b};
+        const double least = std::min(sums[0].norm(), sums[1].norm());
+        const std::array<Vec3, 2> normals{sums[0].normalized(), sums[1].normalized()};
+        const Vec3 p = inner->head<3>() - center;
+        const Vec3& n = normals[std::abs(normals[1].dot(p)) < std::abs(normals[0].dot(p))];
+        const double side =
+            n.dot((equations_[2].gradient(*inner) - equations_[1].gradient(*inner)).head<3>());
+        right_ = 3;
+        equations_[right_] = equations_[2];
+        equations_[2] = Equation::between(center, side > 0 ? n : Vec3(-n), rounding / (least * least));
+    }
+    // Of those that the pieces tell the one farthest from the ends.
+    std::optional<Vector4d> inner_point() const {
+        if (!arc_.start || !arc_.end) return std::nullopt;
+        const Vector4d from = with_distance(problem_, arc_.start->point),
+                       to = with_distance(problem_, arc_.end->point);
+        std::optional<Vector4d> best;
+        double farthest = 0;
+        const auto offer = [&](const Vector4d& X) {
+            const double distance = std::min((X - from).norm(), (X - to).norm());
+            if (distance > farthest) best = X;
+            farthest = std::max(farthest, distance);
+        };
+        for (const Piece& piece : arc_.pieces.first(arc_.pieces.size() - 1)) offer(lifted(piece.end));
+        if (arc_.pieces.size() == 1) {
+            const Piece& piece = arc_.pieces.front();
+            if (const auto q =
+                    meet(0.5 * (chart_point(from, piece) + chart_point(to, piece)), piece.direction))
+                offer(lifted(*q));
+        }
+        return best;
     }
 
     Node node(const Vector4d& X) const {
@@ -387,7 +441,7 @@ private:
     Vector4d over(double y, const Vec3& w) const {
         const std::array<double, 3> direction{w.x(), w.y(), w.z()};
         double t = equations_[1].distance_along(y, direction);
-        if (!arc_.pieces.empty()) t = 0.5 * (t + equations_[2].distance_along(y, direction));
+        if (!arc_.pieces.empty()) t = 0.5 * (t + equations_[right_].distance_along(y, direction));
         Vector4d X;
         X << t * w + Vec3(0, y, 0), t;
         return X;
@@ -430,7 +484,8 @@ private:
         const auto part = [&](const Interval& range, bool back) {
             const auto w = normals(problem_, range, y, back);
             const Interval f = problem_.is_sphere ? Interval(0) : y;
-            const Interval a = equations_[1].distance_along(f, w), b = equations_[2].distance_along(f, w);
+            const Interval a = equations_[1].distance_along(f, w),
+                           b = equations_[right_].distance_along(f, w);
             const double low = std::max({a.lower(), b.lower(), 0.0}), high = std::min(a.upper(), b.upper());
             const Interval t(std::min(low, high), std::max(low, high));
             const std::array<Interval, 4> X{t * w[0], t * w[1] + f, t * w[2], t};
@@ -482,9 +537,12 @@ private:
         }
         const Piece* piece = pieces.empty() ? nullptr : &pieces.front();
         // Both ends are in the enclosure that vouches for a chord.
-        if ((to.X - from.X).norm() <= tolerance_ && accept(chord(from, to, piece), to)) return;
+        const double length = (to.X - from.X).norm();
+        const bool is_short = length <= tolerance_;
+        if (is_short && accept(chord(from, to, piece), to)) return;
         if (deeper > 0 && halvings > 0 && !is_lost()) {
-            if (const auto middle = half_way(from, to, piece, spline)) {
+            const auto middle = half_way(from, to, piece, spline);
+            if (middle && !(is_short && is_blurred(*middle, length))) {
                 --halvings;
                 fit(from, *middle, pieces, deeper - 1, halvings);
                 fit(*middle, to, pieces, deeper - 1, halvings);
@@ -495,6 +553,13 @@ private:
         append(best.error() < straight.error() ? best : straight);
     }
 
+    // Does rounding blur the arc so much that no span of this length, or a shorter one, can be proved?
+    bool is_blurred(const Node& n, double length) const {
+        const Solver solver(frame(n.X).matrix(), {});
+        std::array<double, 4> e{};
+        for (int i = 0; i < 3; ++i) e[i] = rounding * equations_[i].size(n.X);
+        return !(solver.is_regular() && 64 * solver.distance(e) <= length);
+    }
     bool is_lost() const { return std::isinf(error_.curve) || std::isinf(error_.trims); }
 
     // Points of the arc between parts that will do, as errors fall with the sixth power of the length.
@@ -561,7 +626,7 @@ private:
             return node(over(from.X.y(), w.normalized()));
         }
         const auto on_line =
-            meet(0.5 * (chart_point(from, *piece) + chart_point(to, *piece)), piece->direction);
+            meet(0.5 * (chart_point(from.X, *piece) + chart_point(to.X, *piece)), piece->direction);
         return find(on_line ? lifted(*on_line) : Vector4d(0.5 * (from.X + to.X)));
     }
 
@@ -590,9 +655,9 @@ private:
     }
 
     // In the chart, as continued to the piece.
-    Vec2 chart_point(const Node& n, const Piece& piece) const {
-        const Vec3 foot(0, problem_.is_sphere ? 0 : n.X.y(), 0);
-        Vec2 q = problem_.chart_point((n.X.head<3>() - foot) / n.X[3], n.X.y());
+    Vec2 chart_point(const Vector4d& X, const Piece& piece) const {
+        const Vec3 foot(0, problem_.is_sphere ? 0 : X.y(), 0);
+        Vec2 q = problem_.chart_point((X.head<3>() - foot) / X[3], X.y());
         if (problem_.is_sphere) return q;
         const double middle = 0.5 * (piece.box[0] + piece.box[1]);
         if (q.x() - middle > 2) q.x() -= 4;
@@ -610,7 +675,7 @@ private:
             const double y = problem_.is_sphere ? 0 : q.y(), dy = problem_.is_sphere ? 0 : direction.y();
             std::array<double, 2> t, slope;
             for (int k = 0; k < 2; ++k) {
-                const Equation& G = equations_[k + 1];
+                const Equation& G = equations_[k == 0 ? 1 : right_];
                 t[k] = G.distance_along(y, normal);
                 Vector4d X;
                 X << t[k] * w + Vec3(0, y, 0), t[k];
@@ -759,7 +824,7 @@ private:
         constexpr double near = 4096, small = 32, least_share = 0.7;
         if (!interpolate(fit.points, near * most, small * most)) return fit;
         const SpanPolynomials span(fit.points, foot_);
-        Residuals residuals{curve_residuals(span), {}};
+        Residuals residuals = curve_residuals(span);
         const double largest = std::ranges::max(residuals.curve);
         constexpr double usual_share = 6;  // of errors, of trims mostly, but for q
         fit.expected = usual_share * largest;
@@ -790,11 +855,11 @@ private:
         trim(fit);
         fit.tube = Tube{(high - low).norm(), 0, 0, 0, 0, 0};
         const SpanPolynomials span(fit.points, foot_);
-        Residuals residuals{curve_residuals(span), {}};
+        Residuals residuals = curve_residuals(span);
         add_trims(fit, span, residuals);
         const Neighbourhood D(fit.points, slack_, tolerance_);
-        fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center),
-                                     range(fit.points, D).variations, residuals, fit.tube.q);
+        fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center), range(fit.points, D),
+                                     residuals, fit.tube.q);
         return fit;
     }
 
@@ -818,6 +883,7 @@ private:
     // values.
     struct Residuals {
         std::array<double, 3> curve;
+        double right;  // of the right site's equation
         struct Trim {
             std::array<double, 2> residual, divisor;
         };
@@ -854,8 +920,8 @@ private:
               bool to_terminal) const {
         const Neighbourhood D(points, slack_, tolerance_);
         const Frame f = frame(D.center);
-        const auto [reach, variations] = range(points, D);
-        const Solver solver(f.matrix(), variations);
+        const Range r = range(points, D);
+        const Solver solver(f.matrix(), r.variations);
         if (!solver.is_regular()) return Tube::failed(solver.q);
         for (int k = 0; k < 5; ++k)
             if (!(f.T.dot(points.col(k + 1).head<4>() - points.col(k).head<4>()) > 0)) return Tube::failed();
@@ -875,10 +941,11 @@ private:
         // Step 4: a third of the room each for a, the value at the end and the curvature.
         if (std::max(tube.start, tube.end) <= D.room / 3) {
             std::array<double, 4> curvatures{};
-            for (int i = 0; i < 3; ++i) curvatures[i] = equations_[i].curvature_bound(D.center, reach[i]) / 8;
+            for (int i = 0; i < 3; ++i)
+                curvatures[i] = equations_[i].curvature_bound(D.center, r.reach[i]) / 8;
             tube.link = std::min(D.room / 3, std::sqrt(D.room / 3 / solver.distance(curvatures)));
         }
-        tube.trims = trims_error(points, patches, D, f, variations, residuals, tube.q);
+        tube.trims = trims_error(points, patches, D, f, r, residuals, tube.q);
         return tube;
     }
 
@@ -886,6 +953,7 @@ private:
     struct Range {
         std::array<double, 3> reach;
         std::array<double, 4> variations{};
+        double right;  // variation of the right site's equation
     };
     Range range(const Points& points, const Neighbourhood& D) const {
         Range r;
@@ -893,10 +961,16 @@ private:
             r.reach[i] = equations_[i].reach(D.center, points, D.room);
             r.variations[i] = equations_[i].variation(D.center, r.reach[i]);
         }
+        const Equation& right = equations_[right_];
+        r.right =
+            right_ == 2 ? r.variations[2] : right.variation(D.center, right.reach(D.center, points, D.room));
         return r;
     }
-    std::array<double, 3> curve_residuals(const SpanPolynomials& span) const {
-        return {equations_[0].residual(span), equations_[1].residual(span), equations_[2].residual(span)};
+    Residuals curve_residuals(const SpanPolynomials& span) const {
+        Residuals r{};
+        for (int i = 0; i < 3; ++i) r.curve[i] = equations_[i].residual(span);
+        r.right = right_ == 2 ? r.curve[2] : equations_[right_].residual(span);
+        return r;
     }
     std::array<double, 4> residuals_at(const Vector4d& X) const {
         std::array<double, 4> e{};
@@ -929,27 +1003,25 @@ private:
 
     // Step 5. largest_q: of the steps before.
     static double trims_error(const Points& points, const Patches& patches, const Neighbourhood& D,
-                              const Frame& frame, const std::array<double, 4>& gradient_variations,
-                              const Residuals& residuals, double& largest_q) {
+                              const Frame& frame, const Range& over, const Residuals& residuals,
+                              double& largest_q) {
         double most = 0;
         for (int side = 0; side < 2 && most < infinity; ++side)
             if (patches[side])
-                most = std::max(most, trim_error(side, points, *patches[side], D, frame, gradient_variations,
-                                                 residuals, largest_q));
+                most = std::max(
+                    most, trim_error(side, points, *patches[side], D, frame, over, residuals, largest_q));
         return most;
     }
     static double trim_error(int side, const Points& points, const PatchCoordinates& coordinates,
-                             const Neighbourhood& D, const Frame& frame,
-                             const std::array<double, 4>& gradient_variations, const Residuals& residuals,
-                             double& largest_q) {
-        const std::array<int, 2> surface{0, side + 1};
+                             const Neighbourhood& D, const Frame& frame, const Range& over,
+                             const Residuals& residuals, double& largest_q) {
         const Residuals::Trim& trim = residuals.trims[side];
         Matrix4d M;
-        std::array<double, 4> variations, e;
+        std::array<double, 4> variations{over.variations[0], side == 0 ? over.variations[1] : over.right},
+            e{residuals.curve[0], side == 0 ? residuals.curve[1] : residuals.right};
+        M.row(0) = frame.gradients[0];
+        M.row(1) = side == 0 ? frame.gradients[1] : frame.right;
         for (int i = 0; i < 2; ++i) {
-            M.row(i) = frame.gradients[surface[i]];
-            variations[i] = gradient_variations[surface[i]];
-            e[i] = residuals.curve[surface[i]];
             const PatchCoordinate& c = coordinates[i];
             const auto value = points.row(4 + 2 * side + i);
             const double low = value.minCoeff(), high = value.maxCoeff(), middle = 0.5 * (low + high);
@@ -971,9 +1043,10 @@ private:
     const SpaceArc& arc_;
     double tolerance_;
     std::vector<SpaceSpan>& spans_;
-    std::array<Equation, 3> equations_;  // base, left, right
-    Vec3 foot_;                          // near the curve, on the base's axis
-    Node start_, end_;                   // of the edge
+    std::array<Equation, 4> equations_;  // base, left and right; of the curve the first three
+    int right_ = 2;
+    Vec3 foot_;         // near the curve, on the base's axis
+    Node start_, end_;  // of the edge
     std::size_t first_span_ = spans_.size();
     double slack_ = 0;                   // of the vertices
     std::optional<Tube> last_;           // the span before, the start at first; none: vouched for by a piece

@@ -13,6 +13,10 @@
 /// edge the left site is nearest on the left, so the edge runs along (g_left - g) x (g_right - g), g = grad
 /// of the base's distance (walls: g_wall instead of the difference).
 ///
+/// Where cylinders of one radius have crossing axes, left and right depend on each other over the crossing,
+/// and the trisector has a node. Each of its curves lies in a plane between the axes; the plane's equation then
+/// stands for that of the right site, except for the trim.
+///
 /// Both ends of a span lie on the arc. First and second derivative at both ends, by the length of the curve
 /// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. Steps of
 /// Newton's method take it to the arc at four places in between, chosen so that the quintic through all six
@@ -46,9 +50,9 @@
 ///    distance of the patch's point at (u, v)(s) from P(s).
 ///
 /// A span too long for one D, or for a small q, is halved for the proof. Where an arc ends in a point with
-/// dependent gradients (objects that touch) the last span cannot be proved so: it is a chord, as good as the
-/// enclosure of the diagram's piece. All of it in double: residuals and gradients carry bounds of their
-/// rounding.
+/// dependent gradients (objects that touch) or passes one closely (axes that cross but for rounding) spans of
+/// the tolerance's length cannot be proved so: they are chords, as good as the enclosure of the diagram's
+/// piece. All of it in double: residuals and gradients carry bounds of their rounding.
 #pragma once
 
 #include <Eigen/Core>
@@ -112,6 +116,7 @@ struct SpaceArc {
     std::array<SpaceSite, 2> sites;      ///< left, right
     std::optional<SpaceEnd> start, end;  ///< none: closed
     std::span<const MinimizationDiagram::ArcPiece> pieces;
+    bool sites_cross = false;  ///< both are cylinders, of one radius, and their axes cross
 };
 
 /// A Bezier span of degree 5, polynomial: space curve and trims in one parameter.
@@ -135,8 +140,8 @@ struct SpaceFitError {
 std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
                                      const SpaceEnd& near);
 
-/// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where the
-/// pieces are narrower than digits can tell, where the ends are not known as well (four times their error
+/// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where rounding
+/// blurs the arc and the diagram's pieces are wider, where the ends are not known as well (four times their error
 /// bounds it then), or where a divisor of a patch's coordinate is not positive, and says so.
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans);

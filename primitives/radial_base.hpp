@@ -92,6 +92,8 @@ struct RadialBaseProblem {
     Vec3 point(const Vec2& p, double t) const {
         return t * normal(p) + Vec3(0, is_sphere ? 0.0 : p.y(), 0);
     }
+    /// Are both cylinders, of one radius, with axes that cross in a point? Exact, about the forms.
+    bool cross_equally(FormId f, FormId g) const;
 };
 
 /// Throws InputError as plane_base_problem() does, by exact signs:

@@ -110,7 +110,11 @@ void check_cell(const Cell& cell) {
     const Scene& scene = cell.scene;
     const double length = scene.box.diagonal();
     for (const CellVertex& v : cell.vertices) {
-        CHECK(v.sites.size() >= (std::holds_alternative<Sphere>(scene.base) ? 3 : 2));
+        // Two meet where tubes of one radius cross, or at an end of a tube.
+        const bool is_round = std::ranges::any_of(v.sites, [&](Site s) {
+            return s.is_object() && std::holds_alternative<Cylinder>(scene.objects[s.index]);
+        });
+        CHECK(v.sites.size() >= (std::holds_alternative<Sphere>(scene.base) && !is_round ? 3 : 2));
         CHECK(v.error < 1e-9 * length);
         CHECK(std::abs(height(scene, v.point) - v.radius) <= 1e-13 * length);
         for (const Site site : v.sites) CHECK(residual(scene, site, v.point) <= 1e-13 * length + 2 * v.error);
@@ -538,6 +542,48 @@ TEST_CASE("cylinder cell: crossing axes of equal radius have planes for bisector
         checked(about_tube({Vec3::Zero(), Vec3::UnitZ(), 0.5}, 4, {Cylinder{{0, 0, 6}, {1, 0, 1}, 0.5}}));
     for (const CellFace& face : cell.faces)
         if (face.site.is_object()) CHECK(face.bisector == "plane");
+}
+
+TEST_CASE("cells: among tubes of one radius that cross") {
+    const Vec3 crossing(0, 2, -2);
+    const Cylinder along_x{crossing, {1, 0, 0}, 0.25}, oblique{crossing, {0, 1, 1}, 0.25},
+        third{crossing, {1, 1, 1}, 0.25};
+    const auto has_node = [](const Cell& cell, std::size_t tubes) {
+        const auto is_node = [&](const CellVertex& v) { return v.sites.size() == tubes; };
+        CHECK(std::ranges::any_of(cell.vertices, is_node));
+        for (const CellEdge& edge : cell.edges) CHECK(edge.error <= 2e-6);
+    };
+    std::mt19937_64 rng(test_seed());
+    Scene ball = centred(0.5, 4, {along_x, oblique});
+    Cell cell = cell_of(ball);
+    check_cell(cell);
+    check_faces_by_rays(cell, rng, 3);
+    has_node(cell, 2);
+    std::get<Sphere>(ball.base).center.x() = 0.1;
+    ball.objects.push_back(third);
+    cell = cell_of(ball);
+    check_cell(cell);
+    check_faces_by_rays(cell, rng, 3);
+    has_node(cell, 3);
+    for (const Cylinder& tube :
+         {Cylinder{Vec3::Zero(), {1, 0, 0}, 0.5}, Cylinder{Vec3::Zero(), {1, 2, 2}, 0.5}})
+        has_node(checked(about_tube(tube, 4, {along_x, oblique})), 2);
+    // Lines along the axis and across it.
+    has_node(checked(about_tube({Vec3::Zero(), {1, 0, 0}, 0.5}, 3,
+                                {Cylinder{{-2, 1, -1}, {-1, 0, 0}, 0}, Cylinder{{0, 1, -1}, {0, 1, 0}, 0}})),
+             2);
+}
+
+TEST_CASE("cells: among tubes of one radius that cross but for rounding") {
+    // Edges turn from one plane between the axes to the other within 1e-8; doubles lose them within 1e-6.
+    const Eigen::Matrix3d turn = Eigen::Quaterniond(0.8, 0.3, -0.4, 0.33).normalized().toRotationMatrix();
+    const std::vector<Object> tubes{Cylinder{turn * Vec3(-2, 1, -1), turn * Vec3(-1, 0, 0), 0.25},
+                                    Cylinder{turn * Vec3(0, 1, -1), turn * Vec3(0, 1, 0), 0.25}};
+    const Cell of_tube = checked(about_tube({Vec3::Zero(), turn * Vec3(1, 0, 0), 0.5}, 4, tubes));
+    const Cell of_ball = cell_of(centred(0.5, 4, tubes));
+    check_cell(of_ball);
+    for (const Cell* cell : {&of_tube, &of_ball})
+        for (const CellEdge& edge : cell->edges) CHECK(edge.error <= 1e-3);
 }
 
 TEST_CASE("cylinder cell: axes that are all but parallel") {

@@ -618,9 +618,8 @@ TEST_CASE("space splines: an arc that ends where its sites touch") {
     arc.pieces = pieces;
     arc.start = SpaceEnd{lifted(0), 1e-15};
     arc.end = SpaceEnd{lifted(0.25), 1e-15};
-    for (const double tolerance : {1e-3, 1e-4}) {
-        std::vector<SpaceSpan> spans;
-        const SpaceFitError error = fit_space_spline(c.problem, arc, tolerance, spans);
+    const auto check = [&](const std::vector<SpaceSpan>& spans, const SpaceFitError& error,
+                           double tolerance) {
         CHECK(error.curve <= tolerance);
         CHECK(at(spans.back(), 1).head<3>() == arc.end->point);
         for (const SpaceSpan& span : spans)
@@ -629,7 +628,24 @@ TEST_CASE("space splines: an arc that ends where its sites touch") {
                 CHECK(std::abs(X[0] - X[1]) <= error.curve);
                 CHECK(std::abs(excess<double>(c, 0, X.head<3>())) <= 2 * error.curve);
             }
+    };
+    for (const double tolerance : {1e-3, 1e-4}) {
+        std::vector<SpaceSpan> spans;
+        const SpaceFitError error = fit_space_spline(c.problem, arc, tolerance, spans);
+        check(spans, error, tolerance);
     }
+    // In their plane the crossing is a point like any other.
+    arc.sites_cross = true;
+    const std::vector<MinimizationDiagram::ArcPiece> whole{
+        {{0.25, 0.25}, 1e-16, pieces[0].direction, {0, 0.25, 0, 0.25}}};
+    for (const auto& part : {pieces, whole})
+        for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
+            arc.pieces = part;
+            std::vector<SpaceSpan> spans;
+            const SpaceFitError error = fit_space_spline(c.problem, arc, tolerance, spans);
+            check(spans, error, tolerance);
+            CHECK(spans.size() <= 16);
+        }
 }
 
 namespace {

@@ -579,6 +579,28 @@ TEST_CASE("radial base: a huge ball that has a rounded plane's very height is me
     CHECK(problem.sites.size() == 2 + 6);
 }
 
+TEST_CASE("radial base: cylinders of one radius that cross are told from those that all but cross") {
+    const Vec3 c(3, 4, -2), a(1, 2, -1), b(2, -1, 3);
+    const auto cross = [&](const Object& base, const Object& first, const Object& second) {
+        const RadialBaseProblem problem = problem_of(scene_of(base, {first, second}));
+        const FormId f = form_of(problem, Site::object(0)), g = form_of(problem, Site::object(1));
+        CHECK(problem.cross_equally(f, g) == problem.cross_equally(g, f));
+        return problem.cross_equally(f, g);
+    };
+    // Over cylinders where the canonical frame rounds nothing.
+    for (const Object& base :
+         {Object(Sphere{{0.1, 0.2, 0.3}, 0.5}), Object(Cylinder{{0.125, 0.25, 0}, {0, 0, 1}, 0.5}),
+          Object(Cylinder{{0.125, 0, 0.25}, {0, 1, 0}, 0.5})}) {
+        CAPTURE(base.index());
+        CHECK(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c - b, -2 * b, 0.25}));
+        const Vec3 up = std::ldexp(1.0, -44) * Vec3::UnitX();
+        CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c - b + up, b, 0.25}));
+        CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c - b, b, 0.25 + 0x1p-50}));
+        CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c + Vec3(0, 1, 0), a, 0.25}));
+        CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Sphere{c + Vec3(0, 1, 0), 0.25}));
+    }
+}
+
 TEST_CASE("radial base: where balls overlap the base its clearance is negative") {
     const Sphere base{{0, 0, 0}, 2}, other{{3, 0, 0}, 2};
     const RadialBaseProblem problem = problem_of(scene_of(base, {other}));
