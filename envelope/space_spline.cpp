@@ -1044,7 +1044,7 @@ private:
     double tolerance_;
     std::vector<SpaceSpan>& spans_;
     std::array<Equation, 4> equations_;  // base, left and right; of the curve the first three
-    int right_ = 2;
+    int right_ = 2;     // where the right site's is
     Vec3 foot_;         // near the curve, on the base's axis
     Node start_, end_;  // of the edge
     std::size_t first_span_ = spans_.size();
