@@ -341,8 +341,7 @@ private:
     };
     struct Frame {
         std::array<Vector4d, 3> gradients;
-        Vector4d T;      // null vector in the edge's direction; |T| = 1
-        Vector4d right;  // gradient of the right site's equation
+        Vector4d T;  // null vector in the edge's direction; |T| = 1
 
         Matrix4d matrix() const {
             Matrix4d M;
@@ -359,7 +358,6 @@ private:
         const Vec3 p = relative(f.gradients[1]).cross(relative(f.gradients[2]));
         f.T << p, g.dot(p);
         f.T.normalize();
-        f.right = right_ == 2 ? f.gradients[2] : equations_[right_].gradient(X);
         return f;
     }
 
@@ -883,7 +881,7 @@ private:
     // values.
     struct Residuals {
         std::array<double, 3> curve;
-        double right;  // of the right site's equation
+        double right;  // of the right site's equation, where a plane's is in its place
         struct Trim {
             std::array<double, 2> residual, divisor;
         };
@@ -953,7 +951,6 @@ private:
     struct Range {
         std::array<double, 3> reach;
         std::array<double, 4> variations{};
-        double right;  // variation of the right site's equation
     };
     Range range(const Points& points, const Neighbourhood& D) const {
         Range r;
@@ -961,16 +958,12 @@ private:
             r.reach[i] = equations_[i].reach(D.center, points, D.room);
             r.variations[i] = equations_[i].variation(D.center, r.reach[i]);
         }
-        const Equation& right = equations_[right_];
-        r.right =
-            right_ == 2 ? r.variations[2] : right.variation(D.center, right.reach(D.center, points, D.room));
         return r;
     }
     Residuals curve_residuals(const SpanPolynomials& span) const {
-        Residuals r{};
-        for (int i = 0; i < 3; ++i) r.curve[i] = equations_[i].residual(span);
-        r.right = right_ == 2 ? r.curve[2] : equations_[right_].residual(span);
-        return r;
+        return {{equations_[0].residual(span), equations_[1].residual(span), equations_[2].residual(span)},
+                right_ > 2 ? equations_[right_].residual(span) : 0,
+                {}};
     }
     std::array<double, 4> residuals_at(const Vector4d& X) const {
         std::array<double, 4> e{};
@@ -1002,9 +995,9 @@ private:
     }
 
     // Step 5. largest_q: of the steps before.
-    static double trims_error(const Points& points, const Patches& patches, const Neighbourhood& D,
-                              const Frame& frame, const Range& over, const Residuals& residuals,
-                              double& largest_q) {
+    double trims_error(const Points& points, const Patches& patches, const Neighbourhood& D,
+                       const Frame& frame, const Range& over, const Residuals& residuals,
+                       double& largest_q) const {
         double most = 0;
         for (int side = 0; side < 2 && most < infinity; ++side)
             if (patches[side])
@@ -1012,15 +1005,21 @@ private:
                     most, trim_error(side, points, *patches[side], D, frame, over, residuals, largest_q));
         return most;
     }
-    static double trim_error(int side, const Points& points, const PatchCoordinates& coordinates,
-                             const Neighbourhood& D, const Frame& frame, const Range& over,
-                             const Residuals& residuals, double& largest_q) {
+    double trim_error(int side, const Points& points, const PatchCoordinates& coordinates,
+                      const Neighbourhood& D, const Frame& frame, const Range& over,
+                      const Residuals& residuals, double& largest_q) const {
         const Residuals::Trim& trim = residuals.trims[side];
         Matrix4d M;
-        std::array<double, 4> variations{over.variations[0], side == 0 ? over.variations[1] : over.right},
-            e{residuals.curve[0], side == 0 ? residuals.curve[1] : residuals.right};
         M.row(0) = frame.gradients[0];
-        M.row(1) = side == 0 ? frame.gradients[1] : frame.right;
+        M.row(1) = frame.gradients[side + 1];
+        std::array<double, 4> variations{over.variations[0], over.variations[side + 1]},
+            e{residuals.curve[0], residuals.curve[side + 1]};
+        if (side == 1 && right_ > 2) {
+            const Equation& right = equations_[right_];
+            M.row(1) = right.gradient(D.center);
+            variations[1] = right.variation(D.center, right.reach(D.center, points, D.room));
+            e[1] = residuals.right;
+        }
         for (int i = 0; i < 2; ++i) {
             const PatchCoordinate& c = coordinates[i];
             const auto value = points.row(4 + 2 * side + i);
