@@ -747,7 +747,8 @@ struct MixedAnalysis::Work {
     const PieceBoundary& boundary;
     const NormalBox* normals;  // these two are null unless rivals compare by supports
     const SphereSupports* supports;
-    mutable std::optional<DividedBox> parts;  // made when asked for
+    std::optional<DividedBox>& parts;  // an earlier piece's until this one is divided
+    mutable bool is_divided;
     mutable std::vector<FormId> parted;       // their forms
     struct Direction {
         FormId a, b;
@@ -824,7 +825,7 @@ struct MixedAnalysis::Work {
     }
     // Does every line in this direction of theirs meet a = b at most once?
     bool crosses_once(const Spread& a, const Spread& b, const Vector2d& direction) const {
-        return !parts || rivals.size() == 2 || parts->grows_throughout(place(a), place(b), direction);
+        return !is_divided || rivals.size() == 2 || parts->grows_throughout(place(a), place(b), direction);
     }
     // Does a - b seem to fall where the two change on the rim? A cheap no to what would have to be proved.
     bool falls_on_rim(FormId a, FormId b, const Vector2d& direction) const {
@@ -837,9 +838,13 @@ struct MixedAnalysis::Work {
     }
     std::size_t place(const Spread& s) const { return static_cast<std::size_t>(&s - rivals.data()); }
     const DividedBox& divided() const {
-        if (!parts) {
+        if (!is_divided) {
             parted = forms();
-            parts.emplace(*supports, piece.box, parted);
+            if (parts)
+                parts->start(piece.box, parted);
+            else
+                parts.emplace(*supports, piece.box, parted);
+            is_divided = true;
         }
         return *parts;
     }
@@ -914,7 +919,7 @@ struct MixedAnalysis::Work {
 };
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
-    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, {}, {}, {}, {}, spreads_, {}, {}, {}, 0};
+    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, parts_, false, {}, {}, {}, spreads_, {}, {}, {}, 0};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -998,7 +1003,7 @@ void MixedAnalysis::cull_by_curvature(Work& work) {
                    .lower() > 0;
     });
     decisions_.by_interval += before - work.rivals.size();
-    if (work.rivals.size() < before) work.parts.reset();
+    if (work.rivals.size() < before) work.is_divided = false;
 }
 
 // As cull(), with values that doubles do not tell apart.

@@ -226,6 +226,7 @@ private:
     std::vector<Assumption> assumptions_;
     std::optional<Assumption> obstacle_;
     std::vector<Spread> spreads_;       // of the forms that the last cull() left
+    std::optional<DividedBox> parts_;   // of the last piece that was divided
     std::optional<NormalBox> normals_;  // over its box, if that is how they compare
 };
 

@@ -174,12 +174,21 @@ std::array<double, 3> SphereSupports::jet(FormId f, const PointNormal& n) const 
 
 DividedBox::DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
                        std::span<const FormId> forms)
-    : all_(supports), forms_(forms) {
+    : all_(supports) {
+    start(box, forms);
+}
+
+void DividedBox::start(const std::array<double, 4>& box, std::span<const FormId> forms) {
     assert(forms.size() <= most_forms);
+    forms_ = forms;
     constexpr std::size_t usual = 45;
+    parts_.clear();
     parts_.reserve(usual);
+    normals_.clear();
     normals_.reserve(usual);
+    supports_.clear();
     supports_.reserve(usual * forms.size());
+    meetings_.clear();
     parts_.push_back({box, ~Pairs{0}});
     normals_.emplace_back(box[0], box[1], box[2], box[3]);
     supports_.resize(forms.size());

@@ -140,6 +140,9 @@ public:
     DividedBox(const SphereSupports& supports, const std::array<double, 4>& box,
                std::span<const FormId> forms);
 
+    /// Another box and other forms, in the same memory.
+    void start(const std::array<double, 4>& box, std::span<const FormId> forms);
+
     /// Does f - g certainly grow in the unit vector `direction` wherever f = g are lowest? Forms are named by
     /// their place here.
     bool grows_along(std::size_t f, std::size_t g, const Eigen::Vector2d& direction) const;
