@@ -182,8 +182,9 @@ private:
     alignas(T) std::byte inside_[N * sizeof(T)];
 };
 
-/// Appends T{} and returns it. As emplace_back(), but that fills an aggregate with zeros before its members
-/// are made, the room inside its short sequences too.
+/// Appends an element and returns it, its members as their own initializers leave them; those without one are
+/// indeterminate. emplace_back() would fill an aggregate with zeros first, the room inside its short sequences
+/// too.
 template <class T>
 T& append_new(std::vector<T>& all) {
     struct Maker {

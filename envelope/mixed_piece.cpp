@@ -749,7 +749,7 @@ struct MixedAnalysis::Work {
     const SphereSupports* supports;
     std::optional<DividedBox>& parts;  // an earlier piece's until this one is divided
     mutable bool is_divided;
-    mutable std::vector<FormId> parted;       // their forms
+    mutable std::vector<FormId> parted;  // their forms
     struct Direction {
         FormId a, b;
         std::optional<Vector2d> d;

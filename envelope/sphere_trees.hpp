@@ -171,6 +171,7 @@ private:
     struct Place {
         Index leaf = none, slot = 0;
     };
+
     void add_node(const Vector3d& center, double half) {
         Node n{.cap = {}, .vertices = {}, .center = center, .half = half};
         n.cap.shrink_to({center, half * std::numbers::sqrt3 + slack});
@@ -242,6 +243,7 @@ private:
             cap.shrink_to({center, reach});
         }
     };
+
     void add_node(const Vector3d& center, double half) {
         Node n{.center = center, .half = half, .cap = {}, .faces = {}};
         nodes_.push_back(std::move(n));

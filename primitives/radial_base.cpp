@@ -1032,9 +1032,10 @@ bool RadialBaseProblem::cross_equally(FormId f, FormId g) const {
     const auto* first = std::get_if<Cylinder>(&objects[f]);
     const auto* second = std::get_if<Cylinder>(&objects[g]);
     if (first == nullptr || second == nullptr) return false;
-    // What doubles see at once.
+    // What doubles see at once, as rounding is far below this part of the terms.
     const Vec3 between = second->point - first->point, normal = first->axis.cross(second->axis);
-    const double size = normal.norm() * (first->point.norm() + second->point.norm());
+    const double size =
+        first->axis.norm() * second->axis.norm() * (first->point.norm() + second->point.norm());
     if (!(std::abs(between.dot(normal)) <= 0x1p-30 * size)) return false;
     const RadialForm &F = family.radial_form(f), &G = family.radial_form(g);
     const auto axis = [](const RadialForm& h) { return ExactVector(h.a[0], h.a[1] + h.slope, h.a[2]); };
