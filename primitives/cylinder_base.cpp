@@ -1,6 +1,5 @@
 #include "cylinder_base.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,93 +18,136 @@ namespace {
 
 using Kind = InputError::Kind;
 
-// Rows x, y, z with y along the axis.
-BaseFrame canonical_frame(const Cylinder& base, const Box& box) {
-    BaseFrame frame;
-    frame.rotation.setZero();
-    Vec3 axis = base.axis;
-    Eigen::Index k = 0;
-    const double size = axis.cwiseAbs().maxCoeff(&k);
-    for (double& component : axis)
-        if (std::abs(component) < frame_rounding * size) component = 0;
-    const Vec3 center = 0.5 * box.min + 0.5 * box.max;
-    const Eigen::Index i = (k + 1) % 3, j = (k + 2) % 3;
-    if (axis[i] == 0 && axis[j] == 0) {
-        // Rows (e_j, e_k, e_i) are a cyclic shift; with -e_k the other two change places.
+// canonical = rows . (world - origin) / norm. This rotation has rational entries, so what objects are to each
+// other stays exact; the base's axis turns by a few 2^-53 to become the y axis, or not at all where its
+// length is a double.
+struct CylinderFrame {
+    Vec3 axis;  // scaled, noise rounded to zero
+    Vec3 origin;
+    std::array<ExactVector, 3> rows;  // orthogonal, of length `norm`
+    Exact norm;
+    bool is_exact;  // the axis has not turned
+
+    CylinderFrame(const Cylinder& base, const Box& box) : axis(scaled_axis(base.axis)), origin(base.point) {
+        Eigen::Index k = 0;
+        const double size = axis.cwiseAbs().maxCoeff(&k);
+        for (double& component : axis)
+            if (std::abs(component) < frame_rounding * size) component = 0;
+        // The largest component goes to y by a cyclic shift; with -e_k the other two change places.
         const bool up = axis[k] > 0;
-        frame.rotation(0, up ? j : i) = 1;
-        frame.rotation(1, k) = up ? 1 : -1;
-        frame.rotation(2, up ? i : j) = 1;
-        frame.origin = base.point;
-        frame.origin[k] = center[k];
+        const Eigen::Index i = (k + (up ? 2 : 1)) % 3, j = (k + (up ? 1 : 2)) % 3;
+        const Vec3 center = 0.5 * box.min + 0.5 * box.max;
+        // The rest is done by the quaternion w + x i + z k.
+        double w = 1, x = 0, z = 0;
+        if (axis[i] == 0 && axis[j] == 0) {
+            origin[k] = center[k];
+        } else {
+            const ExactVector a(axis);
+            w = rounded_sqrt(dot(a, a)) + std::abs(axis[k]);
+            x = -axis[j];
+            z = axis[i];
+            // In the base's point no rounding leaves the axis.
+            const Vec3 unit = axis.normalized();
+            const double away = unit.dot(center - base.point);
+            if (std::abs(away) > box.diagonal()) origin += away * unit;
+        }
+        const Exact ww = Exact(w) * w, xx = Exact(x) * x, zz = Exact(z) * z;
+        const Exact wx = 2.0 * Exact(w) * x, wz = 2.0 * Exact(w) * z, xz = 2.0 * Exact(x) * z;
+        norm = ww + xx + zz;
+        const auto row = [&](const Exact& at_i, const Exact& at_k, const Exact& at_j) {
+            std::array<Exact, 3> e;
+            e[i] = at_i;
+            e[k] = up ? at_k : -at_k;
+            e[j] = at_j;
+            return ExactVector(e[0], e[1], e[2]);
+        };
+        rows = {row(ww + xx - zz, -wz, xz), row(wz, ww - xx - zz, -wx), row(xz, wx, ww - xx + zz)};
+        const ExactVector image = turned(ExactVector(base.axis));
+        is_exact = image.x.sign() == Sign::Zero && image.z.sign() == Sign::Zero;
+    }
+
+    // norm times the rotation of p.
+    ExactVector turned(const ExactVector& p) const {
+        return {dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)};
+    }
+    ExactVector from_origin(const Vec3& p) const { return ExactVector(p) - ExactVector(origin); }
+
+    // Of what turned() returns.
+    Vec3 rounded(const ExactVector& p) const {
+        return Vec3(nearest(p.x), nearest(p.y), nearest(p.z)) / nearest(norm);
+    }
+    BaseFrame rounded() const {
+        BaseFrame frame;
+        for (int r = 0; r < 3; ++r) frame.rotation.row(r) = rounded(rows[r]);
+        frame.origin = origin;
         return frame;
     }
-    const Vec3 unit = (axis / size).normalized();
-    // The coordinate axis farthest from the base's gives the best conditioned cross product. It becomes the
-    // last row: that has two zeros in signed permutations only.
-    Eigen::Index least = 0;
-    unit.cwiseAbs().minCoeff(&least);
-    const Vec3 e3 = Vec3::Unit(least).cross(unit).normalized();
-    frame.rotation.row(0) = unit.cross(e3);
-    frame.rotation.row(1) = unit;
-    frame.rotation.row(2) = e3;
-    frame.origin = base.point + unit * unit.dot(center - base.point);
-    return frame;
-}
+};
 
 class CylinderProblem {
 public:
     CylinderProblem(const Scene& scene, const Cylinder& base)
         : scene_(scene),
-          frame_(canonical_frame(base, scene.box)),
-          radius_(base.radius),
-          box_(canonical_box(scene.box, frame_)),
+          base_(base),
+          frame_(base, scene.box),
+          motion_(frame_.rounded()),
           stretch_(stretch()),
           objects_(scene) {}
 
     RadialBaseProblem build() {
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
             std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
-        // In an oblique frame images are not exact, and neither are ties with them.
-        std::vector<std::pair<CylinderForm, Site>> mirrored;
-        if (frame_.is_axis_parallel())
-            for (const BoxSide& side : box_)
-                if (side.m.y() == 0)
-                    mirrored.push_back(
-                        {{2 * side.k * side.m.x(), 0, 2 * side.k * side.m.z(), 0, 1, 0, radius_},
-                         Site::box_side(side.index)});
-        objects_.drop_hidden_and_equal(mirrored);
+        objects_.drop_hidden_and_equal(mirrored());
         return make_problem();
     }
 
 private:
-    // In box diagonals. A line that runs into a side obliquely has no clearance there: distances just before are all
-    // but 0 on one side of it only.
+    // In box diagonals. A line that runs into a side obliquely has no clearance there: distances just before
+    // are all but 0 on one side of it only.
     static constexpr double least_end_radius = 0x1p-34;
 
-    // m.y y + R |(m.x, m.z)| <= k for all sides, R = R0 or the least radius of such a circle.
+    // A side of the box from the origin of the frame: normal.p <= norm distance.
+    struct Side {
+        Site site;
+        ExactVector normal;  // turned
+        Exact distance;
+
+        Exact across2() const { return normal.x * normal.x + normal.z * normal.z; }
+        bool is_along_axis() const { return normal.y.sign() == Sign::Zero; }
+        bool is_across_axis() const { return normal.x.sign() == Sign::Zero && normal.z.sign() == Sign::Zero; }
+    };
+    Side side(std::uint32_t s) const {
+        const WorldSide side(scene_.box, s);
+        return {Site::box_side(s), frame_.turned(ExactVector(side.normal())), side.distance(frame_.origin)};
+    }
+
+    // Where R |(n.x, n.z)| + n.y y <= norm distance for all sides, R = R0 or the least radius of such a
+    // circle.
     std::array<double, 2> stretch() const {
         constexpr double infinity = std::numeric_limits<double>::infinity();
-        const double radius = std::max(radius_, least_end_radius * scene_.box.diagonal());
         std::array<double, 2> range{-infinity, infinity};
-        for (const BoxSide& side : box_) {
-            const Exact x = side.m.x(), z = side.m.z(), r = side.m.y() == 0 ? radius_ : radius;
-            const Exact across2 = r * r * (x * x + z * z);
-            if (side.m.y() == 0) {
-                const Sign beyond = (across2 - Exact(side.k) * side.k).sign();
-                const bool on_side = side.k == 0 && radius_ == 0;
-                if (side.k < 0 || beyond == Sign::Positive || on_side)
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const Side side = this->side(s);
+            const Sign ahead = side.normal.y.sign();
+            if (ahead == Sign::Zero) {
+                const Sign beyond = (Exact(base_.radius) - side.distance).sign();
+                const bool on_side = side.distance.sign() == Sign::Zero && base_.radius == 0;
+                if (beyond == Sign::Positive || on_side)
                     fail_empty("contains no circle of the base cylinder (base.cylinder): it " +
                                std::string(on_side ? "lies on side " : "reaches beyond side ") +
-                               to_string(Site::box_side(side.index)));
+                               to_string(side.site));
                 continue;
             }
-            // Axis-parallel, the stretch ends on the side itself.
-            const bool is_end = across2.sign() == Sign::Zero && std::abs(side.m.y()) == 1;
-            const Interval end = is_end
-                                     ? Interval(side.k / side.m.y())
-                                     : (Interval(side.k) - sqrt(across2.enclosure())) / Interval(side.m.y());
-            if (side.m.y() > 0)
+            Interval end;
+            if (side.is_across_axis()) {
+                end = ahead == Sign::Positive ? side.distance.enclosure() : -side.distance.enclosure();
+            } else {
+                const double radius = std::max(base_.radius, least_end_radius * scene_.box.diagonal());
+                const Exact across2 = Exact(radius) * radius * side.across2();
+                end = ((frame_.norm * side.distance).enclosure() - sqrt(across2.enclosure())) /
+                      side.normal.y.enclosure();
+            }
+            if (ahead == Sign::Positive)
                 range[1] = std::min(range[1], end.lower());
             else
                 range[0] = std::max(range[0], end.upper());
@@ -114,13 +156,30 @@ private:
         return range;
     }
 
+    // The base beyond the sides along its axis.
+    std::vector<std::pair<CylinderForm, Site>> mirrored() const {
+        std::vector<std::pair<CylinderForm, Site>> images;
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const Side side = this->side(s);
+            if (!side.is_along_axis()) continue;
+            const WorldSide world(scene_.box, s);
+            Vec3 p = base_.point;
+            p[world.axis] = 2 * world.bound - p[world.axis];
+            // An image that is not given by doubles is no object's equal.
+            if (Exact(p[world.axis]) + base_.point[world.axis] != 2.0 * Exact(world.bound)) continue;
+            images.push_back({cylinder_form({p, frame_.axis, base_.radius}), side.site});
+        }
+        return images;
+    }
+
     void add(std::uint32_t i, const Sphere& sphere) {
-        const Vec3 c = frame_.to_canonical(sphere.center);
+        const Vec3& c = sphere.center;
         const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
         const RadialForm f = form(ball);
         if (!is_positive(f.c))
-            objects_.fail(Kind::TouchesBase, i,
-                          ball.rho >= radius_ ? "contains a cross section of the base" : "lies in the base");
+            objects_.fail(
+                Kind::TouchesBase, i,
+                ball.rho >= base_.radius ? "contains a cross section of the base" : "lies in the base");
         // B / W is largest in the ball's direction: the distance of its centre from the axis, plus delta.
         const Exact across2 = f.b[0] * f.b[0] + f.b[2] * f.b[2];
         if (f.b0.sign() != Sign::Positive && (across2 - f.b0 * f.b0).sign() != Sign::Positive)
@@ -131,41 +190,42 @@ private:
 
     // Clear of the solid cylinder over the stretch: of the circles at both ends, on one side.
     void add(std::uint32_t i, const Plane& plane) {
-        const Vec3 p = frame_.to_canonical(plane.point), n = frame_.rotation * plane.normal;
-        HalfSpace h(p, n);
-        if (h({Exact(), stretch_[0], Exact()}).sign() == Sign::Negative) h = -h;
-        const Exact x = h.n.x(), z = h.n.z(), r = radius_;
-        const Exact across2 = r * r * (x * x + z * z);
+        HalfSpace h(plane.point, plane.normal);
+        const Exact at_origin = frame_.norm * h(ExactVector(frame_.origin));
+        const ExactVector n = frame_.turned(ExactVector(h.n));
+        const auto value = [&](double y) { return at_origin + y * n.y; };  // times norm
+        const Sign side = value(stretch_[0]).sign();
+        const Exact reach2 = Exact(base_.radius) * base_.radius * (n.x * n.x + n.z * n.z);
         for (const double y : stretch_) {
-            const Exact value = h({Exact(), y, Exact()});
+            const Exact v = value(y);
             const Sign clearance =
-                value.sign() == Sign::Negative ? Sign::Negative : (value * value - across2).sign();
+                v.sign() * side == Sign::Negative ? Sign::Negative : (v * v - reach2).sign();
             if (clearance == Sign::Positive) continue;
-            const double across = std::hypot(h.n.x(), h.n.z());
+            const Vec3 normal = static_cast<int>(side) * frame_.rounded(n);
+            const double across = std::hypot(normal.x(), normal.z());
             const Vec3 toward =
-                across > 0 ? Vec3(-radius_ / across * Vec3(h.n.x(), 0, h.n.z())) : Vec3::Zero();
+                across > 0 ? Vec3(-base_.radius / across * Vec3(normal.x(), 0, normal.z())) : Vec3::Zero();
             objects_.fail(Kind::TouchesBase, i,
                           std::string(cuts_or_touches(clearance)) + " the base at " +
-                              to_text(frame_.to_world(Vec3(0, y, 0) + toward)));
+                              to_text(motion_.to_world(Vec3(0, y, 0) + toward)));
         }
-        objects_.planes.add(h, i);
+        objects_.planes.add(side == Sign::Negative ? -h : h, i);
     }
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
-        const Vec3 p = frame_.to_canonical(cylinder.point);
-        Vec3 a = frame_.rotation * scaled_axis(cylinder.axis);
-        if (!frame_.is_axis_parallel())
-            for (double& component : a)
-                if (std::abs(component) < frame_rounding) component = 0;
-        const CylinderForm cylinder_form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
-        if (!is_positive(form(cylinder_form).c))
+        const CylinderForm f = cylinder_form(cylinder);
+        if (!is_positive(form(f).c))
             objects_.fail(
                 Kind::TouchesBase, i,
-                cylinder.radius >= radius_
+                cylinder.radius >= base_.radius
                     ? "contains a cross section of the base"
                     : "lies in the base, or runs through it so near to its axis that base and cylinder "
                       "have no bisector all around");
-        objects_.cylinders.add(cylinder_form, i);
+        objects_.cylinders.add(f, i);
+    }
+    static CylinderForm cylinder_form(const Cylinder& cylinder) {
+        const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
+        return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
     }
 
     // Is c0 + c1 y + c2 y^2, convex, positive all over the stretch?
@@ -178,39 +238,66 @@ private:
         return (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Positive;
     }
 
+    // The forms of the header, by powers of `norm` free of denominators. Of balls times norm:
     RadialForm form(const Ball& ball) const {
-        const Exact x = ball.cx, y = ball.cy, z = ball.cz, delta = Exact(ball.rho) - radius_;
-        return {{x * x + y * y + z * z - delta * delta, -2.0 * y, 1.0}, delta, Exact(), {x, Exact(), z}, {}};
+        const ExactVector c = frame_.from_origin({ball.cx, ball.cy, ball.cz}), p = frame_.turned(c);
+        const Exact delta = Exact(ball.rho) - base_.radius;
+        return {{frame_.norm * (dot(c, c) - delta * delta), -2.0 * p.y, frame_.norm},
+                frame_.norm * delta,
+                Exact(),
+                {p.x, Exact(), p.z},
+                {}};
     }
-    // Twice B and C of the header.
+    // Times 2 norm:
     RadialForm form(const HalfSpace& h) const {
-        return {{2.0 * (h.d + Exact(radius_) * h.length), 2.0 * h.n.y(), Exact()},
-                h.length,
+        const ExactVector n = frame_.turned(ExactVector(h.n));
+        const Exact value = h(ExactVector(frame_.origin)) + Exact(base_.radius) * h.length;
+        return {{2.0 * frame_.norm * value, 2.0 * n.y, Exact()},
+                frame_.norm * h.length,
                 Exact(),
-                {-h.n.x(), Exact(), -h.n.z()},
+                {-n.x, Exact(), -n.z},
                 {}};
     }
-    RadialForm form(const BoxSide& side) const {
-        return {{2.0 * side.k, -2.0 * side.m.y(), Exact()},
+    RadialForm form(const Side& side) const {
+        const ExactVector& n = side.normal;
+        return {{2.0 * frame_.norm * side.distance, -2.0 * n.y, Exact()},
                 Exact(),
                 Exact(),
-                {side.m.x(), Exact(), side.m.z()},
+                {n.x, Exact(), n.z},
                 {}};
     }
+    // Times norm^2, as A is times norm. Along the base's axis, where |a| need not be a double, times |a|^2,
+    // too.
     RadialForm form(const CylinderForm& f) const {
-        const ExactVector p(Vec3(f.px, f.py, f.pz)), a(Vec3(f.ax, f.ay, f.az));
-        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - radius_;
-        const ExactVector b = length2 * p - along * a;
-        return {{length2 * (dot(p, p) - delta * delta) - along * along, 2.0 * (along * a.y - length2 * p.y),
-                 length2 - a.y * a.y},
-                length2 * delta,
-                a.y,
+        const ExactVector p = frame_.from_origin({f.px, f.py, f.pz}), a = direction(f);
+        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - base_.radius;
+        const ExactVector axis = frame_.turned(a);
+        const bool is_parallel = is_along_base(axis);
+        const Exact n = is_parallel ? frame_.norm * length2 : frame_.norm, n2 = frame_.norm * n;
+        const ExactVector b = n * frame_.turned(length2 * p - along * a);
+        const Exact c0 = n2 * (length2 * (dot(p, p) - delta * delta) - along * along),
+                    b0 = n2 * length2 * delta;
+        if (is_parallel) return {{c0, Exact(), Exact()}, b0, n, {b.x, Exact(), b.z}, {}};
+        return {{c0, -2.0 * b.y, n2 * length2 - axis.y * axis.y},
+                b0,
+                axis.y,
                 {b.x, Exact(), b.z},
-                {a.x, Exact(), a.z}};
+                {axis.x, Exact(), axis.z}};
+    }
+    static ExactVector direction(const CylinderForm& f) { return ExactVector(Vec3(f.ax, f.ay, f.az)); }
+
+    // Where the base's axis has turned, parallel axes are parallel but for that.
+    bool is_along_base(const ExactVector& turned) const {
+        const auto is_none = [&](const Exact& component) {
+            return component.sign() == Sign::Zero ||
+                   (!frame_.is_exact && std::abs(nearest(component)) < frame_rounding * nearest(frame_.norm));
+        };
+        return is_none(turned.x) && is_none(turned.z);
     }
 
-    // The chart is turned about the axis, u = chart n / W, by an angle that no input favours: a symmetric scene's
-    // trisectors would run along the seams of the chart. Its half angle has the tangent turn_sine / turn_cosine.
+    // The chart is turned about the axis, u = chart n / W, by an angle that no input favours: a symmetric
+    // scene's trisectors would run along the seams of the chart. Its half angle has the tangent turn_sine /
+    // turn_cosine.
     static constexpr double turn_sine = 773, turn_cosine = 2048;
     static constexpr double turn_norm = turn_cosine * turn_cosine + turn_sine * turn_sine;
 
@@ -227,7 +314,8 @@ private:
         const Eigen::Matrix3d m = chart();
         const Exact norm = turn_norm;
         const auto turn = [&](const std::array<Exact, 3>& v) {
-            return std::array<Exact, 3>{m(0, 0) * v[0] + m(2, 0) * v[2], Exact(), m(0, 2) * v[0] + m(2, 2) * v[2]};
+            return std::array<Exact, 3>{m(0, 0) * v[0] + m(2, 0) * v[2], Exact(),
+                                        m(0, 2) * v[0] + m(2, 2) * v[2]};
         };
         RadialForm out{f.c, norm * norm * f.b0, norm * f.slope, turn(f.b), turn(f.a)};
         for (Exact& c : out.c) c = norm * norm * c;
@@ -259,24 +347,32 @@ private:
         for (std::uint32_t i = 0; i < n; ++i) {
             if (!objects_.is_kept(i)) continue;
             const Site site = Site::object(i);
-            if (std::holds_alternative<Sphere>(scene_.objects[i])) {
-                const Ball& b = objects_.balls.of(i);
-                add(site, Sphere{{b.cx, b.cy, b.cz}, b.rho}, form(b));
+            if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i])) {
+                add(site, Sphere{motion_.to_canonical(sphere->center), sphere->radius},
+                    form(objects_.balls.of(i)));
             } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
-                add(site, Plane{frame_.to_canonical(plane->point), frame_.rotation * plane->normal},
+                add(site, Plane{motion_.to_canonical(plane->point), motion_.rotation * plane->normal},
                     form(objects_.planes.of(i)));
             } else {
+                const auto& cylinder = std::get<Cylinder>(scene_.objects[i]);
                 const CylinderForm& f = objects_.cylinders.of(i);
-                add(site, Cylinder{{f.px, f.py, f.pz}, {f.ax, f.ay, f.az}, f.rho}, form(f));
+                const ExactVector axis = frame_.turned(direction(f));
+                add(site,
+                    Cylinder{motion_.to_canonical(cylinder.point),
+                             is_along_base(axis) ? Vec3::UnitY().eval() : frame_.rounded(axis),
+                             cylinder.radius},
+                    form(f));
             }
         }
-        for (const BoxSide& side : box_)
-            if (side.m.x() != 0 || side.m.z() != 0)
-                add(Site::box_side(side.index), Plane{side.k * side.m, side.m}, form(side));
+        for (const BoxSide& canonical : canonical_box(scene_.box, motion_)) {
+            const Side side = this->side(canonical.index);
+            if (!side.is_across_axis())
+                add(side.site, Plane{canonical.k * canonical.m, canonical.m}, form(side));
+        }
         found.add_twins(objects_);
-        problem.frame = frame_;
+        problem.frame = motion_;
         problem.is_sphere = false;
-        problem.radius = radius_;
+        problem.radius = base_.radius;
         problem.stretch = stretch_;
         problem.family.chart = RadialChart::HalfAngle;
         problem.chart = chart() / turn_norm;
@@ -287,9 +383,9 @@ private:
     }
 
     const Scene& scene_;
-    const BaseFrame frame_;
-    const double radius_;
-    const std::array<BoxSide, 6> box_;
+    const Cylinder& base_;
+    const CylinderFrame frame_;
+    const BaseFrame motion_;  // rounded
     const std::array<double, 2> stretch_;
     RadialObjects objects_;
 };

@@ -32,7 +32,7 @@ struct BaseFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 origin = Vec3::Zero();
 
-    bool is_axis_parallel() const { return (rotation.row(2).array() == 0).count() == 2; }
+    bool is_axis_parallel() const { return (rotation.array() == 0).count() == 6; }
     Vec3 to_canonical(const Vec3& world) const { return rotation * (world - origin); }
     Vec3 to_world(const Vec3& canonical) const { return rotation.transpose() * canonical + origin; }
 };

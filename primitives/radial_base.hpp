@@ -63,9 +63,11 @@ private:
 
 /// A scene over a sphere or a cylinder base, brought to canonical position and checked.
 struct RadialBaseProblem {
-    /// canonical = R (world - origin). Sphere: R is the identity, the origin the centre. Cylinder: the axis becomes
-    /// the y axis, the origin the foot of the box's centre on it; exact up to the subtraction for axis-parallel
-    /// axes, otherwise rounded once (as in BaseFrame).
+    /// canonical = R (world - origin), rounded. Sphere: R is the identity, the origin the centre. Cylinder: the axis
+    /// becomes the y axis, the origin is its foot of the box's centre, or in general the base's point where that is
+    /// within a diagonal of the box. The forms are those of an exact R of rational entries: what objects and sides of
+    /// the box are to each other, it leaves alone. Only the base's axis turns, by a few 2^-53, unless its length is a
+    /// double (as of axis-parallel ones, or (1, 2, 2)); then axes parallel to it but for 2^-51 count as parallel.
     BaseFrame frame;
     bool is_sphere;
     double radius;  ///< R0

@@ -97,7 +97,8 @@ void RadialObjects::drop_if_hidden(std::size_t i, const std::vector<std::array<E
     if (first < i) merge(object, cylinders.objects[first]);
 }
 
-void RadialObjects::drop_if_in_cylinder(std::size_t i, const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
+void RadialObjects::drop_if_in_cylinder(std::size_t i,
+                                        const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
     const Ball& ball = balls.items[i];
     const std::uint32_t object = balls.objects[i];
     if (owner_[object] == none) return;

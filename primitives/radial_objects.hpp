@@ -1,5 +1,5 @@
-/// What becomes of a scene's objects over a sphere or a cylinder base before they have forms: which are merged or left
-/// out, and whose form each one has. Exact about doubles: the scene's own over a sphere, canonical ones over a cylinder.
+/// What becomes of a scene's objects over a sphere or a cylinder base before they have forms: which are
+/// merged or left out, and whose form each one has. Exact about the scene's own doubles.
 #pragma once
 
 #include <algorithm>
@@ -57,7 +57,7 @@ struct WorldSide {
     Exact distance(const Vec3& p) const { return sign * (Exact(bound) - p[axis]); }
 };
 
-/// The objects by kinds.
+/// The objects in world coordinates, by kinds.
 class RadialObjects {
 public:
     static constexpr std::uint32_t none = UINT32_MAX;

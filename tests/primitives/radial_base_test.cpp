@@ -587,10 +587,10 @@ TEST_CASE("radial base: cylinders of one radius that cross are told from those t
         CHECK(problem.cross_equally(f, g) == problem.cross_equally(g, f));
         return problem.cross_equally(f, g);
     };
-    // Over cylinders where the canonical frame rounds nothing.
     for (const Object& base :
          {Object(Sphere{{0.1, 0.2, 0.3}, 0.5}), Object(Cylinder{{0.125, 0.25, 0}, {0, 0, 1}, 0.5}),
-          Object(Cylinder{{0.125, 0, 0.25}, {0, 1, 0}, 0.5})}) {
+          Object(Cylinder{{0.125, 0, 0.25}, {0, 1, 0}, 0.5}), Object(Cylinder{{0.1, 0.2, 0.3}, {0, -0.3, 1}, 0.5}),
+          Object(Cylinder{{0, 0.1, 0}, {0.2, 1, 0.1}, 0.5})}) {
         CAPTURE(base.index());
         CHECK(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c - b, -2 * b, 0.25}));
         const Vec3 up = std::ldexp(1.0, -44) * Vec3::UnitX();
@@ -598,6 +598,29 @@ TEST_CASE("radial base: cylinders of one radius that cross are told from those t
         CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c - b, b, 0.25 + 0x1p-50}));
         CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c + Vec3(0, 1, 0), a, 0.25}));
         CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Sphere{c + Vec3(0, 1, 0), 0.25}));
+    }
+}
+
+TEST_CASE("radial base: a tilted cylinder leaves alone what objects are to each other") {
+    // Integers, whatever direction they are measured in: touching from within, equal, parallel, mirrored.
+    for (const Vec3& axis : {Vec3(1, 1, 0), Vec3(-3, 2, 0), Vec3(4, -3, 0), Vec3(-1, -7, 0)}) {
+        CAPTURE(axis.transpose());
+        const Vec3 c = 2 * Vec3(-axis.y(), axis.x(), 3), p(0.1, 0.2, 0);
+        const Scene scene =
+            scene_of(Cylinder{p, axis, 0.5}, {Sphere{c, 1},                                  // 0
+                                              Sphere{c + Vec3(0, 0, 0.75), 0.25},            // 1 touches 0 from within
+                                              Cylinder{-c, Vec3(3, 1, 2), 1},                // 2
+                                              Cylinder{-c - Vec3(3, 1, 2), -Vec3(6, 2, 4), 1},  // 3 equals 2
+                                              Cylinder{Vec3(5, 5, 5), axis, 0.25},           // 4
+                                              Cylinder{p + Vec3(0, 0, 20), -2 * axis, 0.5}});  // 5 mirrored
+        const RadialBaseProblem problem = problem_of(scene);
+        const auto form = [&](std::uint32_t i) { return form_of(problem, Site::object(i)); };
+        CHECK(form(1) == FormId{});
+        CHECK(form(2) == form(3));
+        CHECK(problem.family.radial_form(form(2)).has_root());
+        CHECK(!problem.family.radial_form(form(4)).has_root());
+        CHECK(std::get<Cylinder>(problem.objects[form(4)]).axis == Vec3::UnitY());
+        CHECK(form(5) == form_of(problem, Site::box_side(5)));
     }
 }
 
