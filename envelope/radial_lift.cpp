@@ -381,8 +381,7 @@ private:
     }
     bool is_along_axis(FormId f) const {
         const RadialForm& form = problem_.family.radial_form(f);
-        return form.c[1].sign() == Sign::Zero && form.c[2].sign() == Sign::Zero &&
-               form.slope.sign() == Sign::Zero;
+        return form.c[1].sign() == Sign::Zero && form.c[2].sign() == Sign::Zero && !form.has_root();
     }
 
     // ---- Arcs ----

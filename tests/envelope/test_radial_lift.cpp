@@ -537,6 +537,26 @@ TEST_CASE("cylinder cell: faces that go all around are cut along generators") {
               .bisector == "quartic");
 }
 
+TEST_CASE("cylinder cell: tubes along it meet in lines") {
+    for (const Vec3& axis : {Vec3(0, 1, 0), Vec3(3, 4, 0), Vec3(1, 1, 0), Vec3(-1, 0.3, 2)}) {
+        CAPTURE(axis.transpose());
+        const Vec3 u = axis.unitOrthogonal(), v = axis.normalized().cross(u);
+        const Cell cell = checked(about_tube({Vec3::Zero(), axis, 0.5}, 4,
+                                             {Cylinder{2 * u, axis, 0.25}, Cylinder{2 * v - u, -2 * axis, 0.5},
+                                              Cylinder{-u - 2 * v, axis, 0.75}}));
+        int lines = 0;
+        for (const CellEdge& edge : cell.edges) {
+            if (!edge.sites[0].is_object() || !edge.sites[1].is_object()) continue;
+            CHECK(edge.kind == CurveKind::Line);
+            ++lines;
+        }
+        CHECK(lines == 3);
+        for (const CellFace& face : cell.faces)
+            if (face.site.is_object())
+                CHECK(face.bisector == (face.site == Site::object(1) ? "plane" : "hyperbolic cylinder"));
+    }
+}
+
 TEST_CASE("cylinder cell: crossing axes of equal radius have planes for bisectors") {
     const Cell cell =
         checked(about_tube({Vec3::Zero(), Vec3::UnitZ(), 0.5}, 4, {Cylinder{{0, 0, 6}, {1, 0, 1}, 0.5}}));
