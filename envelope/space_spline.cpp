@@ -324,6 +324,7 @@ private:
     struct Node {
         Vector4d X, T, second;
         bool is_terminal = false;  // the end of the edge
+        bool ends_piece = false;   // of the diagram, or all but does
     };
     using Patches = std::array<const PatchCoordinates*, 2>;
 
@@ -448,7 +449,9 @@ private:
     Node inner_node(const Piece& piece) const {
         const Vector4d X = lifted(piece.end);
         const auto found = find(X);
-        return found ? *found : node(X);
+        Node result = found ? *found : node(X);
+        result.ends_piece = true;
+        return result;
     }
 
     // Around a cylinder: with growing angle on the lower end, the region lying on the left.
@@ -476,28 +479,97 @@ private:
         }
     }
 
-    // Encloses the points (p, t) over a piece of the arc: corners of a box.
+    // Calls f(x, y, back) for the halves of the cylinder in which the box {x0, x1, y0, y1} lies, or for all
+    // of it.
+    template <class F>
+    void for_halves(const std::array<double, 4>& box, F&& f) const {
+        const Interval y(box[2], box[3]);
+        const bool is_whole = problem_.is_sphere || box[1] <= 1;
+        if (is_whole || box[0] < 1) f(Interval(box[0], is_whole ? box[1] : 1), y, false);
+        if (!is_whole) f(Interval(std::max(box[0], 1.0), box[1]), y, true);
+    }
+    // t of both sites.
+    std::array<Interval, 2> distances(const Interval& y, const std::array<Interval, 3>& normal) const {
+        const Interval f = problem_.is_sphere ? Interval(0) : y;
+        return {equations_[1].distance_along(f, normal), equations_[right_].distance_along(f, normal)};
+    }
+
+    // Encloses the points (p, t) over a part of the arc: corners of a box.
     std::array<Vector4d, 2> enclosure(const std::array<double, 4>& box) const {
-        const Interval x(box[0], box[1]), y(box[2], box[3]);
-        const auto part = [&](const Interval& range, bool back) {
-            const auto w = normals(problem_, range, y, back);
-            const Interval f = problem_.is_sphere ? Interval(0) : y;
-            const Interval a = equations_[1].distance_along(f, w),
-                           b = equations_[right_].distance_along(f, w);
+        std::array<Vector4d, 2> corners{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
+        for_halves(box, [&](const Interval& x, const Interval& y, bool back) {
+            const auto w = normals(problem_, x, y, back);
+            const auto [a, b] = distances(y, w);
             const double low = std::max({a.lower(), b.lower(), 0.0}), high = std::min(a.upper(), b.upper());
             const Interval t(std::min(low, high), std::max(low, high));
+            const Interval f = problem_.is_sphere ? Interval(0) : y;
             const std::array<Interval, 4> X{t * w[0], t * w[1] + f, t * w[2], t};
-            std::array<Vector4d, 2> corners;
             for (int i = 0; i < 4; ++i) {
-                corners[0][i] = X[i].lower();
-                corners[1][i] = X[i].upper();
+                corners[0][i] = std::min(corners[0][i], X[i].lower());
+                corners[1][i] = std::max(corners[1][i], X[i].upper());
             }
-            return corners;
+        });
+        return corners;
+    }
+
+    // Are the distances of both sites certainly different all over the box?
+    bool is_off_arc(const std::array<double, 4>& box) const {
+        bool is_off = true;
+        for_halves(box, [&](const Interval& x, const Interval& y, bool back) {
+            const auto [a, b] = distances(y, normals(problem_, x, y, back));
+            is_off = is_off && (a.upper() < b.lower() || b.upper() < a.lower());
+        });
+        return is_off;
+    }
+
+    // Encloses the part of a piece between two nodes, in the chart: lines in the piece's direction bound a
+    // strip, and from both ends of the strip what is certainly off the arc is cut off.
+    std::array<double, 4> box_between(const Node& from, const Node& to, const Piece& piece) const {
+        const Vec2 &d = piece.direction, n(-d.y(), d.x());
+        const std::array ends{chart_point(from.X, piece), chart_point(to.X, piece)};
+        double left = infinity, right = -infinity;
+        const auto hold = [&](const Vec2& q, double error) {
+            left = std::min(left, n.dot(q) - error);
+            right = std::max(right, n.dot(q) + error);
         };
-        if (problem_.is_sphere || box[1] <= 1) return part(x, false);
-        if (box[0] >= 1) return part(x, true);
-        const auto front = part({box[0], 1}, false), back = part({1, box[1]}, true);
-        return {front[0].cwiseMin(back[0]), front[1].cwiseMax(back[1])};
+        for (const int k : {0, 1}) {
+            const Node& node = k == 0 ? from : to;
+            const Vec2& q = ends[k];
+            hold(q, (slack_ / std::min(node.X[3], 1.0) + rounding) * (1 + q.squaredNorm()));
+            if (!node.ends_piece) continue;
+            // The true end of the piece is near the node.
+            const bool opens_edge = &piece == &arc_.pieces.front();
+            const Piece& before = opens_edge ? arc_.pieces.back() : *(&piece - 1);
+            const Vec2 first = continued(before.end, piece);
+            const bool is_first = !(opens_edge && arc_.start) && (first - q).norm() < (piece.end - q).norm();
+            hold(is_first ? first : piece.end, is_first ? before.error : piece.error);
+        }
+        const auto part = [&](double a, double b) {
+            const Interval s(left, right), t(std::min(a, b), std::max(a, b));
+            const Interval x = s * n.x() + t * d.x(), y = s * n.y() + t * d.y();
+            return std::array{std::max(piece.box[0], x.lower()), std::min(piece.box[1], x.upper()),
+                              std::max(piece.box[2], y.lower()), std::min(piece.box[3], y.upper())};
+        };
+        // From where on, between a and b, there may be an arc.
+        int cells = 0;
+        const auto cut = [&](const auto& self, double a, double b) -> double {
+            constexpr int most_cells = 1000;
+            const double middle = 0.5 * (a + b);
+            if (const auto box = part(a, b); box[0] > box[1] || box[2] > box[3] || is_off_arc(box)) return b;
+            if (++cells > most_cells || !(std::abs(b - a) > right - left) || middle == a || middle == b)
+                return a;
+            const double first = self(self, a, middle);
+            return first == middle ? self(self, middle, b) : first;
+        };
+        const double center = 0.5 * d.dot(ends[0] + ends[1]);
+        double reach = 0;
+        for (const double x : {piece.box[0], piece.box[1]})
+            for (const double y : {piece.box[2], piece.box[3]})
+                reach = std::max(reach, std::abs(d.dot(Vec2(x, y)) - center));
+        const double low = cut(cut, center - reach, center);
+        cells = 0;
+        const double high = cut(cut, center + reach, center);
+        return low < high ? part(low, high) : piece.box;
     }
 
     // How far the first node of a closed edge may be from a point of the edge.
@@ -655,7 +727,9 @@ private:
     // In the chart, as continued to the piece.
     Vec2 chart_point(const Vector4d& X, const Piece& piece) const {
         const Vec3 foot(0, problem_.is_sphere ? 0 : X.y(), 0);
-        Vec2 q = problem_.chart_point((X.head<3>() - foot) / X[3], X.y());
+        return continued(problem_.chart_point((X.head<3>() - foot) / X[3], X.y()), piece);
+    }
+    Vec2 continued(Vec2 q, const Piece& piece) const {
         if (problem_.is_sphere) return q;
         const double middle = 0.5 * (piece.box[0] + piece.box[1]);
         if (q.x() - middle > 2) q.x() -= 4;
@@ -843,7 +917,17 @@ private:
         Fit fit;
         fit.is_chord = true;
         if (!piece) return fit;
-        const auto box = enclosure(piece->box);
+        auto box = enclosure(piece->box);
+        // Elsewhere the diagram is not needed, and not relied on.
+        const double length = (to.X - from.X).norm();
+        const bool is_all = from.X == start_.X && to.X == end_.X;
+        if (is_all || is_blurred(from, length) || is_blurred(to, length)) {
+            const auto tight = enclosure(box_between(from, to, *piece));
+            // As in step 4, nothing but the last span reaches the edge's end.
+            const bool holds_end = (end_.X - tight[0]).minCoeff() >= -slack_ &&
+                                   (tight[1] - end_.X).minCoeff() >= -slack_;
+            if (!holds_end || from.is_terminal || to.is_terminal) box = tight;
+        }
         const Vector4d low = box[0].cwiseMin(from.X).cwiseMin(to.X),
                        high = box[1].cwiseMax(from.X).cwiseMax(to.X);
         std::array<Jet, 2> ends;

@@ -51,8 +51,8 @@
 ///
 /// A span too long for one D, or for a small q, is halved for the proof. Where an arc ends in a point with
 /// dependent gradients (objects that touch) or passes one closely (axes that cross but for rounding) spans of
-/// the tolerance's length cannot be proved so: they are chords, as good as the enclosure of the diagram's
-/// piece. All of it in double: residuals and gradients carry bounds of their rounding.
+/// the tolerance's length cannot be proved so: they are chords, as good as intervals enclose that part of the
+/// diagram's piece. All of it in double: residuals and gradients carry bounds of their rounding.
 #pragma once
 
 #include <Eigen/Core>
