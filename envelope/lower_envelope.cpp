@@ -605,6 +605,7 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
     const double unit = axial_unit(family, y0, y1);
     const long exponent = std::ilogb(unit);
     FormFamily scaled = family;
+    scaled.axial_unit = unit;
     for (RadialForm& f : scaled.radial) {
         f.c[1] = f.c[1].scaled(exponent);
         f.c[2] = f.c[2].scaled(2 * exponent);

@@ -9,6 +9,7 @@
 
 #include "../core/errors.hpp"
 #include "../primitives/height_conics.hpp"
+#include "crossing_tie.hpp"
 
 namespace vcell {
 
@@ -1455,12 +1456,22 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_critical_point(FormId f,
 // Every trisector is the union of two plane sections, and all these planes have a line in common. If it is upright,
 // all forms are equal and have equal gradients where it stands. Otherwise, if the height of a form minus that of the line
 // changes sign along it, near the apex, then all forms are equal in a point of it, and sections cross there
-// transversally: the gradients agree. The first trisector has one such point in the piece, the apex.
+// transversally: the gradients agree. The first trisector has one such point in the piece, the apex. Over curved bases
+// likewise, for cylinders of one radius that cross.
 bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
     const std::vector<Spread>& r = work.rivals;
-    if (!heights_.family().radial.empty()) return false;
     const HeightCurvature<Interval>& bend = *apex.differences[0][1].curvature;
     if (!(bend.xx * bend.yy - square(bend.xy)).sign()) return false;
+    const auto inside = [&](const Interval& x, const Interval& y) {
+        return std::ranges::all_of(work.boundary.sides, [&](const PieceSide& side) {
+            return (side.a * x + side.b * y + Interval(side.c)).sign() == Sign::Positive;
+        });
+    };
+    if (!heights_.family().radial.empty()) {
+        const std::vector<FormId> forms = work.forms();
+        return std::ranges::none_of(forms, [&](FormId f) { return heights_.family().is_circular(f); }) &&
+               is_tie_over_crossing(heights_.family(), forms, inside, apex.point, work.width);
+    }
     std::vector<std::array<Exact, 4>> planes;
     for (std::size_t i = 1; i < r.size(); ++i) {
         if (heights_.family().is_circular(r[0].form) && heights_.family().is_circular(r[i].form)) return false;
@@ -1478,11 +1489,6 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
         };
         if (!dependent(0, 1, 2) || !dependent(0, 1, 3) || !dependent(0, 2, 3) || !dependent(1, 2, 3)) return false;
     }
-    const auto inside = [&](const Interval& x, const Interval& y) {
-        return std::ranges::all_of(work.boundary.sides, [&](const PieceSide& side) {
-            return (side.a * x + side.b * y + Interval(side.c)).sign() == Sign::Positive;
-        });
-    };
     if (raised[2].sign() == Sign::Zero) {
         const Interval det = (p[0] * q[1] - p[1] * q[0]).enclosure();
         return inside((p[1] * q[3] - p[3] * q[1]).enclosure() / det, (p[3] * q[0] - p[0] * q[3]).enclosure() / det);

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <variant>
 
+#include "crossing.hpp"
 #include "cylinder_base.hpp"
-#include "exact_space.hpp"
 #include "sphere_base.hpp"
 
 namespace vcell {
@@ -58,8 +58,6 @@ Vec2 RadialBaseProblem::chart_point(const Vec3& normal, double y) const {
     return {x < 3 ? x : -1, y};
 }
 
-// With the axis a and its point m nearest to the centre (over a cylinder: to 0) forms hold |a|^2 m and |a|^2
-// delta.
 bool RadialBaseProblem::cross_equally(FormId f, FormId g) const {
     const auto* first = std::get_if<Cylinder>(&objects[f]);
     const auto* second = std::get_if<Cylinder>(&objects[g]);
@@ -69,15 +67,7 @@ bool RadialBaseProblem::cross_equally(FormId f, FormId g) const {
     const double size =
         first->axis.norm() * second->axis.norm() * (first->point.norm() + second->point.norm());
     if (!(std::abs(between.dot(normal)) <= 0x1p-30 * size)) return false;
-    const RadialForm &F = family.radial_form(f), &G = family.radial_form(g);
-    const auto axis = [](const RadialForm& h) { return ExactVector(h.a[0], h.a[1] + h.slope, h.a[2]); };
-    const auto moment = [](const RadialForm& h) {
-        return ExactVector(h.b[0], h.b[1] - 0.5 * h.c[1], h.b[2]);
-    };
-    const ExactVector a = axis(F), b = axis(G), across = cross(a, b);
-    const Exact a2 = dot(a, a), b2 = dot(b, b);
-    return !across.is_zero() && (F.b0 * b2 - G.b0 * a2).sign() == Sign::Zero &&
-           dot(a2 * moment(G) - b2 * moment(F), across).sign() == Sign::Zero;
+    return equal_crossing(family, f, g).has_value();
 }
 
 double RadialBaseProblem::distance(const Vec2& p, double f) const {

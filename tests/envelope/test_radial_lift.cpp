@@ -572,8 +572,10 @@ TEST_CASE("cells: among tubes of one radius that cross") {
         const auto is_node = [&](const CellVertex& v) { return v.sites.size() == tubes; };
         CHECK(std::ranges::any_of(cell.vertices, is_node));
         for (const CellEdge& edge : cell.edges) CHECK(edge.error <= 2e-6);
+        CHECK(cell.report.decisions.assumed == 0);
     };
     std::mt19937_64 rng(test_seed());
+    // Once the line across the axes runs through the base's centre, or along a normal of its axis.
     Scene ball = centred(0.5, 4, {along_x, oblique});
     Cell cell = cell_of(ball);
     check_cell(cell);
@@ -586,8 +588,14 @@ TEST_CASE("cells: among tubes of one radius that cross") {
     check_faces_by_rays(cell, rng, 3);
     has_node(cell, 3);
     for (const Cylinder& tube :
-         {Cylinder{Vec3::Zero(), {1, 0, 0}, 0.5}, Cylinder{Vec3::Zero(), {1, 2, 2}, 0.5}})
+         {Cylinder{Vec3::Zero(), {1, 0, 0}, 0.5}, Cylinder{Vec3::Zero(), {1, 2, 2}, 0.5},
+          Cylinder{Vec3::Zero(), {-2, 1, 3}, 0.5}, Cylinder{{0.1, 0.2, 0.3}, {1, 3, 1}, 0.25}})
         has_node(checked(about_tube(tube, 4, {along_x, oblique})), 2);
+    // Two pairs that cross, tilted.
+    has_node(checked(about_tube({Vec3::Zero(), {1, 1, 0}, 0.5}, 3,
+                                {Cylinder{{2, 0, 3}, {0, 0, -1}, 0.25}, Cylinder{{2, 1, 2}, {-1, 1, 1}, 0.25},
+                                 Cylinder{{3, 0, 1}, {-1, 0, -1}, 0.25}})),
+             2);
     // Lines along the axis and across it.
     has_node(checked(about_tube({Vec3::Zero(), {1, 0, 0}, 0.5}, 3,
                                 {Cylinder{{-2, 1, -1}, {-1, 0, 0}, 0}, Cylinder{{0, 1, -1}, {0, 1, 0}, 0}})),
