@@ -166,6 +166,11 @@ std::array<std::array<double, 2>, 2> curve_bounds(const RationalCurve2& curve) {
             }
             std::array<double, 6> row;
             for (int k = 0; k <= curve.degree; ++k) row[k] = p[first + k][i];
+            if (curve.degree == 3) {
+                const std::array weights{p[first][2], p[first + 1][2], p[first + 2][2], p[first + 3][2]};
+                extend_by_rational(box[i], {row.data(), weights.size()}, weights);
+                continue;
+            }
             extend_by_polynomial(box[i], {row.data(), static_cast<std::size_t>(curve.degree) + 1});
         }
     }

@@ -35,8 +35,8 @@ struct CutPart {
 std::vector<CutPart> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
                               std::span<const double> reaches, std::uint32_t& seams);
 
-/// The parameters' ranges along a curve that consists of Bezier pieces of degree 1, of degree 2, or with
-/// equal weights.
+/// The parameters' ranges along a curve that consists of Bezier pieces of degree 1, 2 or 3, or with equal
+/// weights.
 std::array<std::array<double, 2>, 2> curve_bounds(const RationalCurve2& curve);
 
 }  // namespace vcell

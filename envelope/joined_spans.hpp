@@ -75,6 +75,35 @@ inline void extend_by_polynomial(Range& range, std::span<const double> coefficie
     extend_by_polynomial(range, {right.data(), n + 1}, divisions - 1);
 }
 
+/// The same for a rational curve's coordinate: values of its control points (degree at most 3), positive weights.
+inline void extend_by_rational(Range& range, std::span<const double> values, std::span<const double> weights,
+                               int divisions = 52) {
+    range[0] = std::min({range[0], values.front(), values.back()});
+    range[1] = std::max({range[1], values.front(), values.back()});
+    const auto [low, high] = std::ranges::minmax(values);
+    const double slack = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(low), std::abs(high));
+    if ((low >= range[0] - slack && high <= range[1] + slack) || divisions == 0) return;
+    const std::size_t n = values.size();
+    std::array<double, 4> w, v;
+    std::array<std::array<double, 4>, 2> part_w, part_v;
+    for (std::size_t i = 0; i < n; ++i) {
+        w[i] = weights[i];
+        v[i] = weights[i] * values[i];
+    }
+    for (std::size_t level = 0; level < n; ++level) {
+        part_w[0][level] = w[0];
+        part_v[0][level] = v[0] / w[0];
+        part_w[1][n - 1 - level] = w[n - 1 - level];
+        part_v[1][n - 1 - level] = v[n - 1 - level] / w[n - 1 - level];
+        for (std::size_t i = 0; i + 1 + level < n; ++i) {
+            w[i] = 0.5 * (w[i] + w[i + 1]);
+            v[i] = 0.5 * (v[i] + v[i + 1]);
+        }
+    }
+    for (const int k : {0, 1})
+        extend_by_rational(range, {part_v[k].data(), n}, {part_w[k].data(), n}, divisions - 1);
+}
+
 template <class Items>
 void sort_unique(Items& items) {
     std::sort(items.begin(), items.end());

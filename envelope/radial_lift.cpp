@@ -10,7 +10,9 @@
 
 #include "../core/errors.hpp"
 #include "../primitives/exact_space.hpp"
+#include "axial_conic.hpp"
 #include "chart_arc.hpp"
+#include "conic_span.hpp"
 #include "face_cut.hpp"
 #include "joined_spans.hpp"
 #include "measures.hpp"
@@ -30,20 +32,6 @@ constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 // Middle weights of conics, in space and in both faces' parameters, against the geometric mean of those at
 // the ends: from here on control points stay close to their curves. An arc of a circle of 145 degrees has it.
 constexpr double least_weight = 0.3;
-
-// A homogeneous conic through (p, t), canonical, t the distance from the base's centre: the weights are 1,
-// `weight`, 1, and `middle` is the middle control point times its weight.
-struct ConicSpan {
-    Vector4d from, middle, to;
-    double weight;
-
-    // Reparametrised so that the ends' weights are 1 again.
-    std::array<ConicSpan, 2> halves() const {
-        const double w = std::sqrt(0.5 * (1 + weight));
-        const Vector4d half_way = (from + 2 * middle + to) / (4 * w * w);
-        return {{{from, (from + middle) / (2 * w), half_way, w}, {half_way, (middle + to) / (2 * w), to, w}}};
-    }
-};
 
 // A trim's control points (u w, v w, w).
 struct TrimSpan {
@@ -364,8 +352,8 @@ private:
                 diagram_.is_circular(e.left) && !e.on_rim() && diagram_.is_circular(e.right);
             const auto functional = [&](FormId f) -> const auto& { return hyperplane(f).functional(); };
             kinds_.push_back(is_conic ? kind(e.left, e.right, functional(e.left), functional(e.right))
-                             : !problem_.is_sphere && is_line(e) ? CurveKind::Line
-                                                                 : CurveKind::Spline);
+                             : problem_.is_sphere ? CurveKind::Spline
+                                                  : kind_over_cylinder(e));
         }
         if (!problem_.family.is_all_circular()) {
             splines_.resize(diagram_.edges.size());
@@ -373,7 +361,24 @@ private:
         }
     }
 
-    // Over a cylinder: of two planes, and of bisectors that are parallel to the axis.
+    CurveKind kind_over_cylinder(const MinimizationDiagram::Edge& e) const {
+        if (is_line(e)) return CurveKind::Line;
+        const auto equations = axial_equations(e);
+        if (!equations) return CurveKind::Spline;
+        const auto& [f, g] = *equations;
+        const CurveKind kind = kind_of(f, g);
+        const double size = std::max(-problem_.stretch[0], problem_.stretch[1]);
+        return kind == CurveKind::Line || AxialConic(problem_, f, g).is_steady(size) ? kind
+                                                                                     : CurveKind::Spline;
+    }
+    std::optional<std::array<AxialEquation, 2>> axial_equations(const MinimizationDiagram::Edge& e) const {
+        const auto left = axial_equation(problem_.family.radial_form(e.left));
+        const auto right = e.on_rim() ? axial_equation(problem_.stretch[e.side != 0])
+                                      : axial_equation(problem_.family.radial_form(e.right));
+        if (!left || !right) return std::nullopt;
+        return std::array{*left, *right};
+    }
+    // Of two planes, and of bisectors that are parallel to the axis.
     bool is_line(const MinimizationDiagram::Edge& e) const {
         if (e.on_rim()) return is_flat(problem_, e.left);
         return (is_flat(problem_, e.left) && is_flat(problem_, e.right)) ||
@@ -405,7 +410,7 @@ private:
         slices_.resize(diagram_.edges.size());
         std::vector<EdgeId> in_chart;
         for (const EdgeId e : diagram_.edges.ids()) {
-            if (is_line(e) || is_spline(e)) continue;
+            if (is_line(e) || is_spline(e) || !problem_.is_sphere) continue;
             const std::array planes{&hyperplane(diagram_.edges[e].left), &hyperplane(diagram_.edges[e].right)};
             const auto first = static_cast<std::uint32_t>(conics_.size());
             if (problem_.is_sphere && add_arc_on_sphere(e, planes))
@@ -643,7 +648,7 @@ private:
             if (diagram_.face_forms[face].valid()) all.push_back(face);
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : diagram_.edges.ids())
-            if (is_spline(e)) to_fit.push_back(e);
+            if (depends_on_patches(e)) to_fit.push_back(e);
         if (problem_.is_sphere && !to_fit.empty())
             for (const FaceId face : all)
                 if (!holds_vertices(face)) change_patch(face);
@@ -658,7 +663,7 @@ private:
                 again.push_back(face);
                 for (const CcbId ccb : loops_[face])
                     around(ccb, [&](EdgeId e, bool) {
-                        if (is_spline(e)) to_fit.push_back(e);
+                        if (depends_on_patches(e)) to_fit.push_back(e);
                     });
             }
             sort_unique(to_fit);
@@ -674,6 +679,9 @@ private:
         for (const FaceId face : diagram_.face_forms.ids())
             if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);
     }
+
+    // Splines for their trims, conics over a cylinder for the sectors that they run through.
+    bool depends_on_patches(EdgeId e) const { return is_spline(e) || (!problem_.is_sphere && !is_line(e)); }
 
     // Of a face that is not cut.
     TrimmedPatch& trimmed(FaceId face) {
@@ -917,6 +925,69 @@ private:
         return 0.5 * (angles[widest] + angles[widest + 1]);
     }
 
+    // Through the angles of the chart over its start, over where it leaves a sector, and over its end.
+    void add_axial_conic(EdgeId e) {
+        const auto equations = axial_equations(diagram_.edges[e]);
+        const AxialConic conic(problem_, (*equations)[0], (*equations)[1]);
+        const std::vector<double> angles = angles_along(e);
+        const auto first = static_cast<std::uint32_t>(conics_.size());
+        Vector4d from = start(e).valid() ? points_[start(e)] : conic.at(direction(angles.front()));
+        const Vector4d last = end(e).valid() ? points_[end(e)] : from;
+        for (std::size_t i = 1; i < angles.size(); ++i) {
+            const Vector4d to = i + 1 == angles.size() ? last : conic.at(direction(angles[i]));
+            add_halves(conic.between(from, to), {}, conics_);
+            from = to;
+        }
+        slices_[e] = {first, static_cast<std::uint32_t>(conics_.size())};
+    }
+
+    // Monotonic, as the conic has one point over every angle. An end so near to a seam counts as on it.
+    std::vector<double> angles_along(EdgeId e) const {
+        constexpr double pi = std::numbers::pi, widest = pi / 3, near = 0x1p-32;
+        const auto [from, turn] = turn_along(e);
+        std::vector<double> parts;
+        const auto count = static_cast<int>(std::ceil(std::abs(turn) / widest));
+        for (int i = 1; i < count; ++i) parts.push_back(std::abs(turn) * i / count);
+        for (const unsigned side : {0u, 1u}) {
+            const FaceId face = diagram_.dcel.face(Dcel::half_edge(e, side));
+            if (!diagram_.face_forms[face].valid() || !is_cut(face)) continue;
+            for (const Sector& s : sectors_[face].sectors) {
+                double part = std::fmod(turn < 0 ? from - s.from : s.from - from, 2 * pi);
+                if (part < 0) part += 2 * pi;
+                if (part > near && part < std::abs(turn) - near) parts.push_back(part);
+            }
+        }
+        sort_unique(parts);
+        std::vector<double> angles{from};
+        for (const double part : parts) angles.push_back(from + std::copysign(part, turn));
+        angles.push_back(from + turn);
+        return angles;
+    }
+
+    // The angle over an edge's start, and by how much it changes.
+    std::array<double, 2> turn_along(EdgeId e) const {
+        constexpr double whole = 2 * std::numbers::pi;
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        const auto pieces = diagram_.pieces(e);
+        const auto angle = [&](VertexId v) { return chart_angle(diagram_.vertices[v].point.x()); };
+        if (edge.on_rim()) {  // with the angle on the lower end, against it on the upper one
+            const double sign = edge.side == 0 ? 1 : -1;
+            if (!start(e).valid() || start(e) == end(e))
+                return {start(e).valid() ? angle(start(e)) : 0, sign * whole};
+            const double turn = sign * (angle(end(e)) - angle(start(e)));
+            return {angle(start(e)), sign * (turn > 0 ? turn : turn + whole)};
+        }
+        const double from = start(e).valid() ? angle(start(e)) : chart_angle(pieces.back().end.x());
+        double turn = 0, last = from;
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            const bool is_end = i + 1 == pieces.size() && end(e).valid();
+            const double next = is_end ? angle(end(e)) : chart_angle(pieces[i].end.x());
+            turn += std::remainder(next - last, whole);
+            last = next;
+        }
+        return {from, turn};
+    }
+
     // The face's loops as runs of spans within one sector.
     std::vector<std::vector<BoundaryRun>> boundary_runs(FaceId face) const {
         std::vector<std::vector<BoundaryRun>> loops;
@@ -931,16 +1002,23 @@ private:
                     set_trim(patch, e, reversed, loop.back().trim);
                     return;
                 }
-                const std::vector<SpaceSpan>& spans = splines_[e];
-                const std::size_t n = spans.size();
+                const std::size_t n = is_spline(e) ? splines_[e].size() : spans(e).size();
                 const auto sector = [&](std::size_t i) {
-                    return spans[reversed ? n - 1 - i : i].part[reversed];
+                    const std::size_t k = reversed ? n - 1 - i : i;
+                    if (is_spline(e)) return splines_[e][k].part[reversed];
+                    const ConicSpan& s = spans(e)[k];
+                    return sector_of(face, (s.from + 2 * s.middle + s.to).head<3>() / (2 + 2 * s.weight));
                 };
                 for (std::size_t first = 0, last; first < n; first = last) {
                     last = first + 1;
                     while (last < n && sector(last) == sector(first)) ++last;
                     loop.push_back({{e.value, {}, reversed, {}}, sector(first)});
-                    set_spline_trim(e, reversed, first, last, loop.back().trim.curve);
+                    RationalCurve2& curve = loop.back().trim.curve;
+                    if (is_spline(e))
+                        set_spline_trim(e, reversed, first, last, curve);
+                    else
+                        set_conic_trim(sectors_[face].sectors[sector(first)].patch, e, reversed, first, last,
+                                       curve);
                 }
             });
         }
@@ -1035,6 +1113,7 @@ private:
     }
 
     void fit(EdgeId e) {
+        if (!is_spline(e)) return add_axial_conic(e);
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         SpaceArc arc{{space_site(Dcel::half_edge(e), edge.left), {}},
                      space_end(start(e)),
@@ -1119,19 +1198,23 @@ private:
         }
     }
 
-    // Of the spans first ... last - 1, counted in the direction of the loop; the knots are those of the
-    // whole.
+    // Of n spans those from `first` to before `last`, on the knots of the whole.
+    static void begin_part(RationalCurve2& curve, int degree, std::size_t n, std::size_t first,
+                           std::size_t last) {
+        begin_joined(curve, degree, n);
+        if (last - first == n) return;
+        curve.knots.erase(curve.knots.begin() + degree * last + degree + 2, curve.knots.end());
+        curve.knots.erase(curve.knots.begin(), curve.knots.begin() + degree * first);
+        curve.knots.front() = curve.knots[1];
+        curve.knots.back() = curve.knots[curve.knots.size() - 2];
+    }
+
+    // Of the spans first ... last - 1, counted in the direction of the loop.
     void set_spline_trim(EdgeId e, bool reversed, std::size_t first, std::size_t last,
                          RationalCurve2& curve) const {
         const std::vector<SpaceSpan>& spans = splines_[e];
         const std::size_t n = spans.size();
-        curve.degree = 5;
-        join_knots(curve.knots, 5, n);
-        curve.knots.erase(curve.knots.begin() + 5 * last + 7, curve.knots.end());
-        curve.knots.erase(curve.knots.begin(), curve.knots.begin() + 5 * first);
-        curve.knots.front() = curve.knots[1];
-        curve.knots.back() = curve.knots[curve.knots.size() - 2];
-        curve.points.reserve(5 * (last - first) + 1);
+        begin_part(curve, 5, n, first, last);
         for (std::size_t i = first; i < last; ++i) {
             const SpaceSpan& span = spans[reversed ? n - 1 - i : i];
             const auto x = trim_row(span, reversed, 0), y = trim_row(span, reversed, 1);
@@ -1148,25 +1231,34 @@ private:
         trim.reversed = reversed;
         RationalCurve2& curve = trim.curve;
         if (is_spline(e)) return set_spline_trim(e, reversed, 0, splines_[e].size(), curve);
-        if (is_line(e)) {
-            begin_joined(curve, 1, 1);
-            for (const VertexId v : {start(e), end(e)}) {
-                const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
-                curve.points.push_back({p.x(), p.y(), 1});
-            }
-        } else {
-            const std::span<const ConicSpan> pieces = spans(e);
-            begin_joined(curve, 2, pieces.size());
-            double scale = 1;
-            const auto add = [&](const Eigen::Vector3d& p) {
+        if (!is_line(e)) return set_conic_trim(patch, e, reversed, 0, spans(e).size(), curve);
+        begin_joined(curve, 1, 1);
+        for (const VertexId v : {start(e), end(e)}) {
+            const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
+            curve.points.push_back({p.x(), p.y(), 1});
+        }
+        if (reversed) std::reverse(curve.points.begin(), curve.points.end());
+    }
+    // As set_spline_trim().
+    void set_conic_trim(const RadialPatch& patch, EdgeId e, bool reversed, std::size_t first,
+                        std::size_t last, RationalCurve2& curve) const {
+        const std::size_t n = spans(e).size();
+        const bool is_axial = patch.kind() == RadialPatch::Kind::AboutBase;
+        begin_part(curve, is_axial ? 3 : 2, n, first, last);
+        double scale = 1;
+        // Of the first point after others only the weight is new.
+        const auto add = [&](std::span<const Eigen::Vector3d> points) {
+            scale = (curve.points.empty() ? 1 : curve.points.back().z()) / points.front().z();
+            for (const Eigen::Vector3d& p : points.subspan(curve.points.empty() ? 0 : 1))
                 curve.points.push_back({p.x() / p.z(), p.y() / p.z(), scale * p.z()});
-            };
-            for (std::size_t i = 0; i < pieces.size(); ++i) {
-                const TrimSpan span(patch, pieces[i]);
-                scale = (i == 0 ? 1 : curve.points.back().z()) / span.from.z();
-                if (i == 0) add(span.from);
-                add(span.middle);
-                add(span.to);
+        };
+        for (const ConicSpan& piece :
+             reversed ? spans(e).subspan(n - last, last - first) : spans(e).subspan(first, last - first)) {
+            if (is_axial) {
+                add(axial_trim(patch, piece));
+            } else {
+                const TrimSpan span(patch, piece);
+                add(std::array{span.from, span.middle, span.to});
             }
         }
         // The knots are uniform: only the order changes.

@@ -615,8 +615,12 @@ private:
         if (geometry_.is_plane()) return kinds_over_plane(i);
         if (geometry_.is_sphere()) return kinds_over_sphere(cell_.edges[i].sites);
         const auto is_flat = [](const Site& s) { return !s.is_object(); };
-        return std::ranges::all_of(cell_.edges[i].sites, is_flat) ? std::vector{CurveKind::Line}
-                                                                  : std::vector<CurveKind>{};
+        using enum CurveKind;
+        if (std::ranges::all_of(cell_.edges[i].sites, is_flat)) return {Line};
+        // Nearly a pair of lines, it may be a spline.
+        if (std::ranges::all_of(cell_.edges[i].sites, [&](const Site& s) { return is_linear(s); }))
+            return {Ellipse, Hyperbola, Parabola, Circle, Line, Spline};
+        return {};
     }
 
     /// [HE, Lemmas 1-3] Planes and box sides have linear heights, spheres paraboloids about the base's
@@ -1025,8 +1029,9 @@ private:
         double lo = std::max(0, best - 1) / double(kSteps), hi = std::min(kSteps, best + 1) / double(kSteps);
         double lowest = value(best / double(kSteps));
         constexpr double kGolden = 1 / std::numbers::phi;
-        // The value is flat to second order, so half the digits of the place give all of the value.
-        while (hi - lo > 1e-8) {
+        // Mostly half the digits of the place give all of the value. But a distance from what is passed closely
+        // has a corner.
+        while (hi - lo > 1e-14) {
             const double a = hi - kGolden * (hi - lo), b = lo + kGolden * (hi - lo);
             const double fa = value(a), fb = value(b);
             lowest = std::min({lowest, fa, fb});
