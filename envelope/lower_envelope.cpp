@@ -611,10 +611,22 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
         f.c[2] = f.c[2].scaled(2 * exponent);
         f.slope = f.slope.scaled(exponent);
     }
-    MinimizationDiagram out = EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options).over_cylinder();
+    const double most = std::max(1.0, unit);
+    const auto to_length = [&](Assumption& a) {
+        a.place.y() *= unit;
+        a.width *= most;
+    };
+    MinimizationDiagram out = [&] {
+        try {
+            return EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options).over_cylinder();
+        } catch (const TieError& e) {
+            Assumption tie = e.tie;
+            to_length(tie);
+            throw TieError(tie);
+        }
+    }();
     out.region = ConvexRegion::rectangle(-1, y0, 3, y1);
     out.radial = family.radial;
-    const double most = std::max(1.0, unit);
     for (MinimizationDiagram::Vertex& v : out.vertices) {
         v.point.y() *= unit;
         v.error *= most;
@@ -628,10 +640,7 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
         p.box[2] *= unit;
         p.box[3] *= unit;
     }
-    for (Assumption& a : out.assumptions) {
-        a.place.y() *= unit;
-        a.width *= most;
-    }
+    for (Assumption& a : out.assumptions) to_length(a);
     return out;
 }
 

@@ -340,7 +340,21 @@ private:
             for (const FormId f : diagram_.label(v))
                 for (const Site site : problem_.sites[f]) vertex.sites.push_back(site);
             for (const std::uint32_t side : diagram_.sides(v)) vertex.sites.push_back(end_site(side));
+            add_generator_ties(diagram_.label(v), v, vertex.sites);
             sort_unique(vertex.sites);
+        }
+    }
+
+    // The sites that tie with two of these forms over the generator through a vertex. These two have another generator
+    // in common at most.
+    template <class Sites>
+    void add_generator_ties(std::span<const FormId> forms, VertexId v, Sites& sites) const {
+        constexpr double near = 1e-6;
+        for (const RadialBaseProblem::GeneratorTie& tie : problem_.generator_ties) {
+            const Vec3 normal(points_[v].x() / points_[v].w(), 0, points_[v].z() / points_[v].w());
+            const auto has = [&](FormId f) { return std::ranges::find(forms, f) != forms.end(); };
+            if (has(tie.forms[0]) && has(tie.forms[1]) && (normal - tie.normal).norm() < near)
+                sites.push_back(tie.site);
         }
     }
 
@@ -1164,6 +1178,8 @@ private:
             for (const FormId f : diagram_.label(e))
                 for (const Site site : problem_.sites[f])
                     if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
+            if (is_line(e) && !from.on_rim())
+                add_generator_ties(std::array{from.left, from.right}, start(e), edge.extra_sites);
             sort_unique(edge.extra_sites);
             if (start(e).valid()) edge.vertices = {start(e).value, end(e).value};
             edge.kind = kinds_[e];

@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "axial_ties.hpp"
 #include "message.hpp"
 #include "radial_objects.hpp"
 
@@ -323,28 +325,33 @@ private:
         return out;
     }
 
-    RadialBaseProblem make_problem() {
-        RadialBaseProblem problem;
-        const std::size_t n = scene_.objects.size();
-        FoundForms found(n);
+    // A form and whose it is.
+    struct Entry {
+        std::vector<Site> sites;
+        Object canonical;
+        RadialForm form;
+        bool is_kept = true;
+        FormId id{};
+    };
+    std::vector<Entry> all_entries() const {
+        std::vector<Entry> entries;
         std::vector<std::array<Exact, 6>> rays;  // of rational heights, and whose they are
-        std::vector<FormId> ray_forms;
-        const auto add = [&](Site site, const Object& canonical, RadialForm f) {
+        std::vector<std::size_t> ray_entries;
+        const auto add = [&](Site site, const Object& canonical, const RadialForm& f) {
             // With balls C is quadratic in y and no other rational height's is.
             if (!f.has_root() && !std::holds_alternative<Sphere>(canonical)) {
                 const std::array<Exact, 6> ray{f.c[0], f.c[1], f.c[2], f.b0, f.b[0], f.b[2]};
                 for (std::size_t k = 0; k < rays.size(); ++k) {
                     if (compare_rays(ray, rays[k]) != 0) continue;
-                    found.join(site, ray_forms[k]);
+                    entries[ray_entries[k]].sites.push_back(site);
                     return;
                 }
                 rays.push_back(ray);
-                ray_forms.push_back(FormId{static_cast<std::uint32_t>(found.sites.size())});
+                ray_entries.push_back(entries.size());
             }
-            found.add(site, canonical);
-            problem.family.radial.push_back(turned(f));
+            entries.push_back({{site}, canonical, f});
         };
-        for (std::uint32_t i = 0; i < n; ++i) {
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
             if (!objects_.is_kept(i)) continue;
             const Site site = Site::object(i);
             if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i])) {
@@ -369,6 +376,28 @@ private:
             if (!side.is_across_axis())
                 add(side.site, Plane{canonical.k * canonical.m, canonical.m}, form(side));
         }
+        return entries;
+    }
+
+    RadialBaseProblem make_problem() {
+        RadialBaseProblem problem;
+        FoundForms found(scene_.objects.size());
+        std::vector<Entry> entries = all_entries();
+        std::vector<RadialForm> forms;
+        for (const Entry& e : entries) forms.push_back(e.form);
+        const std::vector<AxialTie> ties = find_axial_ties(forms);
+        for (const AxialTie& tie : ties) entries[tie.middle].is_kept = false;
+        for (Entry& e : entries) {
+            if (!e.is_kept) continue;
+            e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
+            found.add(e.sites.front(), e.canonical);
+            for (const Site site : std::span(e.sites).subspan(1)) found.join(site, e.id);
+            problem.family.radial.push_back(turned(e.form));
+        }
+        for (const AxialTie& tie : ties)
+            for (const Site site : entries[tie.middle].sites)
+                problem.generator_ties.push_back(
+                    {site, {entries[tie.nearer[0]].id, entries[tie.nearer[1]].id}, Vec3(tie.normal.data())});
         found.add_twins(objects_);
         problem.frame = motion_;
         problem.is_sphere = false;

@@ -82,6 +82,14 @@ struct RadialBaseProblem {
     IdVector<FormId, Object> objects;
     /// As in PlaneBaseProblem.
     FormSites sites;
+    /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than the nearer
+    /// of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no form.
+    struct GeneratorTie {
+        Site site;
+        std::array<FormId, 2> forms;
+        Vec3 normal;  ///< of the generator, canonical
+    };
+    std::vector<GeneratorTie> generator_ties;
     std::vector<std::string> warnings;
 
     /// Unit outward normal at a chart point. On a cylinder x may be any number of [-1, 3].

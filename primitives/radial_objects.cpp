@@ -113,7 +113,8 @@ void RadialObjects::drop_if_in_cylinder(std::size_t i,
 void FoundForms::add_twins(const RadialObjects& all) {
     for (std::uint32_t i = 0; all.has_merged() && i < of_object.size(); ++i) {
         const std::uint32_t owner = all.owner(i);
-        if (owner != RadialObjects::none && owner != i) sites.join(of_object[owner], Site::object(i));
+        if (owner != RadialObjects::none && owner != i && of_object[owner].valid())
+            sites.join(of_object[owner], Site::object(i));
     }
     sites.settle();
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "../../envelope/radial_lift.hpp"
 #include "../test_support.hpp"
@@ -559,6 +560,41 @@ TEST_CASE("cylinder cell: tubes along it meet in lines") {
             if (face.site.is_object())
                 CHECK(face.bisector == (face.site == Site::object(1) ? "plane" : "hyperbolic cylinder"));
     }
+}
+
+TEST_CASE("cylinder cell: in lattices of tubes along it four meet in a line") {
+    const std::array<std::array<Vec3, 3>, 4> lattices{{{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
+                                                       {Vec3(0, -3, 0), Vec3(0, 0, 2), Vec3(1.5, 0, 0)},
+                                                       {Vec3(1, 1, 0), Vec3(1.5, -1.5, 0), Vec3(0, 0, 2)},
+                                                       {Vec3(2, 3, 6), Vec3(3, -6, 2), Vec3(6, 2, -3)}}};
+    for (const auto& [axis, u, v] : lattices)
+        for (const double radius : {0.0, 0.5}) {
+            CAPTURE(axis.transpose());
+            CAPTURE(radius);
+            std::vector<Object> tubes;
+            for (const int i : {-1, 0, 1})
+                for (const int j : {-1, 0, 1})
+                    if (i != 0 || j != 0) tubes.push_back(Cylinder{i * u + j * v, axis, radius});
+            const auto check_lattice = [&](const Scene& scene) {
+                const Cell cell = checked(scene);
+                CHECK(cell.report.decisions.assumed == 0);
+                std::set<Site> extra;
+                for (const CellEdge& edge : cell.edges)
+                    if (!edge.extra_sites.empty()) {
+                        CHECK(edge.kind == CurveKind::Line);
+                        REQUIRE(edge.extra_sites.size() == 1);
+                        extra.insert(edge.extra_sites.front());
+                        for (const std::uint32_t w : edge.vertices)
+                            CHECK(std::ranges::find(cell.vertices[w].sites, edge.extra_sites.front()) !=
+                                  cell.vertices[w].sites.end());
+                    }
+                // The corners.
+                CHECK(extra == std::set{Site::object(0), Site::object(2), Site::object(5), Site::object(7)});
+            };
+            check_lattice(about_tube({Vec3::Zero(), axis, radius}, 9, tubes));
+            tubes.push_back(Sphere{0.625 * u + 0.125 * v, 0.25});
+            check_lattice(about_tube({Vec3::Zero(), axis, radius}, 9, tubes));
+        }
 }
 
 TEST_CASE("cylinder cell: planes, sides of the box and tubes along it meet in conics, exactly") {

@@ -1,0 +1,32 @@
+/// Over a cylinder: which forms of planes and cylinders along the base tie with two others along a generator,
+/// and are never nearer.
+///
+/// Along the axis nothing changes about these: such a form is met at t = 1 / F(u), F(u) = (b.u + b0) / (c0 /
+/// 2) at the unit normal u, and the greatest F is nearest. Where F of one form is a mean of those of two
+/// others, l F_a + (1 - l) F_b with 0 < l < 1, it is less than the greater of these, except where all three
+/// are equal. So it is with the fourth line or tube of the base's radius on a circle around a line of points
+/// as far from all: in square lattices, say.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "../core/radial_form.hpp"
+
+namespace vcell {
+
+/// Of three forms the middle one, by their places in the list.
+struct AxialTie {
+    std::uint32_t middle;
+    std::array<std::uint32_t, 2> nearer;
+    std::array<double, 3> normal;  ///< unit, of the generator over which they tie; in the forms' coordinates
+};
+
+/// All ties of that kind along generators over which nothing in the list is nearer. Exact about the forms;
+/// forms that change along the axis do not matter. Takes the number of forms times that of the generators
+/// over which the nearest one changes.
+std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms);
+
+}  // namespace vcell
