@@ -207,7 +207,11 @@ int main(int argc, char** argv) {
         "over it, and\n"
         "both count. Degree: the sum over all components, virtual branches included. Lines and conics are "
         "written\n"
-        "exactly, as rational curves of degree 1 and 2; splines are fitted with a certified bound.\n\n"
+        "exactly, as rational curves of degree 1 and 2; splines are fitted with a certified bound. So are, in the "
+        "cell of a ball,\n"
+        "all edges beside cylinders, and in that of a cylinder all edges beside balls and beside cylinders not "
+        "along it, whatever\n"
+        "special position makes them conics.\n\n"
         "| objects | position | curve | degree | written | [HE] |\n"
         "|---|---|---|--:|---|---|");
     for (const Triple& row : triples()) {
