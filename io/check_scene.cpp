@@ -356,7 +356,7 @@ std::vector<std::string> SceneGeometry::names_about_cylinder(const Object& o) co
     }
     names.push_back("hyperbolic paraboloid");
     if (std::abs(turn.normalized().dot(cylinder.point - origin_)) <= kRounding * scale_)
-        names.push_back("pair of planes");
+        names.push_back("plane");  // one of a pair on each side
     return names;
 }
 

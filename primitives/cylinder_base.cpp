@@ -268,23 +268,42 @@ private:
                 {n.x, Exact(), n.z},
                 {}};
     }
-    // Times norm^2, as A is times norm. Along the base's axis, where |a| need not be a double, times |a|^2,
-    // too.
+    // Times norm^2, as A is times norm.
     RadialForm form(const CylinderForm& f) const {
         const ExactVector p = frame_.from_origin({f.px, f.py, f.pz}), a = direction(f);
         const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - base_.radius;
-        const ExactVector axis = frame_.turned(a);
-        const bool is_parallel = is_along_base(axis);
-        const Exact n = is_parallel ? frame_.norm * length2 : frame_.norm, n2 = frame_.norm * n;
-        const ExactVector b = n * frame_.turned(length2 * p - along * a);
-        const Exact c0 = n2 * (length2 * (dot(p, p) - delta * delta) - along * along),
-                    b0 = n2 * length2 * delta;
-        if (is_parallel) return {{c0, Exact(), Exact()}, b0, n, {b.x, Exact(), b.z}, {}};
-        return {{c0, -2.0 * b.y, n2 * length2 - axis.y * axis.y},
-                b0,
+        const ExactVector axis = frame_.turned(a), near = frame_.turned(length2 * p - along * a);
+        if (is_along_base(axis)) return along_base(near, frame_.norm * length2, delta);
+        const Exact &n = frame_.norm, n2 = n * n;
+        const ExactVector b = n * near;
+        return {{n2 * (length2 * (dot(p, p) - delta * delta) - along * along), -2.0 * b.y,
+                 n2 * length2 - axis.y * axis.y},
+                n2 * length2 * delta,
                 axis.y,
                 {b.x, Exact(), b.z},
                 {axis.x, Exact(), axis.z}};
+    }
+    // About the line through near / scale along y, as with an axis (0, scale, 0).
+    static RadialForm along_base(const ExactVector& near, const Exact& scale, const Exact& delta) {
+        const Exact square = scale * scale;
+        return {{near.x * near.x + near.z * near.z - square * delta * delta, Exact(), Exact()},
+                square * delta,
+                scale,
+                {scale * near.x, Exact(), scale * near.z},
+                {}};
+    }
+    // The same but for the turn of the axis, which all but keeps lengths: F of find_axial_ties() is a linear
+    // image of what it is in the world. Pre: along the base.
+    RadialForm linear_image(const CylinderForm& f) const {
+        const ExactVector p = frame_.from_origin({f.px, f.py, f.pz}), a = direction(f);
+        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - base_.radius;
+        const ExactVector b = frame_.turned(length2 * p - along * a);
+        const Exact& n = frame_.norm;
+        return {{n * (length2 * (dot(p, p) - delta * delta) - along * along), Exact(), Exact()},
+                n * length2 * delta,
+                Exact(),
+                {b.x, Exact(), b.z},
+                {}};
     }
     static ExactVector direction(const CylinderForm& f) { return ExactVector(Vec3(f.ax, f.ay, f.az)); }
 
@@ -384,7 +403,12 @@ private:
         FoundForms found(scene_.objects.size());
         std::vector<Entry> entries = all_entries();
         std::vector<RadialForm> forms;
-        for (const Entry& e : entries) forms.push_back(e.form);
+        for (const Entry& e : entries) {
+            const Site site = e.sites.front();
+            const bool is_tube = site.is_object() && std::holds_alternative<Cylinder>(e.canonical);
+            forms.push_back(is_tube && !e.form.has_root() ? linear_image(objects_.cylinders.of(site.index))
+                                                          : e.form);
+        }
         const std::vector<AxialTie> ties = find_axial_ties(forms);
         for (const AxialTie& tie : ties) entries[tie.middle].is_kept = false;
         for (Entry& e : entries) {

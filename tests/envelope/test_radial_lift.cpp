@@ -563,9 +563,10 @@ TEST_CASE("cylinder cell: tubes along it meet in lines") {
 }
 
 TEST_CASE("cylinder cell: in lattices of tubes along it four meet in a line") {
-    const std::array<std::array<Vec3, 3>, 4> lattices{{{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
+    const std::array<std::array<Vec3, 3>, 5> lattices{{{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
                                                        {Vec3(0, -3, 0), Vec3(0, 0, 2), Vec3(1.5, 0, 0)},
                                                        {Vec3(1, 1, 0), Vec3(1.5, -1.5, 0), Vec3(0, 0, 2)},
+                                                       {Vec3(1, 1, 0), Vec3(1.5, -1.5, 1.5), Vec3(1.5, -1.5, -3)},
                                                        {Vec3(2, 3, 6), Vec3(3, -6, 2), Vec3(6, 2, -3)}}};
     for (const auto& [axis, u, v] : lattices)
         for (const double radius : {0.0, 0.5}) {
@@ -656,7 +657,7 @@ TEST_CASE("cells: among tubes of one radius that cross") {
     const auto has_node = [](const Cell& cell, std::size_t tubes) {
         const auto is_node = [&](const CellVertex& v) { return v.sites.size() == tubes; };
         CHECK(std::ranges::any_of(cell.vertices, is_node));
-        for (const CellEdge& edge : cell.edges) CHECK(edge.error <= 2e-6);
+        for (const CellEdge& edge : cell.edges) CHECK(edge.error <= 4e-6);
         CHECK(cell.report.decisions.assumed == 0);
     };
     std::mt19937_64 rng(test_seed());
@@ -680,6 +681,10 @@ TEST_CASE("cells: among tubes of one radius that cross") {
     has_node(checked(about_tube({Vec3::Zero(), {1, 1, 0}, 0.5}, 3,
                                 {Cylinder{{2, 0, 3}, {0, 0, -1}, 0.25}, Cylinder{{2, 1, 2}, {-1, 1, 1}, 0.25},
                                  Cylinder{{3, 0, 1}, {-1, 0, -1}, 0.25}})),
+             2);
+    // One of them along a tilted base.
+    has_node(checked(about_tube({Vec3::Zero(), {1, 1, 0}, 0.25}, 7,
+                                {Cylinder{{3, -3, 1.5}, {-2, -2, 0}, 0.25}, Cylinder{{1, 1, 1.5}, {-2, 1, 0}, 0.25}})),
              2);
     // Lines along the axis and across it.
     has_node(checked(about_tube({Vec3::Zero(), {1, 0, 0}, 0.5}, 3,
