@@ -340,21 +340,7 @@ private:
             for (const FormId f : diagram_.label(v))
                 for (const Site site : problem_.sites[f]) vertex.sites.push_back(site);
             for (const std::uint32_t side : diagram_.sides(v)) vertex.sites.push_back(end_site(side));
-            add_generator_ties(diagram_.label(v), v, vertex.sites);
             sort_unique(vertex.sites);
-        }
-    }
-
-    // The sites that tie with two of these forms over the generator through a vertex. These two have another generator
-    // in common at most.
-    template <class Sites>
-    void add_generator_ties(std::span<const FormId> forms, VertexId v, Sites& sites) const {
-        constexpr double near = 1e-6;
-        for (const RadialBaseProblem::GeneratorTie& tie : problem_.generator_ties) {
-            const Vec3 normal(points_[v].x() / points_[v].w(), 0, points_[v].z() / points_[v].w());
-            const auto has = [&](FormId f) { return std::ranges::find(forms, f) != forms.end(); };
-            if (has(tie.forms[0]) && has(tie.forms[1]) && (normal - tie.normal).norm() < near)
-                sites.push_back(tie.site);
         }
     }
 
@@ -1178,8 +1164,7 @@ private:
             for (const FormId f : diagram_.label(e))
                 for (const Site site : problem_.sites[f])
                     if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
-            if (is_line(e) && !from.on_rim())
-                add_generator_ties(std::array{from.left, from.right}, start(e), edge.extra_sites);
+            if (is_line(e) && !from.on_rim()) add_generator_ties(e, edge);
             sort_unique(edge.extra_sites);
             if (start(e).valid()) edge.vertices = {start(e).value, end(e).value};
             edge.kind = kinds_[e];
@@ -1189,6 +1174,21 @@ private:
                 edge.error =
                     std::max(errors_[e].curve, errors_[e].trims) +
                     16 * u * (edge.curve.points.front().head<3>().norm() + problem_.frame.origin.norm());
+        }
+    }
+
+    // Two forms change places over one generator as the angle grows, and back over the other they have in common.
+    void add_generator_ties(EdgeId e, CellEdge& edge) {
+        const bool is_upward = points_[start(e)].y() < points_[end(e)].y();
+        const FormId left = diagram_.edges[e].left, right = diagram_.edges[e].right;
+        for (const RadialBaseProblem::GeneratorTie& tie : problem_.generator_ties) {
+            if (tie.before != (is_upward ? left : right) || tie.after != (is_upward ? right : left)) continue;
+            edge.extra_sites.push_back(tie.site);
+            for (const VertexId v : {start(e), end(e)}) {
+                auto& sites = cell_.vertices[v.value].sites;
+                sites.push_back(tie.site);
+                sort_unique(sites);
+            }
         }
     }
 

@@ -57,10 +57,8 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
     if (all.size() < 3) return ties;
     // Once around, from one nearest form to the next, with as many steps as there can be changes.
     double angle = 0;
-    auto nearest_at = [&](double at) {
-        return &*std::ranges::max_element(all, {}, [&](const Nearness& n) { return n.at(at); });
-    };
-    const Nearness* current = nearest_at(angle);
+    const Nearness* current =
+        &*std::ranges::max_element(all, {}, [&](const Nearness& n) { return n.at(angle); });
     for (std::size_t step = 0; step < 2 * all.size() && angle < whole; ++step) {
         double next = angle + whole;
         for (const Nearness& n : all)
@@ -76,8 +74,7 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
             *std::ranges::max_element(here, {}, [&](const Nearness* n) { return n->slope(next); });
         for (const Nearness* n : here)
             if (n != following && is_between(forms[n->form], forms[current->form], forms[following->form]))
-                ties.push_back(
-                    {n->form, {current->form, following->form}, {std::sin(next), 0, std::cos(next)}});
+                ties.push_back({n->form, current->form, following->form});
         current = following;
         angle = next;
     }

@@ -8,7 +8,6 @@
 /// as far from all: in square lattices, say.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,8 +19,7 @@ namespace vcell {
 /// Of three forms the middle one, by their places in the list.
 struct AxialTie {
     std::uint32_t middle;
-    std::array<std::uint32_t, 2> nearer;
-    std::array<double, 3> normal;  ///< unit, of the generator over which they tie; in the forms' coordinates
+    std::uint32_t before, after;  ///< the nearer ones on both sides, as the angle grows
 };
 
 /// All ties of that kind along generators over which nothing in the list is nearer. Exact about the forms;

@@ -420,8 +420,7 @@ private:
         }
         for (const AxialTie& tie : ties)
             for (const Site site : entries[tie.middle].sites)
-                problem.generator_ties.push_back(
-                    {site, {entries[tie.nearer[0]].id, entries[tie.nearer[1]].id}, Vec3(tie.normal.data())});
+                problem.generator_ties.push_back({site, entries[tie.before].id, entries[tie.after].id});
         found.add_twins(objects_);
         problem.frame = motion_;
         problem.is_sphere = false;

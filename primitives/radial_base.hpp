@@ -86,8 +86,7 @@ struct RadialBaseProblem {
     /// of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no form.
     struct GeneratorTie {
         Site site;
-        std::array<FormId, 2> forms;
-        Vec3 normal;  ///< of the generator, canonical
+        FormId before, after;  ///< the nearer ones on both sides, as the angle about the y axis grows
     };
     std::vector<GeneratorTie> generator_ties;
     std::vector<std::string> warnings;
