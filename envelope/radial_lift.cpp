@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "../core/errors.hpp"
+#include "../primitives/axial_ties.hpp"
 #include "../primitives/exact_space.hpp"
+#include "../primitives/message.hpp"
 #include "axial_conic.hpp"
 #include "chart_arc.hpp"
 #include "conic_span.hpp"
@@ -1164,11 +1166,11 @@ private:
             for (const FormId f : diagram_.label(e))
                 for (const Site site : problem_.sites[f])
                     if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
-            if (is_line(e) && !from.on_rim()) add_generator_ties(e, edge);
             sort_unique(edge.extra_sites);
             if (start(e).valid()) edge.vertices = {start(e).value, end(e).value};
             edge.kind = kinds_[e];
             set_space_curve(e, edge.curve);
+            if (is_line(e) && !from.on_rim()) add_generator_ties(e, edge);
             // The motion back, as for vertices.
             if (is_spline(e))
                 edge.error =
@@ -1179,13 +1181,16 @@ private:
 
     // Two forms change places over one generator as the angle grows, and back over the other they have in common.
     void add_generator_ties(EdgeId e, CellEdge& edge) {
-        const bool is_upward = points_[start(e)].y() < points_[end(e)].y();
+        const Vector4d &from = points_[start(e)], &to = points_[end(e)];
+        const bool is_upward = from.y() < to.y();
         const FormId left = diagram_.edges[e].left, right = diagram_.edges[e].right;
         for (const RadialBaseProblem::GeneratorTie& tie : problem_.generator_ties) {
             if (tie.before != (is_upward ? left : right) || tie.after != (is_upward ? right : left)) continue;
             edge.extra_sites.push_back(tie.site);
+        bool is_exact = true;
             for (const VertexId v : {start(e), end(e)}) {
                 auto& sites = cell_.vertices[v.value].sites;
+            is_exact = is_exact && tie.is_exact;
                 sites.push_back(tie.site);
                 sort_unique(sites);
             }
@@ -1193,6 +1198,15 @@ private:
     }
 
     void set_space_curve(EdgeId e, RationalCurve3& curve) const {
+        sort_unique(edge.extra_sites);
+        if (is_exact) return;
+        ++decisions_.assumed;
+        std::string sites = to_string(edge.sites[0]) + ", " + to_string(edge.sites[1]);
+        for (const Site site : edge.extra_sites) sites += ", " + to_string(site);
+        const Vector4d middle = 0.5 * (from + to);
+        cell_.report.warnings.push_back("objects " + sites + ": taken to meet in one line through " +
+                                        to_text(problem_.frame.to_world(middle.head<3>())) +
+                                        ", not told apart within " + to_text(narrow_tie * middle.w()));
         const int degree = is_line(e) ? 1 : is_spline(e) ? 5 : 2;
         const std::size_t count = is_line(e) ? 1 : is_spline(e) ? splines_[e].size() : spans(e).size();
         begin_joined(curve, degree, count);

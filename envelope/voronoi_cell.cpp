@@ -86,9 +86,10 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();
+    std::vector<std::string>& warnings = cell.report.warnings;
     for (const Assumption& a : diagram.assumptions)
-        problem.warnings.push_back(message(a, "taken to meet in one point over", problem));
-    cell.report.warnings = std::move(problem.warnings);
+        warnings.push_back(message(a, "taken to meet in one point over", problem));
+    warnings.insert(warnings.begin(), problem.warnings.begin(), problem.warnings.end());
     return cell;
 }
 

@@ -1,7 +1,9 @@
 #include "axial_ties.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base_problem.hpp"
@@ -42,6 +44,14 @@ bool is_between(const RadialForm& j, const RadialForm& a, const RadialForm& b) {
     return cross(to_a, to_b).is_zero() && dot(to_a, to_b).sign() == Sign::Negative;
 }
 
+// Is it so up to narrow_tie of `value`?
+bool is_nearly_between(const Nearness& j, const Nearness& a, const Nearness& b, double value) {
+    const Vec3 to_a(a.x - j.x, a.z - j.z, a.w - j.w), to_b(b.x - j.x, b.z - j.z, b.w - j.w);
+    // The distance from the segment between a and b, as coefficients.
+    return to_a.dot(to_b) < 0 && std::numbers::sqrt2 * to_a.cross(to_b).norm() <=
+                                     narrow_tie * std::abs(value) * (to_a - to_b).norm();
+}
+
 }  // namespace
 
 std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
@@ -55,29 +65,46 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
     }
     std::vector<AxialTie> ties;
     if (all.size() < 3) return ties;
+    // All that are nearest over a generator, the one that is nearest beyond it first.
+    const auto nearest_at = [&](double angle) {
+        std::vector<const Nearness*> here;
+        double value = -std::numeric_limits<double>::infinity();
+        for (const Nearness& n : all) value = std::max(value, n.at(angle));
+        for (const Nearness& n : all)
+            if (value - n.at(angle) <= near * (std::hypot(n.x, n.z) + std::abs(n.w))) here.push_back(&n);
+        std::ranges::iter_swap(here.begin(), std::ranges::max_element(here, {}, [&](const Nearness* n) {
+                                   return n->slope(angle);
+                               }));
+        return here;
+    };
     // Once around, from one nearest form to the next, with as many steps as there can be changes.
     double angle = 0;
-    const Nearness* current =
-        &*std::ranges::max_element(all, {}, [&](const Nearness& n) { return n.at(angle); });
+    const Nearness* current = nearest_at(angle).front();
     for (std::size_t step = 0; step < 2 * all.size() && angle < whole; ++step) {
         double next = angle + whole;
         for (const Nearness& n : all)
             if (&n != current)
                 if (const double a = meeting(*current, n, angle + near); a < next) next = a;
-        std::vector<const Nearness*> here;
-        const double value = current->at(next),
-                     size = std::hypot(current->x, current->z) + std::abs(current->w);
-        for (const Nearness& n : all)
-            if (&n != current && std::abs(n.at(next) - value) <= near * size) here.push_back(&n);
-        if (here.empty()) break;
-        const Nearness* following =
-            *std::ranges::max_element(here, {}, [&](const Nearness* n) { return n->slope(next); });
-        for (const Nearness* n : here)
-            if (n != following && is_between(forms[n->form], forms[current->form], forms[following->form]))
-                ties.push_back({n->form, current->form, following->form});
+        const std::vector<const Nearness*> here = nearest_at(next);
+        const Nearness* following = here.front();
+        for (const Nearness* n : here) {
+            if (n == current || n == following) continue;
+            const bool is_exact = is_between(forms[n->form], forms[current->form], forms[following->form]);
+            const AxialTie tie{n->form, current->form, following->form, is_exact};
+            if ((is_exact || is_nearly_between(*n, *current, *following, following->at(next))) &&
+                std::ranges::find(ties, tie) == ties.end())
+                ties.push_back(tie);
+        }
         current = following;
         angle = next;
     }
+    // Nobody's neighbour may be left out itself, as when the walk began in a narrow strip.
+    const auto is_middle = [&](std::uint32_t form) {
+        return std::ranges::find(ties, form, &AxialTie::middle) != ties.end();
+    };
+    const bool is_sound = std::ranges::none_of(
+        ties, [&](const AxialTie& t) { return is_middle(t.before) || is_middle(t.after); });
+    if (!is_sound) ties.clear();
     return ties;
 }
 

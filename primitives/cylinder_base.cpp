@@ -420,7 +420,8 @@ private:
         }
         for (const AxialTie& tie : ties)
             for (const Site site : entries[tie.middle].sites)
-                problem.generator_ties.push_back({site, entries[tie.before].id, entries[tie.after].id});
+                problem.generator_ties.push_back(
+                    {site, entries[tie.before].id, entries[tie.after].id, tie.is_exact});
         found.add_twins(objects_);
         problem.frame = motion_;
         problem.is_sphere = false;

@@ -598,6 +598,35 @@ TEST_CASE("cylinder cell: in lattices of tubes along it four meet in a line") {
         }
 }
 
+TEST_CASE("cylinder cell: in lattices with holes and rounded coordinates more tubes meet in a line") {
+    const double h = 0.5 * std::numbers::sqrt3;
+    const Vec3 u(0, 1, 0), v(0, 0.5, h);
+    // Around u + v, the two thirds of a hexagon's corners that are left.
+    for (const double radius : {0.0, 0.1}) {
+        CAPTURE(radius);
+        std::vector<Object> tubes;
+        for (const int i : {-2, -1, 0, 1, 2})
+            for (const int j : {-2, -1, 0, 1, 2})
+                if ((i != 0 || j != 0) && (i != 1 || j != 0))
+                    tubes.push_back(Cylinder{i * u + j * v, Vec3::UnitX(), radius});
+        const Cell cell = checked(about_tube({Vec3::Zero(), Vec3::UnitX(), radius}, 4, tubes));
+        std::size_t most = 0;
+        for (const CellEdge& edge : cell.edges) most = std::max(most, edge.extra_sites.size());
+        CHECK(most == 3);  // five tubes and the base on a circle about the hole
+        CHECK(cell.report.decisions.assumed == 1);
+        REQUIRE(cell.report.warnings.size() == 1);
+        CHECK(cell.report.warnings[0].find("taken to meet in one line through") != std::string::npos);
+    }
+    // The directions in which four tubes of a square lattice tie with the hole at one of them.
+    std::vector<Object> square;
+    for (const int i : {-2, -1, 0, 1, 2})
+        for (const int j : {-2, -1, 0, 1, 2})
+            if ((i != 0 || j != 0) && (i != 1 || j != 0) && (i != 0 || j != 1))
+                square.push_back(Cylinder{{double(i), 0, double(j)}, Vec3::UnitY(), 0.25});
+    const Cell cell = checked(about_tube({Vec3::Zero(), Vec3::UnitY(), 0.25}, 4, square));
+    CHECK(cell.report.decisions.assumed == 0);
+}
+
 TEST_CASE("cylinder cell: planes, sides of the box and tubes along it meet in conics, exactly") {
     const auto kind = [](const Cell& cell, Site f, Site g) {
         std::optional<CurveKind> found;
