@@ -55,6 +55,7 @@ struct FormFamily {
     std::vector<RadialForm> radial;       ///< empty over a plane base
     RadialChart chart = RadialChart::Stereographic;
     double axial_unit = 1;  ///< of y over a cylinder; a power of two
+    AxialTips tips;         ///< over a cylinder, in that unit
 
     std::size_t size() const { return forms.size() + cylinders.size() + radial.size(); }
     bool is_circular(FormId f) const { return f.value < forms.size(); }

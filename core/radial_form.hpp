@@ -16,10 +16,25 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
 
 #include "exact.hpp"
 
 namespace vcell {
+
+/// The ends of a stretch of the y axis.
+enum class AxialEnd : std::uint8_t { Low, High };
+
+/// Places on a cylinder's axis a little beyond the ends of a region, where a form's C has its root: what
+/// meets the axis obliquely there has heights that grow without bound towards it.
+struct AxialTips {
+    std::array<std::optional<double>, 2> y;  ///< below and above the region
+
+    const std::optional<double>& operator[](AxialEnd end) const { return y[static_cast<std::size_t>(end)]; }
+    std::optional<double>& operator[](AxialEnd end) { return y[static_cast<std::size_t>(end)]; }
+    bool any() const { return y[0] || y[1]; }
+};
 
 /// The coefficients above, exact.
 struct RadialForm {
@@ -29,6 +44,13 @@ struct RadialForm {
 
     bool has_root() const {
         return a[0].sign() != Sign::Zero || a[1].sign() != Sign::Zero || a[2].sign() != Sign::Zero;
+    }
+    /// The end towards which C falls to a root, if it is linear and the height a quotient: planes over a
+    /// cylinder.
+    std::optional<AxialEnd> falls_to() const {
+        const Sign rise = c[1].sign();
+        if (has_root() || c[2].sign() != Sign::Zero || rise == Sign::Zero) return std::nullopt;
+        return rise == Sign::Positive ? AxialEnd::Low : AxialEnd::High;
     }
 };
 

@@ -83,7 +83,8 @@ Heights::Heights(const FormFamily& family) : family_(family) {
     wide_radial_.resize(family.size());
     for (const CircularForm& f : family.forms) radial_.emplace_back(Interval(f.k), ball(f.a), ball(f.b), ball(f.e), ball(f.w));
     for (const RadialForm& f : family.radial)
-        radial_.emplace_back(f, family.chart, [](const Exact& v) { return v.enclosure(); });
+        radial_.emplace_back(
+            f, family.chart, [](const Exact& v) { return v.enclosure(); }, family.tips);
 }
 
 const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
@@ -110,7 +111,8 @@ RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) cons
         const ExactForm e = family_.exact(f);
         p = std::make_unique<RadialHeight<Wide>>(to_wide(e.K), to_wide(e.A), to_wide(e.B), to_wide(e.C), to_wide(e.W));
     } else if (!p) {
-        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), family_.chart, to_wide);
+        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), family_.chart, to_wide,
+                                                 family_.tips);
     }
     return p->jet<order>(RadialNormals<Wide>(family_.chart, x, y));
 }
@@ -118,7 +120,10 @@ RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) cons
 Interval Heights::scale(Interval x, Interval y) const {
     if (!is_radial()) return 1.0;
     if (family_.chart == RadialChart::Stereographic) return Interval(1.0) + square(x) + square(y);
-    return Interval(1.0) + square(x.mid() <= 1 ? x : x - Interval(2.0));
+    Interval w = Interval(1.0) + square(x.mid() <= 1 ? x : x - Interval(2.0));
+    if (const auto& tip = family_.tips[AxialEnd::Low]) w = w / (y - Interval(*tip));
+    if (const auto& tip = family_.tips[AxialEnd::High]) w = w / (Interval(*tip) - y);
+    return w;
 }
 
 HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
@@ -213,6 +218,22 @@ std::array<Interval, 2> Heights::gradient_difference(FormId f, FormId g, Interva
     const Interval xy = c.xy - d.xy;
     return {intersection(a.gx - b.gx, p.gx - q.gx + (c.xx - d.xx) * dx + xy * dy),
             intersection(a.gy - b.gy, p.gy - q.gy + xy * dx + (c.yy - d.yy) * dy)};
+}
+
+HeightJet<Interval> Heights::plain_jet(FormId f, Interval x, Interval y) const {
+    const RadialJet<Interval> j = radial_[f.value].plain_jet<1>(normals(x, y));
+    return {j.v, j.x, j.y};
+}
+
+std::array<Interval, 2> Heights::plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
+    const Interval mx(x.mid()), my(y.mid()), dx = x - mx, dy = y - my;
+    const RadialHeight<Interval>&a = radial_[f.value], &b = radial_[g.value];
+    const RadialNormals<Interval>&over = normals(x, y), &middle = normals(mx, my);
+    const RadialJet<Interval> p = a.plain_jet<2>(over), q = b.plain_jet<2>(over), r = a.plain_jet<1>(middle),
+                              s = b.plain_jet<1>(middle);
+    const Interval xy = p.xy - q.xy;
+    return {intersection(p.x - q.x, r.x - s.x + (p.xx - q.xx) * dx + xy * dy),
+            intersection(p.y - q.y, r.y - s.y + xy * dx + (p.yy - q.yy) * dy)};
 }
 
 namespace {

@@ -1,6 +1,7 @@
 /// The heights of a family over points and boxes of the chart, enclosed: what the certified subdivision
-/// evaluates where forms are no circular forms, and comparisons at points by the whole ladder. Over curved bases
-/// what is enclosed is the form's value divided by W (radial_height.hpp).
+/// evaluates where forms are no circular forms, and comparisons at points by the whole ladder. Over curved
+/// bases what is enclosed is the form's value divided by W, and over a cylinder with tips times the distances
+/// from them (radial_height.hpp).
 #pragma once
 
 #include <algorithm>
@@ -40,7 +41,7 @@ public:
 
     const FormFamily& family() const { return family_; }
 
-    /// The forms' value over what is enclosed here: W over curved bases, 1 over a plane.
+    /// The forms' value over what is enclosed here: 1 over a plane. Pre: y lies between the tips.
     Interval scale(Interval x, Interval y) const;
 
     /// Encloses height and gradient of f over the box x times y. Where the box reaches into a cylinder's trace
@@ -56,6 +57,9 @@ public:
 
     /// Encloses the gradient of f - g over the box, in natural and in mean value form.
     std::array<Interval, 2> gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
+    /// Of heights without the distances from tips. Pre: the base is curved.
+    HeightJet<Interval> plain_jet(FormId f, Interval x, Interval y) const;
+    std::array<Interval, 2> plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
 
     /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder.

@@ -598,6 +598,24 @@ double axial_unit(const FormFamily& family, double y0, double y1) {
     return std::isfinite(*median) ? std::ldexp(4.0, std::ilogb(*median)) : 1;
 }
 
+// The roots next to the region of what falls to one there. Those far from it, as seen from the whole region,
+// matter to no height.
+AxialTips axial_tips(const std::vector<RadialForm>& forms, double y0, double y1) {
+    constexpr double near = 0x1p-4;
+    AxialTips tips;
+    for (const RadialForm& f : forms) {
+        const auto end = f.falls_to();
+        if (!end) continue;
+        const double root = (-f.c[0].enclosure() / f.c[1].enclosure()).mid();
+        std::optional<double>& tip = tips[*end];
+        if (*end == AxialEnd::Low && root < y0 && y0 - root < near * (y1 - y0))
+            tip = std::max(root, tip.value_or(root));
+        if (*end == AxialEnd::High && root > y1 && root - y1 < near * (y1 - y0))
+            tip = std::min(root, tip.value_or(root));
+    }
+    return tips;
+}
+
 }  // namespace
 
 MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double y0, double y1,
@@ -611,6 +629,7 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
         f.c[2] = f.c[2].scaled(2 * exponent);
         f.slope = f.slope.scaled(exponent);
     }
+    scaled.tips = axial_tips(scaled.radial, y0 / unit, y1 / unit);
     const double most = std::max(1.0, unit);
     const auto to_length = [&](Assumption& a) {
         a.place.y() *= unit;

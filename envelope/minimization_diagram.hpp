@@ -73,11 +73,12 @@ struct MinimizationDiagram {
         bool on_rim() const { return side != UINT32_MAX; }
     };
 
-    /// A piece of an arc whose forms are not both circular. It ends at `end` (the last piece of an edge at the
-    /// edge's target, of a closed edge where the first piece starts), and lies in a convex cell around it. All along it
-    /// the derivative of left - right in `direction` (a unit vector) is positive, so each line in that direction meets
-    /// it at most once. Over a plane and a cylinder the derivative is positive all over the cell, which holds nothing
-    /// else of the curve left = right; over a sphere parts of that may cross the cell on which a third form is lower.
+    /// A piece of an arc whose forms are not both circular. It ends at `end` (the last piece of an edge at
+    /// the edge's target, of a closed edge where the first piece starts), and lies in a convex cell around
+    /// it. All along it the derivative of left - right, or of its product with a positive function, in
+    /// `direction` (a unit vector) is positive, so each line in that direction meets it at most once. Over a
+    /// plane and a cylinder the derivative is positive all over the cell, which holds nothing else of the
+    /// curve left = right; over a sphere parts of that may cross the cell on which a third form is lower.
     struct ArcPiece {
         Eigen::Vector2d end;
         double error;               ///< bound on the distance of `end` from the curve

@@ -184,9 +184,24 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     const auto top = [&](const Spread& s) {
         return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
     };
-    const Spread best = *std::ranges::min_element(spreads, {}, top);
-    std::erase_if(spreads, [&](const Spread& s) { return s.form != best.form && certainly_above(s, best); });
-    if (spreads.size() <= most_compared_in_pairs) drop_dominated(spreads, certainly_above);
+    const auto drop_above = [&](std::vector<Spread>& all) {
+        const Spread best = *std::ranges::min_element(all, {}, top);
+        std::erase_if(all, [&](const Spread& s) { return s.form != best.form && certainly_above(s, best); });
+        if (all.size() <= most_compared_in_pairs) drop_dominated(all, certainly_above);
+    };
+    drop_above(spreads);
+    if (heights_.family().tips.any() && spreads.size() > 1) {
+        // Beside a tip all that do not grow there are nearly zero.
+        std::vector<Spread> plain;
+        for (const Spread& s : spreads) {
+            const HeightJet<Interval> all = heights_.plain_jet(s.form, X, Y);
+            plain.push_back({s.form, {}, heights_.plain_jet(s.form, mx, my).v, all.gx, all.gy, all.v, {}});
+        }
+        drop_above(plain);
+        std::erase_if(spreads, [&](const Spread& s) {
+            return std::ranges::find(plain, s.form, &Spread::form) == plain.end();
+        });
+    }
     return spreads;
 }
 
@@ -748,6 +763,7 @@ struct MixedAnalysis::Work {
     const PieceBoundary& boundary;
     const NormalBox* normals;  // these two are null unless rivals compare by supports
     const SphereSupports* supports;
+    const Heights& heights;
     std::optional<DividedBox>& parts;  // an earlier piece's until this one is divided
     mutable bool is_divided;
     mutable std::vector<FormId> parted;  // their forms
@@ -805,6 +821,12 @@ struct MixedAnalysis::Work {
         return {intersection(gx, p.middle.gx - q.middle.gx + (p.curvature.xx - q.curvature.xx) * p.dx + xy * p.dy),
                 intersection(gy, p.middle.gy - q.middle.gy + xy * p.dx + (p.curvature.yy - q.curvature.yy) * p.dy)};
     }
+    // The same of heights that are not multiplied by the distances from tips: near one the product of those
+    // that do not grow there is nearly zero, and changes little but with the distance.
+    std::array<Interval, 2> plain_gradient(const Spread& a, const Spread& b) const {
+        const auto& box = piece.box;
+        return heights.plain_gradient_difference(a.form, b.form, {box[0], box[1]}, {box[2], box[3]});
+    }
     // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b are lowest.
     std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
         for (const Direction& known : directions) {
@@ -815,9 +837,18 @@ struct MixedAnalysis::Work {
         return directions.back().d;
     }
     std::optional<Vector2d> find_direction(const Spread& a, const Spread& b) const {
-        const auto [gx, gy] = gradient(a, b);
-        const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
-        if (d.allFinite() && (Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0) return d;
+        using Gradient = std::array<Interval, 2>;
+        const auto along = [](const Gradient& g) { return Vector2d(g[0].mid(), g[1].mid()).normalized(); };
+        const auto grows = [](const Gradient& g, const Vector2d& d) {
+            return d.allFinite() && (Interval(d.x()) * g[0] + Interval(d.y()) * g[1]).lower() > 0;
+        };
+        const Gradient g = gradient(a, b);
+        const Vector2d d = along(g);
+        if (grows(g, d)) return d;
+        if (heights.family().tips.any()) {
+            const Gradient plain = plain_gradient(a, b);
+            if (grows(plain, along(plain))) return along(plain);
+        }
         if (!supports || rivals.size() > most_divided) return std::nullopt;
         const Vector2d across = across_ends(a.form, b.form).value_or(d);
         if (!across.allFinite() || falls_on_rim(a.form, b.form, across)) return std::nullopt;
@@ -869,8 +900,12 @@ struct MixedAnalysis::Work {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
         if (c.form < b.form) return reversed(turn(a, c, b));
-        const auto ab = gradient(b, a), ac = gradient(c, a);
-        const auto sign = (ab[0] * ac[1] - ab[1] * ac[0]).sign();
+        const auto orientation = [](const std::array<Interval, 2>& p, const std::array<Interval, 2>& q) {
+            return (p[0] * q[1] - p[1] * q[0]).sign();
+        };
+        const auto sign = orientation(gradient(b, a), gradient(c, a));
+        if (!sign && heights.family().tips.any())
+            return orientation(plain_gradient(b, a), plain_gradient(c, a));
         if (sign || !supports || rivals.size() > most_divided) return sign;
         return divided().turn(place(a), place(b), place(c));
     }
@@ -920,7 +955,8 @@ struct MixedAnalysis::Work {
 };
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
-    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, parts_, false, {}, {}, {}, spreads_, {}, {}, {}, 0};
+    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, heights_, parts_,
+              false, {}, {}, {}, spreads_, {}, {}, {}, 0};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());

@@ -1,13 +1,19 @@
 /// Heights over curved bases and their derivatives over boxes of the chart, in Interval or Wide.
 ///
 /// What is enclosed is -q = -Q / W, the negative reciprocal of the distance from the centre or axis
-/// (core/radial_form.hpp): forms are compared by -Q, which is polynomial for most, but the common factor W grows over
-/// the chart and would blur differences; q belongs to the base point alone. With m = 2 / W
+/// (core/radial_form.hpp): forms are compared by -Q, which is polynomial for most, but the common factor W
+/// grows over the chart and would blur differences; q belongs to the base point alone. With m = 2 / W
 ///
 ///     u = (X, Y, m - 1),   X = x m,  Y = y m,       u_x = (m - X^2, -XY, -X m),  u_y = (-XY, m - Y^2, -Y m)
 ///
-/// in the stereographic chart, and without Y in half angles: everything is a polynomial in the three bounded numbers
-/// X, Y, m.
+/// in the stereographic chart, and without Y in half angles: everything is a polynomial in the three bounded
+/// numbers X, Y, m.
+///
+/// Over a cylinder -q is multiplied by the distances along the axis to the family's tips, where heights grow
+/// without bound. That of a plane or a side of the box through a tip is then constant along the axis but for
+/// rounding: with C linear in y and C(e) at the tip e,
+///
+///     d/dy (e - y) / C = -C(e) / C^2
 #pragma once
 
 #include <algorithm>
@@ -137,9 +143,18 @@ class RadialHeight {
 public:
     /// `convert` takes an Exact to T.
     template <class Convert>
-    RadialHeight(const RadialForm& form, RadialChart chart, Convert&& convert)
-        : is_cylinder_(chart == RadialChart::HalfAngle), has_root_(form.has_root()), b0_(convert(form.b0)),
+    RadialHeight(const RadialForm& form, RadialChart chart, Convert&& convert, const AxialTips& tips = {})
+        : is_cylinder_(chart == RadialChart::HalfAngle),
+          has_root_(form.has_root()),
+          tips_(tips),
+          b0_(convert(form.b0)),
           slope_(convert(form.slope)) {
+        if (const auto own = form.falls_to()) {
+            if (const std::optional<double>& y = tips_[*own]) {
+                own_tip_ = own;
+                c_at_tip_ = convert(form.c[0] + *y * form.c[1]);
+            }
+        }
         for (int i = 0; i < 3; ++i) {
             c_[i] = convert(form.c[i]);
             b_[i] = convert(form.b[i]);
@@ -160,6 +175,13 @@ public:
     /// infinity only) the first ones bound difference quotients, and second ones are the whole line.
     template <int order>
     RadialJet<T> jet(const RadialNormals<T>& n) const {
+        if (!tips_.any()) return plain_jet<order>(n);
+        return own_tip_ ? jet_at_own_tip<order>(n) : times<order>(plain_jet<order>(n), distances(n.y()));
+    }
+
+    /// Without the distances from tips.
+    template <int order>
+    RadialJet<T> plain_jet(const RadialNormals<T>& n) const {
         const T zero(0.0), two(2.0);
         RadialJet<T> B = n.template along<order>(b_), C{c_[0], zero, zero, zero, zero, zero}, f;
         B.v += b0_;
@@ -169,7 +191,7 @@ public:
             const auto at = [&](const T& y) { return c_[0] + y * (c_[1] + c_[2] * y); };
             C.v = hull(at(bottom(n.y())), at(top(n.y())));
             if (!C.y.sign() && c_[2].sign() == Sign::Positive) C.v = hull(C.v, c_[0] - square(c_[1]) / (T(4.0) * c_[2]));
-            if (C.v.sign() != Sign::Positive) return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
+            if (C.v.sign() != Sign::Positive) return unknown();
         }
         if (!has_root_) {
             f.v = -two * B.v / C.v;
@@ -248,6 +270,64 @@ public:
 private:
     static T bottom(const T& t) { return {t.lower(), t.lower()}; }
     static T top(const T& t) { return {t.upper(), t.upper()}; }
+    static RadialJet<T> unknown() {
+        return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
+    }
+
+    // A function of y and its derivatives.
+    struct AlongAxis {
+        T v, y, yy;
+
+        AlongAxis operator*(const AlongAxis& o) const {
+            return {v * o.v, v * o.y + y * o.v, v * o.yy + T(2.0) * y * o.y + yy * o.v};
+        }
+    };
+    static AlongAxis distance(AxialEnd end, double tip, const T& y) {
+        return end == AxialEnd::Low ? AlongAxis{y - T(tip), T(1.0), T(0.0)}
+                                    : AlongAxis{T(tip) - y, T(-1.0), T(0.0)};
+    }
+    // The product of those from all tips.
+    AlongAxis distances(const T& y) const {
+        AlongAxis d{T(1.0), T(0.0), T(0.0)};
+        for (const AxialEnd end : {AxialEnd::Low, AxialEnd::High})
+            if (tips_[end]) d = d * distance(end, *tips_[end], y);
+        return d;
+    }
+    template <int order>
+    static RadialJet<T> times(const RadialJet<T>& f, const AlongAxis& d) {
+        RadialJet<T> out;
+        out.v = f.v * d.v;
+        if constexpr (order > 0) {
+            out.x = f.x * d.v;
+            out.y = f.y * d.v + f.v * d.y;
+        }
+        if constexpr (order > 1) {
+            out.xx = f.xx * d.v;
+            out.xy = f.xy * d.v + f.x * d.y;
+            out.yy = f.yy * d.v + T(2.0) * f.y * d.y + f.v * d.yy;
+        }
+        return out;
+    }
+    // -2 B / C times the distances; B depends on x alone. From C at the tip C is told without cancellation,
+    // and its quotient with the distance is monotone.
+    template <int order>
+    RadialJet<T> jet_at_own_tip(const RadialNormals<T>& n) const {
+        const T& y = n.y();
+        const double tip = *tips_[*own_tip_];
+        const auto C = [&](const T& at) { return c_at_tip_ + c_[1] * (at - T(tip)); };
+        const auto ratio = [&](const T& at) { return distance(*own_tip_, tip, at).v / C(at); };
+        const T over = hull(C(bottom(y)), C(top(y)));
+        if (over.sign() != Sign::Positive) return unknown();
+        const T slope = (*own_tip_ == AxialEnd::Low ? c_at_tip_ : -c_at_tip_) / square(over), factor(-2.0);
+        AlongAxis k{factor * hull(ratio(bottom(y)), ratio(top(y))), factor * slope,
+                    T(4.0) * c_[1] * slope / over};
+        const AxialEnd other = *own_tip_ == AxialEnd::Low ? AxialEnd::High : AxialEnd::Low;
+        if (tips_[other]) k = k * distance(other, *tips_[other], y);
+        RadialJet<T> B = n.template along<order>(b_);
+        B.v += b0_;
+        return times<order>(B, k);
+    }
+
     // The root q of numbers, without cancellation.
     static T root(const T& B, const T& A2, const T& C) {
         const T R = sqrt(square(B) + A2 * C);
@@ -255,8 +335,10 @@ private:
     }
 
     bool is_cylinder_, has_root_;
+    AxialTips tips_;
+    std::optional<AxialEnd> own_tip_;  // the form's C is linear and falls towards it
     std::array<T, 3> c_, b_, a_;
-    T b0_, slope_;
+    T b0_, slope_, c_at_tip_;
 };
 
 }  // namespace vcell

@@ -201,7 +201,7 @@ void SceneGeometry::find_region() {
 /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very small ones
 /// count as larger (docs/files.md).
 void SceneGeometry::find_stretch() {
-    const double radius = std::max(radius_, 0x1p-34 * scene_.box.diagonal());
+    const double radius = std::max(radius_, 0x1p-26 * scene_.box.diagonal());
     stretch_ = {-HUGE_VAL, HUGE_VAL};
     for (std::uint32_t s = 0; s < 6; ++s) {
         const double along = speed(s, normal_);

@@ -105,8 +105,9 @@ public:
 
 private:
     // In box diagonals. A line that runs into a side obliquely has no clearance there: distances just before
-    // are all but 0 on one side of it only.
-    static constexpr double least_end_radius = 0x1p-34;
+    // are all but 0 on one side of it only. Half a double's digits: the rounding of the axis is as small a
+    // part of the last circle as that is of the box.
+    static constexpr double least_end_radius = 0x1p-26;
 
     // A side of the box from the origin of the frame: normal.p <= norm distance.
     struct Side {

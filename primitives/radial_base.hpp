@@ -71,9 +71,9 @@ struct RadialBaseProblem {
     BaseFrame frame;
     bool is_sphere;
     double radius;  ///< R0
-    /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch all of whose
-    /// circles lie in the box; rounded inwards. At ends on oblique sides of the box a circle of less than 2^-34 box
-    /// diagonals counts as one of that radius.
+    /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch
+    /// all of whose circles lie in the box; rounded inwards. At ends on oblique sides of the box a circle of
+    /// less than 2^-26 box diagonals counts as one of that radius.
     std::array<double, 2> stretch{0, 0};
     /// u = chart n / W. A rational rotation (of a cylinder about its axis), exact in the forms, rounded here.
     Eigen::Matrix3d chart = Eigen::Matrix3d::Identity();

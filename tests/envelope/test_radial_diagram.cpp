@@ -7,6 +7,7 @@
 #include <set>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/heights.hpp"
 #include "../../envelope/sphere_diagram.hpp"
 #include "../test_support.hpp"
 #include "complaints.hpp"
@@ -217,6 +218,62 @@ TEST_CASE("diagram over a cylinder: agrees with brute force for every tilt of th
 }
 
 // --- The judge ---------------------------------------------------------------------------------------------
+
+TEST_CASE("heights over a cylinder with tips: the plain ones times the distances") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(0, 1);
+    Scene scene;
+    scene.base = Cylinder{Vec3::Zero(), {1, 2, 3}, 0.01};
+    scene.box = {Vec3::Constant(-1), Vec3::Constant(1)};
+    scene.objects = {Sphere{{0.5, 0, 0}, 0.1}, Cylinder{{0, 0.5, -0.5}, {1, 0, 0}, 0.05},
+                     Plane{{0, 0, 1.25}, {0, 0, 1}}, Cylinder{{0, 0.75, -0.5}, {1, 2, 3}, 0.01}};
+    const RadialBaseProblem problem = radial_base_problem(scene);
+    const auto [low, high] = problem.stretch;
+    for (const int ends : {1, 2, 3}) {
+        FormFamily family = problem.family;
+        if (ends & 1) family.tips[AxialEnd::Low] = low - 1e-3;
+        if (ends & 2) family.tips[AxialEnd::High] = high + 1e-6;
+        const Heights plain(problem.family), tipped(family);
+        for (int round = 0; round < 200; ++round) {
+            const double width = std::pow(10.0, -6 * unit(rng)), x0 = 4 * unit(rng) - 1,
+                         y0 = low + unit(rng) * (high - low);
+            const Interval x(x0, std::min(3.0, x0 + width)), y(y0, std::min(high, y0 + width));
+            const double px = x.lower() + unit(rng) * (x.upper() - x.lower()),
+                         py = y.lower() + unit(rng) * (y.upper() - y.lower());
+            double d = 1, slope = 0, bend = 0;  // of the distances' product
+            if (ends & 1) d = py - (low - 1e-3), slope = 1;
+            if (ends & 2) {
+                const double q = high + 1e-6 - py;
+                bend = -2 * slope;
+                slope = slope * q - d;
+                d *= q;
+            }
+            for (std::uint32_t i = 0; i < family.size(); ++i) {
+                CAPTURE(i);
+                const FormId f{i};
+                const Interval at_x(px), at_y(py);
+                const HeightJet<Interval> p = plain.jet(f, at_x, at_y), over = tipped.jet(f, x, y);
+                const HeightCurvature<Interval> c = plain.curvature(f, at_x, at_y),
+                                                bends = tipped.curvature(f, x, y);
+                const auto holds = [&](const Interval& box, double value) {
+                    const double rounding =
+                        1e-9 * (1 + std::abs(value) + std::abs(p.v.mid()) + std::abs(p.gy.mid()));
+                    return box.lower() <= value + rounding && value - rounding <= box.upper();
+                };
+                CHECK(holds(over.v, d * p.v.mid()));
+                CHECK(holds(over.gx, d * p.gx.mid()));
+                CHECK(holds(over.gy, d * p.gy.mid() + slope * p.v.mid()));
+                CHECK(holds(bends.xx, d * c.xx.mid()));
+                CHECK(holds(bends.xy, d * c.xy.mid() + slope * p.gx.mid()));
+                CHECK(holds(bends.yy, d * c.yy.mid() + 2 * slope * p.gy.mid() + bend * p.v.mid()));
+                const HeightJet<Wide> wide = tipped.jet(f, Wide(px), Wide(py));
+                CHECK(holds(wide.gy.enclosure(), d * p.gy.mid() + slope * p.v.mid()));
+                const Interval height = tipped.value(f, at_x, at_y) * tipped.scale(at_x, at_y);
+                CHECK(height.mid() == doctest::Approx((p.v * plain.scale(at_x, at_y)).mid()));
+            }
+        }
+    }
+}
 
 TEST_CASE("judge: objects to every corruption of a diagram") {
     std::mt19937_64 rng(test_seed());
