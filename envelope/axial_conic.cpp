@@ -16,6 +16,11 @@ using Eigen::Vector4d;
 
 bool is_zero(const Exact& x) { return x.sign() == Sign::Zero; }
 
+// Of its part along the axis.
+double magnitude(const AxialEquation& f, double size) {
+    return std::hypot(size * nearest(f.b[1]), nearest(f.k));
+}
+
 }  // namespace
 
 std::optional<AxialEquation> axial_equation(const RadialForm& form) {
@@ -48,6 +53,11 @@ AxialConic::AxialConic(const RadialBaseProblem& problem, const AxialEquation& f,
         return Equation{scale * b, scale * b0, scale * nearest(e.k)};
     };
     equations_ = {rounded(f), rounded(g)};
+}
+
+bool is_pair_of_lines(const AxialEquation& f, const AxialEquation& g, double size) {
+    const double c = size * nearest(f.b[1] * g.k - g.b[1] * f.k);
+    return std::abs(c) <= 0x1p-48 * magnitude(f, size) * magnitude(g, size);
 }
 
 bool AxialConic::is_steady(double size) const {

@@ -37,6 +37,9 @@ AxialEquation axial_equation(double y);
 
 /// Line, or a conic. Exact.
 CurveKind kind_of(const AxialEquation& f, const AxialEquation& g);
+/// Do both meet the axis in one point, or within some 2^-48 of `size` (of y) as where a tilted base's axis is
+/// rounded? Then the conic is a pair of lines through it, or as near to one as its points are known.
+bool is_pair_of_lines(const AxialEquation& f, const AxialEquation& g, double size);
 
 class AxialConic {
 public:

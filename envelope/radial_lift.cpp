@@ -368,11 +368,11 @@ private:
         const auto equations = axial_equations(e);
         if (!equations) return CurveKind::Spline;
         const auto& [f, g] = *equations;
-        const CurveKind kind = kind_of(f, g);
-        const double size = std::max(-problem_.stretch[0], problem_.stretch[1]);
-        return kind == CurveKind::Line || AxialConic(problem_, f, g).is_steady(size) ? kind
-                                                                                     : CurveKind::Spline;
+        // Over an end y is known: a small conic is that of another size.
+        return e.on_rim() || AxialConic(problem_, f, g).is_steady(axial_size()) ? kind_of(f, g)
+                                                                                : CurveKind::Spline;
     }
+    double axial_size() const { return std::max(-problem_.stretch[0], problem_.stretch[1]); }
     std::optional<std::array<AxialEquation, 2>> axial_equations(const MinimizationDiagram::Edge& e) const {
         const auto left = axial_equation(problem_.family.radial_form(e.left));
         const auto right = e.on_rim() ? axial_equation(problem_.stretch[e.side != 0])
@@ -380,11 +380,14 @@ private:
         if (!left || !right) return std::nullopt;
         return std::array{*left, *right};
     }
-    // Of two planes, and of bisectors that are parallel to the axis.
+    // Of two planes, of bisectors that are parallel to the axis, and of such as have a point of it in common.
     bool is_line(const MinimizationDiagram::Edge& e) const {
         if (e.on_rim()) return is_flat(problem_, e.left);
-        return (is_flat(problem_, e.left) && is_flat(problem_, e.right)) ||
-               (is_along_axis(e.left) && is_along_axis(e.right));
+        if ((is_flat(problem_, e.left) && is_flat(problem_, e.right)) ||
+            (is_along_axis(e.left) && is_along_axis(e.right)))
+            return true;
+        const auto equations = axial_equations(e);
+        return equations && is_pair_of_lines((*equations)[0], (*equations)[1], axial_size());
     }
     bool is_along_axis(FormId f) const {
         const RadialForm& form = problem_.family.radial_form(f);
@@ -1167,10 +1170,10 @@ private:
                 for (const Site site : problem_.sites[f])
                     if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
             sort_unique(edge.extra_sites);
+            if (is_line(e) && !from.on_rim()) add_generator_ties(e, edge);
             if (start(e).valid()) edge.vertices = {start(e).value, end(e).value};
             edge.kind = kinds_[e];
             set_space_curve(e, edge.curve);
-            if (is_line(e) && !from.on_rim()) add_generator_ties(e, edge);
             // The motion back, as for vertices.
             if (is_spline(e))
                 edge.error =
@@ -1184,20 +1187,17 @@ private:
         const Vector4d &from = points_[start(e)], &to = points_[end(e)];
         const bool is_upward = from.y() < to.y();
         const FormId left = diagram_.edges[e].left, right = diagram_.edges[e].right;
+        bool is_exact = true;
         for (const RadialBaseProblem::GeneratorTie& tie : problem_.generator_ties) {
             if (tie.before != (is_upward ? left : right) || tie.after != (is_upward ? right : left)) continue;
+            is_exact = is_exact && tie.is_exact;
             edge.extra_sites.push_back(tie.site);
-        bool is_exact = true;
             for (const VertexId v : {start(e), end(e)}) {
                 auto& sites = cell_.vertices[v.value].sites;
-            is_exact = is_exact && tie.is_exact;
                 sites.push_back(tie.site);
                 sort_unique(sites);
             }
         }
-    }
-
-    void set_space_curve(EdgeId e, RationalCurve3& curve) const {
         sort_unique(edge.extra_sites);
         if (is_exact) return;
         ++decisions_.assumed;
@@ -1207,6 +1207,9 @@ private:
         cell_.report.warnings.push_back("objects " + sites + ": taken to meet in one line through " +
                                         to_text(problem_.frame.to_world(middle.head<3>())) +
                                         ", not told apart within " + to_text(narrow_tie * middle.w()));
+    }
+
+    void set_space_curve(EdgeId e, RationalCurve3& curve) const {
         const int degree = is_line(e) ? 1 : is_spline(e) ? 5 : 2;
         const std::size_t count = is_line(e) ? 1 : is_spline(e) ? splines_[e].size() : spans(e).size();
         begin_joined(curve, degree, count);
@@ -1266,6 +1269,11 @@ private:
         for (const VertexId v : {start(e), end(e)}) {
             const Vec2 p = patch.parameters(Vec3(points_[v].head<3>()));
             curve.points.push_back({p.x(), p.y(), 1});
+        }
+        // Over one generator: a point near the axis tells its direction badly.
+        if (patch.kind() == RadialPatch::Kind::AboutBase) {
+            const bool ends_farther = points_[end(e)].w() > points_[start(e)].w();
+            curve.points[ends_farther ? 0 : 1].x() = curve.points[ends_farther ? 1 : 0].x();
         }
         if (reversed) std::reverse(curve.points.begin(), curve.points.end());
     }

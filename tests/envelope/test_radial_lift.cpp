@@ -627,6 +627,43 @@ TEST_CASE("cylinder cell: in lattices with holes and rounded coordinates more tu
     CHECK(cell.report.decisions.assumed == 0);
 }
 
+TEST_CASE("cylinder cell: a line into corners, edges and sides of the box, and planes through its ends") {
+    const auto wall = [](int k, double at) { return Plane{at * Vec3::Unit(k), Vec3::Unit(k)}; };
+    for (const Vec3& axis :
+         {Vec3(1, 1, 1), Vec3(-1, 1, 1), Vec3(1, 2, 2), Vec3(3, 1, 3), Vec3(1, 1, 0), Vec3(1, 2, 3)})
+        for (const double radius : {0.0, 1e-12, 1e-6, 1e-3}) {
+            CAPTURE(axis.transpose());
+            CAPTURE(radius);
+            const Cell cell = checked(about_tube({Vec3::Zero(), axis, radius}, 1, {}));
+            CHECK(cell.faces.size() == 6);
+            CHECK(cell.report.decisions.assumed == 0);
+            for (const CellEdge& edge : cell.edges) CHECK(edge.kind == CurveKind::Line);
+            // The sides where it ends, as planes too. (In (1, 1, 0) a side touches the edge between them.)
+            if (radius > 0 || axis.z() == 0) continue;
+            int k = 0;
+            axis.cwiseAbs().maxCoeff(&k);
+            const Cell walled = checked(about_tube({Vec3::Zero(), axis, 0}, 1, {wall(k, 1), wall(k, -1)}));
+            CHECK(std::ranges::count_if(walled.faces, [](const CellFace& f) { return f.site.is_object(); }) ==
+                  2);
+            for (const CellEdge& edge : walled.edges) {
+                CHECK(edge.kind != CurveKind::Spline);
+                CHECK(edge.error == 0);
+            }
+        }
+    // In a corner of planes the cones about the line meet in lines through it.
+    const Cell corner =
+        checked(about_tube({Vec3::Zero(), {1, 1, 1}, 0}, 1, {wall(0, 1), wall(1, 1), wall(2, 1)}));
+    int lines = 0;
+    for (const CellEdge& edge : corner.edges) {
+        CHECK(edge.kind != CurveKind::Spline);
+        if (edge.sites[0].is_object() && edge.sites[1].is_object()) lines += edge.kind == CurveKind::Line;
+    }
+    CHECK(lines == 3);
+    checked(about_tube({Vec3::Zero(), {1, 1, 1}, 0}, 1,
+                       {Sphere{{0.5, 0, 0}, 0.1}, Cylinder{{0, 0.5, -0.5}, {1, 0, 0}, 0.05},
+                        Plane{{1, 1, 1}, {1, -1, 0.5}}}));
+}
+
 TEST_CASE("cylinder cell: planes, sides of the box and tubes along it meet in conics, exactly") {
     const auto kind = [](const Cell& cell, Site f, Site g) {
         std::optional<CurveKind> found;
