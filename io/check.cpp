@@ -418,9 +418,16 @@ private:
                                     },
                                     piece.begin, piece.end, Scalar(kRounding * (patch.hi - patch.lo).prod()))
                                     .value[0];
+                if (is_as_small_as_rounding(patch)) continue;
                 if (l == 0 && !(area > 0)) note(where, "the outer loop does not run counter-clockwise");
                 if (l > 0 && !(area < 0)) note(where, "a hole does not run clockwise");
             }
+    }
+
+    // Of faces between objects that all but meet: which way their loops run is not in the numbers.
+    static bool is_as_small_as_rounding(const Patch& patch) {
+        const Eigen::Array2d place = patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
+        return ((patch.hi - patch.lo).array() <= kPlaceRounding * place).any();
     }
 
     std::optional<std::uint32_t> end_vertex(const Trim& trim, bool at_end) const {
