@@ -10,6 +10,7 @@
 #include "../core/errors.hpp"
 #include "../primitives/height_conics.hpp"
 #include "crossing_tie.hpp"
+#include "touching.hpp"
 
 namespace vcell {
 
@@ -21,6 +22,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Below this exponent, relative to the heights compared, equality is assumed.
 constexpr int assumed_exponent = -200;
+// Below this one a third form lowest by less between two others counts as touching their trisector.
+constexpr int narrow_exponent = -40;
 
 template <class T>
 std::array<T, 2> intersection(const PieceSide& s, const PieceSide& t) {
@@ -795,6 +798,13 @@ struct MixedAnalysis::Work {
             return (Interval(s.a) * x + Interval(s.b) * y + Interval(s.c)).sign() == Sign::Positive;
         });
     }
+    // Is it certainly outside?
+    bool avoids(const Vector2d& p, double radius) const {
+        const Interval x = Interval::ball(p.x(), radius), y = Interval::ball(p.y(), radius);
+        return std::ranges::any_of(boundary.sides, [&](const PieceSide& s) {
+            return (Interval(s.a) * x + Interval(s.b) * y + Interval(s.c)).sign() == Sign::Negative;
+        });
+    }
     // The sides that arrive at and leave a vertex of the rim.
     std::array<const PieceSide*, 2> sides_at(std::uint32_t v) const {
         const auto side = [&](std::size_t edge) {
@@ -922,6 +932,27 @@ struct MixedAnalysis::Work {
         piece.arcs.push_back({from, to, left, right, across, {}});
         return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
     }
+    // Puts a vertex on the arc of two forms, if they have one arc.
+    bool divide(FormId f, FormId g, const MixedPiece::Vertex& vertex) {
+        const auto is_theirs = [&](const MixedPiece::Arc& a) {
+            return (a.left == f && a.right == g) || (a.left == g && a.right == f);
+        };
+        const auto first = std::ranges::find_if(piece.arcs, is_theirs);
+        if (first == piece.arcs.end() ||
+            std::find_if(first + 1, piece.arcs.end(), is_theirs) != piece.arcs.end())
+            return false;
+        const auto near = static_cast<std::uint32_t>(first - piece.arcs.begin()),
+                   far = static_cast<std::uint32_t>(piece.arcs.size()),
+                   v = static_cast<std::uint32_t>(piece.vertices.size());
+        MixedPiece::Arc rest = *first;
+        rest.from = v;
+        first->to = v;
+        std::ranges::replace(piece.leaving[rest.to], 2 * near + 1, 2 * far + 1);
+        piece.arcs.push_back(std::move(rest));
+        piece.vertices.push_back(vertex);
+        piece.leaving.push_back({2 * near + 1, 2 * far});
+        return true;
+    }
     // Between two places on the rim.
     void join(const Change& from, const Change& to) {
         const std::uint32_t h = add_arc(from.vertex, to.vertex, from.before, from.after);
@@ -1016,7 +1047,9 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     ++decisions_.by_interval;
 
     const std::size_t assumed_before = assumptions_.size();
-    const bool joined = (plain && join_changes(work)) || (near_tie && (join_at_tie(work) || join_at_saddle(work)));
+    const bool joined =
+        (plain && join_changes(work)) ||
+        (near_tie && (join_at_tie(work) || join_at_saddle(work) || join_without_touching(work)));
     if (!joined) {
         // What was assumed on the way will be asked again.
         decisions_.assumed -= assumptions_.size() - assumed_before;
@@ -1025,6 +1058,58 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
         join_at_center(work);
     }
     return std::move(work.piece);
+}
+
+// Without the forms that are lowest nowhere in the piece but for touching the trisector of two others, in a
+// vertex.
+bool MixedAnalysis::join_without_touching(Work& work) {
+    struct Touch {
+        MixedPiece::Vertex vertex;
+        FormId f, g;
+    };
+    work.clear_inside();
+    if (work.rivals.size() < 3 || work.knot) return false;
+    const auto is_on_rim = [&](FormId f) {
+        return std::ranges::find(work.piece.rim, f, &MixedPiece::RimEdge::label) != work.piece.rim.end();
+    };
+    std::vector<Touch> touches;
+    const auto stays_above = [&](FormId h) {
+        for (const Spread& f : work.rivals)
+            for (const Spread& g : work.rivals) {
+                if (f.form == h || !(f.form < g.form) || g.form == h) continue;
+                const auto touching = find_touching(heights_, h, f.form, g.form, work.piece.box);
+                if (!touching) continue;
+                const int exponent =
+                    touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
+                const bool is_tie = exponent < assumed_exponent,
+                           is_above = touching->gap.sign() == Sign::Positive;
+                if (!is_tie && !is_above && exponent >= narrow_exponent) return false;
+                ++decisions_.by_multiprecision;
+                if (is_tie || !is_above) {
+                    const double width = std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2));
+                    touches.push_back(
+                        {{touching->place, width, f.form, {f.form, g.form, h}}, f.form, g.form});
+                }
+                return true;
+            }
+        return false;
+    };
+    const std::size_t before = work.rivals.size();
+    for (std::size_t i = 0; i < work.rivals.size() && work.rivals.size() > 2;)
+        if (const FormId h = work.rivals[i].form; !is_on_rim(h) && stays_above(h))
+            work.rivals.erase(work.rivals.begin() + static_cast<std::ptrdiff_t>(i));
+        else
+            ++i;
+    if (work.rivals.size() == before) return false;
+    work.directions.clear();
+    work.is_divided = false;
+    if (!is_plain(work) || !join_changes(work)) return false;
+    for (Touch& t : touches) {
+        if (work.avoids(t.vertex.point, t.vertex.error)) continue;
+        if (!work.surrounds(t.vertex.point, t.vertex.error) || !work.divide(t.f, t.g, t.vertex)) return false;
+        assume(t.vertex.point, t.vertex.error, t.vertex.ties);
+    }
+    return true;
 }
 
 // As cull(), by Taylor's formula about the middle. Pre: bend() was called.
@@ -1102,14 +1187,32 @@ bool MixedAnalysis::join_changes(Work& work) {
                     return work.supports ? equal_heights(*work.supports, forms, x, y) : equal_heights(heights_, forms, x, y);
                 },
                 work.middle());
+            MixedPiece::Vertex v{work.middle(), 0, forms[0], {}};
+            if (root) {
+                v.point = root->point;
+                v.error = root->error;
+            }
             const auto& box = work.piece.box;
-            if (root && root->point.x() + root->error >= box[0] && root->point.x() - root->error <= box[1] &&
-                root->point.y() + root->error >= box[2] && root->point.y() - root->error <= box[3]) {
+            const auto is_inside = [&] {
+                return v.point.x() + v.error >= box[0] && v.point.x() - v.error <= box[1] &&
+                       v.point.y() + v.error >= box[2] && v.point.y() - v.error <= box[3];
+            };
+            if (root && is_inside()) {
                 ++decisions_.by_interval;
-                work.join_all_to({root->point, root->error, forms[0], {}});
+                work.join_all_to(v);
                 return true;
             }
-            return false;
+            // Where the three all but touch, doubles tell them badly apart.
+            if (work.width > node_width * extent_) return false;
+            const auto sharp = sharp_vertex(v, forms);
+            if (!sharp) return false;
+            v.point = {(*sharp)[0].approximation(), (*sharp)[1].approximation()};
+            v.error = Interval::up(4 * std::numeric_limits<double>::epsilon() * v.point.norm() +
+                                   std::numeric_limits<double>::min());
+            if (!is_inside()) return false;
+            ++decisions_.by_multiprecision;
+            work.join_all_to(v);
+            return true;
         }
     }
     return join_all(work);

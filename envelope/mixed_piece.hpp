@@ -25,8 +25,12 @@
 /// to 2^-200, listed as assumed. A saddle whose value is not zero keeps two curves apart. Along the region's
 /// sides the same holds in one dimension.
 ///
-/// Coincidences below 2^-200, and what is left of pieces narrower than `floor_width` of the region, are taken for
-/// points, counted in Decisions::assumed, and listed.
+/// A form that comes down to the trisector of two others from above and ends there (touching.hpp) makes a vertex with
+/// them, and no face. So it does where it is lowest over a strip narrower than 2^-40 of the heights: thinner than the
+/// doubles' grid far out.
+///
+/// Coincidences below 2^-200, such strips, and what is left of pieces narrower than `floor_width` of the region, are
+/// taken for points, counted in Decisions::assumed, and listed.
 #pragma once
 
 #include <Eigen/Core>
@@ -209,6 +213,7 @@ private:
     bool join_at_tie(Work& work);
     bool divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const;
     bool join_at_saddle(Work& work);
+    bool join_without_touching(Work& work);
     bool join_all(Work& work);
     bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);
     void join_at_center(Work& work);

@@ -375,8 +375,8 @@ private:
     }
 
     /// The vertex in 100 digits, from its label and sides alone: where the two of its curves meet that cross
-    /// at the widest angle; if all touch, where the gradient of a difference (its slope along a side)
-    /// vanishes.
+    /// at the widest angle; if all touch, where two have one direction, or the gradient of a difference (its
+    /// slope along a side) vanishes.
     std::optional<Point<Real>> refine(VertexId v) const {
         const Point<Real> start{Real(d_.vertices[v].point.x()), Real(d_.vertices[v].point.y())};
         std::vector<Curve> curves;
@@ -409,6 +409,16 @@ private:
         }
         if (!difference) return std::nullopt;
         const Real h = Real(size_) * Real("1e-30");
+        if (d_.sides(v).empty() && label.size() > 2 && least > Real("1e-20"))
+            return newton(start, [&](const Point<Real>& p) {
+                const auto turn = [&](const Point<Real>& q) {
+                    const auto a = value(curves[0], q), b = value(curves[1], q);
+                    return Real(a[1] * b[2] - a[2] * b[1]);
+                };
+                const Real at = turn(p);
+                return std::pair(value(curves[0], p), std::array{at, Real((turn({p.x + h, p.y}) - at) / h),
+                                                                 Real((turn({p.x, p.y + h}) - at) / h)});
+            });
         if (d_.sides(v).empty())
             return newton(start, [&](const Point<Real>& p) {
                 const auto at = value(*difference, p), x = value(*difference, {p.x + h, p.y}),

@@ -326,6 +326,19 @@ inline std::vector<Scene> degenerate_scenes() {
     scene("the bottom of a larger ball touches a cylinder's")
         .cylinder(0, 0, 1, 1, 0, 0, 0.25)
         .ball(0, 0, 1.25, 0.5);
+    scene("a point touches the trisector of two lines")
+        .cylinder(0.125, 1, 1, 1, 0, 0, 0)
+        .cylinder(0.125, -1, 1, 1, 0, 0, 0)
+        .ball(0.125, 0, 2, 0);
+    scene("a line touches the trisector of two others")
+        .cylinder(1, 0.25, 1, 0, 1, 0, 0)
+        .cylinder(-1, 0.25, 1, 0, 1, 0, 0)
+        .cylinder(0, 0.25, 2, 1, 0, 0, 0);
+    scene("two points touch the trisector of two lines, where rounded")
+        .cylinder(1.1, 0, 1, 0, 1, 0, 0)
+        .cylinder(-0.9, 0, 1, 0, 1, 0, 0)
+        .ball(0.1, 0.3, 2, 0)
+        .ball(0.1, -0.7, 2, 0);
     return all;
 }
 

@@ -307,6 +307,7 @@ TEST_CASE("mixed envelope: where many forms tie there is one vertex, with its ed
         {"a trisector touches the rim from inside", 2, 0, 2, 4, 3},
         {"a trisector touches the rim from outside", 2, 0, 2, 2, 1},
         {"a vertex on the rim", 2, 0, 3, 4, 3, true},
+        {"a point touches the trisector of two lines", 0.125, 0, 3, 2, 2},
         {"a grid of four equal cylinders", 0, 0, 4, 4, 12, true},
         {"four cylinders on a regulus", 0, 0, 4, 4, 8, true},
     };

@@ -770,6 +770,50 @@ TEST_CASE("cells: among tubes of one radius that cross but for rounding") {
         for (const CellEdge& edge : cell->edges) CHECK(edge.error <= 1e-3);
 }
 
+TEST_CASE("cells: what touches an edge of two others is a vertex of it") {
+    const Cylinder left{{-1, 0, 1}, {0, 1, 0}, 0}, right{{1, 0, 1}, {0, 1, 0}, 0};
+    const auto scene = [&](const Object& base, double z) {
+        Scene s = std::holds_alternative<Sphere>(base)
+                      ? centred(0, 4, {left, right})
+                      : about_tube(std::get<Cylinder>(base), 4, {left, right});
+        s.base = base;
+        s.objects.push_back(Sphere{{0, 0.25, z}, 0});
+        return s;
+    };
+    std::mt19937_64 rng(test_seed());
+    const auto checked_cell = [&](const Scene& s) {
+        const Cell cell = cell_of(s);
+        check_cell(cell);
+        if (std::holds_alternative<Sphere>(s.base))
+            check_faces_by_rays(cell, rng, 3);
+        else
+            check_cylinder_faces(cell, rng, 12);
+        return cell;
+    };
+    const Site third = Site::object(2);
+    for (const Object& base :
+         {Object(Cylinder{Vec3::Zero(), {0, 1, 0}, 0}), Object(Sphere{{0, 0.25, 0}, 0})}) {
+        CAPTURE(base.index());
+        for (const double lift : {-1e-3, 0.0, 1e-3}) {
+            CAPTURE(lift);
+            const Cell cell = checked_cell(scene(base, 2 + lift));
+            CHECK(std::ranges::count(cell.faces, third, &CellFace::site) == (lift < 0));
+            const auto meets = std::ranges::count_if(cell.vertices, [&](const CellVertex& v) {
+                return std::ranges::find(v.sites, third) != v.sites.end();
+            });
+            CHECK((lift < 0 ? meets >= 2 : meets == (lift == 0)));
+            CHECK(cell.report.decisions.assumed == (lift == 0));
+            if (lift != 0) continue;
+            const auto vertex = std::ranges::find_if(cell.vertices, [&](const CellVertex& v) {
+                return std::ranges::find(v.sites, third) != v.sites.end();
+            });
+            CHECK(vertex->sites.size() == 3);
+            CHECK((vertex->point - Vec3(0, 0.25, 1)).norm() <= vertex->error + 1e-15);
+            CHECK(vertex->error <= 1e-7);
+        }
+    }
+}
+
 TEST_CASE("cylinder cell: axes that are all but parallel") {
     const Cylinder tube{Vec3::Zero(), Vec3::UnitZ(), 0.5};
     for (const double slope : {1e-3, 1e-6, 1e-9}) {

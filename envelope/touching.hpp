@@ -1,0 +1,37 @@
+/// A form that comes down to the trisector of two others from above, and touches it at most.
+///
+/// Let F = f - g, f - h and h - g all grow along a direction d over a convex set. On every line along d then
+/// h is nowhere below both f and g if it is not where these two are equal. There their trisector is a graph
+/// over the coordinate s along e, across d, with
+///
+///     n' = -F_e / F_n,    n'' = -(F_ee + 2 F_en n' + F_nn n'^2) / F_n        (n along d)
+///
+/// and so h is higher by phi(s) = D, D = h - g - l F with any number l, and
+///
+///     phi' = D_e + D_n n',    phi'' = D_ee + 2 D_en n' + D_nn n'^2 + D_n n''.
+///
+/// If phi'' is positive, phi is nowhere below its value where phi' = 0, or at the end from which it rises.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "heights.hpp"
+
+namespace vcell {
+
+struct Touching {
+    Eigen::Vector2d place;  ///< on the trisector; rounded
+    Wide gap;               ///< h less the others there
+    Wide height;            ///< theirs
+    double width;  ///< bounds the distance from `place` of all that is on the trisector and not below h
+};
+
+/// Where h is least above f and g, as far as all of that is seen by intervals over the box and its
+/// surroundings as wide again. If the gap is not negative, h is lowest nowhere in the box but for a tie in
+/// that place.
+std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
+                                      const std::array<double, 4>& box);
+
+}  // namespace vcell
