@@ -1001,7 +1001,8 @@ private:
             around(ccb, [&](EdgeId e, bool reversed) {
                 if (is_line(e)) {
                     const Vec3 p = 0.5 * (points_[start(e)] + points_[end(e)]).head<3>();
-                    const std::uint32_t sector = sector_of(face, p);
+                    const bool rises = points_[start(e)].y() < points_[end(e)].y();
+                    const std::uint32_t sector = sector_of(face, p, rises != reversed);
                     const RadialPatch& patch = sectors_[face].sectors[sector].patch;
                     loop.push_back({{}, sector});
                     set_trim(patch, e, reversed, loop.back().trim);
@@ -1012,7 +1013,8 @@ private:
                     const std::size_t k = reversed ? n - 1 - i : i;
                     if (is_spline(e)) return splines_[e][k].part[reversed];
                     const ConicSpan& s = spans(e)[k];
-                    return sector_of(face, (s.from + 2 * s.middle + s.to).head<3>() / (2 + 2 * s.weight));
+                    return sector_of(face, (s.from + 2 * s.middle + s.to).head<3>() / (2 + 2 * s.weight),
+                                     (s.from.y() < s.to.y()) != reversed);
                 };
                 for (std::size_t first = 0, last; first < n; first = last) {
                     last = first + 1;
@@ -1030,9 +1032,13 @@ private:
         return loops;
     }
 
-    std::uint32_t sector_of(FaceId face, const Vec3& p) const {
+    // Of a point of its boundary, which rises there with the face on its left or falls.
+    std::uint32_t sector_of(FaceId face, const Vec3& p, bool rises) const {
         const std::vector<Sector>& all = sectors_[face].sectors;
-        const auto outside = [&](const Sector& s) { return std::abs(s.patch.parameters(p).x()) - s.reach(); };
+        const double inwards = rises ? -seam_inwards : seam_inwards;
+        const auto outside = [&](const Sector& s) {
+            return std::abs(s.patch.parameters(p).x() + inwards) - s.reach();
+        };
         return static_cast<std::uint32_t>(std::ranges::min_element(all, {}, outside) - all.begin());
     }
 

@@ -799,10 +799,12 @@ private:
         for (int side = 0; side < 2; ++side) {
             const std::vector<SpacePart>& parts = arc_.sites[side].parts;
             if (parts.empty()) continue;
+            const bool rises = (fit.points(1, 0) < fit.points(1, 5)) == (side == 0);
             const auto outside = [&](const SpacePart& part) {
                 const PatchCoordinate& c = part.patch[0];
                 if (!(at(c.divisor, X) > 0)) return infinity;
-                return std::max(part.u[0] - c(X), c(X) - part.u[1]);
+                const double u = c(X) + (rises ? -seam_inwards : seam_inwards);
+                return std::max(part.u[0] - u, u - part.u[1]);
             };
             const auto best = std::ranges::min_element(parts, {}, outside);
             fit.part[side] = static_cast<std::uint32_t>(best - parts.begin());

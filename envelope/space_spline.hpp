@@ -91,6 +91,10 @@ struct PatchCoordinate {
 /// (u, v). Together they are one-to-one on the bisector where both divisors are positive.
 using PatchCoordinates = std::array<PatchCoordinate, 2>;
 
+/// Which part of a face a boundary runs in that may run along a seam: the one with the point this far inside the face,
+/// in u.
+constexpr double seam_inwards = 0x1p-32;
+
 /// A patch and the stretch of u for which it is used: a face that wraps around needs several.
 struct SpacePart {
     PatchCoordinates patch;
