@@ -30,6 +30,7 @@ enum class AxialEnd : std::uint8_t { Low, High };
 /// meets the axis obliquely there has heights that grow without bound towards it.
 struct AxialTips {
     std::array<std::optional<double>, 2> y;  ///< below and above the region
+    double reach = 1;                        ///< the region's length
 
     const std::optional<double>& operator[](AxialEnd end) const { return y[static_cast<std::size_t>(end)]; }
     std::optional<double>& operator[](AxialEnd end) { return y[static_cast<std::size_t>(end)]; }

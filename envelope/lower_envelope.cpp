@@ -223,22 +223,54 @@ private:
         double at(double x) const { return a > 0 ? std::atan(x / a) / a : x; }
         double inverse(double length) const { return a > 0 ? a * std::tan(a * length) : length; }
     };
+    // Over a cylinder y is measured by its distance from a tip: as that shrinks, so does what there is along
+    // the axis.
+    struct AxialLengths {
+        const AxialTips& tips;
+        double scale;  // of y about the middle of the region
+
+        double at(double y) const {
+            double length = tips.any() ? 0 : y;
+            if (const auto& tip = tips[AxialEnd::Low]) length += scale * std::log(y - *tip);
+            if (const auto& tip = tips[AxialEnd::High]) length -= scale * std::log(*tip - y);
+            return length;
+        }
+        double inverse(double length) const {
+            if (!tips.any()) return length;
+            const auto &low = tips[AxialEnd::Low], &high = tips[AxialEnd::High];
+            const double ratio = std::exp(length / scale);
+            if (!high) return *low + ratio;
+            if (!low) return *high - 1 / ratio;
+            return *high - (*high - *low) / (1 + ratio);
+        }
+    };
     Lengths lengths(double y0, double y1) const {
         if (!is_sphere_) return {0};
         const double y = std::max({0.0, y0, -y1});
         return {std::sqrt(1 + y * y)};
     }
 
-    // Across the longer side, certainly clear of all corners.
-    std::optional<Cut> cut_at(const Piece& piece, double shift) const {
+    // Across the longer side or, where `upright` says so, the one given; certainly clear of all corners.
+    std::optional<Cut> cut_at(const Piece& piece, double shift, std::optional<bool> upright = {}) const {
         const Rect& r = piece.rect;
-        const Lengths along_x = lengths(r.y0, r.y1), along_y = lengths(r.x0, r.x1);
         Cut cut;
         cut.beyond.reserve(piece.corners.size());
-        cut.upright = along_x.at(r.x1) - along_x.at(r.x0) >= along_y.at(r.y1) - along_y.at(r.y0);
-        const Lengths& along = cut.upright ? along_x : along_y;
-        const double lo = cut.upright ? r.x0 : r.y0, hi = cut.upright ? r.x1 : r.y1, start = along.at(lo);
-        cut.at = along.inverse(start + (split_ratio + shift) * (along.at(hi) - start));
+        double lo = 0, hi = 0;
+        const auto choose = [&](const auto& along_x, const auto& along_y) {
+            cut.upright =
+                upright.value_or(along_x.at(r.x1) - along_x.at(r.x0) >= along_y.at(r.y1) - along_y.at(r.y0));
+            lo = cut.upright ? r.x0 : r.y0;
+            hi = cut.upright ? r.x1 : r.y1;
+            const auto divide = [&](const auto& along) {
+                const double start = along.at(lo);
+                return along.inverse(start + (split_ratio + shift) * (along.at(hi) - start));
+            };
+            cut.at = cut.upright ? divide(along_x) : divide(along_y);
+        };
+        if (const AxialTips& tips = family_.tips; tips.any())
+            choose(Lengths{0}, AxialLengths{tips, tips.reach / (tips.y[0] && tips.y[1] ? 4 : 2)});
+        else
+            choose(lengths(r.y0, r.y1), lengths(r.x0, r.x1));
         bool clear = cut.at > lo && cut.at < hi;
         for (const IntervalPoint& corner : piece.corners) {
             const Interval& c = corner[cut.upright ? 0 : 1];
@@ -335,8 +367,13 @@ private:
     std::optional<LabelledHalves> split_labelled(const LabelledPiece& part, const std::vector<FormId>& candidates) {
         const Piece& piece = part.piece;
         const std::size_t n = piece.sides.size();
+        // Beside a tip no one metric suits all differences.
+        std::optional<bool> upright;
+        if (family_.tips.any())
+            upright =
+                analysis_.is_steeper_across(piece.rect.x1 - piece.rect.x0, piece.rect.y1 - piece.rect.y0);
         for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07, 0.11, -0.11, 0.17, -0.17}) {
-            const auto cut = cut_at(piece, shift);
+            const auto cut = cut_at(piece, shift, upright);
             if (!cut) continue;
             LabelledHalves halves;
             for (LabelledPiece* half : {&halves.first, &halves.second}) {
@@ -603,6 +640,7 @@ double axial_unit(const FormFamily& family, double y0, double y1) {
 AxialTips axial_tips(const std::vector<RadialForm>& forms, double y0, double y1) {
     constexpr double near = 0x1p-4;
     AxialTips tips;
+    tips.reach = y1 - y0;
     for (const RadialForm& f : forms) {
         const auto end = f.falls_to();
         if (!end) continue;

@@ -250,6 +250,16 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::s
     return kept;
 }
 
+std::optional<bool> MixedAnalysis::is_steeper_across(double along_x, double along_y) const {
+    double x = 0, y = 0;
+    for (std::size_t i = 0; i < spreads_.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            x += (spreads_[i].gx - spreads_[j].gx).magnitude() * along_x;
+            y += (spreads_[i].gy - spreads_[j].gy).magnitude() * along_y;
+        }
+    return x + y > 0 && std::isfinite(x + y) ? std::optional(x >= y) : std::nullopt;
+}
+
 // --- Along a side ------------------------------------------------------------------------------------------
 
 namespace {
@@ -848,14 +858,21 @@ struct MixedAnalysis::Work {
     }
     std::optional<Vector2d> find_direction(const Spread& a, const Spread& b) const {
         using Gradient = std::array<Interval, 2>;
-        const auto along = [](const Gradient& g) { return Vector2d(g[0].mid(), g[1].mid()).normalized(); };
+        // Beside a tip pieces are as narrow along the axis as they are near to it: where they are squares, so
+        // to speak.
+        const auto& box = piece.box;
+        const bool has_tips = heights.family().tips.any();
+        const double aspect = has_tips ? (box[3] - box[2]) / (box[1] - box[0]) : 1;
+        const auto along = [&](const Gradient& g) {
+            return Vector2d(g[0].mid(), aspect * aspect * g[1].mid()).normalized();
+        };
         const auto grows = [](const Gradient& g, const Vector2d& d) {
             return d.allFinite() && (Interval(d.x()) * g[0] + Interval(d.y()) * g[1]).lower() > 0;
         };
         const Gradient g = gradient(a, b);
         const Vector2d d = along(g);
         if (grows(g, d)) return d;
-        if (heights.family().tips.any()) {
+        if (has_tips) {
             const Gradient plain = plain_gradient(a, b);
             if (grows(plain, along(plain))) return along(plain);
         }
@@ -1083,7 +1100,9 @@ bool MixedAnalysis::join_without_touching(Work& work) {
                     touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
                 const bool is_tie = exponent < assumed_exponent,
                            is_above = touching->gap.sign() == Sign::Positive;
-                if (!is_tie && !is_above && exponent >= narrow_exponent) return false;
+                const bool is_narrow =
+                    exponent < narrow_exponent && touching->width <= std::ldexp(extent_, narrow_exponent / 2);
+                if (!is_above && !is_narrow) return false;
                 ++decisions_.by_multiprecision;
                 if (is_tie || !is_above) {
                     const double width = std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2));

@@ -141,6 +141,10 @@ public:
     /// The candidates that may be lowest somewhere in the rectangle.
     std::vector<FormId> cull(const std::array<double, 4>& box, std::span<const FormId> candidates);
 
+    /// Do the differences of what the last cull() left, about a box of these sides, change more along x than
+    /// along y? None where their gradients are not bounded.
+    std::optional<bool> is_steeper_across(double along_x, double along_y) const;
+
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
 
