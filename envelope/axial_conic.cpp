@@ -60,12 +60,6 @@ bool is_pair_of_lines(const AxialEquation& f, const AxialEquation& g, double siz
     return std::abs(c) <= 0x1p-48 * magnitude(f, size) * magnitude(g, size);
 }
 
-bool AxialConic::is_steady(double size) const {
-    const auto& [f, g] = equations_;
-    const double c = size * (f.b.y() * g.k - g.b.y() * f.k);
-    return std::abs(c) > 0x1p-14 * std::hypot(size * f.b.y(), f.k) * std::hypot(size * g.b.y(), g.k);
-}
-
 Vector4d AxialConic::at(const Vec3& normal) const {
     Matrix2d rows;
     Vector2d k;
@@ -74,7 +68,7 @@ Vector4d AxialConic::at(const Vec3& normal) const {
         rows.row(i) << e.b.dot(normal) + e.b0, e.b.y();
         k[i] = e.k;
     }
-    const Vector2d ty = rows.inverse() * k;
+    const Vector2d ty = rows.partialPivLu().solve(k);
     return {ty[0] * normal.x(), ty[1], ty[0] * normal.z(), ty[0]};
 }
 
@@ -89,7 +83,7 @@ ConicSpan AxialConic::between(const Vector4d& from, const Vector4d& to) const {
         rows.row(i) << e.b.y(), -e.k;
         rest[i] = -(e.b.dot(p) + e.b0 * t * cosine);
     }
-    const Vector2d yw = rows.inverse() * rest;
+    const Vector2d yw = rows.partialPivLu().solve(rest);
     return {from, {p.x(), yw[0], p.z(), t * cosine}, to, yw[1]};
 }
 

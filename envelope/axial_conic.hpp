@@ -43,12 +43,9 @@ bool is_pair_of_lines(const AxialEquation& f, const AxialEquation& g, double siz
 
 class AxialConic {
 public:
-    /// Pre: the kind is no line.
+    /// Pre: it is no pair of lines. The nearer to one it is, the less do the equations tell the parameters of
+    /// its points; but as solved for they hold to rounding, and so the points are on it.
     AxialConic(const RadialBaseProblem& problem, const AxialEquation& f, const AxialEquation& g);
-
-    /// Is it far enough from a pair of lines for doubles to tell its control points to 2^-38 of their size?
-    /// size: of y.
-    bool is_steady(double size) const;
 
     /// (p, t) in the direction of a unit normal, canonical.
     Eigen::Vector4d at(const Vec3& normal) const;

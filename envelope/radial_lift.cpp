@@ -368,9 +368,7 @@ private:
         const auto equations = axial_equations(e);
         if (!equations) return CurveKind::Spline;
         const auto& [f, g] = *equations;
-        // Over an end y is known: a small conic is that of another size.
-        return e.on_rim() || AxialConic(problem_, f, g).is_steady(axial_size()) ? kind_of(f, g)
-                                                                                : CurveKind::Spline;
+        return kind_of(f, g);
     }
     double axial_size() const { return std::max(-problem_.stretch[0], problem_.stretch[1]); }
     std::optional<std::array<AxialEquation, 2>> axial_equations(const MinimizationDiagram::Edge& e) const {
@@ -516,6 +514,20 @@ private:
             return;
         }
         spans.push_back(span);
+    }
+
+    // The same of one whose points may lie at distances of all sizes from the axis: large weights or unequal
+    // legs crowd them.
+    void add_even(const ConicSpan& span, int halvings = 40) {
+        constexpr double greatest_weight = 4, most_unequal = 16;
+        const auto leg = [&](const Vector4d& end) {
+            return (span.middle / span.weight - end).head<3>().norm();
+        };
+        const double from = leg(span.from), to = leg(span.to);
+        const bool is_even =
+            span.weight <= greatest_weight && std::max(from, to) <= most_unequal * std::min(from, to);
+        if (is_even || halvings == 0) return add_halves(span, {}, conics_);
+        for (const ConicSpan& half : span.halves()) add_even(half, halvings - 1);
     }
 
     // ---- Faces and patches ----
@@ -940,7 +952,7 @@ private:
         const Vector4d last = end(e).valid() ? points_[end(e)] : from;
         for (std::size_t i = 1; i < angles.size(); ++i) {
             const Vector4d to = i + 1 == angles.size() ? last : conic.at(direction(angles[i]));
-            add_halves(conic.between(from, to), {}, conics_);
+            add_even(conic.between(from, to));
             from = to;
         }
         slices_[e] = {first, static_cast<std::uint32_t>(conics_.size())};

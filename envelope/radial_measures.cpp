@@ -66,19 +66,33 @@ private:
         return problem_.is_sphere && cell_.edges[e.value].kind != CurveKind::Spline;
     }
 
-    // Over a cylinder the integrals of a face start at a height between those where its edges start.
+    // Over a cylinder: heights and distances from the axis at which a face's edges start.
+    struct Reach {
+        std::array<double, 2> y{std::numeric_limits<double>::infinity(),
+                                -std::numeric_limits<double>::infinity()};
+        double nearest = std::numeric_limits<double>::infinity(), farthest = 0, y_nearest = 0;
+
+        void add(const Vec3& p) {
+            y = {std::min(y[0], p.y()), std::max(y[1], p.y())};
+            const double distance = std::hypot(p.x(), p.z());
+            farthest = std::max(farthest, distance);
+            if (!(distance < nearest)) return;
+            nearest = distance;
+            y_nearest = p.y();
+        }
+        // The face's integrals along the axis start between its ends; or in a tip, where rounding turns
+        // points about the axis by most, and which then counts for nothing.
+        double start() const { return nearest < 0x1p-10 * farthest ? y_nearest : 0.5 * (y[0] + y[1]); }
+    };
+
     void add_faces() {
-        constexpr double infinity = std::numeric_limits<double>::infinity();
-        std::vector<std::array<double, 2>> heights(diagram_.dcel.face_count(), {infinity, -infinity});
+        std::vector<Reach> reaches(problem_.is_sphere ? 0 : diagram_.dcel.face_count());
         if (!problem_.is_sphere)
             for (const EdgeId e : diagram_.edges.ids()) {
-                const double y =
-                    problem_.frame.to_canonical(cell_.edges[e.value].curve.points.front().head<3>()).y();
-                for (const unsigned side : {0u, 1u}) {
-                    auto& [least, greatest] = heights[diagram_.dcel.face(Dcel::half_edge(e, side)).value];
-                    least = std::min(least, y);
-                    greatest = std::max(greatest, y);
-                }
+                const Vec3 p =
+                    problem_.frame.to_canonical(cell_.edges[e.value].curve.points.front().head<3>());
+                for (const unsigned side : {0u, 1u})
+                    reaches[diagram_.dcel.face(Dcel::half_edge(e, side)).value].add(p);
             }
         cell_faces_.resize(diagram_.dcel.face_count(), no_face);
         faces_.reserve(cell_.faces.size());
@@ -86,8 +100,8 @@ private:
             const FormId form = diagram_.face_forms[f];
             if (!form.valid()) continue;
             cell_faces_[f.value] = static_cast<std::uint32_t>(faces_.size());
-            const auto& [least, greatest] = heights[f.value];
-            faces_.push_back(make_radial_face(problem_, form, 0.5 * (least + greatest)));
+            faces_.push_back(
+                make_radial_face(problem_, form, reaches.empty() ? 0 : reaches[f.value].start()));
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
             distance_[0] = std::min(distance_[0], least_distance(faces_.back()));

@@ -704,16 +704,17 @@ private:
         if (piece.degree() != 2) return false;
         const double k = piece.weight(1) * piece.weight(1) / (piece.weight(0) * piece.weight(2));
         const double left = (m - a).norm(), right = (b - m).norm(), cosine = 0.5 * (b - a).norm() / left;
+        // A small one's points have few digits.
+        const double tolerance = kRounding * (1 + geometry_.scale() / left);
         switch (kind) {
             case CurveKind::Parabola:
-                return std::abs(k - 1) < kRounding;
+                return std::abs(k - 1) < tolerance;
             case CurveKind::Hyperbola:
-                return k > 1 - kRounding;
+                return k > 1 - tolerance;
             case CurveKind::Circle:
-                return std::abs(left - right) <= rounding() &&
-                       std::abs(k - cosine * cosine) <= kRounding * (1 + geometry_.scale() / left);
+                return std::abs(left - right) <= rounding() && std::abs(k - cosine * cosine) <= tolerance;
             default:
-                return k < 1 + kRounding;
+                return k < 1 + tolerance;
         }
     }
 
