@@ -1123,10 +1123,23 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     work.directions.clear();
     work.is_divided = false;
     if (!is_plain(work) || !join_changes(work)) return false;
-    for (Touch& t : touches) {
-        if (work.avoids(t.vertex.point, t.vertex.error)) continue;
-        if (!work.surrounds(t.vertex.point, t.vertex.error) || !work.divide(t.f, t.g, t.vertex)) return false;
-        assume(t.vertex.point, t.vertex.error, t.vertex.ties);
+    for (const Touch& t : touches) {
+        const Vector2d& p = t.vertex.point;
+        const double r = t.vertex.error;
+        if (work.avoids(p, r)) continue;
+        if (!work.surrounds(p, r)) return false;
+        // Nor where another form is lower.
+        const Interval x = Interval::ball(p.x(), r), y = Interval::ball(p.y(), r), low = heights_.value(t.f, x, y);
+        bool is_hidden = false;
+        for (const Spread& other : work.rivals) {
+            if (other.form == t.f || other.form == t.g) continue;
+            const auto sign = (heights_.value(other.form, x, y) - low).sign();
+            if (!sign) return false;
+            is_hidden = is_hidden || *sign == Sign::Negative;
+        }
+        if (is_hidden) continue;
+        if (!work.divide(t.f, t.g, t.vertex)) return false;
+        assume(p, r, t.vertex.ties);
     }
     return true;
 }

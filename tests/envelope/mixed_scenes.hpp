@@ -334,6 +334,11 @@ inline std::vector<Scene> degenerate_scenes() {
         .cylinder(1, 0.25, 1, 0, 1, 0, 0)
         .cylinder(-1, 0.25, 1, 0, 1, 0, 0)
         .cylinder(0, 0.25, 2, 1, 0, 0, 0);
+    scene("a ball hides where a point touches the trisector of two lines")
+        .cylinder(0.125, 1, 1, 1, 0, 0, 0)
+        .cylinder(0.125, -1, 1, 1, 0, 0, 0)
+        .ball(0.125, 0, 2, 0)
+        .ball(0.15625, 0, 0.9375, 0.03125);
     scene("two points touch the trisector of two lines, where rounded")
         .cylinder(1.1, 0, 1, 0, 1, 0, 0)
         .cylinder(-0.9, 0, 1, 0, 1, 0, 0)
