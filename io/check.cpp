@@ -705,7 +705,7 @@ private:
         const double k = piece.weight(1) * piece.weight(1) / (piece.weight(0) * piece.weight(2));
         const double left = (m - a).norm(), right = (b - m).norm(), cosine = 0.5 * (b - a).norm() / left;
         // A small one's points have few digits.
-        const double tolerance = kRounding * (1 + geometry_.scale() / left);
+        const double tolerance = kPlaceRounding * (1 + geometry_.scale() / left);
         switch (kind) {
             case CurveKind::Parabola:
                 return std::abs(k - 1) < tolerance;
