@@ -1,0 +1,64 @@
+// What decisions in a piece and along its sides have in common (mixed_piece.cpp, mixed_side.cpp).
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "mixed_piece.hpp"
+
+namespace vcell {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Below this exponent, relative to the heights compared, equality is assumed.
+inline constexpr int assumed_exponent = -200;
+
+// Stretches shorter than this part of the region are worth more digits: differences that vanish to second order
+// drown in a double's rounding there.
+inline constexpr double sharp_width = 0x1p-19;
+
+// Are the numbers equal to 200 bits of `scale`?
+inline bool agree(const Wide& a, const Wide& b, const Wide& scale) {
+    return (a - b).magnitude_exponent() < scale.magnitude_exponent() + assumed_exponent;
+}
+
+// The double nearest to a coordinate known to some 2^-240 of the extent: simple ones near zero too.
+inline double nearest_double(const Wide& coordinate, double extent) {
+    const double grid = std::ldexp(1.0, std::ilogb(extent) + assumed_exponent / 2);
+    return std::round(coordinate.approximation() / grid) * grid + 0.0;  // no negative zero
+}
+
+inline bool is_point(Interval i) { return i.lower() == i.upper(); }
+
+// Bounds the distance of all points of a box from its middle.
+inline double reach(Interval x, Interval y) { return Interval::up(std::hypot(x.radius(), y.radius())); }
+
+// Removes what is certainly above another one: v at the middle, slopes times half the extent on both sides.
+template <class Items, class Above>
+void drop_dominated(Items& items, Above&& certainly_above) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        bool above = false;
+        for (std::size_t j = 0; j < items.size() && !above; ++j)
+            above = j != i && certainly_above(items[i], items[j]);
+        if (!above) std::swap(items[kept++], items[i]);
+    }
+    items.resize(kept);
+}
+
+// Those of the candidates that attain the minimum, exactly, at a point in doubles.
+inline std::vector<FormId> exactly_lowest(const Heights& heights, double x, double y,
+                                          std::span<const FormId> candidates, Decisions& decisions) {
+    std::vector<FormId> lowest;
+    for (const FormId f : candidates) {
+        const Sign s = lowest.empty() ? Sign::Negative : heights.compare(f, lowest.front(), x, y, decisions);
+        if (s == Sign::Negative) lowest.clear();
+        if (s != Sign::Positive) lowest.push_back(f);
+    }
+    return lowest;
+}
+
+}  // namespace vcell
