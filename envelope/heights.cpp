@@ -212,12 +212,10 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
 }
 
 std::array<Interval, 2> Heights::gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
-    const Interval mx(x.mid()), my(y.mid()), dx = x - mx, dy = y - my;
+    const Interval mx(x.mid()), my(y.mid());
     const HeightJet<Interval> a = jet(f, x, y), b = jet(g, x, y), p = jet(f, mx, my), q = jet(g, mx, my);
-    const HeightCurvature<Interval> c = curvature(f, x, y), d = curvature(g, x, y);
-    const Interval xy = c.xy - d.xy;
-    return {intersection(a.gx - b.gx, p.gx - q.gx + (c.xx - d.xx) * dx + xy * dy),
-            intersection(a.gy - b.gy, p.gy - q.gy + xy * dx + (c.yy - d.yy) * dy)};
+    return refined_gradient({a.gx - b.gx, a.gy - b.gy}, {p.gx - q.gx, p.gy - q.gy},
+                            curvature(f, x, y) - curvature(g, x, y), x - mx, y - my);
 }
 
 HeightJet<Interval> Heights::plain_jet(FormId f, Interval x, Interval y) const {
@@ -226,14 +224,13 @@ HeightJet<Interval> Heights::plain_jet(FormId f, Interval x, Interval y) const {
 }
 
 std::array<Interval, 2> Heights::plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
-    const Interval mx(x.mid()), my(y.mid()), dx = x - mx, dy = y - my;
-    const RadialHeight<Interval>&a = radial_[f.value], &b = radial_[g.value];
-    const RadialNormals<Interval>&over = normals(x, y), &middle = normals(mx, my);
-    const RadialJet<Interval> p = a.plain_jet<2>(over), q = b.plain_jet<2>(over), r = a.plain_jet<1>(middle),
-                              s = b.plain_jet<1>(middle);
-    const Interval xy = p.xy - q.xy;
-    return {intersection(p.x - q.x, r.x - s.x + (p.xx - q.xx) * dx + xy * dy),
-            intersection(p.y - q.y, r.y - s.y + xy * dx + (p.yy - q.yy) * dy)};
+    const Interval mx(x.mid()), my(y.mid());
+    const HeightJet<Interval> p = plain_jet(f, mx, my), q = plain_jet(g, mx, my);
+    const RadialNormals<Interval>& over = normals(x, y);
+    const RadialJet<Interval> a = radial_[f.value].plain_jet<2>(over),
+                              b = radial_[g.value].plain_jet<2>(over);
+    return refined_gradient({a.x - b.x, a.y - b.y}, {p.gx - q.gx, p.gy - q.gy},
+                            {a.xx - b.xx, a.xy - b.xy, a.yy - b.yy}, x - mx, y - my);
 }
 
 namespace {

@@ -32,7 +32,21 @@ struct HeightJet {
 template <class T>
 struct HeightCurvature {
     T xx, xy, yy;
+
+    friend HeightCurvature operator-(const HeightCurvature& a, const HeightCurvature& b) {
+        return {a.xx - b.xx, a.xy - b.xy, a.yy - b.yy};
+    }
 };
+
+/// A gradient over a box, as enclosed there and by the mean value theorem from that at its middle, c its
+/// derivatives over the box, which is the middle plus (dx, dy).
+inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& over,
+                                                const std::array<Interval, 2>& middle,
+                                                const HeightCurvature<Interval>& c, Interval dx,
+                                                Interval dy) {
+    return {intersection(over[0], middle[0] + c.xx * dx + c.xy * dy),
+            intersection(over[1], middle[1] + c.xy * dx + c.yy * dy)};
+}
 
 class Heights {
 public:

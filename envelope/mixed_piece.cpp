@@ -272,19 +272,18 @@ struct MixedAnalysis::Work {
         for (const Spread& s : rivals) all.push_back(s.form);
         return all;
     }
-    // Is a disk certainly inside?
-    bool surrounds(const Vector2d& p, double radius) const {
-        const Interval x = Interval::ball(p.x(), radius), y = Interval::ball(p.y(), radius);
-        return std::ranges::all_of(boundary.sides, [&](const PieceSide& s) {
-            return (Interval(s.a) * x + Interval(s.b) * y + Interval(s.c)).sign() == Sign::Positive;
-        });
+    Inside where(const Interval& x, const Interval& y) const {
+        bool inside = true;
+        for (const PieceSide& side : boundary.sides) {
+            const auto sign = (Interval(side.a) * x + Interval(side.b) * y + Interval(side.c)).sign();
+            if (sign == Sign::Negative) return Inside::No;
+            inside = inside && sign == Sign::Positive;
+        }
+        return inside ? Inside::Yes : Inside::Unknown;
     }
-    // Is it certainly outside?
-    bool avoids(const Vector2d& p, double radius) const {
-        const Interval x = Interval::ball(p.x(), radius), y = Interval::ball(p.y(), radius);
-        return std::ranges::any_of(boundary.sides, [&](const PieceSide& s) {
-            return (Interval(s.a) * x + Interval(s.b) * y + Interval(s.c)).sign() == Sign::Negative;
-        });
+    // Of a disk.
+    Inside where(const Vector2d& p, double radius) const {
+        return where(Interval::ball(p.x(), radius), Interval::ball(p.y(), radius));
     }
     // The sides that arrive at and leave a vertex of the rim.
     std::array<const PieceSide*, 2> sides_at(std::uint32_t v) const {
@@ -305,12 +304,12 @@ struct MixedAnalysis::Work {
     // The gradient of a - b all over the piece. Where the two are nearly the same function its mean value form is by far
     // the sharper one.
     std::array<Interval, 2> gradient(const Spread& a, const Spread& b) const {
-        const auto [gx, gy] = normals ? normals->gradient(a.support, b.support) : std::array{a.gx - b.gx, a.gy - b.gy};
-        if (!a.bend || !b.bend) return {gx, gy};
+        const auto over =
+            normals ? normals->gradient(a.support, b.support) : std::array{a.gx - b.gx, a.gy - b.gy};
+        if (!a.bend || !b.bend) return over;
         const auto &p = *a.bend, &q = *b.bend;
-        const Interval xy = p.curvature.xy - q.curvature.xy;
-        return {intersection(gx, p.middle.gx - q.middle.gx + (p.curvature.xx - q.curvature.xx) * p.dx + xy * p.dy),
-                intersection(gy, p.middle.gy - q.middle.gy + xy * p.dx + (p.curvature.yy - q.curvature.yy) * p.dy)};
+        return refined_gradient(over, {p.middle.gx - q.middle.gx, p.middle.gy - q.middle.gy},
+                                p.curvature - q.curvature, p.dx, p.dy);
     }
     // The same of heights that are not multiplied by the distances from tips: near one the product of those
     // that do not grow there is nearly zero, and changes little but with the distance.
@@ -597,8 +596,9 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     for (const Touch& t : touches) {
         const Vector2d& p = t.vertex.point;
         const double r = t.vertex.error;
-        if (work.avoids(p, r)) continue;
-        if (!work.surrounds(p, r)) return false;
+        const Inside inside = work.where(p, r);
+        if (inside == Inside::No) continue;
+        if (inside == Inside::Unknown) return false;
         // Nor where another form is lower.
         const Interval x = Interval::ball(p.x(), r), y = Interval::ball(p.y(), r), low = heights_.value(t.f, x, y);
         bool is_hidden = false;
@@ -912,13 +912,9 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
                 Y = y;
             }
         }
-    bool inside = true;
-    for (const PieceSide& s : work.boundary.sides) {
-        const auto sign = (Interval(s.a) * X + Interval(s.b) * Y + Interval(s.c)).sign();
-        if (sign == Sign::Negative) return Inside::No;
-        inside = inside && sign == Sign::Positive;
-    }
-    if (!inside || !exists) return Inside::Unknown;
+    const Inside inside = work.where(X, Y);
+    if (inside == Inside::No) return inside;
+    if (inside == Inside::Unknown || !exists) return Inside::Unknown;
     ++decisions_.by_interval;
     out = {{X.mid(), Y.mid()}, reach(X, Y), forms[0], {}};
     return Inside::Yes;
@@ -1037,7 +1033,7 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     } else {
         apex.point = root->point;
         apex.error = root->error;
-        if (!work.surrounds(apex.point, apex.error)) return std::nullopt;
+        if (work.where(apex.point, apex.error) != Inside::Yes) return std::nullopt;
     }
     const Interval X = Interval::ball(root->point.x(), root->error), Y = Interval::ball(root->point.y(), root->error);
     const Interval lowest = heights_.value(r[0].form, X, Y);
@@ -1066,8 +1062,8 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     const Interval bx(work.piece.box[0], work.piece.box[1]), by(work.piece.box[2], work.piece.box[3]);
     for (const auto& [i, j] : touching) {
         if (!agree(jets[i].gx, jets[j].gx, Wide(1.0)) || !agree(jets[i].gy, jets[j].gy, Wide(1.0))) return std::nullopt;
-        const HeightCurvature<Interval> p = heights_.curvature(r[i].form, bx, by), q = heights_.curvature(r[j].form, bx, by);
-        apex.differences[i][j].curvature = {p.xx - q.xx, p.xy - q.xy, p.yy - q.yy};
+        apex.differences[i][j].curvature =
+            heights_.curvature(r[i].form, bx, by) - heights_.curvature(r[j].form, bx, by);
     }
     if (!work.knot) {
         const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
@@ -1104,11 +1100,7 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
     const std::vector<Spread>& r = work.rivals;
     const HeightCurvature<Interval>& bend = *apex.differences[0][1].curvature;
     if (!(bend.xx * bend.yy - square(bend.xy)).sign()) return false;
-    const auto inside = [&](const Interval& x, const Interval& y) {
-        return std::ranges::all_of(work.boundary.sides, [&](const PieceSide& side) {
-            return (side.a * x + side.b * y + Interval(side.c)).sign() == Sign::Positive;
-        });
-    };
+    const auto inside = [&](const Interval& x, const Interval& y) { return work.where(x, y) == Inside::Yes; };
     if (!heights_.family().radial.empty()) {
         const std::vector<FormId> forms = work.forms();
         return std::ranges::none_of(forms, [&](FormId f) { return heights_.family().is_circular(f); }) &&
@@ -1290,7 +1282,7 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     if (changes.size() != 4) return false;
     const auto saddle = root_near([&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); }, work.middle());
     if (!saddle) return false;
-    if (!work.surrounds(saddle->point, saddle->error)) return false;
+    if (work.where(saddle->point, saddle->error) != Inside::Yes) return false;
 
     // The saddle's value with many digits.
     Eigen::Matrix2d curvature;

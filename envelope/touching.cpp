@@ -22,9 +22,6 @@ Interval bend(const HeightCurvature<Interval>& c, const Vector2d& u, const Vecto
            Interval(u.y()) * v.y() * c.yy;
 }
 
-HeightCurvature<Interval> operator-(const HeightCurvature<Interval>& a, const HeightCurvature<Interval>& b) {
-    return {a.xx - b.xx, a.xy - b.xy, a.yy - b.yy};
-}
 HeightCurvature<Interval> operator*(double k, const HeightCurvature<Interval>& a) {
     return {k * a.xx, k * a.xy, k * a.yy};
 }
