@@ -1,0 +1,360 @@
+#include "families.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "../../io/scene_file.hpp"
+#include "../../primitives/plane_base.hpp"
+#include "../../primitives/radial_base.hpp"
+
+namespace vcell::hunt {
+
+std::string to_string(BaseKind kind) {
+    switch (kind) {
+        case BaseKind::Plane:
+            return "plane";
+        case BaseKind::TiltedPlane:
+            return "tilted-plane";
+        case BaseKind::Ball:
+            return "ball";
+        case BaseKind::Tube:
+            return "tube";
+        case BaseKind::TiltedTube:
+            return "tilted-tube";
+    }
+    return {};
+}
+
+bool is_legal(const Scene& scene) try {
+    validate(scene);
+    if (std::holds_alternative<Plane>(scene.base))
+        plane_base_problem(scene);
+    else
+        radial_base_problem(scene);
+    return true;
+} catch (const InputError&) {
+    return false;
+} catch (const UndecidedError&) {
+    return true;
+}
+
+namespace {
+
+/// A scene in the making: objects that touch the base or contain it are left out.
+class Builder {
+public:
+    Builder(std::mt19937_64& rng, BaseKind kind, double half = 2) : rng_(rng), kind_(kind) {
+        scene_.box = {Vec3::Constant(-half), Vec3::Constant(half)};
+    }
+
+    double uniform(double a, double b) { return std::uniform_real_distribution(a, b)(rng_); }
+    int count(int a, int b) { return std::uniform_int_distribution(a, b)(rng_); }
+    bool chance(double p) { return uniform(0, 1) < p; }
+    /// 10^-k for an even spread of k.
+    double small(double least_digits, double most_digits) {
+        return std::pow(10, -uniform(least_digits, most_digits));
+    }
+    Vec3 direction() {
+        std::normal_distribution<double> n;
+        return Vec3(n(rng_), n(rng_), n(rng_)).normalized();
+    }
+    Vec3 place(double half = 2) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
+    Vec3 integers(int most) { return Vec3(count(-most, most), count(-most, most), count(-most, most)); }
+    Vec3 integer_direction(int most) {
+        for (;;)
+            if (const Vec3 d = integers(most); !d.isZero()) return d;
+    }
+    /// One up or down in each coordinate's last digit, or none.
+    Vec3 ulps(Vec3 p) {
+        for (double& x : p)
+            if (const int step = count(-1, 1)) x = std::nextafter(x, step * HUGE_VAL);
+        return p;
+    }
+
+    BaseKind kind() const { return kind_; }
+    bool is_plane() const { return kind_ == BaseKind::Plane || kind_ == BaseKind::TiltedPlane; }
+    bool is_tilted() const { return kind_ == BaseKind::TiltedPlane || kind_ == BaseKind::TiltedTube; }
+    /// About the origin. Directions are integers where the family's coordinates are.
+    void put_base(double radius, bool of_integers = false) {
+        const Vec3 d = !is_tilted() ? Vec3::UnitZ() : of_integers ? integer_direction(2) : direction();
+        if (is_plane())
+            scene_.base = Plane{Vec3::Zero(), d};
+        else if (kind_ == BaseKind::Ball)
+            scene_.base = Sphere{Vec3::Zero(), radius};
+        else
+            scene_.base = Cylinder{Vec3::Zero(), d, radius};
+    }
+    /// The base's normal or axis; for balls any direction.
+    Vec3 base_direction() {
+        if (const auto* p = std::get_if<Plane>(&scene_.base)) return p->normal.normalized();
+        if (const auto* c = std::get_if<Cylinder>(&scene_.base)) return c->axis.normalized();
+        return direction();
+    }
+
+    bool add(const Object& object) {
+        Scene alone = scene_;
+        alone.objects = {object};
+        if (!is_legal(alone)) return false;
+        scene_.objects.push_back(object);
+        return true;
+    }
+    Object random_ball() { return Sphere{place(), chance(0.2) ? 0 : uniform(0, 0.4)}; }
+    Object random_plane() { return Plane{uniform(0.6, 2) * direction(), direction()}; }
+    Object random_tube() { return Cylinder{place(), direction(), chance(0.2) ? 0 : uniform(0, 0.3)}; }
+    template <class Make>
+    void add_some(int n, Make make) {
+        constexpr int tries = 200;
+        for (int i = 0, added = 0; i < tries && added < n; ++i) added += add(make());
+    }
+    void add_mix(int balls, int planes, int tubes) {
+        add_some(balls, [&] { return random_ball(); });
+        add_some(planes, [&] { return random_plane(); });
+        add_some(tubes, [&] { return random_tube(); });
+    }
+
+    Scene& scene() { return scene_; }
+    Scene done() { return std::move(scene_); }
+
+private:
+    std::mt19937_64& rng_;
+    BaseKind kind_;
+    Scene scene_;
+};
+
+Scene balls(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    b.put_base(0.3);
+    b.add_mix(b.count(2, 10), 0, 0);
+    return b.done();
+}
+
+Scene mix(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    b.put_base(b.chance(0.2) ? 0 : 0.3);
+    b.add_mix(b.count(0, 4), b.count(0, 2), b.count(1, 3));
+    return b.done();
+}
+
+Scene tubes(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    b.put_base(b.chance(0.2) ? 0 : 0.3);
+    b.add_mix(0, 0, b.count(2, 5));
+    return b.done();
+}
+
+// Coordinates of few bits: full of exact ties.
+Scene integers(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind, 4);
+    b.put_base(0.5 * b.count(0, 2), true);
+    const auto radius = [&] { return 0.5 * b.count(0, 2); };
+    b.add_some(b.count(2, 6), [&]() -> Object {
+        switch (b.count(0, 2)) {
+            case 0:
+                return Plane{b.integers(3), b.integer_direction(2)};
+            case 1:
+                return Sphere{b.integers(3), radius()};
+            default:
+                return Cylinder{b.integers(3), b.integer_direction(2), radius()};
+        }
+    });
+    return b.done();
+}
+
+// Cubic, body- or face-centred, each coordinate exact or one unit in the last place off.
+Scene lattice(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind, 2.5);
+    b.put_base(0.25, true);
+    const int type = b.count(0, 2);
+    const bool is_exact = b.chance(0.5);
+    const double spacing = b.chance(0.5) ? 1 : 1.1;
+    for (int x = -4; x <= 4; ++x)
+        for (int y = -4; y <= 4; ++y)
+            for (int z = -4; z <= 4; ++z) {
+                const int odd = (x & 1) + (y & 1) + (z & 1);
+                const bool is_site = type == 0 ? odd == 0 : type == 1 ? odd % 3 == 0 : odd % 2 == 0;
+                const Vec3 p = 0.5 * spacing * Vec3(x, y, z);
+                if (is_site && p.norm() < 1.8) b.add(Sphere{is_exact ? p : b.ulps(p), 0.25});
+            }
+    return b.done();
+}
+
+// Equal tubes, square, hexagonal or woven; turned, and perturbed or not.
+Scene bundle(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    const double radius = b.chance(0.2) ? 0 : 0.2;
+    b.put_base(radius);
+    const int type = b.count(0, 2);
+    const double error = b.chance(0.3) ? 0 : b.small(3, 15);
+    const bool along_base = !b.is_plane() && b.chance(0.5);
+    Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+    if (along_base)
+        frame = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), b.base_direction()).toRotationMatrix();
+    else if (b.chance(0.5))
+        frame = Eigen::AngleAxisd(b.uniform(0, 3), b.direction()).toRotationMatrix();
+    const double shift = b.is_plane() ? 0.5 : 0;  // a plane runs between the tubes
+    for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j) {
+            const double x = type == 1 ? i + 0.5 * j : i, y = type == 1 ? std::sqrt(0.75) * j : j;
+            Vec3 p(x + shift, y + shift, 0), axis = Vec3::UnitZ();
+            if (type == 2 && (i & 1)) {  // layers across each other
+                p = Vec3(x + shift, 0, y + shift);
+                axis = Vec3::UnitY();
+            }
+            p = frame * p + error * b.direction();
+            axis = frame * axis + error * b.direction();
+            b.add(Cylinder{p, axis, radius});
+        }
+    return b.done();
+}
+
+// Objects that all but touch the base.
+Scene contact(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    const double radius = b.chance(0.3) ? 0 : 0.5;
+    b.put_base(radius);
+    const Vec3 d = b.base_direction();
+    b.add_some(b.count(1, 3), [&]() -> Object {
+        const double gap = b.small(1, 12);
+        Vec3 out = b.direction();
+        if (b.is_plane()) out = d;
+        if (std::holds_alternative<Cylinder>(b.scene().base)) out = (out - out.dot(d) * d).normalized();
+        const Vec3 across = out.cross(b.direction()).normalized();
+        const Vec3 foot = b.is_plane() ? b.uniform(-1, 1) * across
+                                       : b.uniform(-1, 1) * (kind == BaseKind::Ball ? 0 : 1) * d;
+        const double rho = b.chance(0.3) ? 0 : b.uniform(0.1, 0.5), start = b.is_plane() ? 0 : radius;
+        switch (b.count(0, b.is_plane() || kind == BaseKind::Ball ? 2 : 1)) {
+            case 0:
+                return Sphere{foot + (start + gap + rho) * out, rho};
+            case 1:
+                return Cylinder{foot + (start + gap + rho) * out, across, rho};
+            default:
+                return Plane{foot + (start + gap) * out, out};
+        }
+    });
+    b.add_mix(b.count(0, 2), 0, b.count(0, 1));
+    return b.done();
+}
+
+// Pairs of objects tangent to each other, or almost.
+Scene tangent(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    b.put_base(0.25, true);
+    const double error = b.chance(0.4) ? 0 : b.small(3, 16);
+    b.add_some(b.count(1, 2), [&]() -> Object {
+        const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+        const int k = b.count(0, 2);
+        const Vec3 out = axes[k], along = axes[(k + 1) % 3];
+        const Vec3 p = 0.25 * b.integers(6);
+        const double r = 0.25 * b.count(0, 2), q = 0.25 * b.count(0, 2);
+        const Vec3 next = p + (r + q + error) * out;
+        switch (b.count(0, 3)) {
+            case 0:
+                b.add(Sphere{next, q});
+                break;
+            case 1:
+                b.add(Cylinder{next, along, q});
+                break;
+            case 2:
+                b.add(Cylinder{next, (along + out.cross(along)).eval(), q});
+                break;
+            default:
+                b.add(Plane{p + (r + error) * out, out});
+                break;
+        }
+        if (b.chance(0.5)) return Sphere{p, r};
+        return Cylinder{p, along, r};
+    });
+    b.add_mix(b.count(0, 2), 0, 0);
+    return b.done();
+}
+
+// Rods and points in all symmetric places around the base.
+Scene symmetric(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind, 3);
+    b.put_base(0.25, true);
+    const int x = b.count(0, 2), y = b.count(0, 2), z = b.count(1, 2);
+    const double radius = 0.25 * b.count(0, 2), error = b.chance(0.5) ? 0 : b.small(3, 16);
+    const bool are_tubes = b.chance(0.5);
+    for (const int sx : {-1, 1})
+        for (const int sy : {-1, 1})
+            for (const int sz : {-1, 1}) {
+                const Vec3 p = Vec3(sx * x, sy * y, sz * z) + error * b.direction();
+                if (are_tubes)
+                    b.add(Cylinder{
+                        p, Vec3(sx * y, -sy * x, 0).isZero() ? Vec3(1, 0, 0) : Vec3(sx * y, -sy * x, 0),
+                        radius});
+                else
+                    b.add(Sphere{p, radius});
+            }
+    return b.done();
+}
+
+void transform(Object& object, double factor, const Vec3& shift) {
+    const auto place = [&](Vec3& p) { p = factor * p + shift; };
+    if (auto* s = std::get_if<Sphere>(&object)) place(s->center), s->radius *= factor;
+    if (auto* p = std::get_if<Plane>(&object)) place(p->point);
+    if (auto* c = std::get_if<Cylinder>(&object)) place(c->point), c->radius *= factor;
+}
+Scene transformed(Scene s, double factor, const Vec3& shift) {
+    transform(s.base, factor, shift);
+    for (Object& o : s.objects) transform(o, factor, shift);
+    s.box = {factor * s.box.min + shift, factor * s.box.max + shift};
+    return s;
+}
+
+Scene scaled(std::mt19937_64& rng, BaseKind kind) {
+    const double exponents[] = {-100, -30, 30, 100};
+    const double factor = std::exp2(exponents[std::uniform_int_distribution(0, 3)(rng)]);
+    return transformed(mix(rng, kind), factor, Vec3::Zero());
+}
+
+// Rounding moves what was clear of the base: only legal scenes count.
+Scene far(std::mt19937_64& rng, BaseKind kind) {
+    for (;;)
+        if (const Scene s = transformed(mix(rng, kind), 1, Vec3(1e6, -2e6, 5e5)); is_legal(s)) return s;
+}
+
+// The base among the atoms of crambin.
+Scene molecule(std::mt19937_64& rng, BaseKind kind) {
+    static const std::vector<Object> atoms = [] {
+        TextSceneOptions options;
+        options.base_plane = Plane{{-1e3, 0, 0}, Vec3::UnitX()};
+        return read_scene(VCELL_TEST_DATA "/1CRN.xyzr", options).objects;
+    }();
+    Builder b(rng, kind, 12);
+    const auto center = [](const Object& o) { return std::get<Sphere>(o).center; };
+    const std::size_t k = std::uniform_int_distribution<std::size_t>(0, atoms.size() - 1)(rng);
+    const Vec3 shift = -center(atoms[k]);
+    b.put_base(std::get<Sphere>(atoms[k]).radius);
+    std::vector<Object> near = atoms;
+    std::ranges::sort(near, {}, [&](const Object& o) { return (center(o) + shift).norm(); });
+    for (std::size_t i = 1; i < near.size() && i <= 40; ++i) {
+        transform(near[i], 1, shift);
+        b.add(near[i]);
+    }
+    return b.done();
+}
+
+constexpr Family all[] = {
+    {"balls", "random balls and points", balls},
+    {"mix", "random balls, planes and tubes", mix},
+    {"tubes", "random skew tubes and lines", tubes},
+    {"integers", "planes, points, lines, balls and tubes of small integers", integers},
+    {"lattice", "balls of a lattice, exact or one unit in the last place off", lattice},
+    {"bundle", "equal tubes, square, hexagonal or woven, turned and perturbed by 1e-15 to 1e-3", bundle},
+    {"contact", "objects 1e-12 to 0.1 from the base", contact},
+    {"tangent", "objects that touch each other, or miss by 1e-16 to 1e-3", tangent},
+    {"symmetric", "points, balls, lines or tubes in symmetric places", symmetric},
+    {"scaled", "mix times a power of two up to 2^100", scaled},
+    {"far", "mix a million away", far},
+    {"molecule", "atoms of crambin around the base", molecule},
+};
+
+}  // namespace
+
+std::span<const Family> families() { return all; }
+
+}  // namespace vcell::hunt

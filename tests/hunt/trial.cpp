@@ -1,0 +1,143 @@
+#include "trial.hpp"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <csignal>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check.hpp"
+#include "families.hpp"
+
+namespace vcell::hunt {
+
+const char* to_string(Outcome outcome) {
+    constexpr std::array<const char*, outcome_count> names{"proved",   "assumed",  "undecided", "wrong",
+                                                           "internal", "too long", "too large", "crash"};
+    return names[static_cast<std::size_t>(outcome)];
+}
+
+namespace {
+
+Trial judge_here(const Scene& scene) try {
+    const Cell cell = voronoi_cell(scene);
+    const auto findings = check_cell(cell);
+    if (!findings.empty()) return {Outcome::Wrong, findings.front().where + ": " + findings.front().what};
+    if (cell.report.decisions.assumed == 0) return {Outcome::Proved, {}};
+    return {Outcome::Assumed, cell.report.warnings.empty() ? "nothing listed" : cell.report.warnings.back()};
+} catch (const UndecidedError& e) {
+    return {Outcome::Undecided, e.what()};
+} catch (const std::bad_alloc&) {
+    return {Outcome::TooLarge, "out of memory"};
+} catch (const std::exception& e) {
+    return {Outcome::Internal, e.what()};
+}
+
+std::uint64_t address_space() {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+[[noreturn]] void answer(int pipe_end, const Scene& scene, const Limits& limits) {
+    const rlimit time{limits.seconds, limits.seconds + 1}, no_core{0, 0};
+    setrlimit(RLIMIT_CPU, &time);
+    setrlimit(RLIMIT_CORE, &no_core);
+#ifndef __SANITIZE_ADDRESS__  // whose shadow memory is larger than any limit
+    const rlim_t most = address_space() + (limits.megabytes << 20);
+    const rlimit space{most, most};
+    setrlimit(RLIMIT_AS, &space);
+#endif
+    const Trial trial = judge_here(scene);
+    const std::string text = static_cast<char>('0' + static_cast<int>(trial.outcome)) + trial.what;
+    std::size_t written = 0;
+    while (written < text.size()) {
+        const ssize_t n = write(pipe_end, text.data() + written, text.size() - written);
+        if (n <= 0) break;
+        written += static_cast<std::size_t>(n);
+    }
+    _exit(0);
+}
+
+}  // namespace
+
+Trial judge(const Scene& scene, const Limits& limits) {
+    std::fflush(nullptr);
+    int ends[2];
+    if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    const pid_t child = fork();
+    if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
+    if (child == 0) {
+        close(ends[0]);
+        answer(ends[1], scene, limits);
+    }
+    close(ends[1]);
+    std::string text;
+    char buffer[4096];
+    for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+        text.append(buffer, static_cast<std::size_t>(n));
+    close(ends[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFSIGNALED(status)) {
+        const int signal = WTERMSIG(status);
+        if (signal == SIGXCPU || signal == SIGKILL)
+            return {Outcome::TooLong, "over " + std::to_string(limits.seconds) + " s"};
+        return {Outcome::Crash, strsignal(signal)};
+    }
+    if (text.empty()) return {Outcome::Crash, "no answer"};
+    return {static_cast<Outcome>(text[0] - '0'), text.substr(1)};
+}
+
+namespace {
+
+void for_each_number(Object& o, const std::function<void(double&)>& visit) {
+    const auto each = [&](Vec3& v) {
+        for (double& x : v) visit(x);
+    };
+    if (auto* s = std::get_if<Sphere>(&o)) each(s->center), visit(s->radius);
+    if (auto* p = std::get_if<Plane>(&o)) each(p->point), each(p->normal);
+    if (auto* c = std::get_if<Cylinder>(&o)) each(c->point), each(c->axis), visit(c->radius);
+}
+
+double shortened(double x, int digits) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.*g", digits, x);
+    return std::strtod(text, nullptr);
+}
+
+}  // namespace
+
+Scene minimised(Scene scene, const Trial& trial, const Limits& limits) {
+    const auto still_fails = [&](const Scene& s) {
+        return is_legal(s) && judge(s, limits).outcome == trial.outcome;
+    };
+    for (std::size_t i = scene.objects.size(); i-- > 0;) {
+        Scene fewer = scene;
+        fewer.objects.erase(fewer.objects.begin() + static_cast<std::ptrdiff_t>(i));
+        if (still_fails(fewer)) scene = std::move(fewer);
+    }
+    for (std::size_t i = 0; i <= scene.objects.size(); ++i)  // the base last
+        for (const int digits : {1, 2, 3, 6}) {
+            Scene shorter = scene;
+            Object& o = i < scene.objects.size() ? shorter.objects[i] : shorter.base;
+            for_each_number(o, [&](double& x) { x = shortened(x, digits); });
+            if (!still_fails(shorter)) continue;
+            scene = std::move(shorter);
+            break;
+        }
+    return scene;
+}
+
+}  // namespace vcell::hunt

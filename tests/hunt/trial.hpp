@@ -1,0 +1,41 @@
+/// One scene's cell, computed and judged in a process of its own: it may hang, run out of memory or crash.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "../../primitives/scene.hpp"
+
+namespace vcell::hunt {
+
+enum class Outcome : std::uint8_t {
+    Proved,     ///< check_cell() has nothing to say against the cell, nothing is assumed
+    Assumed,    ///< such a cell, with coincidences taken for granted and listed
+    Undecided,  ///< UndecidedError, with the place
+    Wrong,      ///< check_cell() objects
+    Internal,   ///< InternalError, or any other exception
+    TooLong,
+    TooLarge,  ///< more memory than granted
+    Crash,
+};
+inline constexpr std::size_t outcome_count = 8;
+const char* to_string(Outcome outcome);
+/// Undecided scenes are a pity, these are faults.
+inline bool is_fault(Outcome o) { return o >= Outcome::Wrong; }
+
+struct Trial {
+    Outcome outcome;
+    std::string what;  ///< the first finding, or the message
+};
+
+struct Limits {
+    unsigned seconds = 5;            ///< of processor time for cell and check together
+    std::uint64_t megabytes = 1000;  ///< of address space beyond the program's own
+};
+
+Trial judge(const Scene& scene, const Limits& limits);
+
+/// The scene with as few objects, and as short numbers, as still give the same outcome.
+Scene minimised(Scene scene, const Trial& trial, const Limits& limits);
+
+}  // namespace vcell::hunt
