@@ -40,7 +40,7 @@ struct CellEdge {
     /// Bound on the distance from the true arc; 0: exact up to rounding. It bounds |S(c(t)) - C(t)| too, for
     /// the trimming curves c of this edge, the surfaces S they lie on and this space curve C.
     double error = 0;
-    double length = not_measured;
+    double length = not_measured, length_error = not_measured;  ///< of the true arc
     RationalCurve3 curve;
 };
 
@@ -63,18 +63,23 @@ struct CellFace {
     Site site;
     std::vector<Site> extra_sites;  ///< further sites that attain the minimum all over it
     std::string bisector;           ///< "paraboloid", "plane", "box", ...
-    double area = not_measured;
+    double area = not_measured, area_error = not_measured;
     std::vector<TrimmedPatch> patches;
 };
 
-/// All not_measured, and touches_box false, where measures were not asked for.
+/// All not_measured, and touches_box false, where measures were not asked for. Each `..._error` bounds the
+/// distance of its measure from that of the true cell.
 struct Measures {
-    double volume = not_measured, volume_error = not_measured;  ///< whole cell inside the box with the base's body
-    double body_volume = not_measured;                          ///< the base body's share
-    double area = not_measured, area_error = not_measured;      ///< cell boundary without its box sides
-    double box_area = not_measured;                             ///< the box sides' part
-    double base_area = not_measured;                            ///< the base region
-    double min_clearance = not_measured, max_clearance = not_measured;  ///< over the faces, box sides included
+    // The whole cell inside the box with the base's body, and the body's share.
+    double volume = not_measured, volume_error = not_measured;
+    double body_volume = not_measured, body_volume_error = not_measured;
+    // The cell's boundary without its box sides, these, and the base region.
+    double area = not_measured, area_error = not_measured;
+    double box_area = not_measured, box_area_error = not_measured;
+    double base_area = not_measured, base_area_error = not_measured;
+    // Over the faces, box sides included.
+    double min_clearance = not_measured, min_clearance_error = not_measured;
+    double max_clearance = not_measured, max_clearance_error = not_measured;
     bool touches_box = false;  ///< over a plane base always: its region ends at the box
 };
 

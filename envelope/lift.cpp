@@ -32,7 +32,7 @@ public:
         add_faces();
         if (with_measures) {
             measure(problem_, diagram_, arcs_, mixed_, cell_);
-            cell_.measures.max_clearance = max_height_;
+            set_max_clearance();
         } else {
             rank_neighbors(cell_);
         }
@@ -219,6 +219,15 @@ private:
         for (const VertexId v : diagram_.vertices.ids())
             heights[1] = std::max(heights[1], diagram_.vertices[v].height);
         max_height_ = heights[1];
+    }
+
+    // Within an edge's error of the clearance of a point of the true edge.
+    void set_max_clearance() {
+        double error = 0;
+        for (const CellVertex& v : cell_.vertices) error = std::max(error, v.error);
+        for (const CellEdge& e : cell_.edges) error = std::max(error, e.error);
+        cell_.measures.max_clearance = max_height_;
+        cell_.measures.max_clearance_error = error + 16 * u * max_height_;
     }
 
     std::vector<TrimCurve> loop(CcbId ccb) const {

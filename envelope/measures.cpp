@@ -22,6 +22,20 @@ constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 // coefficients (4u each) to the term, doubled.
 constexpr double term_rounding = 128 * u;
 
+// The magnitudes that enter a height and its gradient at computed points (few roundings of their own, of the
+// term_rounding allowed): an object's centre is exact.
+double height_size(const CircularForm& f, const Vector2d& p) {
+    const double d = (p - Vector2d(f.cx, f.cy)).norm();
+    return (f.k * d * (d + p.norm() / 16) + std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) /
+           f.w;
+}
+double gradient_size(const CircularForm& f, const ArcSpan& span) {
+    const Vector2d c(f.cx, f.cy);
+    const double far = std::max(span.from.norm(), span.to.norm()) + span.length();
+    const double d = std::max((span.from - c).norm(), (span.to - c).norm()) + span.length();
+    return (2 * f.k * (d + far / 16) + std::abs(f.a) + std::abs(f.b)) / f.w;
+}
+
 // ---- Integrals over a face by Green's theorem -------------------------------------------------------
 
 // A height f = f0 + g.q + c |q|^2 about the point o, q = p - o, for a face around o.
@@ -102,7 +116,7 @@ void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, 
         const double radius = room / (b + std::sqrt(b * b + a * room));
         return kappa > 0 ? std::min(radius, 1 / kappa) : radius;
     };
-    quadrature::visit_parts(span, reach, [&](const ArcSpan& part) {
+    quadrature::visit_parts(span, reach, [&](const ArcSpan& part, bool is_tame) {
         double sum = 0;
         quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
             const Vector2d q = p - center;
@@ -116,7 +130,8 @@ void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, 
         const double truncation = quadrature::truncation * 2 * (4 * m * m + 2 * m + 1) / divisor *
                                   (distance + 2.2 * length) * 1.4 * length;
         const double far = distance + 0.5 * length;
-        area.add(sum, term_rounding * std::sqrt(1 + 4 * far * far / (w * w)) * far * length + truncation);
+        const double size = std::sqrt(1 + 4 * far * far / (w * w)) * far * length;
+        area.add(sum, term_rounding * size + (is_tame ? truncation : 2 * size));
     });
 }
 
@@ -127,7 +142,10 @@ void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, 
 // 1.73 |G| kappa |sigma| for |sigma| <= 1 / kappa, and sqrt(1 + f'^2) is analytic while that is below
 // sqrt(1 + f'(middle)^2), the distance of +-i. G kappa has the components f'(middle) kappa along the
 // tangent and f'' = 2 k / w + kappa grad f.N across it, also in the limit of a line.
-double space_length(const CircularForm& f, const ArcSpan& span) {
+//
+// On the ellipse of quadrature.hpp, within 2.4/2.5 of that radius, f' differs from f'(middle) by less than
+// sqrt(1 + f'(middle)^2) =: S, so |f' +- i| < 2 S and |sqrt(1 + f'^2)| < 2 S.
+void add_space_length(const CircularForm& f, const ArcSpan& span, BoundedSum& length) {
     const auto reach = [&](const ArcSpan& part) {
         const Vector2d t = part.chord().normalized(), n(-t.y(), t.x());
         const Vector2d g = gradient(f, part.half_way());
@@ -136,29 +154,54 @@ double space_length(const CircularForm& f, const ArcSpan& span) {
         const double radius = std::sqrt(1 + slope * slope) / (1.73 * bend);
         return kappa != 0 ? std::min(radius, 1 / std::abs(kappa)) : radius;
     };
-    double length = 0;
-    quadrature::visit_parts(span, reach, [&](const ArcSpan& part) {
+    quadrature::visit_parts(span, reach, [&](const ArcSpan& part, bool is_tame) {
+        double sum = 0;
         quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
             const double rise = gradient(f, p).dot(step);
-            length += std::sqrt(step.squaredNorm() + rise * rise);
+            sum += std::sqrt(step.squaredNorm() + rise * rise);
         });
+        const double slope = gradient(f, part.half_way()).dot(part.chord().normalized());
+        const double rounding = term_rounding * gradient_size(f, part) * part.length();
+        const double truncation =
+            is_tame ? quadrature::truncation * 4 * std::hypot(1, slope) * part.length() : 2 * sum;
+        length.add(sum, term_rounding * sum + rounding + truncation);
     });
-    return length;
 }
 
 // Simpson's rule is exact for the quadratic height along a side of the region.
-double wall_area(const CircularForm& f, const ArcSpan& segment) {
+void add_wall(const CircularForm& f, const ArcSpan& segment, BoundedSum& area) {
     const Vector2d &p = segment.from, &q = segment.to, m = segment.half_way();
-    return segment.length() * (f(p.x(), p.y()) + 4 * f(m.x(), m.y()) + f(q.x(), q.y())) / 6;
+    const double length = segment.length();
+    double size = 0;
+    for (const Vector2d& at : {p, q, m}) size = std::max(size, height_size(f, at));
+    area.add(length * (f(p.x(), p.y()) + 4 * f(m.x(), m.y()) + f(q.x(), q.y())) / 6,
+             term_rounding * length * size);
 }
 
 // ---- Clearances -------------------------------------------------------------------------------------
 
+// f = (s - d.V) / d_z^2 - rho, or its stable form, of what point() and p are rounded to.
+double height_error(const CylinderHeight& f, const CylinderHeight::Jet& jet, const Vector2d& p) {
+    const double reach = f.reach() + p.norm() + std::abs(jet.value) + f.rho();
+    return term_rounding / 4 * reach * (1 + jet.gradient.norm());
+}
+
+// The least of values that are known within bounds.
+struct Least {
+    double value = std::numeric_limits<double>::infinity(), lower = value, upper = value;
+
+    void add(double v, double error) {
+        value = std::min(value, v);
+        lower = std::min(lower, v - error);
+        upper = std::min(upper, v + error);
+    }
+    double error() const { return std::max(value - lower, upper - value); }
+};
+
 // The smallest value of f over the closed region. For a sphere that is the value at the region's point
-// nearest to the centre, for a linear form the smallest at a corner.
-double region_minimum(const CircularForm& f, const PlaneBaseProblem& problem) {
+// nearest to the centre, for a linear form the smallest at a corner. Corners carry a few roundings.
+void add_region_minimum(const CircularForm& f, const PlaneBaseProblem& problem, Least& least) {
     const auto& corners = problem.corners;
-    double best = std::numeric_limits<double>::infinity();
     const Vector2d c(f.cx, f.cy);
     bool inside = f.k != 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -169,17 +212,16 @@ double region_minimum(const CircularForm& f, const PlaneBaseProblem& problem) {
             const Vector2d along = corners[(i + 1) % corners.size()] - p;
             p += std::clamp((c - p).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
         }
-        best = std::min(best, f(p.x(), p.y()));
+        least.add(f(p.x(), p.y()), term_rounding * height_size(f, p));
     }
-    return inside ? f.e / f.w : best;
+    if (inside) least.add(f.e / f.w, term_rounding * std::abs(f.e) / f.w);
 }
 
 // The same for a cylinder. Its height grows along the rays from A (cylinder_patch.hpp), or is constant along
 // the axis: it is smallest on the region's rim. It is convex: on a side, smallest where its slope changes
-// sign.
-double region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem) {
+// sign, and nowhere smaller than what its tangents say.
+void add_region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem, Least& least) {
     const auto& corners = problem.corners;
-    double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const Vector2d p = corners[i], along = corners[(i + 1) % corners.size()] - p;
         double low = 0, high = 1;
@@ -190,9 +232,13 @@ double region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem) 
             const double t = 0.5 * (low + high);
             (f(p + t * along).gradient.dot(along) > 0 ? high : low) = t;
         }
-        best = std::min({best, f(p + low * along).value, f(p + high * along).value});
+        for (const double t : {low, high}) {
+            const Vector2d at = p + t * along;
+            const auto jet = f(at);
+            const double slope = std::abs(jet.gradient.dot(along));
+            least.add(jet.value, 0x1p-29 * slope + height_error(f, jet, at));
+        }
     }
-    return best;
 }
 
 // ---- All of them ------------------------------------------------------------------------------------
@@ -201,22 +247,31 @@ class Measurer {
 public:
     Measurer(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
              const MixedArcs& mixed, Cell& cell)
-        : problem_(problem), diagram_(diagram), arcs_(arcs), mixed_(mixed), cell_(cell) {}
+        : problem_(problem),
+          diagram_(diagram),
+          arcs_(arcs),
+          mixed_(mixed),
+          cell_(cell),
+          areas_(cell.faces.size()) {}
 
     void run() {
         for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
         for (std::uint32_t i = 0; i < cell_.faces.size(); ++i) measure_face(FaceId{i + 1}, cell_.faces[i]);
+        for (std::size_t i = 0; i < areas_.size(); ++i) set_area(cell_.faces[i], areas_[i]);
         Measures& m = cell_.measures;
         m.volume = volume_.value();
         m.volume_error = volume_.bound();
         m.area = area_.value();
         m.area_error = area_.bound();
         m.box_area = box_area_.value();
-        m.body_volume = 0;
+        m.box_area_error = box_area_.bound();
+        m.body_volume = m.body_volume_error = 0;
         m.base_area = region_area(problem_.region);
+        m.base_area_error = 0x1p-49 * m.base_area;
         // The base region is cut out by the box, so the cell always ends at its sides.
         m.touches_box = true;
-        m.min_clearance = min_clearance_;
+        m.min_clearance = min_clearance_.value;
+        m.min_clearance_error = min_clearance_.error();
         rank_neighbors(cell_);
     }
 
@@ -246,19 +301,19 @@ private:
 
     void measure_mixed_edge(EdgeId e) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-        double length = 0;
+        BoundedSum length;
         for (const MixedSpan& span : mixed_.spans(e)) {
-            length += space_length(span);
-            if (edge.on_rim()) box_area_.add(wall_area(span));
+            add(length, space_length(span));
+            if (edge.on_rim()) add(box_area_, wall_area(span));
             double polygon = 0, height = 0;
             for (int k = 0; k <= span.degree; ++k) {
                 if (k > 0) polygon += (span.points[k] - span.points[k - 1]).head<2>().norm();
                 height = std::max(height, std::abs(span.points[k].z()));
             }
             const auto slope = [&](unsigned side) { return slope_bound(e, side, span); };
-            add_position_error(edge, polygon, mixed_.error(e).chart, height, slope);
+            add_position_error(e, polygon, mixed_.error(e).chart, height, slope);
         }
-        cell_.edges[e.value].length = length;
+        set_length(cell_.edges[e.value], length);
     }
 
     void measure_edge(EdgeId e) {
@@ -266,51 +321,56 @@ private:
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const bool right_linear = !edge.on_rim() && diagram_.forms[edge.right].k == 0;
         const CircularForm& f = diagram_.forms[right_linear ? edge.right : edge.left];
-        double length = 0;
+        BoundedSum length;
         for (const ArcSpan& span : arcs_.spans(e)) {
-            length += space_length(f, span);
-            if (edge.on_rim()) box_area_.add(wall_area(f, span));
-            add_position_error(edge, span, arcs_.error(e));
+            add_space_length(f, span, length);
+            if (edge.on_rim()) add_wall(f, span, box_area_);
+            add_position_error(e, span, arcs_.error(e));
         }
-        cell_.edges[e.value].length = length;
+        set_length(cell_.edges[e.value], length);
     }
 
-    void add_position_error(const MinimizationDiagram::Edge& edge, const ArcSpan& span, double error) {
+    static void add(BoundedSum& sum, const Integral& part) { sum.add(part.value, part.error); }
+
+    void add_position_error(EdgeId e, const ArcSpan& span, double error) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const CircularForm& f = diagram_.forms[edge.left];
         const double height = std::max(f(span.from.x(), span.from.y()), f(span.to.x(), span.to.y()));
         const auto slope = [&](unsigned side) {
             return slope_bound(diagram_.forms[side == 0 ? edge.left : edge.right], span);
         };
-        add_position_error(edge, span.length(), error, height, slope);
+        add_position_error(e, span.length(), error, height, slope);
     }
 
-    // What a boundary that is off by `error` changes: a strip of twice the span's length times the error.
-    // Between two faces the heights agree on the true edge, so the volume in the strip is of second order.
-    // slope(side) bounds the slope of the height on the left (0) or right.
+    // What a boundary that is off by `error` changes: a strip of twice the span's length times the error, and
+    // the disks about its ends. Between two faces the heights agree on the true edge, so the volume in the
+    // strip is of second order. slope(side) bounds the slope of the height on the left (0) or right.
     template <class Slope>
-    void add_position_error(const MinimizationDiagram::Edge& edge, double length, double error, double height,
-                            const Slope& slope) {
-        const double strip = 2 * length * error;
-        const auto add_area_error = [&](FormId form, double steepness) {
-            if (problem_.sites[form].front().is_object()) area_.add(0, strip * std::hypot(1, steepness));
+    void add_position_error(EdgeId e, double length, double error, double height, const Slope& slope) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        const double strip = 2 * (length + 2 * error) * error;
+        const auto add_area_error = [&](unsigned side, double steepness) {
+            const FaceId face = diagram_.dcel.face(Dcel::half_edge(e, side));
+            areas_[face.value - 1].add(0, strip * std::hypot(1, steepness));
         };
         const double left = slope(0);
-        add_area_error(edge.left, left);
+        add_area_error(0, left);
         if (edge.on_rim()) {
             volume_.add(0, strip * height);
+            box_area_.add(0, 2 * error * height + length * error * left);
             return;
         }
         const double right = slope(1);
-        add_area_error(edge.right, right);
+        add_area_error(1, right);
         volume_.add(0, strip * error * (left + right));
     }
 
-    void measure_face(FaceId id, CellFace& face) {
+    void measure_face(FaceId id, const CellFace& face) {
         const FormId form = diagram_.face_forms[id];
         if (diagram_.is_circular(form))
             measure_circular_face(id, diagram_.forms[form], face);
         else
-            measure_cylinder_face(id, face);
+            measure_cylinder_face(id);
     }
 
     template <class Visit>
@@ -329,7 +389,7 @@ private:
 
     static bool is_forward(HalfEdgeId h) { return h == Dcel::half_edge(Dcel::edge(h)); }
 
-    void measure_circular_face(FaceId id, const CircularForm& f, CellFace& face) {
+    void measure_circular_face(FaceId id, const CircularForm& f, const CellFace& face) {
         const RationalPatch& surface = face.patches.front().surface;
         const Vector2d origin(0.5 * surface.domain_u[0] + 0.5 * surface.domain_u[1],
                               0.5 * surface.domain_v[0] + 0.5 * surface.domain_v[1]);
@@ -353,13 +413,13 @@ private:
         });
         const double stretch = std::hypot(1, f.a / f.w, f.b / f.w);
         if (f.k != 0)
-            add_face(face, volume, curved_area.value(), curved_area.bound());
+            add_face(id, volume, curved_area.value(), curved_area.bound());
         else
-            add_face(face, volume, stretch * chart_area.value(), stretch * chart_area.bound());
-        min_clearance_ = std::min(min_clearance_, region_minimum(f, problem_));
+            add_face(id, volume, stretch * chart_area.value(), stretch * chart_area.bound());
+        add_region_minimum(f, problem_, min_clearance_);
     }
 
-    void measure_cylinder_face(FaceId id, CellFace& face) {
+    void measure_cylinder_face(FaceId id) {
         const CylinderFrame& frame = mixed_.frame(id);
         BoundedSum volume, area;
         for_each_half_edge(id, [&](HalfEdgeId h) {
@@ -370,18 +430,25 @@ private:
                 area.add(sign * part.area.value, part.area.error);
             }
         });
-        add_face(face, volume, area.value(), area.bound());
-        min_clearance_ = std::min(min_clearance_, region_minimum(frame.height(), problem_));
+        add_face(id, volume, area.value(), area.bound());
+        add_region_minimum(frame.height(), problem_, min_clearance_);
     }
 
-    void add_face(CellFace& face, const BoundedSum& volume, double area, double area_bound) {
-        // A face thinner than the spacing of doubles may come out below zero by its rounding.
-        face.area = std::max(0.0, area);
+    void add_face(FaceId id, const BoundedSum& volume, double area, double area_bound) {
+        areas_[id.value - 1].add(area, area_bound);
         volume_.add(volume.value(), volume.bound());
-        if (face.site.is_object())
-            area_.add(face.area, area_bound);
-        else
-            box_area_.add(face.area);
+    }
+
+    void set_area(CellFace& face, const BoundedSum& area) {
+        // A face thinner than the spacing of doubles may come out below zero by its rounding.
+        face.area = std::max(0.0, area.value());
+        face.area_error = area.bound();
+        (face.site.is_object() ? area_ : box_area_).add(face.area, face.area_error);
+    }
+
+    static void set_length(CellEdge& edge, const BoundedSum& length) {
+        edge.length = length.value();
+        edge.length_error = length.bound() + length_sensitivity * edge.error;
     }
 
     const PlaneBaseProblem& problem_;
@@ -389,10 +456,11 @@ private:
     const ChartArcs& arcs_;
     const MixedArcs& mixed_;
     Cell& cell_;
+    std::vector<BoundedSum> areas_;  // of the faces
     BoundedSum volume_, area_, box_area_;
     // min over the region of min_i f_i = min_i of the minimum of f_i over the region, and the minimum belongs
     // to a form that owns a face: no face needs to be searched for its apex.
-    double min_clearance_ = std::numeric_limits<double>::infinity();
+    Least min_clearance_;
 };
 
 }  // namespace

@@ -18,6 +18,11 @@ namespace vcell {
 void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
              const MixedArcs& mixed, Cell& cell);
 
+/// How much longer, over its error, a conic's arc may be than the true one: the arc and its chord bound a
+/// convex body. Of two such bodies each within e of the other the perimeters differ by 2 pi e at most
+/// [Cauchy's formula], the chords by 2 e.
+constexpr double length_sensitivity = 8.3;
+
 /// Fills in neighbors from the areas of the faces; ascending where those are not_measured.
 void rank_neighbors(Cell& cell);
 

@@ -164,17 +164,17 @@ FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span) 
     return integrals(CylinderIntegrand(frame), span);
 }
 
-double space_length(const MixedSpan& span) {
+Integral space_length(const MixedSpan& span) {
     std::array<Integral, 1> sum{};
     integrate(power_span(span), LengthIntegrand{}, sum);
-    return sum[0].value;
+    return sum[0];
 }
 
-double wall_area(const MixedSpan& span) {
+Integral wall_area(const MixedSpan& span) {
     const Vector2d chord = (span.points[span.degree] - span.points[0]).head<2>();
     std::array<Integral, 1> sum{};
     integrate(power_span(span), WallIntegrand{chord.normalized()}, sum);
-    return sum[0].value;
+    return sum[0];
 }
 
 }  // namespace vcell

@@ -24,8 +24,8 @@ FaceIntegrals face_integrals(const CircularForm& f, const Eigen::Vector2d& origi
 /// Over a cylinder.
 FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span);
 
-double space_length(const MixedSpan& span);
+Integral space_length(const MixedSpan& span);
 /// The area between a span over a side of the region and its foot.
-double wall_area(const MixedSpan& span);
+Integral wall_area(const MixedSpan& span);
 
 }  // namespace vcell

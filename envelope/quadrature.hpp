@@ -92,17 +92,18 @@ void visit_nodes(const ArcSpan& span, Visit&& visit) {
     }
 }
 
-/// Halves the span until reach(part) >= 2.5 half lengths, then calls visit_part(part).
+/// Halves the span until reach(part) >= 2.5 half lengths, then calls visit_part(part, true).
 /// reach: a lower bound on the radius (in arc length, about the middle) of analyticity. A singularity on the
 /// span itself (an object that all but touches the base there) ends the halving at parts that are 2^-52 of
-/// the span, below the rounding of the whole.
+/// the span: visit_part(part, false), without a bound of the rule's truncation.
 template <class Reach, class VisitPart>
 void visit_parts(const ArcSpan& span, const Reach& reach, VisitPart&& visit_part, int halvings = 52) {
-    if (halvings > 0 && 0.5 * span.length() * required_reach > reach(span)) {
+    const bool is_tame = 0.5 * span.length() * required_reach <= reach(span);
+    if (!is_tame && halvings > 0) {
         for (const ArcSpan& half : span.halves()) visit_parts(half, reach, visit_part, halvings - 1);
         return;
     }
-    visit_part(span);
+    visit_part(span, is_tame);
 }
 
 }  // namespace vcell::quadrature

@@ -32,28 +32,38 @@ public:
             // A face thinner than the spacing of doubles may come out below zero by its rounding.
             const double area = std::max(0.0, areas_[i].value());
             cell_.faces[i].area = area;
-            if (cell_.faces[i].site.is_object())
-                area_.add(area, areas_[i].bound());
-            else
-                box_area_.add(area);
+            cell_.faces[i].area_error = areas_[i].bound();
+            (cell_.faces[i].site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
         }
         const double radius = problem_.radius, pi = std::numbers::pi;
         if (problem_.is_sphere) {
             m.base_area = 4 * pi * radius * radius;
             m.body_volume = m.base_area * radius / 3;
+            m.base_area_error = 8 * u * m.base_area;
+            m.body_volume_error = 8 * u * m.body_volume;
         } else {
             const double length = problem_.stretch[1] - problem_.stretch[0];
+            // The ends carry a few roundings of the motion.
+            const double relative = 8 * u *
+                                    (1 + (std::abs(problem_.stretch[0]) + std::abs(problem_.stretch[1]) +
+                                          problem_.frame.origin.norm()) /
+                                             length);
             m.base_area = 2 * pi * radius * length;
             m.body_volume = pi * radius * radius * length;
-            box_area_.add(-2 * pi * radius * radius);
+            m.base_area_error = relative * m.base_area;
+            m.body_volume_error = relative * m.body_volume;
+            box_area_.add(-2 * pi * radius * radius, 32 * u * radius * radius);
         }
         m.volume = volume_.value();
         m.volume_error = volume_.bound();
         m.area = area_.value();
         m.area_error = area_.bound();
         m.box_area = box_area_.value();
+        m.box_area_error = box_area_.bound();
         m.min_clearance = distance_[0] - radius;
         m.max_clearance = distance_[1] - radius;
+        const double clearance_error = curve_error_ + 8 * u * (distance_[1] + radius);
+        m.min_clearance_error = m.max_clearance_error = clearance_error;
         // A cylinder's stretch ends at the box.
         m.touches_box = !problem_.is_sphere || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
             return !f.site.is_object();
@@ -136,13 +146,14 @@ private:
             }
         }
         edge.length = sum.length.value;
+        edge.length_error = sum.length.error + length_sensitivity * edge.error;
         distance_ = {std::min(distance_[0], sum.distance[0]), std::max(distance_[1], sum.distance[1])};
         add_side(left, sum.sides[0], 1);
         if (right != no_face) {
             add_side(right, sum.sides[1], -1);
         } else {
             // The rim at the lower end runs about the axis counter-clockwise.
-            box_area_.add(std::abs(sum.end_area.value));
+            box_area_.add(std::abs(sum.end_area.value), sum.end_area.error);
         }
         add_position_error(edge, left, right, sum, is_smooth(e));
     }
@@ -160,6 +171,7 @@ private:
         double error = edge.error + 4 * u * (sum.distance[1] + problem_.frame.origin.norm());
         for (const std::uint32_t v : edge.vertices)
             error = std::max(error, edge.error + cell_.vertices[v].error);
+        curve_error_ = std::max(curve_error_, error);
         const double length = 2 * sum.length.value;
         if (is_smooth) {
             for (const std::uint32_t side : {left, right})
@@ -182,6 +194,7 @@ private:
     BoundedSum volume_, area_, box_area_;
     std::vector<Vector4d> points_;  // of one edge, canonical
     std::array<double, 2> distance_{std::numeric_limits<double>::infinity(), 0};
+    double curve_error_ = 0;  // the largest of the edges'
 };
 
 }  // namespace

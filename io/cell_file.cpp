@@ -52,6 +52,7 @@ void write_edge(JsonWriter& out, const CellEdge& e) {
         out.key("kind").value(to_string(e.kind));
         out.key("error").value(e.error);
         out.key("length").value(e.length);
+        out.key("length_error").value(e.length_error);
         write_curve(out.key("curve"), e.curve);
     });
 }
@@ -107,6 +108,7 @@ void write_face(JsonWriter& out, const CellFace& f) {
         if (!f.extra_sites.empty()) write_sites(out.key("extra_sites"), f.extra_sites);
         out.key("bisector").value(f.bisector);
         out.key("area").value(f.area);
+        out.key("area_error").value(f.area_error);
         out.key("patches").array([&] {
             for (const TrimmedPatch& p : f.patches) write_patch(out, p);
         });
@@ -118,12 +120,17 @@ void write_measures(JsonWriter& out, const Measures& m) {
         out.key("volume").value(m.volume);
         out.key("volume_error").value(m.volume_error);
         out.key("body_volume").value(m.body_volume);
+        out.key("body_volume_error").value(m.body_volume_error);
         out.key("area").value(m.area);
         out.key("area_error").value(m.area_error);
         out.key("box_area").value(m.box_area);
+        out.key("box_area_error").value(m.box_area_error);
         out.key("base_area").value(m.base_area);
+        out.key("base_area_error").value(m.base_area_error);
         out.key("min_clearance").value(m.min_clearance);
+        out.key("min_clearance_error").value(m.min_clearance_error);
         out.key("max_clearance").value(m.max_clearance);
+        out.key("max_clearance_error").value(m.max_clearance_error);
         out.key("touches_box").value(m.touches_box);
     });
 }
@@ -229,6 +236,7 @@ private:
             required_member("kind", [&] { e.kind = curve_kind(); }),
             required_member("error", [&] { e.error = in_.number(); }),
             required_member("length", [&] { e.length = in_.number(); }),
+            required_member("length_error", [&] { e.length_error = in_.number(); }),
             required_member("curve", [&] { e.curve = curve<3>(); }));
         return e;
     }
@@ -297,6 +305,7 @@ private:
                    optional_member("extra_sites", [&] { list(f.extra_sites, [&] { return site(); }); }),
                    required_member("bisector", [&] { f.bisector = in_.string(); }),
                    required_member("area", [&] { f.area = in_.number(); }),
+                   required_member("area_error", [&] { f.area_error = in_.number(); }),
                    required_member("patches", [&] { list(f.patches, [&] { return patch(); }); }));
         return f;
     }
@@ -305,12 +314,17 @@ private:
         in_.object(required_member("volume", [&] { m.volume = in_.number(); }),
                    required_member("volume_error", [&] { m.volume_error = in_.number(); }),
                    required_member("body_volume", [&] { m.body_volume = in_.number(); }),
+                   required_member("body_volume_error", [&] { m.body_volume_error = in_.number(); }),
                    required_member("area", [&] { m.area = in_.number(); }),
                    required_member("area_error", [&] { m.area_error = in_.number(); }),
                    required_member("box_area", [&] { m.box_area = in_.number(); }),
+                   required_member("box_area_error", [&] { m.box_area_error = in_.number(); }),
                    required_member("base_area", [&] { m.base_area = in_.number(); }),
+                   required_member("base_area_error", [&] { m.base_area_error = in_.number(); }),
                    required_member("min_clearance", [&] { m.min_clearance = in_.number(); }),
+                   required_member("min_clearance_error", [&] { m.min_clearance_error = in_.number(); }),
                    required_member("max_clearance", [&] { m.max_clearance = in_.number(); }),
+                   required_member("max_clearance_error", [&] { m.max_clearance_error = in_.number(); }),
                    required_member("touches_box", [&] { m.touches_box = in_.boolean(); }));
     }
 

@@ -60,6 +60,7 @@ void add_rim(Cell& cell, TrimmedPatch& patch, Site site, bool curved, double hei
         edge.vertices = {i, (i + 1) % 4};
         edge.kind = curved ? CurveKind::Parabola : CurveKind::Line;
         edge.length = curved ? 2.0973 : 2;
+        edge.length_error = curved ? 1e-4 : 0;
         const Vec3 a = lift(from), b = lift(to);
         edge.curve = {1, {0, 0, 1, 1}, {weighted(a), weighted(b)}};
         if (curved) {
@@ -112,6 +113,7 @@ Cell one_sphere_cell(double height) {
         box.site = Site::box_side(5);
         box.bisector = "box";
         box.area = 3;
+        box.area_error = 1;
         box.patches = {ceiling(height)};
         add_rim(cell, box.patches[0], box.site, false, height);
         const double r = std::sqrt(w * height - e);
@@ -119,6 +121,7 @@ Cell one_sphere_cell(double height) {
         rim.sites = {face.site, box.site};
         rim.kind = CurveKind::Circle;
         rim.length = 2 * std::numbers::pi * r;
+        rim.length_error = 1e-15;
         const RationalCurve2 c = circle(r);
         rim.curve.degree = 2;
         rim.curve.knots = c.knots;
@@ -129,7 +132,8 @@ Cell one_sphere_cell(double height) {
         cell.faces = {face, box};
     }
     cell.faces[0].area = 1.0 / 3;
-    cell.measures = {1.0 / 7, 1e-300, 0, 2, 0, 1, 4, 0.25, 0.5, island};
+    cell.faces[0].area_error = 10;
+    cell.measures = {1.0 / 7, 1e-300, 0, 0, 2, 0, 1, 0, 4, 0, 0.25, 0, 0.5, 0, island};
     cell.report.decisions.by_exact = UINT64_MAX;
     cell.report.warnings = {"a \"quoted\"\nwarning \\ \x01"};
     return cell;

@@ -2,8 +2,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <boost/property_tree/xml_parser.hpp>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -58,10 +58,12 @@ TEST_CASE("example scenes: cells without measures differ in nothing else") {
         for (std::size_t e = 0; e < cell.edges.size(); ++e) {
             CHECK(std::isnan(cell.edges[e].length));
             cell.edges[e].length = measured.edges[e].length;
+            cell.edges[e].length_error = measured.edges[e].length_error;
         }
         for (std::size_t f = 0; f < cell.faces.size(); ++f) {
             CHECK(std::isnan(cell.faces[f].area));
             cell.faces[f].area = measured.faces[f].area;
+            cell.faces[f].area_error = measured.faces[f].area_error;
         }
         cell.measures = measured.measures;
         cell.neighbors = measured.neighbors;

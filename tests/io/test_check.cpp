@@ -103,7 +103,14 @@ void add_edge(Cell& cell, Site left, Site right, decltype(CellEdge::vertices) ve
     e.kind = kind;
     e.curve = lifted(chart, h);
     e.length = length(e.curve);
+    e.length_error = 1e-12;
     cell.edges.push_back(std::move(e));
+}
+
+void set_errors(Measures& m, double error) {
+    m.volume_error = m.area_error = m.box_area_error = m.base_area_error = error;
+    m.min_clearance_error = m.max_clearance_error = error;
+    m.body_volume_error = 0;
 }
 
 constexpr std::array<std::array<double, 2>, 4> kCorners{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
@@ -154,18 +161,20 @@ Cell two_spheres() {
          {},
          "paraboloid",
          area,
+         1e-14,
          {{left.patch(-1, 0, -1, 1), {{trim(0, false), trim(6, false), trim(4, false), trim(5, false)}}}}});
     cell.faces.push_back(
         {b,
          {},
          "paraboloid",
          area,
+         1e-14,
          {{right.patch(0, 1, -1, 1), {{trim(1, false), trim(2, false), trim(3, false), trim(6, true)}}}}});
     cell.neighbors = {0, 1};
     // Half the square: 2 (1/12) / 2 + 2 / 3 + 15/8 over 2.5; walls by the mean of each parabola.
     cell.measures.volume = 2 * (1.0 / 6 + 2.0 / 3 + 15.0 / 8) / 2.5;
     cell.measures.area = 2 * area;
-    cell.measures.volume_error = cell.measures.area_error = 1e-14;
+    set_errors(cell.measures, 1e-14);
     cell.measures.box_area = (4 * (1.0 / 12 + 1 + 15.0 / 16) + 2 * 2 * (0.25 + 1.0 / 3 + 15.0 / 16)) / 2.5;
     cell.measures.body_volume = 0;
     cell.measures.base_area = 4;
@@ -220,12 +229,12 @@ Cell island() {
     const double pi = std::numbers::pi;
     // [Over a disk of radius r, z = rho^2 / w has the area (pi w^2 / 6) ((1 + 4 r^2 / w^2)^(3/2) - 1).]
     const double bowl_area = pi * 6.25 / 6 * (std::pow(1 + 1 / 6.25, 1.5) - 1), lid_area = 4 - pi / 4;
-    cell.faces.push_back({plane, {}, "plane", lid_area, {outer}});
-    cell.faces.push_back({sphere, {}, "paraboloid", bowl_area, {inner}});
+    cell.faces.push_back({plane, {}, "plane", lid_area, 1e-14, {outer}});
+    cell.faces.push_back({sphere, {}, "paraboloid", bowl_area, 1e-14, {inner}});
     cell.neighbors = {1, 0};
     cell.measures.volume = lid_area * 0.475 + (pi / 32 + 15.0 / 64 * pi) / 2.5;
     cell.measures.area = lid_area + bowl_area;
-    cell.measures.volume_error = cell.measures.area_error = 1e-14;
+    set_errors(cell.measures, 1e-14);
     cell.measures.box_area = 8 * 0.475;
     cell.measures.body_volume = 0;
     cell.measures.base_area = 4;
