@@ -13,7 +13,7 @@
 
 #include "../core/errors.hpp"
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/check.hpp"
+#include "../io/check/check.hpp"
 #include "../io/io.hpp"
 #include "../io/text.hpp"
 #include "progress.hpp"

@@ -28,7 +28,7 @@
 
 #include "../envelope/mixed_arc.hpp"
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/check.hpp"
+#include "../io/check/check.hpp"
 #include "../io/scene_file.hpp"
 #include "bench_main.hpp"
 #include "mixed_scene.hpp"

@@ -35,7 +35,7 @@
 #include <vector>
 
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/check.hpp"
+#include "../io/check/check.hpp"
 #include "../io/scene_file.hpp"
 #include "bench_main.hpp"
 #include "median.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cell_file.hpp"
-#include "check.hpp"
+#include "check/check.hpp"
 #include "files.hpp"
 #include "mesh.hpp"
 #include "obj.hpp"

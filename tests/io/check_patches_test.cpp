@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "../../io/check_patches.hpp"
+#include "../../io/check/patches.hpp"
 #include "../test_support.hpp"
 
 namespace vcell::check {

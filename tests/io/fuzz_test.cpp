@@ -6,7 +6,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../io/cell_file.hpp"
-#include "../../io/check.hpp"
+#include "../../io/check/check.hpp"
 #include "../../io/scene_file.hpp"
 #include "sample_cells.hpp"
 #include "test_support.hpp"

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "../../envelope/voronoi_cell.hpp"
-#include "../../io/check.hpp"
+#include "../../io/check/check.hpp"
 #include "../../io/scene_file.hpp"
 #include "../test_support.hpp"
 

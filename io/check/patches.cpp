@@ -1,4 +1,4 @@
-#include "check_patches.hpp"
+#include "patches.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

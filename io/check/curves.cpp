@@ -1,4 +1,4 @@
-#include "check_curves.hpp"
+#include "curves.hpp"
 
 #include <cfloat>
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "../core/bspline.hpp"
-#include "../primitives/objects.hpp"
+#include "../../core/bspline.hpp"
+#include "../../primitives/objects.hpp"
 
 namespace vcell::check {
 

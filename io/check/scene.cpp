@@ -1,4 +1,4 @@
-#include "check_scene.hpp"
+#include "scene.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "../primitives/scene.hpp"
-#include "../primitives/site.hpp"
-#include "check_curves.hpp"
+#include "../../primitives/scene.hpp"
+#include "../../primitives/site.hpp"
+#include "curves.hpp"
 
 namespace vcell::check {
 

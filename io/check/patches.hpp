@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "../envelope/cell.hpp"
-#include "check_curves.hpp"
-#include "check_scene.hpp"
+#include "../../envelope/cell.hpp"
+#include "curves.hpp"
+#include "scene.hpp"
 
 namespace vcell::check {
 

@@ -1,0 +1,34 @@
+#include "check.hpp"
+
+#include "edges.hpp"
+#include "faces.hpp"
+#include "measures.hpp"
+#include "structure.hpp"
+#include "tiling.hpp"
+#include "vertices.hpp"
+
+namespace vcell {
+
+Certificate certify(const Cell& cell, const CheckOptions& options) {
+    using namespace check;
+    Certificate certificate;
+    const SceneGeometry geometry(cell.scene);
+    certify_structure(cell, geometry, certificate);
+    if (!certificate.holds()) return certificate;  // what follows evaluates all of it
+    const Subject subject(cell, geometry, certificate);
+    certify_tiling(subject, options, certificate);
+    certify_vertices(subject, options, certificate);
+    certify_edges(subject, options, certificate);
+    certify_faces(subject, options, certificate);
+    certify_measures(subject, options, certificate);
+    return certificate;
+}
+
+std::vector<Finding> check_cell(const Cell& cell, const CheckOptions& options) {
+    std::vector<Finding> findings;
+    for (Element& e : certify(cell, options).elements)
+        if (e.verdict != Verdict::proved) findings.push_back({std::move(e.where), std::move(e.what)});
+    return findings;
+}
+
+}  // namespace vcell

@@ -1,0 +1,144 @@
+#include "subject.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "../trims.hpp"
+#include "paths.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+/// Points of a patch in either direction, less one (Patch::grid).
+constexpr int kGrid = 8;
+
+}  // namespace
+
+Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate) : cell(c), geometry(g) {
+    for (const CellEdge& e : cell.edges) edge_pieces.push_back(pieces(e.curve));
+    uses.resize(cell.edges.size());
+    rim.resize(cell.edges.size());
+    for (std::size_t f = 0; f < cell.faces.size(); ++f)
+        for (std::size_t p = 0; p < cell.faces[f].patches.size(); ++p) prepare_patch(f, p, certificate);
+    for (std::size_t e = 0; e < uses.size(); ++e) join_uses(e, certificate);
+    for (std::size_t e = 0; e < uses.size(); ++e) {
+        if (uses[e].size() != 1) continue;
+        const Site& outer = cell.edges[e].sites[!uses[e][0].reversed];
+        if (over_rim(e, outer)) rim[e] = outer;
+    }
+}
+
+void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certificate) {
+    const TrimmedPatch& trimmed = cell.faces[f].patches[p];
+    const Vec2 infinite = Vec2::Constant(HUGE_VAL);
+    Patch patch{f,  p, &trimmed.surface, geometry.scale(), {}, infinite, -infinite, infinite, -infinite,
+                {}, {}};
+    for (const auto& c : trimmed.surface.points)
+        patch.control_size = std::max(patch.control_size, c.head<3>().cwiseAbs().maxCoeff());
+    for (const auto& loop : trimmed.loops) {
+        auto& trims = patch.loops.emplace_back();
+        for (const TrimCurve& trim : loop) {
+            trims.push_back({&trim, trim.edge ? cell.edges[*trim.edge].error : tolerance(), pieces(trim.curve)});
+            for (const auto& piece : trims.back().pieces)
+                for (std::size_t i = 0; i < piece.points.size(); ++i) {
+                    patch.lo = patch.lo.cwiseMin(piece.control(i));
+                    patch.hi = patch.hi.cwiseMax(piece.control(i));
+                }
+            if (!trim.edge) {  // a seam may bulge anywhere: no bounds
+                patch.foot_lo = -infinite;
+                patch.foot_hi = infinite;
+                continue;
+            }
+            uses[*trim.edge].push_back(use(f, trim));
+            if (!geometry.is_plane()) continue;
+            for (const auto& piece : edge_pieces[*trim.edge])
+                for (std::size_t i = 0; i < piece.points.size(); ++i) {
+                    const Vec2 q = geometry.chart(piece.control(i));
+                    patch.foot_lo = patch.foot_lo.cwiseMin(q);
+                    patch.foot_hi = patch.foot_hi.cwiseMax(q);
+                }
+        }
+    }
+    // Control points may lie far beyond the domain, the curves do not.
+    const Vec2 domain_lo(trimmed.surface.domain_u[0], trimmed.surface.domain_v[0]),
+        domain_hi(trimmed.surface.domain_u[1], trimmed.surface.domain_v[1]);
+    patch.lo = patch.lo.cwiseMax(domain_lo);
+    patch.hi = patch.hi.cwiseMin(domain_hi);
+    if ((patch.lo.array() > patch.hi.array()).any()) {
+        certificate.refute(patch_path(f, p) + ".loops", "lie outside the patch's domain");
+        patch.lo = domain_lo;
+        patch.hi = domain_hi;
+    }
+    for (int i = 0; i <= kGrid; ++i)
+        for (int j = 0; j <= kGrid; ++j) {
+            const Vec2 s(i / double(kGrid), j / double(kGrid));
+            const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
+            patch.grid.push_back({uv, lift(patch, uv)});
+        }
+    patch.part = part_of(trimmed.surface, patch.lo, patch.hi);
+    patches.push_back(std::move(patch));
+}
+
+Subject::Use Subject::use(std::size_t face, const TrimCurve& trim) const {
+    const RationalCurve3& curve = cell.edges[*trim.edge].curve;
+    const double a = edge_parameter(trim, curve, trim.curve.domain_begin());
+    const double b = edge_parameter(trim, curve, trim.curve.domain_end());
+    return {face, trim.reversed, std::min(a, b), std::max(a, b)};
+}
+
+/// Uses that follow each other on one side and in one face become one.
+void Subject::join_uses(std::size_t e, Certificate& certificate) {
+    std::vector<Use>& sides = uses[e];
+    const RationalCurve3& curve = cell.edges[e].curve;
+    const double near = kPlaceRounding * (curve.domain_end() - curve.domain_begin());
+    std::ranges::sort(sides, {}, [](const Use& use) { return std::pair(use.reversed, use.begin); });
+    std::vector<Use> joined;
+    for (const Use& use : sides) {
+        const bool goes_on = !joined.empty() && joined.back().reversed == use.reversed &&
+                             joined.back().face == use.face &&
+                             std::abs(joined.back().end - use.begin) <= near;
+        if (goes_on)
+            joined.back().end = use.end;
+        else
+            joined.push_back(use);
+    }
+    sides = std::move(joined);
+    for (const Use& use : sides)
+        if (use.begin > curve.domain_begin() + near || use.end < curve.domain_end() - near)
+            certificate.refute(edge_path(e),
+                 fmt::format("face {} sides it from {} to {} only", use.face, use.begin, use.end));
+}
+
+bool Subject::over_rim(std::size_t e, const Site& site) const {
+    return std::ranges::all_of(edge_pieces[e], [&](const auto& piece) {
+        for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+            const Vec3 p = piece.evaluate(piece.begin + s * (piece.end - piece.begin))[0];
+            if (geometry.distance_from_rim(site, p) > full_error(e) + geometry.rounding()) return false;
+        }
+        return true;
+    });
+}
+
+
+double Subject::full_error(std::size_t i) const {
+    double at_ends = 0;
+    for (const std::uint32_t v : cell.edges[i].vertices)
+        at_ends = std::max(at_ends, cell.vertices[v].error);
+    return cell.edges[i].error + at_ends;
+}
+
+std::vector<Site> Subject::label(std::size_t e) const {
+    std::vector<Site> sites = cell.edges[e].extra_sites;
+    sites.insert(sites.end(), cell.edges[e].sites.begin(), cell.edges[e].sites.end());
+    std::ranges::sort(sites);
+    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+    return sites;
+}
+
+double Subject::tolerance() const { return cell.scene.tolerance.value_or(1e-7 * cell.scene.box.diagonal()); }
+
+}  // namespace vcell::check
