@@ -17,7 +17,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
-#include "../../io/check.hpp"
+#include "../../io/check/check.hpp"
 #include "families.hpp"
 
 namespace vcell::hunt {
