@@ -2,12 +2,11 @@
 
 #include <cfloat>
 
+#include "../primitives/exact_space.hpp"
+
 namespace vcell {
 
-namespace {
-
-// The monomial coefficients are exact numbers; at most as wide as their 53 leading bits ask for, they are
-// peeled off in doubles.
+// As many digits as there are, peeled off in doubles.
 Wide to_wide(Exact v) {
     Wide sum(0.0);
     for (int i = 0; i < 8 && v.sign() != Sign::Zero; ++i) {
@@ -17,6 +16,8 @@ Wide to_wide(Exact v) {
     }
     return sum + Wide(v.enclosure());
 }
+
+namespace {
 
 // A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead of
 // N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
@@ -263,18 +264,23 @@ ExactHeight exact_radial_height(const RadialForm& f, RadialChart chart, Exact x,
     return {{-B, -one, B * B + A * A * C}, C};
 }
 
-ExactHeight exact_height(const FormFamily& family, FormId f, double x, double y) {
-    const Exact ex(x), ey(y), zero;
+// With f of degree 2 in the point's coordinates, f(x / w, y / w) times w^2 is a polynomial.
+ExactHeight exact_height(const FormFamily& family, FormId f, const RationalPoint& p) {
+    const auto& [x, y, w] = p;
+    const Exact zero;
     if (family.is_circular(f)) {
-        const ExactForm p = family.exact(f);
-        return {{p.K * (ex * ex + ey * ey) + p.A * ex + p.B * ey + p.C, zero, zero}, p.W};
+        const ExactForm e = family.exact(f);
+        return {{e.K * (x * x + y * y) + (e.A * x + e.B * y + e.C * w) * w, zero, zero}, e.W * w * w};
     }
-    if (!family.radial.empty()) return exact_radial_height(family.radial_form(f), family.chart, ex, ey);
+    if (!family.radial.empty()) return exact_radial_height(family.radial_form(f), family.chart, x, y);
+    // C and beta of cylinder_form.hpp, in w times all lengths.
     const CylinderForm& form = family.cylinder(f);
-    const auto [C, beta] = cylinder_terms(form, ex, ey);
-    const Exact A = Exact(form.az) * Exact(form.az);
-    if (form.az == 0) return {{C, zero, zero}, beta + beta};
-    return {{-beta, Exact(1.0), beta * beta + A * C}, A};
+    const ExactVector a(Vec3(form.ax, form.ay, form.az)),
+        m(x - w * Exact(form.px), y - w * Exact(form.py), -(w * Exact(form.pz)));
+    const Exact rho = w * Exact(form.rho), norm = dot(a, a), along = dot(m, a), A = a.z * a.z;
+    const Exact C = norm * (dot(m, m) - rho * rho) - along * along, beta = norm * (rho - m.z) + along * a.z;
+    if (form.az == 0) return {{C, zero, zero}, (beta + beta) * w};
+    return {{-beta, Exact(1.0), beta * beta + A * C}, A * w};
 }
 
 }  // namespace
@@ -284,8 +290,12 @@ Sign Heights::compare(FormId f, FormId g, double x, double y, Decisions& decisio
         ++decisions.by_interval;
         return *s;
     }
+    return compare(f, g, RationalPoint{x, y}, decisions);
+}
+
+Sign Heights::compare(FormId f, FormId g, const RationalPoint& at, Decisions& decisions) const {
     ++decisions.by_exact;
-    const ExactHeight p = exact_height(family_, f, x, y), q = exact_height(family_, g, x, y);
+    const ExactHeight p = exact_height(family_, f, at), q = exact_height(family_, g, at);
     return vcell::compare(p.value, p.den, q.value, q.den);
 }
 

@@ -48,6 +48,14 @@ inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& o
             intersection(over[1], middle[1] + c.xy * dx + c.yy * dy)};
 }
 
+/// As many digits of an exact number as there are.
+Wide to_wide(Exact v);
+
+/// The point (x / w, y / w), w > 0: where two lines with coefficients in doubles meet.
+struct RationalPoint {
+    Exact x, y, w = 1.0;
+};
+
 class Heights {
 public:
     /// The family must outlive this object.
@@ -78,6 +86,8 @@ public:
     /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder.
     Sign compare(FormId f, FormId g, double x, double y, Decisions& decisions) const;
+    /// The same by the exact rung alone. Pre: over curved bases w is 1.
+    Sign compare(FormId f, FormId g, const RationalPoint& p, Decisions& decisions) const;
 
 private:
     // f of circular forms in intervals; of cylinders N = |a|^2 and A = a_z^2.

@@ -194,7 +194,10 @@ private:
     Rivals rivals_along(const Line& line, double s0, double s1, std::span<const FormId> candidates);
     bool descend(const Line& line, double s0, FormId l0, double s1, FormId l1, std::span<const FormId> candidates,
                  bool is_seam, std::vector<RimTransition>& out);
-    SmallVector<FormId, usual_rivals> lowest_at(const Line& line, double s, std::span<const FormId> candidates);
+    using Lowest = SmallVector<FormId, usual_rivals>;
+    Lowest lowest_at(const Line& line, double s, std::span<const FormId> candidates);
+    template <class Exactly>  // of the point, as a RationalPoint
+    Lowest lowest_at(const IntervalPoint& p, std::span<const FormId> candidates, Exactly&& exactly);
     RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope);
     struct Guess {
         double s, slope;

@@ -10,10 +10,14 @@ namespace vcell {
 
 namespace {
 
+// Where two lines meet, by Cramer's rule: (x, y) times w, and w.
 template <class T>
-std::array<T, 2> intersection(const PieceSide& s, const PieceSide& t) {
-    const T det = T(s.a) * T(t.b) - T(s.b) * T(t.a);
-    return {(T(s.b) * T(t.c) - T(t.b) * T(s.c)) / det, (T(s.c) * T(t.a) - T(t.c) * T(s.a)) / det};
+std::array<T, 3> crossing(const PieceSide& s, const PieceSide& t) {
+    return {T(s.b) * T(t.c) - T(t.b) * T(s.c), T(s.c) * T(t.a) - T(t.c) * T(s.a), T(s.a) * T(t.b) - T(s.b) * T(t.a)};
+}
+
+RationalPoint rational(const Exact& x, const Exact& y, const Exact& w) {
+    return w.sign() == Sign::Negative ? RationalPoint{-x, -y, -w} : RationalPoint{x, y, w};
 }
 
 bool axis_parallel(const PieceSide& s) { return (s.a == 0 && std::abs(s.b) == 1) || (s.b == 0 && std::abs(s.a) == 1); }
@@ -25,7 +29,8 @@ IntervalPoint corner_of(const PieceSide& s, const PieceSide& t) {
         const PieceSide &upright = s.b == 0 ? s : t, &level = s.b == 0 ? t : s;
         return {Interval(-upright.c * upright.a), Interval(-level.c * level.b)};
     }
-    return intersection<Interval>(s, t);
+    const auto [x, y, w] = crossing<Interval>(s, t);
+    return {x / w, y / w};
 }
 
 SideLabels SideLabels::reversed() const {
@@ -54,6 +59,8 @@ struct MixedAnalysis::Line {
         }
     }
     Interval coordinate(const IntervalPoint& p) const { return p[by_x ? 0 : 1]; }
+    // Does s grow counter-clockwise around the piece?
+    bool ascends() const { return by_x ? side.b > 0 : side.a < 0; }
     IntervalPoint at(Interval s) const {
         const Interval other = is_point(slope) && slope.lower() == 0 ? offset : slope * s + offset;
         return by_x ? IntervalPoint{s, other} : IntervalPoint{other, s};
@@ -62,6 +69,10 @@ struct MixedAnalysis::Line {
         const double p = by_x ? side.a : side.b, q = by_x ? side.b : side.a;
         const Wide other = -(Wide(p) * s + Wide(side.c)) / Wide(q);
         return by_x ? std::array{s, other} : std::array{other, s};
+    }
+    RationalPoint exact_at(double s) const {
+        const Exact p(by_x ? side.a : side.b), q(by_x ? side.b : side.a), other = -(p * s + side.c);
+        return by_x ? rational(s * q, other, q) : rational(other, s * q, q);
     }
     // Encloses the difference of two heights at m, and its derivative between lo and hi.
     std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
@@ -118,28 +129,20 @@ std::vector<FormId> possibly_lowest(std::span<const FormId> candidates, Value&& 
     return lowest;
 }
 
-// And with 320 bits; what they cannot tell apart counts as equal.
-std::vector<FormId> lowest_in_many_digits(const Heights& heights, const std::array<Wide, 2>& p,
+// Those of the candidates that attain the minimum at a point: with 320 bits, exactly where these leave several.
+std::vector<FormId> lowest_in_many_digits(const Heights& heights, const RationalPoint& p,
                                           std::span<const FormId> candidates, Decisions& decisions) {
-    std::vector<FormId> lowest;
     std::vector<Wide> values;
-    for (const FormId f : candidates) {
-        const Wide v = heights.value(f, p[0], p[1]);
-        Sign s = Sign::Negative;
-        if (!lowest.empty()) {
-            s = (v - values.front()).sign().value_or(Sign::Zero);
-            ++decisions.by_multiprecision;
-        }
-        if (s == Sign::Negative) {
-            lowest.clear();
-            values.clear();
-        }
-        if (s != Sign::Positive) {
-            lowest.push_back(f);
-            values.push_back(v);
-        }
-    }
-    return lowest;
+    const Wide w = to_wide(p.w), x = to_wide(p.x) / w, y = to_wide(p.y) / w;
+    for (const FormId f : candidates) values.push_back(heights.value(f, x, y));
+    std::vector<FormId> lowest;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (std::ranges::none_of(values, [&](const Wide& v) { return (v - values[i]).sign() == Sign::Negative; }))
+            lowest.push_back(candidates[i]);
+    decisions.by_multiprecision += candidates.size() - 1;
+    return lowest.size() == 1 ? lowest : exactly_lowest(lowest, [&](FormId f, FormId g) {
+        return heights.compare(f, g, p, decisions);
+    });
 }
 
 }  // namespace
@@ -163,36 +166,32 @@ std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p, st
     return top < next ? std::optional(lowest) : std::nullopt;
 }
 
-std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates) {
-    const IntervalPoint p = corner_of(s, t);
+template <class Exactly>
+MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span<const FormId> candidates,
+                                               Exactly&& exactly) {
     if (const auto f = certainly_lowest(p, candidates)) {
         ++decisions_.by_double;
         return {*f};
     }
     std::vector<FormId> lowest = possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
     ++decisions_.by_interval;
-    if (lowest.size() == 1) return lowest;
-    if (is_point(p[0]) && is_point(p[1])) return exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_);
-    lowest = lowest_in_many_digits(heights_, intersection<Wide>(s, t), lowest, decisions_);
-    if (lowest.size() > 1) assume({p[0].mid(), p[1].mid()}, std::ldexp(extent_, assumed_exponent), lowest);
-    return lowest;
-}
-
-SmallVector<FormId, MixedAnalysis::usual_rivals> MixedAnalysis::lowest_at(const Line& line, double s,
-                                                                          std::span<const FormId> candidates) {
-    const IntervalPoint p = line.at(Interval(s));
-    if (const auto f = certainly_lowest(p, candidates)) {
-        ++decisions_.by_double;
-        return {*f};
-    }
-    std::vector<FormId> lowest =
-        possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
-    ++decisions_.by_interval;
     if (lowest.size() > 1)
         lowest = is_point(p[0]) && is_point(p[1])
                      ? exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_)
-                     : lowest_in_many_digits(heights_, line.wide_at(Wide(s)), lowest, decisions_);
+                     : lowest_in_many_digits(heights_, exactly(), lowest, decisions_);
     return {lowest.begin(), lowest.end()};
+}
+
+std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates) {
+    const Lowest lowest = lowest_at(corner_of(s, t), candidates, [&] {
+        const auto [x, y, w] = crossing<Exact>(s, t);
+        return rational(x, y, w);
+    });
+    return {lowest.begin(), lowest.end()};
+}
+
+MixedAnalysis::Lowest MixedAnalysis::lowest_at(const Line& line, double s, std::span<const FormId> candidates) {
+    return lowest_at(line.at(Interval(s)), candidates, [&] { return line.exact_at(s); });
 }
 
 // A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
@@ -457,7 +456,7 @@ std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const
                                                     FormId first, FormId last, std::vector<FormId> candidates, bool is_seam) {
     const Line line(side);
     const Interval p = line.coordinate(from), q = line.coordinate(to);
-    const bool ascending = p.mid() < q.mid();
+    const bool ascending = line.ascends();
     const double s0 = std::min(p.lower(), q.lower()), s1 = std::max(p.upper(), q.upper());
     SideLabels labels{ascending ? first : last, {}};
     if (!descend(line, s0, labels.first, s1, ascending ? last : first, candidates, is_seam, labels.transitions))

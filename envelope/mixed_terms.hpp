@@ -49,16 +49,22 @@ void drop_dominated(Items& items, Above&& certainly_above) {
     items.resize(kept);
 }
 
-// Those of the candidates that attain the minimum, exactly, at a point in doubles.
-inline std::vector<FormId> exactly_lowest(const Heights& heights, double x, double y,
-                                          std::span<const FormId> candidates, Decisions& decisions) {
+// Those of the candidates that attain the minimum: compare(f, g) is the exact sign of f - g.
+template <class Compare>
+std::vector<FormId> exactly_lowest(std::span<const FormId> candidates, Compare&& compare) {
     std::vector<FormId> lowest;
     for (const FormId f : candidates) {
-        const Sign s = lowest.empty() ? Sign::Negative : heights.compare(f, lowest.front(), x, y, decisions);
+        const Sign s = lowest.empty() ? Sign::Negative : compare(f, lowest.front());
         if (s == Sign::Negative) lowest.clear();
         if (s != Sign::Positive) lowest.push_back(f);
     }
     return lowest;
+}
+
+// At a point in doubles.
+inline std::vector<FormId> exactly_lowest(const Heights& heights, double x, double y,
+                                          std::span<const FormId> candidates, Decisions& decisions) {
+    return exactly_lowest(candidates, [&](FormId f, FormId g) { return heights.compare(f, g, x, y, decisions); });
 }
 
 }  // namespace vcell
