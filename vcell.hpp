@@ -2,6 +2,8 @@
 /// Users include this header and link vcell::vcell.
 #pragma once
 
+#include "core/platform.hpp"
+
 #include "arrangement/arrangement.hpp"
 #include "core/core.hpp"
 #include "core/solver/curve_fit.hpp"

@@ -21,10 +21,11 @@ std::optional<PointAnswer> query_point(const PlaneBaseProblem& problem, const Ve
         answer.clearance = problem.family.forms[owner](p.x(), p.y());
         above = f.K * (x * x + y * y) + f.A * x + f.B * y + f.C - f.W * z;
     } else {
-        const CylinderForm& f = problem.family.cylinder(owner);
-        const auto [C, beta] = cylinder_terms(f, x, y);
-        answer.clearance = cylinder_height(f, p.x(), p.y());
-        above = C - (beta + beta) * z - Exact(f.az) * Exact(f.az) * z * z;
+        const ExactCylinder f = exact_cylinder(problem.family.cylinder(owner));
+        const auto [C, beta] = cylinder_terms(f, f.unit * x, f.unit * y);
+        answer.clearance = cylinder_height(problem.family.cylinder(owner), p.x(), p.y());
+        const Exact t = f.unit * z;
+        above = C - (beta + beta) * t - f.az * f.az * t * t;
     }
     answer.inside = z.sign() != Sign::Negative && above.sign() != Sign::Negative;
     return answer;

@@ -6,6 +6,8 @@
 /// several sums at once.
 #pragma once
 
+#include "platform.hpp"
+
 #include <cmath>
 #include <optional>
 #include <type_traits>

@@ -17,19 +17,51 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
+
+#include "exact.hpp"
 
 namespace vcell {
 
-/// The cylinder in canonical coordinates. The doubles are the exact definition; the axis need not be unit.
+/// A cylinder's numbers in canonical coordinates; the axis need not be unit.
+template <class T>
+struct CylinderNumbers {
+    T px, py, pz;  ///< a point of the axis
+    T ax, ay, az;  ///< its direction
+    T rho;
+};
+
+/// The same, all of them times `unit` > 0.
+struct ExactCylinder : CylinderNumbers<Exact> {
+    Exact unit;
+};
+
+/// The cylinder in canonical coordinates. The doubles are the exact definition, or within 4u of it: where the scene
+/// was turned, which doubles do not survive, they stand for `exact`.
 struct CylinderForm {
     double px = 0, py = 0, pz = 0;  ///< a point of the axis
     double ax = 0, ay = 0, az = 0;  ///< its direction
     double rho = 0;
+    std::shared_ptr<const ExactCylinder> exact = nullptr;  ///< none: the doubles are exact
 };
 
-/// C and beta at (x, y), in any number type that doubles convert to. A is az * az.
-template <class T>
-std::array<T, 2> cylinder_terms(const CylinderForm& f, const T& x, const T& y) {
+inline ExactCylinder exact_cylinder(const CylinderForm& f) {
+    return f.exact ? *f.exact : ExactCylinder{{f.px, f.py, f.pz, f.ax, f.ay, f.az, f.rho}, 1.0};
+}
+
+/// Of an exact cylinder in another number type that has a division.
+template <class T, class Convert>
+CylinderNumbers<T> converted(const ExactCylinder& f, Convert&& convert) {
+    const T unit = convert(f.unit);
+    const auto over_unit = [&](const Exact& v) { return v.sign() == Sign::Zero ? T(0.0) : convert(v) / unit; };
+    return {over_unit(f.px), over_unit(f.py), over_unit(f.pz), over_unit(f.ax),
+            over_unit(f.ay), over_unit(f.az), over_unit(f.rho)};
+}
+
+/// C and beta at (x, y), in any number type that the cylinder's numbers convert to. A is az * az. Of an exact
+/// cylinder lengths, x and y among them, are times its unit, and so is the axis.
+template <class Form, class T>
+std::array<T, 2> cylinder_terms(const Form& f, const T& x, const T& y) {
     const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho);
     const T mx = x - T(f.px), my = y - T(f.py);
     const T norm = ax * ax + ay * ay + az * az;
@@ -37,7 +69,7 @@ std::array<T, 2> cylinder_terms(const CylinderForm& f, const T& x, const T& y) {
     return {norm * (mx * mx + my * my + pz * pz - rho * rho) - along * along, norm * (rho + pz) + along * az};
 }
 
-/// The height at (x, y). Pre: C > 0 there.
+/// The height at (x, y) by the form's doubles. Pre: C > 0 there.
 /// Both forms of the root are written without cancellation.
 template <class T>
 T cylinder_height(const CylinderForm& f, const T& x, const T& y) {

@@ -1,6 +1,8 @@
 /// The ways a call can fail: bad input (the user's), an undecided question, and a broken invariant (ours).
 #pragma once
 
+#include "platform.hpp"
+
 #include <cstdint>
 #include <stdexcept>
 #include <string>

@@ -1,6 +1,8 @@
 /// Typed indices: an Id knows what it indexes, so a vertex never meets a face by accident.
 #pragma once
 
+#include "platform.hpp"
+
 #include <compare>
 #include <cstddef>
 #include <cstdint>

@@ -6,6 +6,8 @@
 /// floating-point difference.
 #pragma once
 
+#include "platform.hpp"
+
 #include <cstdint>
 
 namespace vcell {

@@ -1,6 +1,8 @@
 /// Sequences that are short nearly always.
 #pragma once
 
+#include "platform.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <initializer_list>

@@ -5,6 +5,8 @@
 /// plain convolutions.
 #pragma once
 
+#include "../core/platform.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

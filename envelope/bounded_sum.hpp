@@ -1,6 +1,8 @@
 /// Sums that know how far off they may be.
 #pragma once
 
+#include "../core/platform.hpp"
+
 #include <cmath>
 #include <limits>
 

@@ -5,6 +5,8 @@
 /// radius.
 #pragma once
 
+#include "../core/platform.hpp"
+
 #include <cmath>
 #include <complex>
 #include <limits>

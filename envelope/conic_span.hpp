@@ -1,6 +1,8 @@
 /// A conic over a curved base, in the space of points and their distances.
 #pragma once
 
+#include "../core/platform.hpp"
+
 #include <Eigen/Core>
 #include <array>
 #include <cmath>

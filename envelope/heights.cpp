@@ -19,6 +19,13 @@ Wide to_wide(Exact v) {
 
 namespace {
 
+// The cylinder's numbers are doubles where these are exact.
+bool is_level(const CylinderForm& f) { return f.az == 0; }
+template <class T>
+bool is_level(const CylinderNumbers<T>& f) {
+    return f.az.sign() == Sign::Zero;
+}
+
 // A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead of
 // N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
 template <class T>
@@ -27,14 +34,15 @@ struct CylinderHeight {
     T root, v;
     bool outside = true;  // certainly outside the trace on the base
 
-    CylinderHeight(const CylinderForm& f, const T& norm, const T& A, const T& x, const T& y) {
+    template <class Cylinder>
+    CylinderHeight(const Cylinder& f, const T& norm, const T& A, const T& x, const T& y) {
         const T mx = x - T(f.px), my = y - T(f.py), pz(f.pz);
         cx = f.az * my + f.ay * pz;
         cy = -(f.az * mx) - f.ax * pz;
         cz = f.ay * mx - f.ax * my;
         const T C = square(cx) + square(cy) + square(cz) - norm * square(T(f.rho));
         const T beta = norm * (T(f.rho) + pz) + f.az * (f.ax * mx + f.ay * my - f.az * pz);
-        if (f.az == 0) {
+        if (is_level(f)) {
             outside = C.sign() == Sign::Positive && beta.sign() == Sign::Positive;
             root = beta;
             v = C / (2.0 * beta);
@@ -50,8 +58,8 @@ struct CylinderHeight {
     }
 };
 
-template <class T>
-HeightJet<T> cylinder_jet(const CylinderForm& f, const T& norm, const T& A, const T& x, const T& y) {
+template <class T, class Cylinder>
+HeightJet<T> cylinder_jet(const Cylinder& f, const T& norm, const T& A, const T& x, const T& y) {
     const CylinderHeight<T> h(f, norm, A, x, y);
     if (!h.outside) return {T::whole(), T::whole(), T::whole()};
     // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
@@ -73,10 +81,21 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         prepared_.push_back(p);
     }
     for (const CylinderForm& f : family.cylinders) {
-        Prepared p;
-        p.norm = square(Interval(f.ax)) + square(Interval(f.ay)) + square(Interval(f.az));
-        p.A = square(Interval(f.az));
-        prepared_.push_back(p);
+        const auto prepare = [&](const Interval& ax, const Interval& ay, const Interval& az) {
+            Prepared p;
+            p.norm = square(ax) + square(ay) + square(az);
+            p.A = square(az);
+            prepared_.push_back(p);
+        };
+        if (f.exact) {
+            turned_.resize(family.size());
+            auto& t = turned_[prepared_.size()];
+            t = std::make_unique<CylinderNumbers<Interval>>(
+                converted<Interval>(*f.exact, [](const Exact& v) { return v.enclosure(); }));
+            prepare(t->ax, t->ay, t->az);
+        } else {
+            prepare(f.ax, f.ay, f.az);
+        }
     }
     if (family.radial.empty()) return;
     for (Place& p : places_) p.normals = RadialNormals<Interval>(family.chart, p.x, p.y);
@@ -133,6 +152,7 @@ HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
         return {j.v, j.x, j.y};
     }
     const Prepared& p = prepared_[f.value];
+    if (const auto* c = turned(f)) return cylinder_jet(*c, p.norm, p.A, x, y);
     if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p.norm, p.A, x, y);
     const CircularForm& form = family_.forms[f];
     const Interval dx = x - Interval(form.cx), dy = y - Interval(form.cy);
@@ -143,6 +163,7 @@ HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
 Interval Heights::value(FormId f, Interval x, Interval y) const {
     if (is_radial()) return radial_jet<0>(f, x, y).v;
     const Prepared& p = prepared_[f.value];
+    if (const auto* c = turned(f)) return CylinderHeight<Interval>(*c, p.norm, p.A, x, y).v;
     if (!family_.is_circular(f)) return CylinderHeight<Interval>(family_.cylinder(f), p.norm, p.A, x, y).v;
     const CircularForm& form = family_.forms[f];
     Interval sum = p.e;
@@ -159,10 +180,18 @@ const Heights::WidePrepared& Heights::wide(FormId f) const {
     if (family_.is_circular(f)) {
         const ExactForm e = family_.exact(f);
         const Wide W = to_wide(e.W);
-        *p = {to_wide(e.K) / W, to_wide(e.A) / W, to_wide(e.B) / W, to_wide(e.C) / W};
+        p->coefficients = {to_wide(e.K) / W, to_wide(e.A) / W, to_wide(e.B) / W, to_wide(e.C) / W};
     } else {
         const CylinderForm& c = family_.cylinder(f);
-        *p = {square(Wide(c.ax)) + square(Wide(c.ay)) + square(Wide(c.az)), square(Wide(c.az))};
+        const auto prepare = [&](const Wide& ax, const Wide& ay, const Wide& az) {
+            p->coefficients = {square(ax) + square(ay) + square(az), square(az)};
+        };
+        if (c.exact) {
+            const auto& t = p->cylinder.emplace(converted<Wide>(*c.exact, to_wide));
+            prepare(t.ax, t.ay, t.az);
+        } else {
+            prepare(c.ax, c.ay, c.az);
+        }
     }
     return *p;
 }
@@ -172,7 +201,8 @@ HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
         const RadialJet<Wide> j = radial_jet<1>(f, x, y);
         return {j.v, j.x, j.y};
     }
-    const WidePrepared& p = wide(f);
+    const auto& [p, cylinder] = wide(f);
+    if (cylinder) return cylinder_jet(*cylinder, p[0], p[1], x, y);
     if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p[0], p[1], x, y);
     const auto& [K, A, B, C] = p;
     const Wide two_K = Wide(2.0) * K;
@@ -181,7 +211,8 @@ HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
 
 Wide Heights::value(FormId f, const Wide& x, const Wide& y) const {
     if (is_radial()) return radial_jet<0>(f, x, y).v;
-    const WidePrepared& p = wide(f);
+    const auto& [p, cylinder] = wide(f);
+    if (cylinder) return CylinderHeight<Wide>(*cylinder, p[0], p[1], x, y).v;
     if (!family_.is_circular(f)) return CylinderHeight<Wide>(family_.cylinder(f), p[0], p[1], x, y).v;
     return p[0] * (square(x) + square(y)) + p[1] * x + p[2] * y + p[3];
 }
@@ -198,11 +229,13 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
         const Interval k = two * Interval(family_.forms[f].k) * p.inverse_w;
         return {k, 0.0, k};
     }
-    const CylinderForm& c = family_.cylinder(f);
+    const CylinderForm& form = family_.cylinder(f);
+    const CylinderNumbers<Interval>* t = turned(f);
+    const CylinderNumbers<Interval> c =
+        t != nullptr ? *t : CylinderNumbers<Interval>{form.px, form.py, form.pz, form.ax, form.ay, form.az, form.rho};
     const HeightJet<Interval> j = jet(f, x, y);
-    const Interval ax(c.ax), ay(c.ay), az(c.az), bx = az * ax, by = az * ay;
-    const Interval beta = p.norm * (Interval(c.rho) + Interval(c.pz)) +
-                          ((x - Interval(c.px)) * ax + (y - Interval(c.py)) * ay - Interval(c.pz) * az) * az;
+    const Interval &ax = c.ax, &ay = c.ay, &az = c.az, bx = az * ax, by = az * ay;
+    const Interval beta = p.norm * (c.rho + c.pz) + ((x - c.px) * ax + (y - c.py) * ay - c.pz * az) * az;
     const Interval root = beta + p.A * j.v;
     if (root.sign() != Sign::Positive) return {Interval::whole(), Interval::whole(), Interval::whole()};
     const auto second = [&](Interval C, Interval bu, Interval bv, Interval ru, Interval rv) {
@@ -273,14 +306,13 @@ ExactHeight exact_height(const FormFamily& family, FormId f, const RationalPoint
         return {{e.K * (x * x + y * y) + (e.A * x + e.B * y + e.C * w) * w, zero, zero}, e.W * w * w};
     }
     if (!family.radial.empty()) return exact_radial_height(family.radial_form(f), family.chart, x, y);
-    // C and beta of cylinder_form.hpp, in w times all lengths.
-    const CylinderForm& form = family.cylinder(f);
-    const ExactVector a(Vec3(form.ax, form.ay, form.az)),
-        m(x - w * Exact(form.px), y - w * Exact(form.py), -(w * Exact(form.pz)));
-    const Exact rho = w * Exact(form.rho), norm = dot(a, a), along = dot(m, a), A = a.z * a.z;
-    const Exact C = norm * (dot(m, m) - rho * rho) - along * along, beta = norm * (rho - m.z) + along * a.z;
-    if (form.az == 0) return {{C, zero, zero}, (beta + beta) * w};
-    return {{-beta, Exact(1.0), beta * beta + A * C}, A * w};
+    // C and beta of cylinder_form.hpp, in unit w times all lengths.
+    ExactCylinder form = exact_cylinder(family.cylinder(f));
+    for (Exact* length : {&form.px, &form.py, &form.pz, &form.rho}) *length = w * *length;
+    const auto [C, beta] = cylinder_terms(form, form.unit * x, form.unit * y);
+    const Exact A = form.az * form.az, unit = form.unit * w;
+    if (A.sign() == Sign::Zero) return {{C, zero, zero}, unit * (beta + beta)};
+    return {{-beta, Exact(1.0), beta * beta + A * C}, unit * A};
 }
 
 }  // namespace

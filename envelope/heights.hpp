@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "../core/circular_form.hpp"
@@ -96,9 +97,15 @@ private:
         Interval norm, A;
     };
 
-    // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders.
-    using WidePrepared = std::array<Wide, 4>;
+    // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders, and of
+    // those that doubles do not give exactly their numbers.
+    struct WidePrepared {
+        std::array<Wide, 4> coefficients;
+        std::optional<CylinderNumbers<Wide>> cylinder;
+    };
     const WidePrepared& wide(FormId f) const;
+    // The cylinder's numbers, if doubles do not give them exactly.
+    const CylinderNumbers<Interval>* turned(FormId f) const { return turned_.empty() ? nullptr : turned_[f.value].get(); }
     bool is_radial() const { return !radial_.empty(); }
     template <int order>
     RadialJet<Interval> radial_jet(FormId f, Interval x, Interval y) const;
@@ -107,7 +114,8 @@ private:
 
     const FormFamily& family_;
     std::vector<Prepared> prepared_;
-    mutable std::vector<std::unique_ptr<WidePrepared>> wide_;  // made when asked for
+    std::vector<std::unique_ptr<CylinderNumbers<Interval>>> turned_;  // of all forms, or none
+    mutable std::vector<std::unique_ptr<WidePrepared>> wide_;         // made when asked for
     std::vector<RadialHeight<Interval>> radial_;               // of all forms over curved bases
     mutable std::vector<std::unique_ptr<RadialHeight<Wide>>> wide_radial_;
     // Those of the last two boxes: forms are asked one after the other about a box and its middle.

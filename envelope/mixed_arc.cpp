@@ -21,15 +21,15 @@ SectionPlane graph(const ExactForm& f) { return {-f.A, -f.B, f.W, f.C}; }
 SectionPlane wall(const RegionSide& side) { return {side.a, side.b, 0.0, -side.c}; }
 
 // a_z (the plane's k + nz rho - n.(p, 0)) + (rho + p_z) n.a: kappa but for a positive factor and the sign of
-// a_z.
-Exact apex_offset(const CylinderForm& f, const SectionPlane& s) {
-    return f.az * (s.k + s.nz * f.rho - s.nx * f.px - s.ny * f.py) +
-           (Exact(f.rho) + f.pz) * (s.nx * f.ax + s.ny * f.ay);
+// a_z. Times the square of the form's unit.
+Exact apex_offset(const ExactCylinder& f, const SectionPlane& s) {
+    return f.az * (f.unit * s.k + s.nz * f.rho - s.nx * f.px - s.ny * f.py) +
+           (f.rho + f.pz) * (s.nx * f.ax + s.ny * f.ay);
 }
 
 // A section that does not pass through the apex.
-CurveKind section_kind(const CylinderForm& f, const SectionPlane& s) {
-    const Exact norm = Exact(f.ax) * f.ax + Exact(f.ay) * f.ay + Exact(f.az) * f.az;
+CurveKind section_kind(const ExactCylinder& f, const SectionPlane& s) {
+    const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
     const Exact ex = s.nz * f.ax - s.nx * f.az, ey = s.nz * f.ay - s.ny * f.az;
     switch ((ex * ex + ey * ey - s.nz * s.nz * norm).sign()) {
         case Sign::Positive:
@@ -52,12 +52,14 @@ class Section {
 public:
     Section(const CylinderForm& form, const CylinderFrame& frame, const SectionPlane& plane)
         : frame_(&frame) {
-        const Exact offset = apex_offset(form, plane);
+        const ExactCylinder exact = exact_cylinder(form);
+        const Exact offset = apex_offset(exact, plane);
         through_apex_ = offset.sign() == Sign::Zero;
         const Vector2d n = frame.turned({plane.nx.enclosure().mid(), plane.ny.enclosure().mid()});
         const double axis = Vector3d(form.ax, form.ay, form.az).stableNorm();
         const double s0 = frame.height()(frame.origin()).s;
-        const double kappa = (form.az < 0 ? -1 : 1) * offset.enclosure().mid() / (axis * s0);
+        const double unit = exact.unit.enclosure().mid();
+        const double kappa = (form.az < 0 ? -1 : 1) * offset.enclosure().mid() / (unit * unit * axis * s0);
         const double B = plane.nz.enclosure().mid() * frame.z2() - n.x() * frame.eps() / 4;
         bend_ = 0.5 * B / kappa;
     }
@@ -266,7 +268,7 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const MinimizationDiagram::Vertex& from = diagram_.vertices[start];
     const MinimizationDiagram::Vertex& to = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
     Arc& arc = arcs_[e];
-    arc.kind = sections[sections[0] ? 0 : 1]->through_apex() ? CurveKind::Line : section_kind(*form, *plane);
+    arc.kind = sections[sections[0] ? 0 : 1]->through_apex() ? CurveKind::Line : section_kind(exact_cylinder(*form), *plane);
     arc.error.chart = 2 * (from.error + to.error) + 16 * u * (from.point.norm() + to.point.norm());
     SectionSpans(sections, spans_)
         .add({from.point.x(), from.point.y(), from.height}, {to.point.x(), to.point.y(), to.height});

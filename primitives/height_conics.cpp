@@ -12,13 +12,16 @@ struct Height {
     Exact scale;  // of x^2 + y^2 + z^2 before z^2 cancels: |a|^2 of a cylinder
 };
 
-Height height(const CylinderForm& f) {
-    const Exact ax(f.ax), ay(f.ay), az(f.az), px(f.px), py(f.py), pz(f.pz);
+Height height(const CylinderForm& form) {
+    // Lengths are times the exact form's unit s.
+    const ExactCylinder f = exact_cylinder(form);
+    const auto& [px, py, pz, ax, ay, az, rho] = static_cast<const CylinderNumbers<Exact>&>(f);
+    const Exact& s = f.unit;
     const Exact norm = ax * ax + ay * ay + az * az;
-    const LinearFunction mx{1.0, 0.0, 0.0, -px}, my{0.0, 1.0, 0.0, -py}, mz{0.0, 0.0, 1.0, -pz},
-        along{ax, ay, az, -(ax * px + ay * py + az * pz)}, reach{0.0, 0.0, 1.0, f.rho};
+    const LinearFunction mx{s, 0.0, 0.0, -px}, my{0.0, s, 0.0, -py}, mz{0.0, 0.0, s, -pz},
+        along{s * ax, s * ay, s * az, -(ax * px + ay * py + az * pz)}, reach{0.0, 0.0, s, rho};
     // |a|^2 (|m|^2 - (rho + z)^2) - (m . a)^2
-    Height h{QuadraticForm(4), norm};
+    Height h{QuadraticForm(4), s * s * norm};
     for (const LinearFunction* m : {&mx, &my, &mz}) h.form.add_twice_product(norm, *m, *m);
     h.form.add_twice_product(-norm, reach, reach);
     h.form.add_twice_product(-1.0, along, along);

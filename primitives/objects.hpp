@@ -1,6 +1,8 @@
 /// The objects of a scene, in world coordinates and the user's unit of length.
 #pragma once
 
+#include "../core/platform.hpp"
+
 #include <Eigen/Core>
 #include <variant>
 

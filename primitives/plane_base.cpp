@@ -10,9 +10,11 @@
 #include <utility>
 #include <variant>
 
+#include "../core/compensated.hpp"
 #include "../core/errors.hpp"
 #include "../core/exact.hpp"
 #include "base_problem.hpp"
+#include "exact_motion.hpp"
 #include "exact_space.hpp"
 #include "message.hpp"
 #include "solids.hpp"
@@ -28,37 +30,113 @@ constexpr double smallest_slope = 1e-125;
 
 // ---- Frame ------------------------------------------------------------------------------------------
 
-BaseFrame canonical_frame(const Plane& base, const Box& box) {
-    BaseFrame frame;
-    Vec3 n = base.normal;
-    Eigen::Index k = 0;
-    const double size = n.cwiseAbs().maxCoeff(&k);
-    for (double& component : n)
-        if (std::abs(component) < frame_rounding * size) component = 0;
-    const Eigen::Index i = (k + 1) % 3, j = (k + 2) % 3;
-    frame.rotation.setZero();
-    if (n[i] == 0 && n[j] == 0) {
-        // Rows (e_i, e_j, e_k) are a cyclic shift; with -e_k the first two change places. Both are
-        // rotations, and other coordinates than the k-th keep their digits.
-        const bool up = n[k] > 0;
-        frame.rotation(0, up ? i : j) = 1;
-        frame.rotation(1, up ? j : i) = 1;
-        frame.rotation(2, k) = up ? 1 : -1;
-        frame.origin[k] = base.point[k];
-        return frame;
+// canonical = (rotation (world - origin) - (0, 0, lift)) / norm. What objects are to each other is exact; the base
+// turns by a few 2^-53 to become z = 0, or not at all where its normal's length is a double. The sides of the box are
+// rounded to doubles.
+class PlaneFrame {
+public:
+    PlaneFrame(const Plane& base, const Box& box) : rotation_(scaled_axis(base.normal), 2) {
+        const Vec3& n = base.normal;
+        Eigen::Index k = 0;
+        n.cwiseAbs().maxCoeff(&k);
+        is_axis_parallel_ = (n.array() != 0).count() == 1;
+        turn_ = rotation_.turn(scaled_axis(n), 2);
+        motion_.rotation = rotation_.rounded();
+        // Other coordinates than the k-th keep their digits.
+        if (is_axis_parallel_) {
+            origin_[k] = base.point[k];
+            motion_.origin = origin_;
+        } else {
+            place_origin(base, box);
+        }
+        make_box(box);
     }
-    const Vec3 unit = (n / size).normalized();
-    // The coordinate axis farthest from the normal gives the best conditioned cross product.
-    Eigen::Index least = 0;
-    unit.cwiseAbs().minCoeff(&least);
-    const Vec3 e1 = Vec3::Unit(least).cross(unit).normalized();
-    frame.rotation.row(0) = e1;
-    frame.rotation.row(1) = unit.cross(e1);
-    frame.rotation.row(2) = unit;
-    const Vec3 center = 0.5 * box.min + 0.5 * box.max;
-    frame.origin = center - unit * unit.dot(center - base.point);
-    return frame;
-}
+
+    const BaseFrame& motion() const { return motion_; }  // rounded
+    const std::array<BoxSide, 6>& box() const { return box_; }
+    const Exact& norm() const { return rotation_.norm; }
+    bool is_exact() const { return turn_ == 0; }  // the base has not turned
+    double moved() const { return moved_; }
+
+    // Do doubles hold the canonical point exactly? Then they are to_canonical(p).
+    bool keeps(const Vec3& p) const {
+        if (!is_axis_parallel_) return false;
+        for (int i = 0; i < 3; ++i)
+            if (origin_[i] != 0 && Difference(p[i], origin_[i]).low != 0) return false;
+        return true;
+    }
+    bool keeps_directions() const { return is_axis_parallel_; }
+    Vec3 to_canonical(const Vec3& p) const { return motion_.to_canonical(p); }
+
+    // norm times the canonical point.
+    ExactVector place(const Vec3& p) const {
+        ExactVector q = rotation_(ExactVector(p) - ExactVector(origin_));
+        q.z -= lift_;
+        return q;
+    }
+    // norm times the turned direction.
+    ExactVector turned(const Vec3& direction) const { return rotation_(ExactVector(direction)); }
+
+private:
+    void place_origin(const Plane& base, const Box& box) {
+        const Vec3 n = scaled_axis(base.normal), unit = n.normalized();
+        const Vec3 center = 0.5 * box.min + 0.5 * box.max, away = center - base.point;
+        origin_ = base.point;
+        if (away.norm() > box.diagonal()) {
+            origin_ = center - unit * unit.dot(away);
+            // No rounding of the origin leaves the base: what it is above it counts as height. Near the origin the
+            // base has not moved then.
+            const Exact above = dot(ExactVector(n), ExactVector(base.point) - ExactVector(origin_));
+            if (is_exact())
+                lift_ = dot(rotation_.rows[2], ExactVector(base.point) - ExactVector(origin_));
+            else
+                lift_ = rotation_.norm * Exact(nearest(above) / n.norm());
+        }
+        const double height = nearest(lift_) / nearest(norm());
+        motion_.origin = origin_ + height * motion_.rotation.row(2).transpose();
+        double reach = 0;
+        for (const Vec3& corner : {box.min, box.max})
+            reach = std::max(reach, (corner - origin_).cwiseAbs().maxCoeff());
+        // 2 > sqrt(3). What nearest() / norm() loses is a part of 2^-50 of a height that is itself a rounding.
+        if (!is_exact()) moved_ = 2 * reach * turn_ + 0x1p-50 * std::abs(height);
+    }
+
+    void make_box(const Box& box) {
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const Eigen::Index axis = s / 2;
+            const double sign = s % 2 == 0 ? -1 : 1, bound = s % 2 == 0 ? box.min[axis] : box.max[axis];
+            Vec3 m = sign * motion_.rotation.col(axis);
+            // A wall that leans by less than its rounding stands upright: its foot would hide all of it.
+            for (double& component : m)
+                if (std::abs(component) < frame_rounding) component = 0;
+            // The side as it is: exact.m <= distance / norm.
+            const auto& r = rotation_.rows;
+            const std::array<const Exact*, 3> entries = axis == 0   ? std::array{&r[0].x, &r[1].x, &r[2].x}
+                                                        : axis == 1 ? std::array{&r[0].y, &r[1].y, &r[2].y}
+                                                                    : std::array{&r[0].z, &r[1].z, &r[2].z};
+            const Exact distance =
+                norm() * norm() * (sign * (Exact(bound) - origin_[axis])) - sign * *entries[2] * lift_;
+            const double square = nearest(norm() * norm());
+            const double k = nearest(distance) / square;
+            box_[s] = {m, k, s};
+            double turn = 0;
+            for (int i = 0; i < 3; ++i)
+                turn += std::abs(nearest(norm() * Exact(m[i]) - sign * *entries[i])) / nearest(norm());
+            const double shift = std::abs(nearest(norm() * norm() * Exact(k) - distance)) / square;
+            const double reach = turn > 0 ? 2 * box.diagonal() + (box.min - motion_.origin).norm() : 0;
+            moved_ = std::max(moved_, turn * reach + shift);
+        }
+    }
+
+    const ExactRotation rotation_;
+    bool is_axis_parallel_;
+    double turn_;
+    Vec3 origin_ = Vec3::Zero();
+    Exact lift_;
+    BaseFrame motion_;
+    std::array<BoxSide, 6> box_;
+    double moved_ = 0;
+};
 
 // ---- Base region ------------------------------------------------------------------------------------
 
@@ -182,9 +260,8 @@ public:
 
     const std::vector<ExactPoint>& corners() const { return corners_; }
 
-    // Sign of r2 - (squared distance of (x, y) from the closed region).
-    Sign reach(double x, double y, const Exact& r2) const {
-        const ExactPoint p{x, y, 1.0};
+    // Sign of r2 / p.d^2 - (squared distance of p from the closed region).
+    Sign reach(const ExactPoint& p, const Exact& r2) const {
         bool inside = true;
         std::optional<Sign> best;
         const auto consider = [&](const Exact& excess) {
@@ -194,13 +271,13 @@ public:
         for (std::size_t i = 0; i < sides_.size(); ++i) {
             const RegionSide& side = sides_[i];
             const ExactPoint &from = corners_[i], &to = corners_[(i + 1) % sides_.size()];
-            const Exact dx = p.x * from.d - from.x, dy = p.y * from.d - from.y;
+            const Exact dx = p.x * from.d - from.x * p.d, dy = p.y * from.d - from.y * p.d;
             consider(r2 * from.d * from.d - dx * dx - dy * dy);
             const Exact value = value_at(side, p);
             if (value.sign() != Sign::Negative) continue;
             inside = false;
             // The foot on the line lies on the side when p is beyond `from` and short of `to`.
-            const Exact ex = to.x - p.x * to.d, ey = to.y - p.y * to.d;
+            const Exact ex = to.x * p.d - p.x * to.d, ey = to.y * p.d - p.y * to.d;
             if ((dx * side.b - dy * side.a).sign() == Sign::Positive &&
                 (ex * side.b - ey * side.a).sign() == Sign::Positive)
                 consider(r2 * (Exact(side.a) * side.a + Exact(side.b) * side.b) - value * value);
@@ -287,8 +364,14 @@ private:
 
 // ---- Forms ------------------------------------------------------------------------------------------
 
-Exact behind(const Ball& s) { return Exact(s.cz) - s.rho; }  // height of the lowest point
-Exact width(const Ball& s) { return Exact(s.cz) + s.rho; }   // beta
+// A ball in canonical coordinates, all of it times d.
+struct ExactBall {
+    ExactVector c;
+    Exact rho, d;
+
+    Exact behind() const { return c.z - rho; }  // height of the lowest point
+    Exact width() const { return c.z + rho; }   // beta
+};
 
 // Each of the four operations below is one rounding of exact operands or two of rounded ones: e has a
 // relative error of 3u, w of u.
@@ -302,26 +385,45 @@ CircularForm ball_form(const Ball& s) {
     return f;
 }
 
-ExactForm exact_ball_form(const Ball& s) {
-    const Exact cx(s.cx), cy(s.cy);
-    return {1.0, -2.0 * cx, -2.0 * cy, cx * cx + cy * cy + behind(s) * width(s), 2.0 * width(s)};
+ExactForm exact_ball_form(const ExactBall& s) {
+    const Exact twice_d = 2.0 * s.d;
+    return {s.d * s.d, -(twice_d * s.c.x), -(twice_d * s.c.y),
+            s.c.x * s.c.x + s.c.y * s.c.y + s.behind() * s.width(), twice_d * s.width()};
+}
+
+// About a centre in doubles, what it is off by in the linear terms: |p - c|^2 = |p - c~|^2 + 2 (c~ - c).p + |c|^2 -
+// |c~|^2. Coefficients are quotients of correctly rounded numbers: relative errors of 3u.
+CircularForm ball_form(const ExactBall& s) {
+    const double d = nearest(s.d), d2 = nearest(s.d * s.d);
+    CircularForm f;
+    f.k = 1;
+    f.cx = nearest(s.c.x) / d;
+    f.cy = nearest(s.c.y) / d;
+    const Exact cx = s.d * Exact(f.cx), cy = s.d * Exact(f.cy);
+    f.a = 2 * nearest(cx - s.c.x) / d;
+    f.b = 2 * nearest(cy - s.c.y) / d;
+    f.e = nearest(s.c.x * s.c.x + s.c.y * s.c.y - cx * cx - cy * cy + s.behind() * s.width()) / d2;
+    f.w = 2 * nearest(s.width()) / d;
+    return f;
 }
 
 // (A x + B y + C) / W, of a plane or a box side.
 using LinearForm = std::array<Exact, 4>;
 
+// n.p + d with the region on the positive side.
+struct HalfSpaceOverBase {
+    ExactVector n;
+    Exact d, length;  // |n|, rounded
+};
+
 // Height of the plane n.p + d = 0 seen from its positive side: C = nx x + ny y + d, 2 beta = |n| - nz,
 // both multiplied by |n| + nz where the difference would cancel.
-LinearForm plane_form(const Vec3& n, const Exact& d) {
-    const Exact xy = Exact(n.x()) * n.x() + Exact(n.y()) * n.y();
-    const double length = rounded_sqrt(xy + Exact(n.z()) * n.z());
-    if (!(n.z() > 0)) return {n.x(), n.y(), d, Exact(length) - n.z()};
-    const Exact factor = Exact(length) + n.z();
-    return {factor * n.x(), factor * n.y(), factor * d, xy};
+LinearForm plane_form(const HalfSpaceOverBase& h) {
+    const ExactVector& n = h.n;
+    if (n.z.sign() != Sign::Positive) return {n.x, n.y, h.d, h.length - n.z};
+    const Exact factor = h.length + n.z;
+    return {factor * n.x, factor * n.y, factor * h.d, n.x * n.x + n.y * n.y};
 }
-
-// What the exact coefficients of a form are computed from.
-using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
 
 // ---- The problem ------------------------------------------------------------------------------------
 
@@ -329,10 +431,12 @@ class ProblemBuilder {
 public:
     ProblemBuilder(const Scene& scene, const Plane& base)
         : scene_(scene),
-          frame_(canonical_frame(base, scene.box)),
-          box_(canonical_box(scene.box, frame_)),
+          base_(base),
+          frame_(std::make_shared<PlaneFrame>(base, scene.box)),
+          box_(frame_->box()),
           sides_(base_region(box_)),
           region_(sides_),
+          moved_(frame_->moved()),
           sources_(std::make_shared<IdVector<FormId, FormSource>>()) {}
 
     PlaneBaseProblem build() {
@@ -348,14 +452,15 @@ public:
         make_forms();
         add_cylinders();
         PlaneBaseProblem problem;
-        problem.frame = frame_;
+        problem.frame = frame_->motion();
+        problem.moved = moved_;
         problem.region = sides_;
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
         problem.family.forms = std::move(forms_);
-        problem.family.cylinders = std::move(cylinders_);
-        problem.family.exact = [sources = sources_](FormId f) -> ExactForm {
+        for (const std::uint32_t i : cylinder_objects_) problem.family.cylinders.push_back(form_of(i));
+        problem.family.exact = [sources = sources_, frame = frame_](FormId f) -> ExactForm {
             const FormSource& source = (*sources)[f];
-            if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(*ball);
+            if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(placed(*frame, *ball));
             return *std::get<std::shared_ptr<const ExactForm>>(source);
         };
         warn();
@@ -365,39 +470,88 @@ public:
     }
 
 private:
+    // A ball in the world, or what is exact.
+    using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
+
     [[noreturn]] void fail(Kind kind, std::uint32_t object, const std::string& what) const {
         throw InputError(kind, object, object_path(scene_, object), what);
     }
     [[noreturn]] void fail_touching(std::uint32_t object, Sign depth, const Eigen::Vector2d& place) const {
-        const Vec3 world = frame_.to_world({place.x(), place.y(), 0});
+        const Vec3 world = frame_->motion().to_world({place.x(), place.y(), 0});
         fail(Kind::TouchesBase, object,
              std::string(depth == Sign::Positive ? "cuts" : "touches") + " the base region at " +
                  to_text(world));
     }
 
+    // A ball of the world in canonical coordinates.
+    static ExactBall placed(const PlaneFrame& frame, const Ball& ball) {
+        return {frame.place(center(ball)), frame.norm() * ball.rho, frame.norm()};
+    }
+    static Vec3 center(const Ball& ball) { return {ball.cx, ball.cy, ball.cz}; }
+    static Ball rounded(const PlaneFrame& frame, const Ball& ball) {
+        const Vec3 c = frame.to_canonical(center(ball));
+        return {c.x(), c.y(), c.z(), ball.rho};
+    }
+
     void add(std::uint32_t i, const Sphere& sphere) {
-        const Vec3 c = frame_.to_canonical(sphere.center);
-        const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
-        if (!(ball.cz > ball.rho) && !(ball.cz < -ball.rho)) {
-            // The sphere meets the base plane in a disk of squared radius (rho - cz)(rho + cz) >= 0.
-            const Sign depth = region_.reach(ball.cx, ball.cy, -(behind(ball) * width(ball)));
-            if (depth != Sign::Negative) fail_touching(i, depth, region_.nearest_point(c.head<2>()));
-        }
-        if (!(ball.cz > -ball.rho)) {
+        const Ball world{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
+        const bool is_kept = frame_->keeps(sphere.center);
+        const Ball ball = rounded(*frame_, world);
+        if (!is_kept || (!(ball.cz > ball.rho) && !(ball.cz < -ball.rho))) {
+            const ExactBall exact = placed(*frame_, world);
+            if (exact.behind().sign() != Sign::Positive && exact.width().sign() != Sign::Negative) {
+                // The sphere meets the base plane in a disk of squared radius (rho - cz)(rho + cz) >= 0.
+                const Sign depth =
+                    region_.reach({exact.c.x, exact.c.y, exact.d}, -(exact.behind() * exact.width()));
+                if (depth != Sign::Negative)
+                    fail_touching(i, depth, region_.nearest_point({ball.cx, ball.cy}));
+            }
+            if (exact.width().sign() != Sign::Positive) {
+                behind_.push_back(i);
+                return;
+            }
+        } else if (!(ball.cz > -ball.rho)) {
             behind_.push_back(i);
             return;
         }
-        balls_.push_back(ball);
+        balls_.push_back(world);
         ball_objects_.push_back(i);
     }
 
     void add(std::uint32_t i, const Plane& plane) {
-        const Vec3 p = frame_.to_canonical(plane.point), n = frame_.rotation * plane.normal;
-        const Exact d = -(Exact(n.x()) * p.x() + Exact(n.y()) * p.y() + Exact(n.z()) * p.z());
+        const Vec3 unscaled = plane.normal;
+        const ExactVector normal(unscaled);
+        const Exact square = dot(normal, normal);
+        const double length = rounded_sqrt(square);
+        HalfSpaceOverBase h{frame_->turned(unscaled), {}, frame_->norm() * length};
+        // A plane parallel to the base stays parallel to it.
+        const bool is_level = cross(normal, ExactVector(base_.normal)).is_zero();
+        if (is_level && !frame_->is_exact()) {
+            const bool up = h.n.z.sign() == Sign::Positive;
+            h.n = {Exact(), Exact(), up ? h.length : -h.length};
+        }
+        // n.p + d = 0 in p's canonical place, which is that of the plane's point.
+        const ExactVector p = frame_->place(plane.point);
+        h.d = -dot(h.n, p);
+        h.n = frame_->norm() * h.n;
+        h.length = frame_->norm() * h.length;
+        const Exact excess = Exact(length) * length - square;
+        if (excess.sign() != Sign::Zero) {
+            // Distances from the plane change by this part of them.
+            const double part = 0.5 * std::abs(nearest(excess)) / nearest(square);
+            double farthest = 0;
+            for (int corner = 0; corner < 8; ++corner) {
+                const Vec3 at((corner & 1 ? scene_.box.max : scene_.box.min).x(),
+                              (corner & 2 ? scene_.box.max : scene_.box.min).y(),
+                              (corner & 4 ? scene_.box.max : scene_.box.min).z());
+                farthest = std::max(farthest, std::abs(unscaled.dot(at - plane.point)) / length);
+            }
+            moved_ = std::max(moved_, 2 * part * farthest);
+        }
         // Linear over the region: the corners tell.
         const auto& corners = region_.corners();
         std::vector<Sign> signs;
-        for (const ExactPoint& c : corners) signs.push_back((n.x() * c.x + n.y() * c.y + d * c.d).sign());
+        for (const ExactPoint& c : corners) signs.push_back((h.n.x * c.x + h.n.y * c.y + h.d * c.d).sign());
         const auto differs = std::adjacent_find(signs.begin(), signs.end(), std::not_equal_to<>());
         const auto zero = std::find(signs.begin(), signs.end(), Sign::Zero);
         if (differs != signs.end() || zero != signs.end()) {
@@ -409,29 +563,51 @@ private:
             } else {
                 const std::size_t k = differs - signs.begin();
                 const Eigen::Vector2d from = corners[k].rounded(), to = corners[k + 1].rounded();
-                const double g0 = n.head<2>().dot(from) + nearest(d), g1 = n.head<2>().dot(to) + nearest(d);
+                const Eigen::Vector2d n(nearest(h.n.x), nearest(h.n.y));
+                const double g0 = n.dot(from) + nearest(h.d), g1 = n.dot(to) + nearest(h.d);
                 place = from + std::clamp(g0 / (g0 - g1), 0.0, 1.0) * (to - from);
             }
             fail_touching(i, cuts ? Sign::Positive : Sign::Zero, place);
         }
         const double s = static_cast<int>(signs.front());
-        planes_.push_back({s * n.x(), s * n.y(), s * n.z(), s * d});
+        planes_.push_back({s * normal.x, s * normal.y, s * normal.z, -s * dot(normal, ExactVector(plane.point))});
         plane_objects_.push_back(i);
-        plane_normals_.push_back(s * n);
+        if (s < 0) h = {Exact(-1.0) * h.n, -h.d, h.length};
+        placed_planes_.push_back(h);
+    }
+
+    static CylinderForm world_form(const Cylinder& cylinder) {
+        const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
+        return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
+    }
+
+    // In canonical coordinates.
+    CylinderForm form_of(std::uint32_t object) const {
+        const auto& cylinder = std::get<Cylinder>(scene_.objects[object]);
+        const Vec3 axis = scaled_axis(cylinder.axis), p = frame_->to_canonical(cylinder.point);
+        const ExactVector a = frame_->turned(axis);
+        const double d = nearest(frame_->norm());
+        CylinderForm form{p.x(), p.y(), p.z(), nearest(a.x) / d, nearest(a.y) / d, nearest(a.z) / d, cylinder.radius};
+        if (!frame_->keeps(cylinder.point)) {
+            const ExactVector q = frame_->place(cylinder.point);
+            form.px = nearest(q.x) / d;
+            form.py = nearest(q.y) / d;
+            form.pz = nearest(q.z) / d;
+            form.exact = std::make_shared<const ExactCylinder>(ExactCylinder{
+                {q.x, q.y, q.z, a.x, a.y, a.z, frame_->norm() * cylinder.radius}, frame_->norm()});
+        }
+        return form;
     }
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
-        const Vec3 p = frame_.to_canonical(cylinder.point);
-        Vec3 a = frame_.rotation * scaled_axis(cylinder.axis);
-        if (!frame_.is_axis_parallel())
-            for (double& component : a)
-                if (std::abs(component) < frame_rounding) component = 0;
-        const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
-
+        const CylinderForm form = form_of(i);
         const CylinderTrace trace = trace_on_base(form);
         const Sign clear = region_.lowest(trace, Exact());
         if (clear != Sign::Positive) fail_touching(i, -clear, region_.lowest_point(trace));
-        if (form.az == 0 && !(form.pz > -form.rho)) {
+        const bool is_level =
+            dot(ExactVector(cylinder.axis), ExactVector(base_.normal)).sign() == Sign::Zero;
+        const ExactCylinder exact = exact_cylinder(form);
+        if (is_level && (exact.pz + exact.rho).sign() != Sign::Positive) {
             behind_.push_back(i);
             return;
         }
@@ -440,7 +616,7 @@ private:
         if (form.az != 0 && std::abs(form.az) < smallest_slope)
             fail(Kind::OutOfRange, i,
                  "is so nearly parallel to the base that its height leaves the range of doubles");
-        cylinders_.push_back(form);
+        cylinders_.push_back(world_form(cylinder));
         cylinder_objects_.push_back(i);
     }
 
@@ -463,15 +639,20 @@ private:
             objects.resize(kept);
         };
 
-        // A side of the box m.p <= k is where the base and its mirror image across that side, a plane,
-        // are equally far.
+        // A side of the box is where the base and its mirror image across that side, a plane, are equally far: with
+        // x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the base leans that way.
         std::vector<std::pair<LinearForm, std::string>> walls;
         for (std::size_t k = 0; k < planes_.size(); ++k)
             walls.emplace_back(planes_[k], object_title(scene_, plane_objects_[k]));
         for (const BoxSide& side : box_) {
             if (!(side.m.z() > 0)) continue;
-            const Exact x(side.m.x()), y(side.m.y()), z(side.m.z());
-            walls.push_back({{-2.0 * z * x, -2.0 * z * y, x * x + y * y - z * z, 2.0 * z * side.k},
+            const Eigen::Index axis = side.index / 2;
+            const double bound = (side.index % 2 == 0 ? scene_.box.min : scene_.box.max)[axis];
+            Vec3 mirrored = base_.normal;
+            mirrored[axis] = -mirrored[axis];
+            const Exact d = 2.0 * Exact(bound) * base_.normal[axis] -
+                            dot(ExactVector(base_.normal), ExactVector(base_.point));
+            walls.push_back({{mirrored.x(), mirrored.y(), mirrored.z(), d},
                              "side " + to_string(Site::box_side(side.index))});
         }
         const std::vector<CylinderForm> all = cylinders_;
@@ -541,8 +722,8 @@ private:
         std::vector<LinearForm> linear;
         std::vector<Site> linear_sites;
         for (std::size_t i = 0; i < planes_.size(); ++i) {
-            const LinearForm form = first_plane[i] < i ? plane_forms_[first_plane[i]]
-                                                       : plane_form(plane_normals_[i], planes_[i][3]);
+            const LinearForm form =
+                first_plane[i] < i ? plane_forms_[first_plane[i]] : plane_form(placed_planes_[i]);
             plane_forms_.push_back(form);
             if (form[3].sign() != Sign::Positive) {
                 behind_.push_back(plane_objects_[i]);
@@ -564,8 +745,11 @@ private:
             if (first_ball[i] < i) {
                 ball_forms[i] = ball_forms[first_ball[i]];
             } else {
-                const CircularForm f = ball_form(balls_[i]);
-                check_range(f.e, balls_[i].cz == balls_[i].rho, Site::object(ball_objects_[i]));
+                const Ball& ball = balls_[i];
+                const bool is_kept = frame_->keeps(center(ball));
+                const CircularForm f =
+                    is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
+                check_range(f.e, f.e == 0, Site::object(ball_objects_[i]));
                 check_range(f.w, false, Site::object(ball_objects_[i]));
                 ball_forms[i] = forms_.push_back(f);
                 sources_->push_back(balls_[i]);
@@ -621,15 +805,18 @@ private:
     }
 
     const Scene& scene_;
-    const BaseFrame frame_;
-    const std::array<BoxSide, 6> box_;
+    const Plane& base_;
+    const std::shared_ptr<const PlaneFrame> frame_;
+    const std::array<BoxSide, 6>& box_;
     const std::vector<RegionSide> sides_;
     const Region region_;
+    double moved_;
 
+    // Of the world: there objects hide in each other, exactly.
     std::vector<Ball> balls_;
     std::vector<std::uint32_t> ball_objects_;
     std::vector<LinearForm> planes_;  // (n, d), the region on the positive side
-    std::vector<Vec3> plane_normals_;
+    std::vector<HalfSpaceOverBase> placed_planes_;  // the same in canonical coordinates
     std::vector<LinearForm> plane_forms_;
     std::vector<std::uint32_t> plane_objects_;
     std::vector<std::uint32_t> behind_;

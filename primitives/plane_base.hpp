@@ -22,12 +22,12 @@
 
 namespace vcell {
 
-/// A rigid motion between world and canonical coordinates: canonical = R (world - origin).
-/// For axis-parallel normals R is a signed permutation, the origin is the base's point on that axis, and
-/// the motion is exact up to that one subtraction. In general the origin is the foot of the box's centre
-/// on the base and the input is rounded once here (components of the unit normal, and of a cylinder's axis
-/// scaled to about 1, below 2^-51 to zero). All later statements are exact about the rounded, canonical
-/// doubles.
+/// A rigid motion between world and canonical coordinates: canonical = R (world - origin), rounded. Forms are those of
+/// an exact motion: for axis-parallel normals R is a signed permutation and the origin the base's point on that axis;
+/// in general R is a rotation with rational entries (exact_motion.hpp) and the origin a point of the base near the
+/// box. Objects are to each other exactly what they are in the scene. What is rounded, and counted in
+/// PlaneBaseProblem::moved: the sides of the box, to doubles in canonical coordinates, and unless the normal's length
+/// is a double the base itself, which turns by a few 2^-53 (planes parallel to it turn with it).
 struct BaseFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 origin = Vec3::Zero();
@@ -49,6 +49,9 @@ struct PlaneBaseProblem {
     std::vector<RegionSide> region;        ///< convex polygon, counter-clockwise
     std::vector<Eigen::Vector2d> corners;  ///< corner i: start of side i, rounded
     FormFamily family;
+    /// A bound on the distance that anything of the scene within the box has moved, in its unit: the base and the sides
+    /// of the box with the motion, planes by the rounding of |n|, which scales distances from them.
+    double moved = 0;
     /// The sites of each form, ascending: several when objects coincide as seen from the base
     /// (duplicates, a plane whose bisector is the box side). Objects hidden in cylinders, and cylinders
     /// hidden beyond planes or sides of the box, have none: at best they tie with what hides them.

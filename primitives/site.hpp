@@ -1,6 +1,8 @@
 /// Who may own a piece of a cell's boundary.
 #pragma once
 
+#include "../core/platform.hpp"
+
 #include <cstdint>
 #include <string>
 

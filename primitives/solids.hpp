@@ -24,7 +24,7 @@ bool contains(const CylinderForm& outer, const CylinderForm& inner);
 bool is_beyond(const std::array<Exact, 4>& plane, const CylinderForm& cylinder);
 
 /// C of cylinder_form.hpp as a polynomial: xx x^2 + 2 xy x y + yy y^2 + 2 x1 x + 2 y1 y + c. It is convex:
-/// |a|^2 times (the squared distance of (x, y, 0) from the axis - rho^2).
+/// |a|^2 times (the squared distance of (x, y, 0) from the axis - rho^2), times the fourth power of an exact form's unit.
 struct CylinderTrace {
     Exact xx, xy, yy, x1, y1, c;
 };

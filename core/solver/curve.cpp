@@ -795,7 +795,7 @@ private:
 template <int N>
 CurveSet<N + 1> solve_curves(const CurveSystem<N>& f, const IntervalBox<N + 1>& box,
                              const CurveOptions& options) {
-    return Solver<N>(f, box, options).solve();
+    return in_ieee_arithmetic("solve_curves()", [&] { return Solver<N>(f, box, options).solve(); });
 }
 
 template <int N>

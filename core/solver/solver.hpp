@@ -26,6 +26,7 @@
 #include <utility>
 #include <vector>
 
+#include "../platform.hpp"
 #include "box.hpp"
 #include "krawczyk.hpp"
 #include "polynomial.hpp"
@@ -220,6 +221,7 @@ auto interval_steps(const System& system) {
 /// All roots of the system in the closed box. Sides of the box are finite; a root on its boundary is
 /// found (and marked), one outside is not reported unless it is closer to the box than multiprecision
 /// can tell.
+/// Throws EnvironmentError (core/platform.hpp), as certify() does.
 template <class System, std::size_t N>
 Solutions<static_cast<int>(N)> solve(const System& system, const std::array<Interval, N>& box,
                                      const SolverOptions& options = {}) {
@@ -227,11 +229,13 @@ Solutions<static_cast<int>(N)> solve(const System& system, const std::array<Inte
     if constexpr (std::same_as<System, PolynomialSystem<n>>)
         if (system.degree() <= 2) return solve(QuadraticPolynomials<n>{system}, box, options);
     const auto wide = [&] { return detail::interval_steps<Wide, n>(system); };
-    if constexpr (QuadraticSystem<System, n>)
-        return detail::solve<n>(detail::QuadraticSteps<n>(system.template forms<Interval>(), box), wide, box,
-                                options);
-    else
-        return detail::solve<n>(detail::interval_steps<Interval, n>(system), wide, box, options);
+    return in_ieee_arithmetic("solve()", [&] {
+        if constexpr (QuadraticSystem<System, n>)
+            return detail::solve<n>(detail::QuadraticSteps<n>(system.template forms<Interval>(), box), wide, box,
+                                    options);
+        else
+            return detail::solve<n>(detail::interval_steps<Interval, n>(system), wide, box, options);
+    });
 }
 
 extern template Solutions<4> solve(const VertexSystem&, const IntervalBox<4>&, const SolverOptions&);
@@ -255,6 +259,7 @@ WideBox<N> refine(const System& system, const Root<N>& root, int bits) {
 template <class System, std::size_t N>
 std::optional<std::array<Interval, N>> certify(const System& system, const std::array<double, N>& start,
                                                double max_radius) {
+    require_ieee_arithmetic("certify()");
     constexpr int n = static_cast<int>(N);
     IntervalBox<n> cube;
     for (int i = 0; i < n; ++i) cube[i] = Interval::ball(start[i], max_radius);

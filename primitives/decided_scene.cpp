@@ -1,0 +1,58 @@
+#include "decided_scene.hpp"
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <variant>
+
+namespace vcell {
+
+namespace {
+
+// Visits every length of a scene, coordinates included.
+template <class S, class Visit>
+void for_each_length(S& scene, Visit&& visit) {
+    const auto point = [&](auto& p) {
+        for (int i = 0; i < 3; ++i) visit(p[i]);
+    };
+    const auto object = [&](auto& o) {
+        if (auto* sphere = std::get_if<Sphere>(&o)) {
+            point(sphere->center);
+            visit(sphere->radius);
+        } else if (auto* plane = std::get_if<Plane>(&o)) {
+            point(plane->point);
+        } else if (auto* cylinder = std::get_if<Cylinder>(&o)) {
+            point(cylinder->point);
+            visit(cylinder->radius);
+        }
+    };
+    object(scene.base);
+    for (auto& o : scene.objects) object(o);
+    point(scene.box.min);
+    point(scene.box.max);
+    if (scene.tolerance) visit(*scene.tolerance);
+}
+
+}  // namespace
+
+DecidedScene decide(const Scene& scene) {
+    constexpr int highest = 200;
+    double largest = 0;
+    for_each_length(scene, [&](double x) { largest = std::max(largest, std::abs(x)); });
+    // The largest side has the scene's own digits; a rounded diagonal might cross a power of two with the scale.
+    const int exponent = std::max(std::ilogb((scene.box.max - scene.box.min).maxCoeff()),
+                                  largest > 0 ? std::ilogb(largest) - highest : INT_MIN);
+    DecidedScene decided{scene, std::ldexp(1.0, exponent), 0};
+    if (exponent == 0) return decided;
+    const double factor = std::ldexp(1.0, -exponent);
+    for_each_length(decided.scene, [&](double& x) {
+        const double scaled = factor * x;
+        // Below the normal numbers digits are lost, and nowhere else.
+        if (std::abs(scaled) < 0x1p-1000 && scaled * decided.unit != x)
+            decided.moved = std::max(decided.moved, 0x1p-1074);
+        x = scaled;
+    });
+    return decided;
+}
+
+}  // namespace vcell
