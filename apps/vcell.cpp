@@ -37,7 +37,7 @@ Examples:
 
 A file named - is standard input or output. Scenes are JSON or plain "x y z r" lines.
 Exit status: 0 done, 1 wrong usage or an output that cannot be written, 2 bad input, 3 a question that
-could not be decided, 4 a check that failed. "vcell COMMAND --help" tells more.)";
+could not be decided, 4 a check that failed or left something open. "vcell COMMAND --help" tells more.)";
 
 void warn(const std::string& text) { fmt::print(stderr, "vcell: warning: {}\n", text); }
 
@@ -303,28 +303,48 @@ private:
 class Check {
 public:
     explicit Check(CLI::App& app)
-        : command_(*app.add_subcommand("check", "judge a cell file from its own data")) {
+        : command_(*app.add_subcommand("check", "prove a cell file from the scene in it")) {
         command_.add_option("CELL", path_, "cell file, JSON; - is standard input")->required();
-        command_.footer("Prints a line for each finding, or \"ok\". Exit status 4 if there is a finding.");
+        command_
+            .add_option("--effort", options_.effort,
+                        "how far curves and patches are subdivided: twice as many parts with each step")
+            ->check(CLI::Range(0, 40))
+            ->capture_default_str();
+        command_.add_flag("--json", json_, "write the certificate: a verdict for each element");
+        command_.footer(
+            "Proves that the boundary as written lies everywhere within a distance of the true one, and prints\n"
+            "that distance; or a line for each element that is refuted or left open. Exit status 4 if there is\n"
+            "one: what is open has not been shown to be wrong, but not to be right, either.");
     }
 
     bool chosen() const { return command_.parsed(); }
 
     Status run() const {
         const Cell cell = read_cell(path_);
-        const std::vector<Finding> findings = check_cell(cell);
+        const Certificate certificate = certify(cell, options_);
         OutputFile out("-");
-        for (const Finding& f : findings) out.stream() << f.where << ": " << f.what << '\n';
-        if (findings.empty())
-            out.stream() << fmt::format("ok: {} faces, {} edges, {} vertices\n", cell.faces.size(),
-                                        cell.edges.size(), cell.vertices.size());
+        if (json_)
+            write_certificate(out.stream(), certificate);
+        else
+            write_verdicts(out.stream(), cell, certificate);
         out.commit();
-        return findings.empty() ? done : check_failed;
+        return certificate.holds() ? done : check_failed;
     }
 
 private:
+    static void write_verdicts(std::ostream& out, const Cell& cell, const Certificate& certificate) {
+        for (const Element& e : certificate.elements)
+            if (e.verdict != Verdict::proved)
+                out << e.where << (e.verdict == Verdict::open ? ": open: " : ": ") << e.what << '\n';
+        if (!certificate.holds()) return;
+        out << fmt::format("ok: {} faces, {} edges, {} vertices; the boundary is within {:.3g} of the true one\n",
+                           cell.faces.size(), cell.edges.size(), cell.vertices.size(), certificate.distance);
+    }
+
     CLI::App& command_;
     std::string path_;
+    CheckOptions options_;
+    bool json_ = false;
 };
 
 int run(int argc, char** argv) {

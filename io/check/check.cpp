@@ -2,6 +2,7 @@
 
 #include "edges.hpp"
 #include "faces.hpp"
+#include "kinds.hpp"
 #include "measures.hpp"
 #include "structure.hpp"
 #include "tiling.hpp"
@@ -18,8 +19,9 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     const Subject subject(cell, geometry, certificate);
     certify_tiling(subject, options, certificate);
     certify_vertices(subject, options, certificate);
-    certify_edges(subject, options, certificate);
-    certify_faces(subject, options, certificate);
+    const auto edges = certify_edges(subject, options, certificate);
+    certify_kinds(subject, options, certificate);
+    certify_faces(subject, edges, options, certificate);
     certify_measures(subject, options, certificate);
     return certificate;
 }

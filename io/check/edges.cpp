@@ -2,193 +2,260 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "../../core/exact.hpp"
+#include "excess.hpp"
 
 namespace vcell::check {
 namespace {
+
+struct Part {
+    Net net;
+    int depth = 0;
+};
 
 class Edges : public Room {
 public:
     using Room::Room;
 
-    void run() {
-        check_edges();
+    std::vector<EdgeBound> run() {
+        bounds_.resize(cell_.edges.size());
+        for (std::size_t i = 0; i < cell_.edges.size(); ++i) judge(i);
+        return std::move(bounds_);
     }
 
 private:
-    void check_edges() {
-        for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
-            check_edge_ends(i);
-            check_edge_points(i);
-            check_kind(i);
-        }
+    void judge(std::size_t i) {
+        const CellEdge& e = cell_.edges[i];
+        const std::string where = edge_path(i);
+        if (e.sites[0] == e.sites[1])
+            return certificate_.refute(where + ".sites", fmt::format("are {} twice", title(e.sites[0])));
+        if (!check_ends(i)) return;
+        conditions_.clear();
+        for (const Site& s : label(i)) conditions_.push_back({s, geometry_.is_plane() && rim_[i] == s});
+        const auto is_first = [&](const Condition& c) { return contains(e.sites, c.site); };
+        std::ranges::stable_partition(conditions_, is_first);
+
+        const Vec3 origin = e.curve.points.front().head<3>();
+        std::vector<Part> parts;
+        for (const auto& span : spans<3>(e.curve, origin)) parts.push_back({Net(span, origin)});
+        error_ = full_error(i);
+        EdgeBound bound{0, 0, HUGE_VAL};
+        if (!follow_arc(where, parts, bound)) return;
+        nearer_ = 0;
+        if (!exclude_others(where, parts)) return;
+        if (e.error > most_stated(bound.distance))
+            return certificate_.refute(where + ".error",
+                                       fmt::format("is {:.3g}, the curve is within {:.3g} of the true one", e.error,
+                                                   bound.distance),
+                                       e.error);
+        bounds_[i] = bound;
+        prove(where, std::max(bound.distance, nearer_));
     }
 
-    void check_edge_ends(std::size_t i) {
+    bool check_ends(std::size_t i) {
         const CellEdge& e = cell_.edges[i];
         const auto& curve = edge_pieces_[i];
         const std::array ends{curve.front().evaluate(curve.front().begin)[0],
                               curve.back().evaluate(curve.back().end)[0]};
         if (e.vertices.empty()) {
-            if (const double gap = (ends[0] - ends[1]).norm(); gap > 2 * e.error + rounding())
-                note(edge_path(i) + ".curve", fmt::format("is closed, but its ends are {:.3g} apart", gap));
-            return;
+            const double gap = (ends[0] - ends[1]).norm();
+            if (gap <= 2 * e.error + rounding()) return true;
+            certificate_.refute(edge_path(i) + ".curve", fmt::format("is closed, but its ends are {:.3g} apart", gap),
+                                gap);
+            return false;
         }
         for (int k = 0; k < 2; ++k) {
             const CellVertex& v = cell_.vertices[e.vertices[k]];
-            if (const double gap = (ends[k] - v.point).norm(); gap > e.error + v.error + rounding())
-                note(edge_path(i) + ".vertices", fmt::format("the curve {} {:.3g} away from vertex {}",
-                                                             k ? "ends" : "starts", gap, e.vertices[k]));
+            const double gap = (ends[k] - v.point).norm();
+            if (gap <= e.error + v.error + rounding()) continue;
+            certificate_.refute(
+                edge_path(i) + ".vertices",
+                fmt::format("the curve {} {:.3g} away from vertex {}", k ? "ends" : "starts", gap, e.vertices[k]), gap);
+            return false;
         }
+        return true;
     }
 
+    // --- On the arc ---------------------------------------------------------------------------------
 
-    void check_edge_points(std::size_t i) {
-        const double error = full_error(i);
-        std::vector<Site> attained = label(i);
-        if (rim_[i]) std::erase(attained, *rim_[i]);
-        constexpr int kSteps = 8;  // per piece
-        for (const auto& piece : edge_pieces_[i])
-            for (int k = 0; k < kSteps; ++k) {
-                const Vec3 p =
-                    piece.evaluate(piece.begin + (k + 0.5) / kSteps * (piece.end - piece.begin))[0];
-                if (const auto what = contradiction(p, error, attained))
-                    return note(edge_path(i) + ".curve", *what);
+    struct Reach {
+        double distance, slope;  ///< the least singular value that far around
+    };
+    /// What a bound on the excesses says about the distance from the arc, or nothing where gradients are parallel
+    /// in the box.
+    std::optional<Reach> distance(const Vector<Interval>& box, double size) const {
+        double margin = size;
+        for (int tries = 0; tries < 4; ++tries) {
+            const Interval m(-margin, margin);
+            const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
+            const Vector<Interval> g = space().gradient(conditions_[0], x), h = space().gradient(conditions_[1], x);
+            const Interval sine = square(cross(g, h)), sum = square(g) + square(h);
+            if (!(sine.lower() > 0)) return std::nullopt;
+            // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of which
+            // the greater is below the sum of squares.
+            const double slope = sqrt(sine / sum).lower();
+            const double reach = (Interval(size) / slope).upper();
+            if (reach <= margin) return Reach{reach, slope};
+            margin = 1.25 * reach;
+        }
+        return std::nullopt;
+    }
+
+    bool follow_arc(const std::string& where, const std::vector<Part>& whole, EdgeBound& bound) {
+        const double width = std::max(tie_width(conditions_[0].site), tie_width(conditions_[1].site));
+        std::vector<Part> parts = whole;
+        std::size_t count = 0;
+        while (!parts.empty()) {
+            const Part part = std::move(parts.back());
+            parts.pop_back();
+            const ExcessAlong along(space(), part.net);
+            Interval squares(0.0), others(0.0);
+            for (std::size_t k = 0; k < conditions_.size(); ++k) {
+                const Interval e = along.excess(conditions_[k]);
+                if (k < 2)
+                    squares += square(e);
+                else
+                    others = hull(others, magnitude(e));
             }
-    }
-
-    /// The kind must be one that the two sites can have, and fit the control points. Between a kind and its
-    /// limit (a flat ellipse and a parabola) rounding leaves the control points undecided.
-    void check_kind(std::size_t i) {
-        const CurveKind kind = cell_.edges[i].kind;
-        const std::string where = edge_path(i) + ".kind";
-        if (const auto kinds = possible_kinds(i);
-            !kinds.empty() && std::ranges::find(kinds, kind) == kinds.end())
-            return note(where, fmt::format("is {}, the sites meet in another kind ({})", to_string(kind),
-                                           to_string(kinds[0])));
-        for (const auto& piece : edge_pieces_[i])
-            if (!fits(kind, piece, full_error(i)))
-                return note(where, fmt::format("is {}, the control points disagree", to_string(kind)));
-    }
-
-    bool is_linear(const Site& s) const {
-        return !s.is_object() || std::holds_alternative<Plane>(scene_.objects[s.index]);
-    }
-    const Sphere* as_sphere(const Site& s) const {
-        return s.is_object() ? std::get_if<Sphere>(&scene_.objects[s.index]) : nullptr;
-    }
-
-    /// Empty: no opinion. Where only exact arithmetic on the canonical scene could tell a kind from its
-    /// limit, both.
-    std::vector<CurveKind> possible_kinds(std::size_t i) const {
-        if (geometry_.is_plane()) return kinds_over_plane(i);
-        if (geometry_.is_sphere()) return kinds_over_sphere(cell_.edges[i].sites);
-        const auto is_flat = [](const Site& s) { return !s.is_object(); };
-        using enum CurveKind;
-        if (std::ranges::all_of(cell_.edges[i].sites, is_flat)) return {Line};
-        // Nearly a pair of lines, it may be a spline.
-        if (std::ranges::all_of(cell_.edges[i].sites, [&](const Site& s) { return is_linear(s); }))
-            return {Ellipse, Hyperbola, Parabola, Circle, Line, Spline};
-        return {};
-    }
-
-    /// [HE, Lemmas 1-3] Planes and box sides have linear heights, spheres paraboloids about the base's
-    /// normal.
-    std::vector<CurveKind> kinds_over_plane(std::size_t i) const {
-        using enum CurveKind;
-        const auto& sites = cell_.edges[i].sites;
-        if (rim_[i]) {
-            const Site& owner = sites[uses_[i][0].reversed];
-            return is_linear(owner)   ? std::vector{Line}
-                   : as_sphere(owner) ? std::vector{Parabola}
-                                      : std::vector<CurveKind>{};
+            const double size = sqrt(squares).upper();
+            const Vector<Interval> box = part.net.box();
+            const auto found = distance(box, size);
+            const double allowed = found ? error_ + width / found->slope : 0;
+            const double growth = std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
+            const bool follows = found && found->distance <= allowed;
+            // Where the bisectors touch no place on either is much nearer to the arc than the others.
+            const bool touches = !found && part.depth >= kTouching && size <= width && growth > 0;
+            if ((follows || touches) && others.upper() <= 2 * allowed + width) {
+                bound.distance = std::max(bound.distance, follows ? found->distance : size / growth);
+                bound.excess = std::max(bound.excess, size);
+                bound.growth = std::min(bound.growth, growth);
+                continue;
+            }
+            if (off_bisector(where, part.net, width)) return false;
+            if (++count > parts_allowed()) {
+                certificate_.leave_open(
+                    where + ".curve",
+                    found ? fmt::format("its sites' excesses are below {:.3g}, its error is {:.3g}", size, error_)
+                          : "its sites' bisectors are too nearly parallel",
+                    found ? found->distance : HUGE_VAL);
+                return false;
+            }
+            for (const Net& half : part.net.halves(0)) parts.push_back({half, part.depth + 1});
         }
-        if (is_linear(sites[0]) && is_linear(sites[1])) return {Line};
-        const Sphere *a = as_sphere(sites[0]), *b = as_sphere(sites[1]);
-        if ((!a && !is_linear(sites[0])) || (!b && !is_linear(sites[1]))) return {};
-        const auto& base = std::get<Plane>(scene_.base);
-        int axis = 0;
-        base.normal.cwiseAbs().maxCoeff(&axis);
-        const int x = (axis + 1) % 3, y = (axis + 2) % 3;
-        const bool aligned = base.normal[x] == 0 && base.normal[y] == 0;
-        if (!a || !b) {
-            if (!aligned) return {Ellipse, Circle};
-            const Site& linear = a ? sites[1] : sites[0];
-            const bool horizontal = linear.is_object()
-                                        ? std::get<Plane>(scene_.objects[linear.index]).normal[x] == 0 &&
-                                              std::get<Plane>(scene_.objects[linear.index]).normal[y] == 0
-                                        : static_cast<int>(linear.index / 2) == axis;
-            return {horizontal ? Circle : Ellipse};
+        return true;
+    }
+
+    /// Halvings after which gradients that are still parallel somewhere are taken to be so at a point.
+    static constexpr int kTouching = 12;
+
+    std::size_t parts_allowed() const { return std::size_t{1} << std::clamp(options_.effort, 0, 40); }
+
+    /// Refutes a curve whose end is off one of its bisectors by more than its error.
+    bool off_bisector(const std::string& where, const Net& net, double width) {
+        for (const int end : {0, 1}) {
+            const Vector<Interval> p = net.corner(end, 0);
+            for (const Condition& c : conditions_) {
+                const Interval e = magnitude(space().excess(c, p));
+                const Interval about(-error_, error_);
+                const Vector<Interval> near{p[0] + about, p[1] + about, p[2] + about};
+                const double slope = std::min(2.0, sqrt(square(space().gradient(c, near))).upper());
+                if (!(e.lower() > (Interval(slope) * error_ + 2 * width).upper())) continue;
+                const bool is_nearer = space().excess(c, p).upper() < 0;
+                certificate_.refute(where + ".curve",
+                                    fmt::format("{} is {:.3g} {} than the base", title(c.site), e.lower(),
+                                                is_nearer ? "nearer" : "farther"),
+                                    e.lower() / slope);
+                return true;
+            }
         }
-        // Equal sums of height and radius: the paraboloids are congruent and meet over a line.
-        const double za = a->center[axis] - base.point[axis], zb = b->center[axis] - base.point[axis];
-        if (!aligned || Exact(a->center[axis]) - Exact(base.point[axis]) != Exact(za) ||
-            Exact(b->center[axis]) - Exact(base.point[axis]) != Exact(zb))
-            return {Parabola, Ellipse, Circle};
-        const Exact up(base.normal[axis] > 0 ? 1.0 : -1.0);
-        if (up * Exact(za) + Exact(a->radius) == up * Exact(zb) + Exact(b->radius)) return {Parabola};
-        return {a->center[x] == b->center[x] && a->center[y] == b->center[y] ? Circle : Ellipse};
+        return false;
     }
 
-    /// Bisectors with planes and spheres are planes, or surfaces of revolution with the base's centre as
-    /// focus: two of them meet in a plane, in a circle if they share the axis.
-    std::vector<CurveKind> kinds_over_sphere(const std::array<Site, 2>& sites) const {
-        using enum CurveKind;
-        const auto& base = std::get<Sphere>(scene_.base);
-        const auto is_flat = [&](const Site& s) {
-            return !s.is_object() || (as_sphere(s) && as_sphere(s)->radius == base.radius);
-        };
-        const auto axis = [&](const Site& s) -> Vec3 {
-            if (!s.is_object()) return Vec3::Unit(static_cast<int>(s.index / 2));
-            if (const Sphere* sphere = as_sphere(s)) return (sphere->center - base.center).normalized();
-            return std::get<Plane>(scene_.objects[s.index]).normal.normalized();
-        };
-        if (is_flat(sites[0]) && is_flat(sites[1])) return {Line};
-        for (const Site& s : sites)
-            if (!is_linear(s) && !as_sphere(s)) return {};
-        if (axis(sites[0]).cross(axis(sites[1])).norm() > kRounding) return {Ellipse, Parabola, Hyperbola};
-        return {Circle, Ellipse};
-    }
+    // --- Nothing nearer -----------------------------------------------------------------------------
 
-    /// Can a piece with these control points be of that kind, up to rounding? [Farin02, 12.4]: w1^2 / (w0 w2)
-    /// is below, at or above 1 for an ellipse, a parabola, a hyperbola; for a circle the legs are equal and
-    /// its root is the cosine of their angle with the chord.
-    bool fits(CurveKind kind, const Bezier<3>& piece, double error) const {
-        const Vec3 a = piece.control(0), b = piece.control(piece.points.size() - 1), m = piece.control(1);
-        if (kind == CurveKind::Spline) return true;
-        if (kind == CurveKind::Line) {
-            const Vec3 chord = b - a;
-            for (std::size_t k = 1; k + 1 < piece.points.size(); ++k)
-                if ((piece.control(k) - a).cross(chord).norm() > (rounding() + error) * chord.norm())
+    bool exclude_others(const std::string& where, const std::vector<Part>& whole) {
+        struct Task {
+            Net net;
+            std::vector<Condition> rivals;
+            int depth;
+        };
+        std::vector<Task> tasks;
+        for (const Part& p : whole) tasks.push_back({p.net, rivals(p.net), 0});
+        std::size_t count = 0;
+        while (!tasks.empty()) {
+            Task task = std::move(tasks.back());
+            tasks.pop_back();
+            std::erase_if(task.rivals, Farther{*this, task.net});
+            if (task.rivals.empty()) continue;
+            for (const int end : {0, 1})
+                for (const Condition& c : task.rivals) {
+                    const Interval e = space().excess(c, task.net.corner(end, 0));
+                    if (!(e.upper() < -allowance(c))) continue;
+                    certificate_.refute(where + ".curve",
+                                        fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
+                                        -e.upper());
                     return false;
+                }
+            if (++count > parts_allowed()) {
+                certificate_.leave_open(where + ".curve",
+                                        fmt::format("{} may be nearer somewhere", title(task.rivals[0].site)),
+                                        HUGE_VAL);
+                return false;
+            }
+            auto halves = task.net.halves(0);
+            tasks.push_back({std::move(halves[0]), task.rivals, task.depth + 1});
+            tasks.push_back({std::move(halves[1]), std::move(task.rivals), task.depth + 1});
+        }
+        return true;
+    }
+
+    /// Sites beside the edge's own that may be nearer than the base somewhere on the curve.
+    std::vector<Condition> rivals(const Net& net) const {
+        const Vector<Interval> box = net.box();
+        return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(), conditions_);
+    }
+
+    double allowance(const Condition& c) const { return 2 * error_ + tie_width(c.site); }
+
+    /// Is a site nowhere on a curve nearer than the base by more than the allowance? Along the curve the excess
+    /// changes by its gradient times the curve's derivative.
+    struct Farther {
+        Edges& edges;
+        const Net& net;
+        Vector<Interval> box = net.box(), slope = net.derivative(0);
+
+        bool operator()(const Condition& c) {
+            const Space<Interval>& space = edges.space();
+            const double allowed = edges.allowance(c);
+            if (space.excess(c, box).lower() >= 0) return true;
+            const Interval change = dot(space.gradient(c, box), slope);
+            const Interval at_begin = space.excess(c, net.corner(0, 0)), at_end = space.excess(c, net.corner(1, 0));
+            const double least =
+                std::max((at_begin + Interval(std::min(0.0, change.lower()))).lower(),
+                         (at_end - Interval(std::max(0.0, change.upper()))).lower());
+            if (least >= 0) return true;
+            if (!(least >= -allowed)) return false;
+            const double growth = edges.growth(c, box);
+            if (!(growth > 0)) return false;
+            edges.nearer_ = std::max(edges.nearer_, -least / growth);
             return true;
         }
-        if (piece.degree() != 2) return false;
-        const double k = piece.weight(1) * piece.weight(1) / (piece.weight(0) * piece.weight(2));
-        const double left = (m - a).norm(), right = (b - m).norm(), cosine = 0.5 * (b - a).norm() / left;
-        // A small one's points have few digits.
-        const double tolerance = kPlaceRounding * (1 + geometry_.scale() / left);
-        switch (kind) {
-            case CurveKind::Parabola:
-                return std::abs(k - 1) < tolerance;
-            case CurveKind::Hyperbola:
-                return k > 1 - tolerance;
-            case CurveKind::Circle:
-                return std::abs(left - right) <= rounding() && std::abs(k - cosine * cosine) <= tolerance;
-            default:
-                return k < 1 + tolerance;
-        }
-    }
+    };
+
+    std::vector<EdgeBound> bounds_;
+    std::vector<Condition> conditions_;  // the two sites' first
+    double error_ = 0;                   // of the edge under judgement, those of its ends included
+    double nearer_ = 0;                  // how far from the boundary a site that is a little nearer leaves it
 };
 
 }  // namespace
 
-void certify_edges(const Subject& subject, const CheckOptions& options, Certificate& certificate) {
-    Edges(subject, options, certificate).run();
+std::vector<EdgeBound> certify_edges(const Subject& subject, const CheckOptions& options,
+                                     Certificate& certificate) {
+    return Edges(subject, options, certificate).run();
 }
 
 }  // namespace vcell::check

@@ -5,82 +5,264 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
-#include "../trims.hpp"
+#include "excess.hpp"
+#include "trim_curves.hpp"
 
 namespace vcell::check {
 namespace {
 
+/// A rectangle of the patch, within the one of its loops.
+struct Tile {
+    Net net;
+    Vec2 lo, hi;  // in the patch's parameters
+    std::vector<Condition> rivals;
+
+    std::array<Tile, 2> halves() const {
+        const Vector<Interval> along = net.derivative(0), across = net.derivative(1);
+        const int axis = square(along).upper() >= square(across).upper() ? 0 : 1;
+        auto nets = net.halves(axis);
+        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals}, Tile{std::move(nets[1]), lo, hi, rivals}};
+        h[0].hi[axis] = h[1].lo[axis] = std::midpoint(lo[axis], hi[axis]);
+        return h;
+    }
+};
+
 class Faces : public Room {
 public:
-    using Room::Room;
+    Faces(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
+          Certificate& certificate)
+        : Room(subject, options, certificate), edge_bounds_(edges) {}
 
     void run() {
-        check_faces();
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f) check_name(f);
+        for (const Patch& patch : patches_) judge(patch);
     }
 
 private:
-    void check_faces() {
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
-            const CellFace& face = cell_.faces[f];
-            const auto names = geometry_.bisector_names(face.site);
-            if (std::ranges::find(names, face.bisector) == names.end())
-                note(face_path(f) + ".bisector", fmt::format("is \"{}\", of the base and {} it is \"{}\"",
-                                                             face.bisector, title(face.site), names[0]));
-        }
-        for (const Patch& patch : patches_) {
-            check_patch_points(patch);
-            for (std::size_t l = 0; l < patch.loops.size(); ++l)
-                for (std::size_t t = 0; t < patch.loops[l].size(); ++t)
-                    if (patch.loops[l][t].curve->edge)
-                        check_trim(patch, patch.loops[l][t],
-                                   fmt::format("{}[{}]", loop_path(patch.face, patch.index, l), t));
-        }
+    void check_name(std::size_t f) {
+        const CellFace& face = cell_.faces[f];
+        const auto names = geometry_.bisector_names(face.site);
+        if (std::ranges::find(names, face.bisector) == names.end())
+            note(face_path(f) + ".bisector", fmt::format("is \"{}\", of the base and {} it is \"{}\"", face.bisector,
+                                                         title(face.site), names[0]));
     }
 
-    void check_patch_points(const Patch& patch) {
+    void judge(const Patch& patch) {
         const std::string where = patch_path(patch.face, patch.index);
-        constexpr int kTries = 64, kEnough = 12;
-        int found = 0;
-        for (int k = 1; k <= kTries && found < kEnough; ++k) {
-            // Points of the additive recurrence with the golden ratio's plane analogue: even coverage.
-            const Vec2 s(std::fmod(0.7548776662466927 * k, 1.0), std::fmod(0.5698402909980532 * k, 1.0));
-            const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
-            if (!inside(patch, uv, rounding()).value_or(false)) continue;
-            ++found;
-            const SurfacePoint x = lift(patch, uv);
-            if (geometry_.up(x.p).dot(x.pu.cross(x.pv)) <= 0)
-                return note(where, "du x dv points towards the base");
-            const Site& site = cell_.faces[patch.face].site;
-            std::vector<Site> sites = cell_.faces[patch.face].extra_sites;
-            sites.insert(sites.begin(), site);
-            if (const auto what = contradiction(x.p, surface_rounding(patch, x, uv), sites))
-                return note(where, *what);
-        }
+        const auto boundary = check_boundary(patch);
+        const CellFace& face = cell_.faces[patch.face];
+        own_.clear();
+        own_.push_back({face.site});
+        for (const Site& s : face.extra_sites) own_.push_back({s});
+        width_ = std::max(tie_width(face.site), kRounding * patch.control_size);
+
+        Vec3 center = Vec3::Zero();
+        for (const auto& c : patch.part.points) center += c.head<3>() / static_cast<double>(patch.part.points.size());
+        const Tile whole{net_over(*patch.surface, patch.lo, patch.hi, center), patch.lo, patch.hi, {}};
+        const auto distance = follow_bisector(where, patch, whole);
+        if (!distance || !exclude_others(where, patch, whole) || !boundary) return;
+        prove(where, std::max(*distance, *boundary));
     }
 
-    void check_trim(const Patch& patch, const Trim& trim, const std::string& where) {
-        const std::size_t e = *trim.curve->edge;
-        const auto& curve = edge_pieces_[e];
-        constexpr int kSteps = 12;
-        for (int k = 0; k <= kSteps; ++k) {
-            const double s = static_cast<double>(k) / kSteps;
-            const double t = trim.begin() + s * (trim.end() - trim.begin());
-            const Vec2 uv = evaluate(trim.pieces, t);
-            const SurfacePoint x = lift(patch, uv);
-            const Vec3 p = evaluate(curve, edge_parameter(*trim.curve, cell_.edges[e].curve, t));
-            if (const double gap = (x.p - p).norm(); gap > 2 * full_error(e) + surface_rounding(patch, x, uv))
-                return note(
-                    where,
-                    fmt::format("lifts to a curve {:.3g} away from edge {} at the same parameter", gap, e));
-        }
+    /// How far points between the trimming curves and the true arcs are from the true boundary; none where a
+    /// curve or its edge is not proved. The excess of the site across the edge may be negative there, but no
+    /// more than on the trimming curve, and it grows towards the base.
+    std::optional<double> check_boundary(const Patch& patch) {
+        double most = 0;
+        bool proved = true;
+        for (std::size_t l = 0; l < patch.loops.size(); ++l)
+            for (std::size_t t = 0; t < patch.loops[l].size(); ++t) {
+                const Trim& trim = patch.loops[l][t];
+                if (!trim.curve->edge) continue;
+                const double gap =
+                    certify_trim(patch, trim, fmt::format("{}[{}]", loop_path(patch.face, patch.index, l), t),
+                                 subject_, options_, certificate_);
+                const EdgeBound& edge = edge_bounds_[*trim.curve->edge];
+                proved = proved && gap < HUGE_VAL && edge.growth > 0;
+                most = std::max({most, gap, (edge.excess + 2 * gap) / edge.growth});
+            }
+        return proved ? std::optional(most) : std::nullopt;
     }
+
+    // --- On the bisector ----------------------------------------------------------------------------
+
+    std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole) {
+        std::vector<Tile> tiles{whole};
+        double most = 0;
+        std::size_t count = 0;
+        while (!tiles.empty()) {
+            const Tile tile = std::move(tiles.back());
+            tiles.pop_back();
+            const ExcessAlong along(space(), tile.net);
+            double size = 0;
+            for (const Condition& c : own_) size = std::max(size, magnitude(along.excess(c)).upper());
+            const auto found = distance(tile.net.box(), size);
+            if (found && *found <= allowed(*found, size)) {
+                most = std::max(most, *found);
+                continue;
+            }
+            if (is_outside(patch, tile)) continue;
+            if (const auto e = off_bisector(tile.net)) {
+                certificate_.refute(where, fmt::format("{} is {:.3g} {} than the base", title(own_[0].site), std::abs(*e),
+                                                       *e < 0 ? "nearer" : "farther"),
+                                    0.5 * std::abs(*e));
+                return std::nullopt;
+            }
+            if (++count > tiles_allowed()) {
+                certificate_.leave_open(where, fmt::format("its site's excess is below {:.3g}", size),
+                                        found.value_or(HUGE_VAL));
+                return std::nullopt;
+            }
+            for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
+        }
+        return most;
+    }
+    /// Rounding of the patch's numbers is no difference.
+    double allowed(double distance, double size) const { return size <= width_ ? distance : 0; }
+    std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
+
+    /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
+    std::optional<double> distance(const Vector<Interval>& box, double size) const {
+        double margin = size;
+        for (int tries = 0; tries < 4; ++tries) {
+            const Interval m(-margin, margin);
+            const double slope =
+                sqrt(square(space().gradient(own_[0], {box[0] + m, box[1] + m, box[2] + m}))).lower();
+            if (!(slope > 0)) return std::nullopt;
+            const double reach = (Interval(size) / slope).upper();
+            if (reach <= margin) return reach;
+            margin = 1.25 * reach;
+        }
+        return std::nullopt;
+    }
+
+    std::optional<double> off_bisector(const Net& net) const {
+        for (const int i : {0, 1})
+            for (const int j : {0, 1})
+                for (const Condition& c : own_) {
+                    const Interval e = space().excess(c, net.corner(i, j));
+                    if (magnitude(e).lower() > 2 * width_) return e.mid();
+                }
+        return std::nullopt;
+    }
+
+    // --- Nothing nearer -----------------------------------------------------------------------------
+
+    bool exclude_others(const std::string& where, const Patch& patch, const Tile& whole) {
+        std::vector<Tile> tiles{whole};
+        tiles.back().rivals = rivals(whole.net);
+        std::size_t count = 0;
+        while (!tiles.empty()) {
+            Tile tile = std::move(tiles.back());
+            tiles.pop_back();
+            std::erase_if(tile.rivals, [this, t = Test(*this, tile.net)](const Condition& c) { return t(c); });
+            if (tile.rivals.empty() || is_outside(patch, tile)) continue;
+            const Vec2 uv = 0.5 * (tile.lo + tile.hi);
+            const SurfacePoint s = lift(patch, uv);
+            if (const auto nearer = nearer_at(s.p, tile.rivals);
+                nearer && inside(patch, uv, rounding()).value_or(false)) {
+                certificate_.refute(where, fmt::format("{} is {:.3g} nearer than the base", title(nearer->first.site),
+                                                       nearer->second),
+                                    nearer->second);
+                return false;
+            }
+            if (++count > tiles_allowed()) {
+                certificate_.leave_open(where,
+                                        fmt::format("{} may be nearer somewhere", title(tile.rivals[0].site)),
+                                        HUGE_VAL);
+                return false;
+            }
+            for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
+        }
+        return true;
+    }
+
+    std::vector<Condition> rivals(const Net& net) const {
+        const Vector<Interval> box = net.box();
+        return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(), own_);
+    }
+
+    /// A rival that is nearer at p by more than rounding.
+    std::optional<std::pair<Condition, double>> nearer_at(const Vec3& p, std::span<const Condition> rivals) const {
+        for (const Condition& c : rivals)
+            if (const Interval e = space().excess(c, to_vector<Interval>(p)); e.upper() < -2 * width_ - tie_width(c.site))
+                return std::pair(c, -e.upper());
+        return std::nullopt;
+    }
+
+    /// Need a rival not be looked for in a tile? It is nowhere nearer there, or its excess has no least value
+    /// there on the bisector.
+    class Test {
+    public:
+        Test(const Faces& faces, const Net& net)
+            : faces_(faces), space_(faces.space()), net_(net), box_(net.box()) {
+            const Interval m(-faces.width_, faces.width_);
+            near_ = {box_[0] + m, box_[1] + m, box_[2] + m};
+            center_ = middle(box_);
+            reach_ = 2 * radius(near_);
+            own_gradient_ = space_.gradient(faces.own_[0], near_);
+        }
+
+        bool operator()(const Condition& c) const {
+            if (space_.excess(c, to_vector<Interval>(center_)).lower() >= reach_) return true;
+            if (space_.excess(c, box_).lower() >= 0) return true;
+            const Vector<Interval> gradient = space_.gradient(c, near_);
+            const Vector<Interval> sine = cross(own_gradient_, gradient);
+            for (const Interval& s : sine)
+                if (s.lower() > 0 || s.upper() < 0) return true;
+            const Interval change =
+                magnitude(dot(gradient, net_.derivative(0))) + magnitude(dot(gradient, net_.derivative(1)));
+            const Interval at_corner = space_.excess(c, net_.corner(0, 0));
+            return (at_corner - change).lower() >= -faces_.tie_width(c.site);
+        }
+
+    private:
+        const Faces& faces_;
+        const Space<Interval>& space_;
+        const Net& net_;
+        Vector<Interval> box_, near_, own_gradient_;
+        Vec3 center_;
+        double reach_;
+    };
+
+    // --- Inside the trims ---------------------------------------------------------------------------
+
+    /// Is a tile certainly outside the loops? No curve meets it, and they do not wind around it.
+    bool is_outside(const Patch& patch, const Tile& tile) const {
+        for (const auto& loop : patch.loops)
+            for (const Trim& trim : loop)
+                for (const auto& piece : trim.pieces)
+                    if (meets(piece, tile.lo, tile.hi)) return false;
+        return !inside(patch, 0.5 * (tile.lo + tile.hi), rounding()).value_or(true);
+    }
+
+    static bool meets(const Bezier<2>& piece, const Vec2& lo, const Vec2& hi) {
+        Vec2 least = piece.control(0), most = least;
+        for (std::size_t i = 1; i < piece.points.size(); ++i) {
+            least = least.cwiseMin(piece.control(i));
+            most = most.cwiseMax(piece.control(i));
+        }
+        if ((least.array() > hi.array()).any() || (most.array() < lo.array()).any()) return false;
+        if (((most - least).array() < 0.25 * (hi - lo).array()).all()) return true;
+        if (!((most - least).array() > kNearEdge * most.cwiseAbs().cwiseMax(least.cwiseAbs()).array()).any()) return true;
+        for (const auto& half : piece.halves())
+            if (meets(half, lo, hi)) return true;
+        return false;
+    }
+
+    std::span<const EdgeBound> edge_bounds_;
+    std::vector<Condition> own_;
+    double width_ = 0;  // what rounding of the patch's numbers makes of an excess
 };
 
 }  // namespace
 
-void certify_faces(const Subject& subject, const CheckOptions& options, Certificate& certificate) {
-    Faces(subject, options, certificate).run();
+void certify_faces(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
+                   Certificate& certificate) {
+    Faces(subject, edges, options, certificate).run();
 }
 
 }  // namespace vcell::check

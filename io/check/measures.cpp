@@ -28,6 +28,10 @@ public:
     }
 
 private:
+    void check_amount(const std::string& where, double v) {
+        if (!(v >= 0) || std::isinf(v)) note(where, fmt::format("is {}, must be finite and not negative", v));
+    }
+
     /// The integral of SceneGeometry::densities() over a trimmed patch. Green's theorem: the integral over
     /// the region is that of I(u, v) dv along the loops, I the integral of the density from a fixed u; or
     /// that of -I du, from a fixed v.

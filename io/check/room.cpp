@@ -4,6 +4,21 @@
 
 namespace vcell::check {
 
+std::vector<Condition> Room::rivals(const Vec3& p, double reach, std::span<const Condition> own) const {
+    const auto is_own = [&](const Condition& c) {
+        return std::ranges::any_of(own, [&](const Condition& o) { return o.site == c.site && o.at_rim == c.at_rim; });
+    };
+    std::vector<std::uint32_t> objects;
+    subject_.tree.near(p, reach, objects);
+    std::vector<Condition> found;
+    for (const std::uint32_t k : objects) found.push_back({Site::object(k)});
+    for (std::uint32_t s = 0; s < 6; ++s)
+        if (!geometry_.is_end(s)) found.push_back({Site::box_side(s)});
+    for (std::uint32_t e = 0; geometry_.is_cylinder() && e < 2; ++e) found.push_back({Site::end(e)});
+    std::erase_if(found, is_own);
+    return found;
+}
+
 std::optional<std::string> Room::contradiction(const Vec3& p, double error, std::span<const Site> sites) const {
     const double r = height(p);
     for (const Site& s : sites) {

@@ -2,6 +2,7 @@
 /// point of the boundary.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,11 +34,33 @@ protected:
         certificate_.refute(std::move(where), std::move(what));
     }
 
+    /// Adds a proof that bounds how far the boundary as written is from the true one.
+    void prove(std::string where, double distance, std::string what = {}) {
+        certificate_.distance = std::max(certificate_.distance, distance);
+        certificate_.prove(std::move(where), distance, std::move(what));
+    }
+
+    const Space<Interval>& space() const { return subject_.space; }
+    /// Below this an excess is no difference: what rounding of numbers of the scene's size makes of zero.
+    double tie_width(const Site& s) const { return geometry_.site_rounding(s); }
+    /// The largest error that may be stated where this much is proved: what the scene tolerates, or a small
+    /// multiple.
+    double most_stated(double proved) const { return std::max(scene_tolerance(), 16 * proved); }
+
     double rounding() const { return geometry_.rounding(); }
     double height(const Vec3& p) const { return geometry_.height(p); }
     double scene_tolerance() const { return subject_.tolerance(); }
     double full_error(std::size_t e) const { return subject_.full_error(e); }
     std::vector<Site> label(std::size_t e) const { return subject_.label(e); }
+
+    /// Sites but the given ones that may be nearer than the base within `reach` of p. Sides of the box that are
+    /// ends of the base cylinder's stretch are no sites beside them.
+    std::vector<Condition> rivals(const Vec3& p, double reach, std::span<const Condition> own) const;
+    /// Half the squared gradient of an excess: what it grows by at least per length on the way towards an
+    /// object's base, where the other sites' excesses grow, too.
+    double growth(const Condition& c, const Vector<Interval>& box) const {
+        return c.site.is_object() ? 0.5 * square(space().gradient(c, box)).lower() : 0.5;
+    }
 
     /// What contradicts that p, stated with an error, bounds the cell by the given sites; nothing if fine.
     std::optional<std::string> contradiction(const Vec3& p, double error, std::span<const Site> sites) const;

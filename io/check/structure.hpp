@@ -1,6 +1,7 @@
 /// Structure: what must hold before anything of a cell can be evaluated. Indices, counts, knots, weights.
 #pragma once
 
+#include "../../envelope/cell.hpp"
 #include "certificate.hpp"
 #include "scene.hpp"
 

@@ -18,7 +18,8 @@ constexpr int kGrid = 8;
 
 }  // namespace
 
-Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate) : cell(c), geometry(g) {
+Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate) 
+    : cell(c), geometry(g), space(c.scene), tree(c.scene) {
     for (const CellEdge& e : cell.edges) edge_pieces.push_back(pieces(e.curve));
     uses.resize(cell.edges.size());
     rim.resize(cell.edges.size());

@@ -10,6 +10,8 @@
 #include "curves.hpp"
 #include "patches.hpp"
 #include "scene.hpp"
+#include "site_tree.hpp"
+#include "space.hpp"
 
 namespace vcell::check {
 
@@ -37,6 +39,8 @@ struct Subject {
 
     const Cell& cell;
     const SceneGeometry& geometry;
+    Space<Interval> space;
+    SiteTree tree;
     std::vector<std::vector<Bezier<3>>> edge_pieces;
     std::vector<std::vector<Use>> uses;    ///< by edge
     std::vector<std::optional<Site>> rim;  ///< by edge: what it runs over the rim towards

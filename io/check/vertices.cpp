@@ -2,9 +2,36 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
+
+#include "krawczyk.hpp"
 
 namespace vcell::check {
+
+std::vector<Condition> independent(const Space<Interval>& space, std::span<const Condition> conditions,
+                                   const Vec3& p) {
+    const Vector<Interval> at = to_vector<Interval>(p);
+    std::vector<Vec3> rest;
+    for (const Condition& c : conditions) rest.push_back(middle(space.gradient(c, at)));
+    std::vector<Condition> chosen;
+    for (int k = 0; k < 3; ++k) {
+        std::size_t best = 0;
+        for (std::size_t i = 1; i < rest.size(); ++i)
+            if (rest[i].squaredNorm() > rest[best].squaredNorm()) best = i;
+        const double length = rest[best].norm();
+        // Gradients are known to some 2^-50: what is left of one that is shorter has no direction.
+        if (!(length > 0x1p-46)) break;
+        chosen.push_back(conditions[best]);
+        const Vec3 axis = rest[best] / length;
+        for (Vec3& g : rest) g -= axis.dot(g) * axis;
+    }
+    return chosen;
+}
+
 namespace {
 
 class Vertices : public Room {
@@ -12,22 +39,175 @@ public:
     using Room::Room;
 
     void run() {
-        check_vertices();
+        for (std::size_t i = 0; i < cell_.vertices.size(); ++i) judge(i);
     }
 
 private:
-    void check_vertices() {
-        for (std::size_t i = 0; i < cell_.vertices.size(); ++i) {
-            const CellVertex& v = cell_.vertices[i];
-            if (std::abs(height(v.point) - v.radius) > v.error + rounding())
-                note(vertex_path(i) + ".radius",
-                     fmt::format("is {}, the base is {} away", v.radius, height(v.point)));
-            std::vector<Site> attained;
-            for (const Site& s : v.sites)
-                if (geometry_.distance_from_rim(s, v.point) > v.error + rounding()) attained.push_back(s);
-            if (const auto what = contradiction(v.point, v.error, attained)) note(vertex_path(i), *what);
+    /// What decides about a vertex: where its true point is, in the coarser or the finer arithmetic.
+    template <class T>
+    struct Place {
+        const Space<T>& space;
+        Vector<T> point;
+        T distance;  ///< of the stated point
+        bool is_proved = false;  ///< one common point of three sites; else the stated point itself
+    };
+
+    void judge(std::size_t i) {
+        const CellVertex& v = cell_.vertices[i];
+        const std::string where = vertex_path(i);
+        std::vector<Condition> conditions;
+        for (const Site& s : v.sites) add_conditions(s, v, conditions);
+        const Interval r = space().clearance(to_vector<Interval>(v.point));
+        if (const Interval off = magnitude(r - v.radius); off.lower() > v.error + rounding())
+            return certificate_.refute(where + ".radius", fmt::format("is {}, the base is {} away", v.radius, r.mid()),
+                                       off.lower());
+        std::vector<Condition> triple = independent(space(), conditions, v.point);
+        if (triple.size() < 3) return judge_touching(i, conditions);
+        const std::array<Condition, 3> three{triple[0], triple[1], triple[2]};
+        const auto box = enclose(space(), three, v.point, reach(), 4);
+        if (box) {
+            const Place<Interval> place{space(), *box, distance(*box, v.point), true};
+            if (decide(i, conditions, place, false)) return;
         }
+        // Wide arithmetic: many roundings closer, where doubles leave a question open.
+        const auto finer = enclose(wide_, three, v.point, reach(), 8);
+        if (!finer) return judge_touching(i, conditions);
+        const Place<Wide> place{wide_, *finer, distance(*finer, v.point), true};
+        decide(i, conditions, place, true);
     }
+
+    /// A Newton step may not leave the vertex farther than that behind.
+    double reach() const { return 0x1p-6 * scene_.box.diagonal(); }
+
+    /// What a site asks of a vertex. A side of the box is met by the boundary, or over a base plane by the
+    /// region below it: what holds there, or both; the one that is less wrong if neither does.
+    void add_conditions(const Site& s, const CellVertex& v, std::vector<Condition>& conditions) const {
+        if (s.kind != Site::Kind::BoxSide || !geometry_.is_plane() || is_parallel(s)) {
+            conditions.push_back({s});
+            return;
+        }
+        const Condition rim{s, true}, side{s, false};
+        if (is_upright(s)) {  // both are the same
+            conditions.push_back(rim);
+            return;
+        }
+        const auto off = [&](const Condition& c) {
+            return magnitude(space().excess(c, to_vector<Interval>(v.point))).lower();
+        };
+        const double limit = std::max(std::min(off(rim), off(side)), 2 * v.error + tie_width(s));
+        for (const Condition& c : {rim, side})
+            if (off(c) <= limit) conditions.push_back(c);
+    }
+    bool is_upright(const Site& side) const {
+        return std::get<Plane>(scene_.base).normal[side.index / 2] == 0;
+    }
+    template <class T>
+    static T distance(const Vector<T>& box, const Vec3& p) {
+        return sqrt(square(box - to_vector<T>(p)));
+    }
+    /// Adds the verdict about vertex i, or returns false where only a finer enclosure can tell. `last`: there
+    /// is none finer.
+    template <class T>
+    bool decide(std::size_t i, std::span<const Condition> conditions, const Place<T>& place, bool last) {
+        const CellVertex& v = cell_.vertices[i];
+        const std::string where = vertex_path(i);
+        const double least = lower_bound(place.distance), most = upper_bound(place.distance);
+        if (least > v.error) {
+            certificate_.refute(where, fmt::format("lies {:.3g} from the true point, states {:.3g}", least, v.error),
+                                least);
+            return true;
+        }
+        if (most > v.error && !last) return false;
+        double tie = 0, nearer = 0;
+        for (const Condition& c : conditions) {
+            const T e = place.space.excess(c, place.point);
+            if (lower_bound(magnitude(e)) > tie_width(c.site)) {
+                // Beside the stated point the sites may all be equally far: three of them meet elsewhere.
+                certificate_.refute(where,
+                                    fmt::format("{} is {:.3g} {} than the base", title(c.site), lower_bound(magnitude(e)),
+                                                upper_bound(e) < 0 ? "nearer" : "farther"),
+                                    lower_bound(magnitude(e)));
+                return true;
+            }
+            tie = std::max(tie, upper_bound(magnitude(e)));
+        }
+        std::string note;
+        for (const Condition& c : rivals(v, place)) {
+            const T e = place.space.excess(c, place.point);
+            if (lower_bound(e) > 0) continue;
+            if (lower_bound(e) <= 0 && upper_bound(e) >= 0) {
+                if (!last) return false;
+                certificate_.refute(where + ".sites", fmt::format("lack {}, which ties to {:.3g}", title(c.site),
+                                                                  upper_bound(magnitude(e))));
+                return true;
+            }
+            if (-upper_bound(e) > tie_width(c.site) + 2 * v.error) {
+                certificate_.refute(where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -upper_bound(e)),
+                                    -upper_bound(e));
+                return true;
+            }
+            nearer = std::max(nearer, -lower_bound(e));
+            note = fmt::format("{} is nearer, by less than {:.3g}; ", title(c.site), -lower_bound(e));
+        }
+        if (v.error > most_stated(most)) {
+            certificate_.refute(where + ".error",
+                                fmt::format("is {:.3g}, the point is within {:.3g}", v.error, most), v.error);
+            return true;
+        }
+        if (conditions.size() > 3) note += fmt::format("a tie of {} sites, verified to {:.3g}", v.sites.size(), tie);
+        prove(where, std::max({most, nearer, tie}), note);
+        return true;
+    }
+
+    /// Sites that the vertex does not list and that are not far.
+    template <class T>
+    std::vector<Condition> rivals(const CellVertex& v, const Place<T>& place) const {
+        const double reach = upper_bound(place.space.clearance(place.point)) + 2 * upper_bound(place.distance);
+        std::vector<Condition> found = Room::rivals(v.point, reach + rounding(), {});
+        for (std::uint32_t s = 0; geometry_.is_plane() && s < 6; ++s)
+            if (!is_parallel(Site::box_side(s))) found.push_back({Site::box_side(s), true});
+        std::erase_if(found, [&](const Condition& c) { return contains(v.sites, c.site); });
+        return found;
+    }
+    /// A side of the box along the base plane asks nothing of base points.
+    bool is_parallel(const Site& side) const {
+        const Vec3& n = std::get<Plane>(scene_.base).normal;
+        return n[(side.index / 2 + 1) % 3] == 0 && n[(side.index / 2 + 2) % 3] == 0;
+    }
+
+    /// Bisectors that touch: no three sites fix the point. It lies on the boundary as far as the excesses tell;
+    /// where along it is not proved.
+    void judge_touching(std::size_t i, std::span<const Condition> conditions) {
+        const CellVertex& v = cell_.vertices[i];
+        const Place<Interval> place{space(), to_vector<Interval>(v.point), Interval(0.0), false};
+        const std::string where = vertex_path(i);
+        double width = 0, steepest = 0;
+        for (const Condition& c : conditions) {
+            const Interval e = magnitude(space().excess(c, place.point));
+            if (e.lower() > 2 * v.error + tie_width(c.site))
+                return certificate_.refute(where, fmt::format("{} and the base differ by {:.3g}", title(c.site), e.lower()),
+                                           0.5 * e.lower());
+            width = std::max(width, e.upper());
+            steepest = std::max(steepest, sqrt(square(space().gradient(c, place.point))).lower());
+        }
+        for (const Condition& c : rivals(v, place)) {
+            const Interval e = space().excess(c, place.point);
+            if (e.upper() < -2 * v.error - tie_width(c.site))
+                return certificate_.refute(where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
+                                           -e.upper());
+            if (e.lower() <= 0 && e.upper() >= 0 && conditions.size() < 3)
+                return certificate_.refute(where + ".sites", fmt::format("lack {}, which ties to {:.3g}", title(c.site),
+                                                                         magnitude(e).upper()));
+            width = std::max(width, -e.lower());
+        }
+        if (v.error > most_stated(width))
+            return certificate_.refute(where + ".error", fmt::format("is {:.3g}, all excesses are within {:.3g}", v.error, width),
+                                       v.error);
+        prove(where, steepest > 0 ? width / steepest : width,
+                           fmt::format("bisectors touch: {} sites tie, verified to {:.3g}", v.sites.size(), width));
+    }
+
+    Space<Wide> wide_{scene_};
 };
 
 }  // namespace

@@ -1,0 +1,43 @@
+/// The excess of sites (space.hpp) all over a curve or a patch.
+///
+/// With homogeneous coordinates every squared distance is a polynomial, and so are the equations of all
+/// bisectors: where a curve lies on one, the equation's coefficients vanish up to rounding, and the bound is as
+/// small as that without any subdivision.
+#pragma once
+
+#include "nets.hpp"
+#include "space.hpp"
+
+namespace vcell::check {
+
+class ExcessAlong {
+public:
+    /// Keeps references.
+    ExcessAlong(const Space<Interval>& space, const Net& net);
+
+    /// Encloses the excess everywhere on the net.
+    Interval excess(const Condition& condition) const;
+
+private:
+    using Surface = check::Surface<Interval>;
+
+    Vector<Form> from(const Surface& s) const;
+    Form signed_distance(const Surface& plane) const;
+    Form squared_distance(const Surface& round) const;
+    Interval object_excess(const Surface& object) const;
+    Interval above_plane(const Surface& object) const;
+    Interval of_plane(const Surface& object) const;
+    Interval of_round(const Surface& object) const;
+
+    const Space<Interval>& space_;
+    const Net& net_;
+    Vector<Form> position_;  // about the net's origin
+    Form weight_;
+    Interval w_;
+    // Of the base: the signed distance times the weight from a plane, the squared distance from a centre or an
+    // axis times the squared weight.
+    Form base_;
+    Interval clearance_;
+};
+
+}  // namespace vcell::check

@@ -1,0 +1,146 @@
+/// Bézier curves and patches as nets of homogeneous control points in interval arithmetic.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "../../core/bspline.hpp"
+#include "../../core/small_vector.hpp"
+#include "forms.hpp"
+#include "space.hpp"
+
+namespace vcell::check {
+
+/// One polynomial piece of a rational curve over [begin, end]; control points are (w (p - origin), w).
+template <int Dim>
+struct Span {
+    using Point = std::array<Interval, Dim + 1>;
+
+    double begin = 0, end = 1;
+    SmallVector<Point, 4> points;
+
+    int degree() const { return static_cast<int>(points.size()) - 1; }
+    Form form(int coordinate) const {
+        Form f(degree(), 0);
+        for (int i = 0; i <= degree(); ++i) f.at(i, 0) = binomial(degree(), i) * points[i][coordinate];
+        return f;
+    }
+};
+
+/// a + s (b - a), exactly where s is 0 or 1.
+template <std::size_t N>
+std::array<Interval, N> blend(const std::array<Interval, N>& a, const std::array<Interval, N>& b,
+                              const Interval& s) {
+    if (s.lower() == 0 && s.upper() == 0) return a;
+    if (s.lower() == 1 && s.upper() == 1) return b;
+    std::array<Interval, N> r;
+    const Interval rest = Interval(1.0) - s;
+    for (std::size_t k = 0; k < N; ++k) r[k] = rest * a[k] + s * b[k];
+    return r;
+}
+
+/// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom at
+/// (a, ..., a, b, ..., b) with j times b.
+template <int Dim>
+std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
+    using Point = typename Span<Dim>::Point;
+    const int d = c.degree;
+    const auto homogeneous = [&](int i) {
+        Point p;
+        p[Dim] = c.points[i][Dim];
+        for (int k = 0; k < Dim; ++k) p[k] = c.points[i][Dim] * (Interval(c.points[i][k]) - origin[k]);
+        return p;
+    };
+    std::vector<Span<Dim>> result;
+    for (int k = d; k + d + 1 < static_cast<int>(c.knots.size()); ++k) {
+        const double a = c.knots[k], b = c.knots[k + 1];
+        if (!(a < b)) continue;
+        Span<Dim> span{a, b, {}};
+        for (int j = 0; j <= d; ++j) {
+            SmallVector<Point, 8> level;
+            for (int i = k - d; i <= k; ++i) level.push_back(homogeneous(i));
+            for (int r = 1; r <= d; ++r) {
+                const double t = r <= j ? b : a;
+                for (int i = d; i >= r; --i) {
+                    const int knot = k - d + i;
+                    const double first = c.knots[knot], last = c.knots[knot + d - r + 1];
+                    const Interval s = t == first ? Interval(0.0)
+                                       : t == last ? Interval(1.0)
+                                                   : (Interval(t) - first) / (Interval(last) - first);
+                    level[i] = blend(level[i - 1], level[i], s);
+                }
+            }
+            span.points.push_back(level[d]);
+        }
+        result.push_back(std::move(span));
+    }
+    return result;
+}
+
+/// The part of a span over [begin, end] of its domain.
+template <int Dim>
+Span<Dim> part_of(const Span<Dim>& span, double begin, double end) {
+    if (begin == span.begin && end == span.end) return span;
+    const Interval width = Interval(span.end) - span.begin;
+    const auto place = [&](double t) {
+        return t == span.end ? Interval(1.0) : (Interval(t) - span.begin) / width;
+    };
+    const Interval a = place(begin), b = place(end);
+    const int d = span.degree();
+    Span<Dim> result{begin, end, {}};
+    for (int j = 0; j <= d; ++j) {
+        auto level = span.points;
+        for (int r = 1; r <= d; ++r)
+            for (int i = 0; i + r <= d; ++i) level[i] = blend(level[i], level[i + 1], r <= j ? b : a);
+        result.points.push_back(level[0]);
+    }
+    return result;
+}
+
+/// A curve (of degree 0 in t) or a patch in space. Points are about an origin near by, so that they have few
+/// digits to lose.
+class Net {
+public:
+    using Point = std::array<Interval, 4>;
+
+    Net(int m, int n, const Vec3& origin) : m_(m), n_(n), origin_(origin) {
+        points_.resize(static_cast<std::size_t>((m + 1) * (n + 1)));
+    }
+    Net(const Span<3>& span, const Vec3& origin) : Net(span.degree(), 0, origin) {
+        for (int i = 0; i <= m_; ++i) at(i, 0) = span.points[i];
+    }
+    Net(const RationalPatch& patch, const Vec3& origin);
+
+    int degree_s() const { return m_; }
+    int degree_t() const { return n_; }
+    const Vec3& origin() const { return origin_; }
+    Point& at(int i, int j) { return points_[static_cast<std::size_t>(i * (n_ + 1) + j)]; }
+    const Point& at(int i, int j) const { return points_[static_cast<std::size_t>(i * (n_ + 1) + j)]; }
+
+    /// One homogeneous coordinate as a polynomial.
+    Form form(int coordinate) const;
+    /// The whole lies in the hull of its control points. Pre: weights are positive.
+    Vector<Interval> box() const;
+    /// The ends in s and t: 0 is the begin, 1 the end.
+    Vector<Interval> corner(int i, int j) const { return position(at(i * m_, j * n_)); }
+    /// Derivative with respect to s (axis 0) or t (axis 1), as it runs over [0, 1].
+    Vector<Interval> derivative(int axis) const;
+    std::array<Net, 2> halves(int axis) const;
+    /// The part over s or t in [a, b], with rounded ends.
+    Net part(int axis, const Interval& a, const Interval& b) const;
+
+private:
+    Vector<Interval> position(const Point& p) const {
+        return {p[0] / p[3] + origin_[0], p[1] / p[3] + origin_[1], p[2] / p[3] + origin_[2]};
+    }
+
+    int m_, n_;
+    Vec3 origin_;
+    SmallVector<Point, 9> points_;
+};
+
+/// The part of a patch over the rectangle lo, hi of its parameters, where the corners of its domain do not
+/// matter.
+Net net_over(const RationalPatch& patch, const Vec2& lo, const Vec2& hi, const Vec3& origin);
+
+}  // namespace vcell::check

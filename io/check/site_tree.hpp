@@ -1,0 +1,37 @@
+/// Which objects may be near a point: a tree over the balls' centres, and a list of all others.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "../../primitives/scene.hpp"
+
+namespace vcell::check {
+
+class SiteTree {
+public:
+    explicit SiteTree(const Scene& scene);
+
+    /// Appends, in no order, all objects nearer to p than reach, and perhaps some others.
+    void near(const Vec3& p, double reach, std::vector<std::uint32_t>& objects) const;
+
+private:
+    struct Ball {
+        Vec3 center;
+        double radius;
+        std::uint32_t object;
+    };
+    struct Node {
+        Vec3 lo, hi;  // of the centres
+        double most;  // of the radii
+        std::uint32_t begin, end;
+        std::uint32_t right;  // the left one follows; 0: a leaf
+    };
+    void build(std::uint32_t begin, std::uint32_t end);
+
+    std::vector<Ball> balls_;
+    std::vector<Node> nodes_;
+    std::vector<std::uint32_t> others_;
+};
+
+}  // namespace vcell::check

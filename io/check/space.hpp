@@ -1,0 +1,250 @@
+/// The scene in interval arithmetic: how far a point, or a box of points, is from the base and from every
+/// site, and in which direction those distances grow. T is Interval, or Wide where that is too coarse.
+///
+/// Where a site bounds the cell, its *excess* is zero: of an object, its distance less the clearance; of a
+/// side of the box or an end of the stretch, the distance from it inwards; of the rim of a base plane's
+/// region, that of the base point below. Gradients of distances are unit vectors, so an excess changes by at
+/// most twice the way.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "../../core/interval.hpp"
+#include "../../core/wide_interval.hpp"
+#include "../../primitives/scene.hpp"
+#include "../../primitives/site.hpp"
+
+namespace vcell::check {
+
+template <class T>
+using Vector = std::array<T, 3>;
+
+template <class T>
+Vector<T> to_vector(const Vec3& v) {
+    return {T(v[0]), T(v[1]), T(v[2])};
+}
+template <class T>
+Vector<T> operator+(const Vector<T>& a, const Vector<T>& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+template <class T>
+Vector<T> operator-(const Vector<T>& a, const Vector<T>& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+template <class T>
+Vector<T> operator*(const T& s, const Vector<T>& a) {
+    return {s * a[0], s * a[1], s * a[2]};
+}
+template <class T>
+T dot(const Vector<T>& a, const Vector<T>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class T>
+T square(const Vector<T>& a) {
+    return square(a[0]) + square(a[1]) + square(a[2]);
+}
+template <class T>
+Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+template <class T>
+Vector<T> hull(const Vector<T>& a, const Vector<T>& b) {
+    return {hull(a[0], b[0]), hull(a[1], b[1]), hull(a[2], b[2])};
+}
+template <class T>
+T magnitude(const T& a) {
+    if (a.lower() >= 0) return a;
+    if (a.upper() <= 0) return -a;
+    return hull(T(0.0), hull(a, -a));
+}
+
+/// The direction of v, each coordinate within [-1, 1] whatever v holds.
+template <class T>
+Vector<T> direction(const Vector<T>& v, const T& length) {
+    const auto clip = [](const T& x) {
+        const T unit(-1.0, 1.0);
+        return T(std::max(x.lower(), unit.lower()), std::min(x.upper(), unit.upper()));
+    };
+    return {clip(v[0] / length), clip(v[1] / length), clip(v[2] / length)};
+}
+
+inline Vec3 middle(const Vector<Interval>& v) { return {v[0].mid(), v[1].mid(), v[2].mid()}; }
+/// The box about p that reaches r to either side.
+inline Vector<Interval> box_about(const Vec3& p, double r) {
+    return {Interval::ball(p[0], r), Interval::ball(p[1], r), Interval::ball(p[2], r)};
+}
+/// Upper bound of the distance of a point of the box from its middle.
+inline double radius(const Vector<Interval>& v) {
+    return sqrt(square(Interval(v[0].radius())) + square(Interval(v[1].radius())) +
+                square(Interval(v[2].radius())))
+        .upper();
+}
+
+/// An object's surface with a direction of length one.
+template <class T>
+struct Surface {
+    enum class Kind : std::uint8_t { plane, sphere, cylinder };
+
+    explicit Surface(const Object& object) {
+        const auto unit = [](const Vec3& v) {
+            const Vector<T> w = to_vector<T>(v);
+            return check::direction(w, sqrt(square(w)));
+        };
+        if (const auto* p = std::get_if<Plane>(&object)) {
+            kind = Kind::plane;
+            point = to_vector<T>(p->point);
+            direction = unit(p->normal);
+        } else if (const auto* s = std::get_if<Sphere>(&object)) {
+            kind = Kind::sphere;
+            point = to_vector<T>(s->center);
+            radius = s->radius;
+        } else {
+            const auto& c = std::get<Cylinder>(object);
+            kind = Kind::cylinder;
+            point = to_vector<T>(c.point);
+            direction = unit(c.axis);
+            radius = c.radius;
+        }
+    }
+
+    /// Of a plane, signed.
+    T distance(const Vector<T>& p) const {
+        const Vector<T> q = p - point;
+        if (kind == Kind::plane) return dot(direction, q);
+        return length(q) - radius;
+    }
+    /// Where that distance grows.
+    Vector<T> gradient(const Vector<T>& p) const {
+        if (kind == Kind::plane) return direction;
+        const Vector<T> q = p - point;
+        const T l = length(q);
+        if (kind == Kind::sphere) return check::direction(q, l);
+        return check::direction(q - dot(direction, q) * direction, l);
+    }
+
+    Kind kind;
+    Vector<T> point;      ///< of a plane; the centre, or a point of the axis
+    Vector<T> direction;  ///< a plane's normal, a cylinder's axis
+    T radius{0.0};
+
+private:
+    T length(const Vector<T>& q) const {
+        return sqrt(kind == Kind::sphere ? square(q) : square(cross(q, direction)));
+    }
+};
+
+/// A site as a condition on a point: that its excess is zero.
+struct Condition {
+    Site site;
+    bool at_rim = false;  ///< a side of the box that bounds the region of a base plane: asked of the base point
+};
+
+template <class T>
+class Space {
+public:
+    /// Keeps a reference.
+    explicit Space(const Scene& scene) : scene_(scene), base_(scene.base) {
+        if constexpr (std::is_same_v<T, Interval>) {
+            surfaces_.reserve(scene.objects.size());
+            for (const Object& o : scene.objects) surfaces_.emplace_back(o);
+        }
+        if (base_.kind == Surface<T>::Kind::cylinder) find_stretch();
+    }
+
+    const Surface<T>& base() const { return base_; }
+    Surface<T> object(std::uint32_t i) const {
+        if constexpr (std::is_same_v<T, Interval>)
+            return surfaces_[i];
+        else
+            return Surface<T>(scene_.objects[i]);
+    }
+
+    T clearance(const Vector<T>& p) const { return base_.distance(p); }
+    Vector<T> up(const Vector<T>& p) const { return base_.gradient(p); }
+
+    T excess(const Condition& c, const Vector<T>& p) const {
+        if (c.site.is_object()) return object_excess(c.site.index, p, clearance(p));
+        if (c.site.kind == Site::Kind::End) return inside_end(c.site.index, p);
+        return inside_side(c.site.index, c.at_rim ? p - base_.distance(p) * base_.direction : p);
+    }
+    T object_excess(std::uint32_t i, const Vector<T>& p, const T& clearance) const {
+        return with(i, [&](const Surface<T>& s) {
+            const T d = s.distance(p);
+            return (s.kind == Surface<T>::Kind::plane ? magnitude(d) : d) - clearance;
+        });
+    }
+
+    Vector<T> gradient(const Condition& c, const Vector<T>& p) const {
+        if (c.site.is_object()) return object_gradient(c.site.index, p) - up(p);
+        if (c.site.kind == Site::Kind::End) return c.site.index == 0 ? base_.direction : negative(base_.direction);
+        const Vector<T> m = inwards(c.site.index);
+        return c.at_rim ? m - dot(m, base_.direction) * base_.direction : m;
+    }
+    /// Of an object's distance.
+    Vector<T> object_gradient(std::uint32_t i, const Vector<T>& p) const {
+        return with(i, [&](const Surface<T>& s) {
+            const Vector<T> n = s.gradient(p);
+            if (s.kind != Surface<T>::Kind::plane) return n;
+            const T d = s.distance(p);
+            if (d.lower() > 0) return n;
+            return d.upper() < 0 ? negative(n) : hull(n, negative(n));
+        });
+    }
+
+    /// How far inside the box's side, and inwards.
+    T inside_side(std::uint32_t side, const Vector<T>& p) const {
+        const int axis = static_cast<int>(side / 2);
+        return side % 2 ? T(scene_.box.max[axis]) - p[axis] : p[axis] - T(scene_.box.min[axis]);
+    }
+    static Vector<T> inwards(std::uint32_t side) {
+        Vector<T> m{T(0.0), T(0.0), T(0.0)};
+        m[side / 2] = T(side % 2 ? -1.0 : 1.0);
+        return m;
+    }
+    T inside_end(std::uint32_t end, const Vector<T>& p) const {
+        const T y = dot(base_.direction, p - base_.point);
+        return end == 0 ? y - stretch_[0] : stretch_[1] - y;
+    }
+    /// A base cylinder's, along its axis from its point.
+    const std::array<T, 2>& stretch() const { return stretch_; }
+
+private:
+    template <class F>
+    auto with(std::uint32_t i, F f) const {
+        if constexpr (std::is_same_v<T, Interval>)
+            return f(surfaces_[i]);
+        else
+            return f(Surface<T>(scene_.objects[i]));
+    }
+    static Vector<T> negative(const Vector<T>& v) { return {-v[0], -v[1], -v[2]}; }
+
+    /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very
+    /// small radii count as larger (docs/files.md).
+    void find_stretch() {
+        const double radius = std::max(std::get<Cylinder>(scene_.base).radius, 0x1p-26 * scene_.box.diagonal());
+        stretch_ = {T(-HUGE_VAL), T(HUGE_VAL)};
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const T along = -dot(inwards(s), base_.direction);
+            const T room = inside_side(s, base_.point) - T(radius) * sqrt(magnitude(T(1.0) - square(along)));
+            if (!(along.lower() > 0) && !(along.upper() < 0)) continue;
+            const T end = room / along;
+            if (along.lower() > 0)
+                stretch_[1] = {std::min(stretch_[1].lower(), end.lower()), std::min(stretch_[1].upper(), end.upper())};
+            else
+                stretch_[0] = {std::max(stretch_[0].lower(), end.lower()), std::max(stretch_[0].upper(), end.upper())};
+        }
+    }
+
+    const Scene& scene_;
+    Surface<T> base_;
+    std::vector<Surface<T>> surfaces_;  // of all objects, where T is Interval
+    std::array<T, 2> stretch_;
+};
+
+}  // namespace vcell::check

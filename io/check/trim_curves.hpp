@@ -1,0 +1,13 @@
+/// Trimming curves: lifted to their patch they run along their edges at the same parameters.
+#pragma once
+
+#include "room.hpp"
+
+namespace vcell::check {
+
+/// How far the lifted curve is from its edge at most, where that is within what the edge's error allows;
+/// otherwise the certificate says what is wrong, and the bound is infinite.
+double certify_trim(const Patch& patch, const Trim& trim, const std::string& where, const Subject& subject,
+                    const CheckOptions& options, Certificate& certificate);
+
+}  // namespace vcell::check
