@@ -1,0 +1,219 @@
+#include "integrals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "quadrature.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+/// Points of edges by which a face's integrand is chosen: ends and control points.
+std::vector<std::vector<Triad<double>>> corners_of_faces(const Cell& cell, const Frame& frame,
+                                                         const std::vector<std::vector<EdgeUse>>& uses) {
+    std::vector<std::vector<Triad<double>>> corners(cell.faces.size());
+    for (std::size_t e = 0; e < uses.size(); ++e) {
+        if (uses[e].empty()) continue;
+        for (const auto& control : cell.edges[e].curve.points) {
+            const Triad<Interval> p = frame.point(control.head<3>());
+            for (const EdgeUse& use : uses[e])
+                corners[use.face].push_back({p[0].mid(), p[1].mid(), p[2].mid()});
+        }
+    }
+    return corners;
+}
+
+template <class T>
+T speed(const Place<T>& p) {
+    T sum(0.0);
+    for (std::size_t i = 0; i < 3; ++i) sum = sum + square(p.dn[i] * p.w - p.n[i] * p.dw);
+    return sqrt(sum) / square(p.w);
+}
+
+class Summation {
+public:
+    Summation(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
+              const std::vector<double>& errors, const std::array<double, 3>& enough, int effort, bool prove_all)
+        : cell_(cell), frame_(frame), uses_(uses), errors_(errors), effort_(effort), prove_all_(prove_all) {
+        sums_.faces.resize(cell.faces.size());
+        sums_.slack.resize(cell.faces.size());
+        sums_.lengths.resize(cell.edges.size());
+        const auto corners = corners_of_faces(cell, frame, uses);
+        for (std::size_t f = 0; f < cell.faces.size(); ++f) {
+            shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, corners[f]));
+            sums_.faces[f].is_known = shadows_.back().has_value();
+        }
+        // Shares of what may be missed: of each piece on either side, with room for its halves.
+        std::size_t pieces = 1;
+        for (const CellEdge& edge : cell.edges)
+            pieces += edge.curve.points.size() / static_cast<std::size_t>(edge.curve.degree);
+        const double share = 1 / (64.0 * static_cast<double>(pieces));
+        for (std::size_t i = 0; i < 3; ++i) enough_[i] = share * enough[i];
+    }
+
+    Integrals run() {
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) add_edge(e);
+        return std::move(sums_);
+    }
+
+private:
+    void add_edge(std::size_t e) {
+        for (const Span& span : spans(cell_.edges[e].curve, frame_)) {
+            const Interval length = add_length(e, span);
+            std::array<const Shadow*, 2> direct{};
+            for (std::size_t k = 0; k < uses_[e].size(); ++k) {
+                const auto& shadow = shadows_[uses_[e][k].face];
+                if (!shadow) continue;
+                if (const auto* fan = std::get_if<Fan>(&*shadow))
+                    add_fan(uses_[e][k], *fan, span);
+                else if (k < 2)
+                    direct[k] = &*shadow;
+            }
+            add_direct(e, direct, span);
+            add_slack(e, span, length);
+            if (uses_[e].size() == 1) add_side(e, span);
+        }
+    }
+
+    Interval add_length(std::size_t e, const Span& span) {
+        std::array<Interval, 1> sum{};
+        Effort effort{effort_};
+        sums_.is_complete &= integrate<1>(
+            [&]<class T>(const T& s) { return std::array<T, 1>{speed(span.at(s))}; }, -1, 1, {enough_[2]}, sum,
+            effort);
+        sums_.lengths[e] += sum[0];
+        return sum[0];
+    }
+
+    /// Faces on both sides whose integrands need no start, at one go.
+    void add_direct(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
+        if (!shadows[0] && !shadows[1]) return;
+        std::array<Interval, 6> sum{};
+        const std::array<double, 6> enough{enough_[0], enough_[1], enough_[1], enough_[0], enough_[1], enough_[1]};
+        Effort effort{effort_};
+        sums_.is_complete &= integrate<6>(
+            [&]<class T>(const T& s) {
+                const Place<T> p = span.at(s);
+                std::array<T, 6> values{};
+                for (std::size_t k = 0; k < 2; ++k) {
+                    if (!shadows[k]) continue;
+                    const Densities<T> d = densities(*shadows[k], p);
+                    values[3 * k] = d.volume;
+                    values[3 * k + 1] = d.area;
+                    values[3 * k + 2] = d.shadow;
+                }
+                return values;
+            },
+            -1, 1, enough, sum, effort);
+        for (std::size_t k = 0; k < 2; ++k)
+            if (shadows[k]) add(uses_[e][k], sum[3 * k], sum[3 * k + 1], sum[3 * k + 2]);
+    }
+
+    void add_fan(const EdgeUse& use, const Fan& fan, const Span& span) {
+        std::array<Interval, 3> sum{};
+        Effort effort{effort_};
+        const auto density = [&]<class T>(const T& s, const T& sigma) {
+            const Densities<T> d = densities(fan, span.at(s), sigma);
+            return std::array<T, 3>{d.volume, d.area, d.shadow};
+        };
+        const std::array<double, 3> enough{enough_[0], enough_[1], enough_[1]};
+        if (prove_all_) {
+            sums_.is_complete &= integrate<3>(density, {-1, 0}, {1, 1}, enough, sum, effort);
+        } else {
+            sums_.is_complete &= estimate<3>(density, {-1, 0}, {1, 1}, enough, sum, effort);
+            sums_.is_proved = false;
+        }
+        add(use, sum[0], sum[1], sum[2]);
+    }
+
+    void add(const EdgeUse& use, Interval volume, Interval area, Interval shadow) {
+        FaceIntegrals& face = sums_.faces[use.face];
+        face.volume = use.reversed ? face.volume - volume : face.volume + volume;
+        face.area = use.reversed ? face.area - area : face.area + area;
+        face.shadow = use.reversed ? face.shadow - shadow : face.shadow + shadow;
+    }
+
+    double steepness(const EdgeUse& use, const Span& span, const Interval& s) const {
+        const auto& shadow = shadows_[use.face];
+        if (!shadow) return HUGE_VAL;
+        const Place<Interval> p = span.at(s);
+        const auto* fan = std::get_if<Fan>(&*shadow);
+        return (fan ? densities(*fan, p, Interval(1.0)) : densities(*shadow, p)).steepness.magnitude();
+    }
+
+    // In the band beside an edge that is off by e the other face may be the true one: that changes areas by the
+    // band's times the steepness of both, and volumes by the band's times how far the faces part in it, at most
+    // e times their slopes.
+    void add_slack(std::size_t e, const Span& span, Interval length) {
+        double steep = 0;
+        for (const EdgeUse& use : uses_[e]) {
+            double s = steepness(use, span, Interval(-1, 1));
+            if (!std::isfinite(s))
+                s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0), steepness(use, span, 1.0)});
+            steep += s;
+        }
+        const double area = errors_[e] * length.upper() * steep, volume = errors_[e] * area;
+        for (const EdgeUse& use : uses_[e]) {
+            sums_.slack[use.face].area += area;
+            sums_.slack[use.face].volume += volume;
+        }
+        sums_.total.area += area;
+        sums_.total.volume += volume;
+    }
+
+    /// Under a plane's rim a wall as high as the edge; at a cylinder's end the disc sector below it.
+    void add_side(std::size_t e, const Span& span) {
+        std::array<Interval, 1> sum{};
+        Effort effort{effort_};
+        if (std::holds_alternative<Plane>(cell_.scene.base)) {
+            // The shadow is straight: its length is the way along its chord.
+            const Place<Interval> a = span.at(Interval(-1.0)), b = span.at(Interval(1.0));
+            const Interval x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w;
+            const Interval chord = sqrt(square(x) + square(y));
+            if (!(chord.lower() > 0)) {
+                sums_.sides += chord * hull(a.n[2] / a.w, b.n[2] / b.w);
+                return;
+            }
+            sums_.is_complete &= integrate<1>(
+                [&]<class T>(const T& s) {
+                    const Place<T> p = span.at(s);
+                    const T dx = (p.dn[0] * p.w - p.n[0] * p.dw), dy = (p.dn[1] * p.w - p.n[1] * p.dw);
+                    return std::array<T, 1>{p.n[2] * (x * dx + y * dy) * T(Interval(1.0) / chord) /
+                                            (square(p.w) * p.w)};
+                },
+                -1, 1, {enough_[1]}, sum, effort);
+            sums_.sides += sum[0];
+            return;
+        }
+        sums_.is_complete &= integrate<1>(
+            [&]<class T>(const T& s) {
+                const Place<T> p = span.at(s);
+                return std::array<T, 1>{0.5 * (p.n[0] * p.dn[1] - p.n[1] * p.dn[0]) / square(p.w)};
+            },
+            -1, 1, {enough_[1]}, sum, effort);
+        // The face is on the left: around the lower end it runs with the angle, around the upper against it.
+        const bool is_upper = std::ranges::find(cell_.edges[e].sites, Site::end(1)) != cell_.edges[e].sites.end();
+        const bool with_angle = is_upper == uses_[e][0].reversed;
+        sums_.sides = with_angle ? sums_.sides + sum[0] : sums_.sides - sum[0];
+    }
+
+    const Cell& cell_;
+    const Frame& frame_;
+    const std::vector<std::vector<EdgeUse>>& uses_;
+    const std::vector<double>& errors_;
+    int effort_;
+    bool prove_all_;
+    std::array<double, 3> enough_;
+    std::vector<std::optional<Shadow>> shadows_;
+    Integrals sums_;
+};
+
+}  // namespace
+
+Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
+                          const std::vector<double>& errors, const std::array<double, 3>& enough, int effort, bool prove_all) {
+    return Summation(cell, frame, uses, errors, enough, effort, prove_all).run();
+}
+
+}  // namespace vcell::check

@@ -1,0 +1,284 @@
+/// Integrals, enclosed: Gauss's rules in interval arithmetic, with a proved bound of what they leave out.
+///
+/// Let f be analytic and |f| <= M within the ellipse with foci -1 and 1 whose semi-axes add up to rho. Some
+/// polynomial of degree 2n - 1 is within 2 M rho^(1 - 2n) / (rho - 1) of it on [-1, 1] [Trefethen13, Thm. 8.2];
+/// Gauss's rule with n nodes is exact for that polynomial, its weights are positive and add up to 2, so it misses
+/// the integral of f by at most four times as much. M is a bound over discs of complex numbers (disc.hpp).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "disc.hpp"
+
+namespace vcell::check {
+
+/// Gauss's nodes on [-1, 1] with their weights, each within a unit or two of its last place.
+struct GaussRule {
+    struct Node {
+        Interval at, weight;
+    };
+    std::array<Node, 20> nodes;
+    std::size_t count = 0;
+};
+
+/// An ellipse and the rule that goes with it: where f is bounded far away few nodes do.
+struct Attempt {
+    double rho;
+    unsigned nodes;
+};
+inline constexpr std::array<Attempt, 4> attempts{{{24, 7}, {8, 10}, {4, 15}, {2.75, 20}}};
+
+namespace detail {
+
+template <unsigned N>
+GaussRule gauss_rule() {
+    using Gauss = boost::math::quadrature::gauss<double, N>;
+    const auto about = [](double x) { return Interval::ball(x, 0x1p-52 * std::abs(x)); };
+    GaussRule rule;
+    for (std::size_t i = 0; i < Gauss::abscissa().size(); ++i) {
+        const Interval x = about(Gauss::abscissa()[i]), w = about(Gauss::weights()[i]);
+        rule.nodes[rule.count++] = {x, w};
+        if (Gauss::abscissa()[i] != 0) rule.nodes[rule.count++] = {-x, w};
+    }
+    return rule;
+}
+
+}  // namespace detail
+
+inline const GaussRule& gauss(std::size_t attempt) {
+    static const std::array<GaussRule, attempts.size()> rules{
+        detail::gauss_rule<attempts[0].nodes>(), detail::gauss_rule<attempts[1].nodes>(),
+        detail::gauss_rule<attempts[2].nodes>(), detail::gauss_rule<attempts[3].nodes>()};
+    return rules[attempt];
+}
+
+/// What Gauss's rule leaves out at most, for each unit of M: 8 rho^(1 - 2n) / (rho - 1).
+inline double remainder_factor(std::size_t attempt) {
+    static const std::array<double, attempts.size()> factors = [] {
+        std::array<double, attempts.size()> result{};
+        for (std::size_t k = 0; k < attempts.size(); ++k) {
+            const auto [rho, n] = attempts[k];
+            Interval power = 8.0;
+            for (unsigned i = 0; i + 1 < 2 * n; ++i) power = power / Interval(rho);
+            result[k] = (power / (Interval(rho) - 1.0)).upper();
+        }
+        return result;
+    }();
+    return factors[attempt];
+}
+
+/// A disc around the ellipse of an attempt about middle -+ half: its major axis is hardly longer than the other.
+inline Disc around(std::size_t attempt, double middle, double half) {
+    const double rho = attempts[attempt].rho;
+    return {middle, 0, half * (0.5 * (rho + 1 / rho)) * (1 + 0x1p-48) + std::abs(middle) * 0x1p-52};
+}
+
+/// How far integrals are pursued.
+struct Effort {
+    int parts;  ///< into which an interval or a rectangle is cut at most
+    int parts_used = 0;
+};
+
+/// A finite bound of an expression in quotients and roots proves that it is analytic where it holds.
+template <class Value, std::size_t N>
+bool is_below(const Value& value, const std::array<double, N>& most) {
+    for (std::size_t i = 0; i < N; ++i)
+        if (!(value[i].magnitude() <= most[i])) return false;
+    return true;
+}
+
+/// Is |f(z, x)| at most `most` for all x of a real interval? It is halved until that tells, into `left` parts at
+/// most.
+template <std::size_t N, class F>
+bool is_bounded(const F& f, const Disc& z, const Interval& x, const std::array<double, N>& most, int& left) {
+    if (--left < 0) return false;
+    if (is_below(f(z, Disc(x)), most)) return true;
+    const double m = x.mid();
+    return is_bounded(f, z, Interval(x.lower(), m), most, left) && is_bounded(f, z, Interval(m, x.upper()), most, left);
+}
+
+namespace detail {
+
+/// Relative to the values of an integrand: what a rule leaves out need not be smaller than their own rounding.
+constexpr double value_rounding = 0x1p-48;
+/// Into how many parts the one of two intervals is cut for a bound about the other.
+constexpr int parts_of_product = 15;
+
+template <std::size_t N>
+std::array<double, N> allowed(const std::array<double, N>& missing, double factor) {
+    std::array<double, N> most;
+    for (std::size_t i = 0; i < N; ++i) most[i] = missing[i] / factor;
+    return most;
+}
+
+}  // namespace detail
+
+/// The integrals over [a, b] of the components of f, which takes an Interval or a Disc and returns an
+/// array of as many. Of each, the mean over [a, b] may be missed by `enough`, or by what rounds its values.
+/// False: the effort is spent, and the enclosures are as wide as interval arithmetic makes them there, perhaps
+/// infinite.
+template <std::size_t N, class F>
+bool integrate(const F& f, double a, double b, const std::array<double, N>& enough, std::array<Interval, N>& sum,
+               Effort& effort) {
+    const double middle = 0.5 * (a + b), half = Interval::up(0.5 * (b - a));
+    const Interval width = Interval(b) - Interval(a);
+    ++effort.parts_used;
+    std::array<double, N> missing = enough;
+    const auto value = f(Interval(middle));
+    for (std::size_t i = 0; i < N; ++i)
+        missing[i] = std::max(missing[i], detail::value_rounding * value[i].magnitude());
+    for (std::size_t k = 0; k < attempts.size(); ++k) {
+        if (!is_below(f(around(k, middle, half)), detail::allowed(missing, remainder_factor(k)))) continue;
+        std::array<Interval, N> part{};
+        const GaussRule& rule = gauss(k);
+        for (std::size_t n = 0; n < rule.count; ++n) {
+            const auto at_node = f(Interval(middle) + 0.5 * (width * rule.nodes[n].at));
+            for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * at_node[i];
+        }
+        for (std::size_t i = 0; i < N; ++i)
+            sum[i] += 0.5 * (width * (part[i] + Interval(-missing[i], missing[i])));
+        return true;
+    }
+    if (effort.parts_used < effort.parts && a < middle && middle < b) {
+        const bool left = integrate(f, a, middle, enough, sum, effort);
+        const bool right = integrate(f, middle, b, enough, sum, effort);
+        return left && right;
+    }
+    const auto all = f(Interval(a, b));
+    for (std::size_t i = 0; i < N; ++i) sum[i] += width * all[i];
+    return false;
+}
+
+/// The same over rectangles: f(s, t) for s in [a0, b0], t in [a1, b1]. What the product of two rules leaves out
+/// is what one leaves out along s for the worst t, and the other along t for the worst s.
+template <std::size_t N, class F>
+bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, const std::array<double, N>& enough,
+               std::array<Interval, N>& sum, Effort& effort) {
+    const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
+    const std::array half{Interval::up(0.5 * (b[0] - a[0])), Interval::up(0.5 * (b[1] - a[1]))};
+    const std::array width{Interval(b[0]) - Interval(a[0]), Interval(b[1]) - Interval(a[1])};
+    ++effort.parts_used;
+    std::array<double, N> missing = enough;
+    const auto value = f(Interval(middle[0]), Interval(middle[1]));
+    for (std::size_t i = 0; i < N; ++i)
+        missing[i] = std::max(missing[i], detail::value_rounding * value[i].magnitude());
+    std::array<std::size_t, 2> chosen{attempts.size(), attempts.size()};
+    for (const std::size_t axis : {0, 1})
+        for (std::size_t k = 0; k < attempts.size() && chosen[axis] == attempts.size(); ++k) {
+            int left = detail::parts_of_product;
+            const auto along = [&](const Disc& z, const Disc& x) {
+                return axis == 0 ? f(z, x) : f(x, z);
+            };
+            if (is_bounded(along, around(k, middle[axis], half[axis]), Interval(a[1 - axis], b[1 - axis]),
+                           detail::allowed(missing, 4 * remainder_factor(k)), left))
+                chosen[axis] = k;
+        }
+    if (chosen[0] < attempts.size() && chosen[1] < attempts.size()) {
+        std::array<Interval, N> part{};
+        for (std::size_t m = 0; m < gauss(chosen[0]).count; ++m) {
+            const auto& outer = gauss(chosen[0]).nodes[m];
+            const Interval s = Interval(middle[0]) + 0.5 * (width[0] * outer.at);
+            for (std::size_t n = 0; n < gauss(chosen[1]).count; ++n) {
+                const auto& inner = gauss(chosen[1]).nodes[n];
+                const auto at_node = f(s, Interval(middle[1]) + 0.5 * (width[1] * inner.at));
+                const Interval weight = outer.weight * inner.weight;
+                for (std::size_t i = 0; i < N; ++i) part[i] += weight * at_node[i];
+            }
+        }
+        const Interval share = 0.25 * (width[0] * width[1]);
+        for (std::size_t i = 0; i < N; ++i) sum[i] += share * (part[i] + Interval(-missing[i], missing[i]));
+        return true;
+    }
+    // Halves along the direction in which no rule was enough, or the wider one of two.
+    const bool only_first = chosen[1] < attempts.size(), only_second = chosen[0] < attempts.size();
+    const std::size_t axis = only_first ? 0 : only_second ? 1 : half[1] > half[0] ? 1 : 0;
+    if (effort.parts_used < effort.parts && a[axis] < middle[axis] && middle[axis] < b[axis]) {
+        auto low = b, high = a;
+        low[axis] = high[axis] = middle[axis];
+        const bool first = integrate(f, a, low, enough, sum, effort);
+        const bool second = integrate(f, high, b, enough, sum, effort);
+        return first && second;
+    }
+    const auto all = f(Interval(a[0], b[0]), Interval(a[1], b[1]));
+    for (std::size_t i = 0; i < N; ++i) sum[i] += width[0] * width[1] * all[i];
+    return false;
+}
+
+/// A number whose rounding nobody follows, for estimates.
+class Approximate {
+public:
+    constexpr Approximate() = default;
+    constexpr Approximate(double value) : value_(value) {}       // NOLINT: a number
+    Approximate(Interval enclosure) : value_(enclosure.mid()) {}  // NOLINT: what it encloses, about
+
+    double value() const { return value_; }
+
+    friend Approximate operator-(Approximate a) { return -a.value_; }
+    friend Approximate operator+(Approximate a, Approximate b) { return a.value_ + b.value_; }
+    friend Approximate operator-(Approximate a, Approximate b) { return a.value_ - b.value_; }
+    friend Approximate operator*(Approximate a, Approximate b) { return a.value_ * b.value_; }
+    friend Approximate operator/(Approximate a, Approximate b) { return a.value_ / b.value_; }
+    friend Approximate square(Approximate a) { return a.value_ * a.value_; }
+    friend Approximate sqrt(Approximate a) { return std::sqrt(a.value_); }
+
+private:
+    double value_ = 0;
+};
+
+/// The same integral where a proof would take too long: enclosures are of the product of rules with ten nodes -+ its
+/// difference from rules with seven, which are far less exact. An estimate, if a generous one. False: the effort is
+/// spent, and it is a poor one.
+template <std::size_t N, class F>
+bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b, const std::array<double, N>& enough,
+              std::array<Interval, N>& sum, Effort& effort) {
+    constexpr double rounding = 0x1p-46;
+    ++effort.parts_used;
+    const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])}, half{0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])};
+    const auto product = [&](std::size_t outer, std::size_t inner, std::array<double, N>& size) {
+        std::array<double, N> total{};
+        size = {};
+        for (std::size_t m = 0; m < gauss(outer).count; ++m)
+            for (std::size_t n = 0; n < gauss(inner).count; ++n) {
+                const auto &s = gauss(outer).nodes[m], &t = gauss(inner).nodes[n];
+                const auto value = f(Approximate(middle[0] + half[0] * s.at.mid()),
+                                     Approximate(middle[1] + half[1] * t.at.mid()));
+                const double weight = s.weight.mid() * t.weight.mid() * half[0] * half[1];
+                for (std::size_t i = 0; i < N; ++i) {
+                    total[i] += weight * value[i].value();
+                    size[i] += weight * std::abs(value[i].value());
+                }
+            }
+        return total;
+    };
+    std::array<double, N> size, unused;
+    const auto fine = product(1, 1, size), first = product(0, 1, unused), second = product(1, 0, unused);
+    bool is_enough = true;
+    std::array<double, 2> worst{};
+    std::array<double, N> error;
+    for (std::size_t i = 0; i < N; ++i) {
+        const double along = std::abs(fine[i] - first[i]), across = std::abs(fine[i] - second[i]);
+        error[i] = along + across + 0x1p-50 * size[i];
+        const double allowed = std::max(enough[i] * half[0] * half[1], rounding * size[i]);
+        is_enough = is_enough && along + across <= allowed;
+        worst[0] = std::max(worst[0], along / allowed);
+        worst[1] = std::max(worst[1], across / allowed);
+    }
+    const std::size_t axis = worst[1] > worst[0] ? 1 : 0;
+    if (!is_enough && effort.parts_used < effort.parts && a[axis] < middle[axis] && middle[axis] < b[axis]) {
+        auto low = b, high = a;
+        low[axis] = high[axis] = middle[axis];
+        const bool lower = estimate(f, a, low, enough, sum, effort);
+        const bool upper = estimate(f, high, b, enough, sum, effort);
+        return lower && upper;
+    }
+    for (std::size_t i = 0; i < N; ++i) sum[i] += Interval::ball(fine[i], error[i]);
+    return is_enough;
+}
+
+}  // namespace vcell::check

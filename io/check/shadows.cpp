@@ -1,0 +1,489 @@
+#include "shadows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "quadrature.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+double middle(const Interval& x) { return x.mid(); }
+double middle(const Disc& x) { return x.re(); }
+double middle(const Approximate& x) { return x.value(); }
+
+template <class S, class T>
+auto dot(const Triad<S>& a, const Triad<T>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class T>
+T squared_norm(const Triad<T>& a) {
+    return square(a[0]) + square(a[1]) + square(a[2]);
+}
+template <class S, class T>
+T determinant(const Triad<S>& a, const Triad<T>& b, const Triad<T>& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+Triad<Interval> scaled(Interval s, const Triad<Interval>& a) { return {s * a[0], s * a[1], s * a[2]}; }
+Triad<Interval> normalized(const Triad<Interval>& a) {
+    // A component is the whole length: nothing to round.
+    for (std::size_t i = 0; i < 3; ++i)
+        if (a[(i + 1) % 3].magnitude() == 0 && a[(i + 2) % 3].magnitude() == 0) {
+            Triad<Interval> result{};
+            result[i] = a[i].lower() > 0 ? 1.0 : -1.0;
+            return result;
+        }
+    return scaled(Interval(1.0) / sqrt(squared_norm(a)), a);
+}
+Triad<Interval> cross(const Triad<Interval>& a, const Triad<Interval>& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// artanh(x) / x for |x| < 1, which is even.
+Interval artanh_ratio(Interval x) {
+    const Interval y = square(x);
+    if (y.upper() < 0.0625) {
+        Interval power = 1.0, sum = 0.0;
+        double odd = 1;
+        for (; power.upper() > 0x1p-56; odd += 2, power *= y) sum += power / Interval(odd);
+        // The terms that are left out: less than a geometric series.
+        return sum + power * Interval(0, (Interval(1.0) / (odd * (1.0 - y))).upper());
+    }
+    if (!(y.upper() < 1)) return Interval::whole();
+    // glibc's manual states errors of up to 3 units in the last place.
+    const double lo = std::sqrt(y.lower()), hi = std::sqrt(y.upper());
+    const Interval a(lo * (1 - 0x1p-50), lo * (1 + 0x1p-50)), b(hi * (1 - 0x1p-50), hi * (1 + 0x1p-50));
+    const auto value = [](double t) { return Interval::ball(std::atanh(t), 0x1p-50 * std::atanh(t)); };
+    if (!(b.upper() < 1)) return Interval::whole();
+    // It grows with |x|.
+    const Interval least = value(a.lower()) / Interval(a.lower()), most = value(b.upper()) / Interval(b.upper());
+    return {std::max(1.0, least.lower()), most.upper()};
+}
+
+template <class T>
+struct Height {
+    T t, steepness;
+};
+
+/// The distance at which the ray from the foot f along u meets the bisector.
+template <class T>
+Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
+    switch (form.kind) {
+        case Form::Kind::plane: {
+            const T C = form.sign * (dot(form.c, f) + T(form.offset)) + T(form.radius);
+            const T beta = 0.5 * (T(1.0) - form.sign * dot(form.c, u));
+            return {C / (2.0 * beta), T(1.0) / sqrt(beta)};
+        }
+        case Form::Kind::side: {
+            const T speed = dot(form.c, u);
+            return {(T(form.offset) - dot(form.c, f)) / speed, T(1.0) / speed};
+        }
+        case Form::Kind::ball: {
+            const Triad<T> m{f[0] - T(form.c[0]), f[1] - T(form.c[1]), f[2] - T(form.c[2])};
+            const T beta = T(form.delta) - dot(u, m);
+            const T t = (squared_norm(m) - T(square(form.delta))) / (2.0 * beta);
+            return {t, sqrt(2.0 * (t + T(form.delta)) / beta)};
+        }
+        default: {
+            // In the plane across the axis, where lengths along it do not blur the bounds.
+            const std::array<T, 2> m{dot(form.across[0], f) - T(form.across_c[0]),
+                                     dot(form.across[1], f) - T(form.across_c[1])};
+            const T alpha = dot(form.d, u);
+            const T C = square(m[0]) + square(m[1]) - T(square(form.delta));
+            const T beta = T(form.delta) - dot(form.across[0], u) * m[0] - dot(form.across[1], u) * m[1];
+            const T root = sqrt(square(beta) + square(alpha) * C);
+            // The other form of the root, where this one would cancel.
+            const T t = middle(beta) >= 0 ? C / (beta + root) : (root - beta) / square(alpha);
+            return {t, sqrt(2.0 * (t + T(form.delta)) / root)};
+        }
+    }
+}
+
+/// The area's integral about a sphere from the direction z to the axis, divided by 1 - z and K^2: with b = A z + B,
+///     int sqrt(E + 2 B b) / b^3 db / (b1 - b),
+/// of which the antiderivative is -s / (2 b^2) - B s / (2 E b) - (B^2 / E) artanh(sqrt(E) / s) / sqrt(E) up to a
+/// sign in the last, s = sqrt(E + 2 B b). Differences of roots are quotients, so that nothing cancels near the axis.
+template <class T>
+T revolved_area(const Revolved& r, const T& b) {
+    const T b1(r.A + r.B), B(r.B), E(r.E);
+    if constexpr (std::is_same_v<T, Disc>) {
+        // The mean of the integrand between b and b1 lies in any disc that holds its values.
+        const T all = hull(b, b1);
+        return sqrt(E + 2.0 * (B * all)) / all / all / all;
+    } else {
+        if (r.is_paraboloid) {
+            const T x = sqrt(b), y = sqrt(b1), xy = x * y;
+            return sqrt(2.0 * B) * (2.0 / T(3.0)) * (b + b1 + xy) / ((x + y) * xy * square(xy));
+        }
+        const T s = sqrt(E + 2.0 * (B * b)), s1 = sqrt(E + 2.0 * (B * b1)), sum = s + s1;
+        const T first = (s * (b1 + b) - 2.0 * (B * square(b)) / sum) / (2.0 * square(b * b1));
+        if (r.B.magnitude() == 0) return first;
+        const T second = B / (2.0 * E) * (s - 2.0 * (B * b) / sum) / (b * b1);
+        const T ratio = (s * s1 + E) / (sum * (E * (b + b1) + 2.0 * (B * b * b1)));
+        const T x = sqrt(E) * (b1 - b) * ratio;
+        return first + second - square(B) / E * ratio * artanh_ratio(x);
+    }
+}
+
+template <class T>
+Densities<T> along(const LinearHeight& h, const Place<T>& p) {
+    const T x = p.n[0] - h.apex[0] * p.w, y = p.n[1] - h.apex[1] * p.w;
+    const T dx = p.dn[0] - h.apex[0] * p.dw, dy = p.dn[1] - h.apex[1] * p.dw;
+    const T turn = (x * dy - y * dx) / square(p.w);
+    const T above = (h.gradient[0] * x + h.gradient[1] * y) / p.w;
+    const T shadow = 0.5 * turn;
+    // The part that grows in proportion to q - a is a third of its boundary's.
+    return {(above * T(Interval(1.0) / 3.0) + T(0.5 * h.at_apex)) * turn, shadow * T(h.steepness), shadow,
+            T(h.steepness)};
+}
+
+// With s^2 = m k^2 and r = sqrt(1 + m): the integral of r from the axis is k^2 (r^3 - 1) / 3.
+template <class T>
+Densities<T> along(const Paraboloid& h, const Place<T>& p) {
+    const T x = p.n[0] - h.axis[0] * p.w, y = p.n[1] - h.axis[1] * p.w;
+    const T dx = p.dn[0] - h.axis[0] * p.dw, dy = p.dn[1] - h.axis[1] * p.dw;
+    const T squared_weight = square(p.w);
+    const T turn = (x * dy - y * dx) / squared_weight, s2 = (square(x) + square(y)) / squared_weight;
+    const T volume = (0.25 * s2 + T(0.5 * h.e)) * turn * T(Interval(0.5) / h.k);
+    const T r = sqrt(T(1.0) + s2 * T(Interval(1.0) / square(h.k)));
+    return {volume, (square(r) + r + T(1.0)) / (T(3.0) * (r + T(1.0))) * turn, 0.5 * turn, r};
+}
+
+// About the axis by phi: an integral over z times dphi, dphi = det(axis, p, dp) / (|p|^2 (1 - z^2)).
+template <class T>
+Densities<T> along(const Revolved& r, const Place<T>& p) {
+    const T norm2 = squared_norm(p.n), z = dot(r.axis, p.n) / sqrt(norm2);
+    const T b = r.A * z + T(r.B), b1(r.A + r.B);
+    const T turn = determinant(r.axis, p.n, p.dn) / (norm2 * (T(1.0) + z));
+    const T volume = T(r.K * square(r.K) / (6.0 * square(r.A + r.B))) * (b1 + b) / square(b) * turn;
+    const T steepness = sqrt(T(r.E) + 2.0 * (r.B * b)) / b;
+    return {volume, T(square(r.K)) * revolved_area(r, b) * turn, turn, steepness};
+}
+
+template <class T>
+Densities<T> along(const ConeHeight& h, const Place<T>& p) {
+    const T x = p.n[0] - h.apex[0] * p.w, y = p.n[1] - h.apex[1] * p.w;
+    const T dx = p.dn[0] - h.apex[0] * p.dw, dy = p.dn[1] - h.apex[1] * p.dw;
+    const T turn = (x * dy - y * dx) / square(p.w);
+    const auto [t, steepness] =
+        height<T>(h.form, {p.n[0] / p.w, p.n[1] / p.w, T(0.0)}, {T(0.0), T(0.0), T(1.0)});
+    const T shadow = 0.5 * turn;
+    return {((t - T(h.at_apex)) * T(Interval(1.0) / 3.0) + T(0.5 * h.at_apex)) * turn, shadow * steepness, shadow,
+            steepness};
+}
+
+template <class T>
+Densities<T> along(const Fan&, const Place<T>&) {
+    return {};
+}
+
+}  // namespace
+
+// --- The frame ----------------------------------------------------------------------------------------------
+
+Frame::Frame(const Scene& scene) {
+    int exponent = 0;
+    std::frexp(scene.box.diagonal(), &exponent);
+    unit_ = std::ldexp(1.0, exponent);
+    Vec3 up = Vec3::UnitZ();
+    if (const auto* plane = std::get_if<Plane>(&scene.base)) {
+        origin_ = plane->point;
+        up = plane->normal;
+    } else if (const auto* sphere = std::get_if<Sphere>(&scene.base)) {
+        origin_ = sphere->center;
+        radius_ = length(sphere->radius);
+    } else {
+        const auto& cylinder = std::get<Cylinder>(scene.base);
+        origin_ = cylinder.point;
+        up = cylinder.axis;
+        radius_ = length(cylinder.radius);
+    }
+    if (up.x() == 0 && up.y() == 0 && up.z() > 0) return;
+    const double size = up.cwiseAbs().maxCoeff();
+    const Triad<Interval> n = normalized({Interval(up.x()) / size, Interval(up.y()) / size, Interval(up.z()) / size});
+    int least = 0;
+    up.cwiseAbs().minCoeff(&least);
+    Triad<Interval> aside{};
+    aside[static_cast<std::size_t>(least)] = 1.0;
+    const Triad<Interval> first = normalized(cross(aside, n));
+    rows_ = {first, cross(n, first), n};
+}
+
+// A quotient by a power of two is exact, but where it is subnormal.
+Interval Frame::length(double x) const {
+    const double y = x / unit_;
+    return x == 0 || std::abs(y) >= std::numeric_limits<double>::min() ? Interval(y) : Interval(x) / unit_;
+}
+
+Triad<Interval> Frame::turned(const Triad<Interval>& d) const {
+    if (!rows_) return d;
+    return {dot((*rows_)[0], d), dot((*rows_)[1], d), dot((*rows_)[2], d)};
+}
+
+Triad<Interval> Frame::point(const Vec3& p) const {
+    Triad<Interval> d;
+    for (int i = 0; i < 3; ++i) {
+        // A difference of doubles is exact more often than not, and an enclosure that knows stays a number.
+        const double difference = p[i] - origin_[i];
+        const bool is_exact = difference + origin_[i] == p[i] && p[i] - difference == origin_[i];
+        d[static_cast<std::size_t>(i)] =
+            is_exact ? length(difference) : length(p[i]) - length(origin_[i]);
+    }
+    return turned(d);
+}
+
+Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(d.x()), d.y(), d.z()}); }
+
+// --- Curves -------------------------------------------------------------------------------------------------
+
+std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
+    using Homogeneous = std::array<Interval, 4>;
+    const std::size_t d = static_cast<std::size_t>(curve.degree);
+    std::vector<Homogeneous> points;
+    for (const auto& p : curve.points) {
+        const Triad<Interval> x = frame.point(p.head<3>());
+        points.push_back({p[3] * x[0], p[3] * x[1], p[3] * x[2], Interval(p[3])});
+    }
+    const auto between = [](const Homogeneous& a, const Homogeneous& b, Interval s) {
+        Homogeneous h;
+        for (std::size_t i = 0; i < 4; ++i) h[i] = a[i] + s * (b[i] - a[i]);
+        return h;
+    };
+    std::vector<Span> result;
+    std::vector<Homogeneous> piece(d + 1), level(d + 1);
+    for (std::size_t k = d; k + d + 1 < curve.knots.size(); ++k) {
+        const double a = curve.knots[k], b = curve.knots[k + 1];
+        if (!(a < b)) continue;
+        const bool is_full = curve.knots[k - d + 1] == a && curve.knots[k + d] == b;
+        for (std::size_t j = 0; j <= d; ++j) {
+            if (is_full) {
+                piece[j] = points[k - d + j];
+                continue;
+            }
+            // The blossom at a, ..., a, b, ..., b, j times b.
+            for (std::size_t i = 0; i <= d; ++i) level[i] = points[k - d + i];
+            for (std::size_t r = 1; r <= d; ++r) {
+                const double t = r <= j ? b : a;
+                for (std::size_t i = d; i >= r; --i) {
+                    const double first = curve.knots[k - d + i], last = curve.knots[k + i + 1 - r];
+                    level[i] = between(level[i - 1], level[i],
+                                       (Interval(t) - Interval(first)) / (Interval(last) - Interval(first)));
+                }
+            }
+            piece[j] = level[d];
+        }
+        // The k-th Taylor coefficient in s = 2 t - 1 is binomial(d, k) / 2^k times the k-th difference of the
+        // de Casteljau points of level d - k at the middle.
+        Span span;
+        span.coefficients.resize(d + 1);
+        level = piece;
+        double binomial = 1, half_power = std::ldexp(1.0, -curve.degree);
+        for (std::size_t order = d + 1; order-- > 0;) {
+            std::vector<Homogeneous> differences(level.begin(), level.begin() + static_cast<long>(order) + 1);
+            for (std::size_t r = 0; r < order; ++r)
+                for (std::size_t i = 0; i + r < order; ++i)
+                    for (std::size_t c = 0; c < 4; ++c) differences[i][c] = differences[i + 1][c] - differences[i][c];
+            for (std::size_t c = 0; c < 4; ++c)
+                span.coefficients[order][c] = (binomial * half_power) * differences[0][c];
+            for (std::size_t i = 0; i < order; ++i)
+                for (std::size_t c = 0; c < 4; ++c) level[i][c] = 0.5 * (level[i][c] + level[i + 1][c]);
+            binomial = binomial * static_cast<double>(order) / static_cast<double>(d - order + 1);
+            half_power *= 2;
+        }
+        result.push_back(std::move(span));
+    }
+    return result;
+}
+
+// --- Integrands ---------------------------------------------------------------------------------------------
+
+namespace {
+
+std::optional<Form> form_of(const Scene& scene, const Frame& frame, const Site& site,
+                            std::span<const Triad<double>> corners) {
+    Form form{};
+    form.radius = frame.radius();
+    if (site.kind == Site::Kind::BoxSide) {
+        const int axis = static_cast<int>(site.index / 2);
+        const bool is_upper = site.index % 2;
+        form.kind = Form::Kind::side;
+        form.c = frame.direction(is_upper ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis)));
+        form.offset = dot(form.c, frame.point(is_upper ? scene.box.max : scene.box.min));
+        return form;
+    }
+    if (!site.is_object()) return std::nullopt;
+    const Object& object = scene.objects[site.index];
+    if (const auto* ball = std::get_if<Sphere>(&object)) {
+        form.kind = Form::Kind::ball;
+        form.c = frame.point(ball->center);
+        const auto* base = std::get_if<Sphere>(&scene.base);
+        form.delta = base && base->radius == ball->radius ? Interval(0.0)
+                                                          : frame.length(ball->radius) - frame.radius();
+        if (std::holds_alternative<Plane>(scene.base)) form.delta = frame.length(ball->radius);
+        return form;
+    }
+    if (const auto* tube = std::get_if<Cylinder>(&object)) {
+        form.kind = Form::Kind::tube;
+        form.c = frame.point(tube->point);
+        form.d = normalized(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff()));
+        const Vec3 axis = tube->axis.normalized();
+        int least = 0;
+        axis.cwiseAbs().minCoeff(&least);
+        const Triad<Interval> aside = frame.direction(Vec3::Unit(least));
+        form.across[0] = normalized(cross(aside, form.d));
+        form.across[1] = cross(form.d, form.across[0]);
+        for (const std::size_t i : {0, 1}) form.across_c[i] = dot(form.across[i], form.c);
+        form.delta = frame.length(tube->radius) - frame.radius();
+        if (std::holds_alternative<Plane>(scene.base)) form.delta = frame.length(tube->radius);
+        return form;
+    }
+    const auto& plane = std::get<Plane>(object);
+    form.kind = Form::Kind::plane;
+    form.c = normalized(frame.direction(plane.normal / plane.normal.cwiseAbs().maxCoeff()));
+    form.offset = -dot(form.c, frame.point(plane.point));
+    // The base lies on one side of it; told at the foot that is farthest away.
+    double best = 0;
+    for (const auto& p : corners) {
+        Triad<Interval> foot{};
+        if (std::holds_alternative<Plane>(scene.base)) foot = {p[0], p[1], 0.0};
+        if (std::holds_alternative<Cylinder>(scene.base)) foot = {0.0, 0.0, p[2]};
+        const Interval value = dot(form.c, foot) + form.offset;
+        if (!value.sign()) continue;
+        if (std::abs(value.mid()) > std::abs(best)) best = value.mid();
+    }
+    if (best == 0) return std::nullopt;
+    form.sign = best > 0 ? 1 : -1;
+    return form;
+}
+
+Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
+    const Triad<double>& corner = corners.front();
+    const auto linear = [&](Interval gx, Interval gy, Interval at_origin) {
+        const Interval x = corner[0], y = corner[1];
+        return LinearHeight{{gx, gy},
+                            {x, y},
+                            at_origin + gx * x + gy * y,
+                            sqrt(1.0 + square(gx) + square(gy))};
+    };
+    switch (form.kind) {
+        case Form::Kind::side:
+            return linear(-form.c[0] / form.c[2], -form.c[1] / form.c[2], form.offset / form.c[2]);
+        case Form::Kind::plane: {
+            const Interval s = form.sign, rise = 1.0 - s * form.c[2];
+            return linear(s * form.c[0] / rise, s * form.c[1] / rise, s * form.offset / rise);
+        }
+        case Form::Kind::ball:
+            return Paraboloid{{form.c[0], form.c[1]},
+                              form.c[2] + form.delta,
+                              (form.c[2] - form.delta) * (form.c[2] + form.delta)};
+        default: {
+            // Their cone's apex is where the axis comes as far below the plane as the radius. Far away it would
+            // cost digits.
+            constexpr double least_slope = 0x1p-8;
+            const Interval slope = form.d[2];
+            if (slope.lower() > least_slope || slope.upper() < -least_slope) {
+                const Interval run = (-form.delta - form.c[2]) / slope;
+                return ConeHeight{form, {form.c[0] + run * form.d[0], form.c[1] + run * form.d[1]}, -form.delta};
+            }
+            return Fan{Fan::Base::plane, form, {corner[0], corner[1], 0.0}};
+        }
+    }
+}
+
+Shadow about_sphere(const Form& form, Interval radius) {
+    switch (form.kind) {
+        case Form::Kind::side:
+            return Revolved{form.c, form.offset, 1.0, 0.0, 1.0, false};
+        case Form::Kind::plane: {
+            const Interval s = form.sign;
+            return Revolved{scaled(-s, form.c), radius + s * form.offset, 1.0, 1.0, 0.0, true};
+        }
+        case Form::Kind::ball: {
+            const Interval distance = sqrt(squared_norm(form.c));
+            const Interval E = (distance - form.delta) * (distance + form.delta);
+            return Revolved{normalized(form.c), 0.5 * E, distance, form.delta, E, false};
+        }
+        default: {
+            // The start is where the tube is nearest: a great circle from there to a direction in which the tube is
+            // met meets it all along, for alpha has one sign on it, or beta is positive.
+            const Interval along = dot(form.d, form.c);
+            Triad<Interval> nearest;
+            for (const std::size_t i : {0, 1, 2}) nearest[i] = form.c[i] - along * form.d[i];
+            Fan fan{Fan::Base::sphere, form, normalized(nearest)};
+            return fan;
+        }
+    }
+}
+
+}  // namespace
+
+std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
+                             std::span<const Triad<double>> corners) {
+    if (corners.empty()) return std::nullopt;
+    const std::optional<Form> form = form_of(scene, frame, site, corners);
+    if (!form) return std::nullopt;
+    if (std::holds_alternative<Plane>(scene.base)) return over_plane(*form, corners);
+    if (std::holds_alternative<Sphere>(scene.base)) return about_sphere(*form, frame.radius());
+    double least = HUGE_VAL, most = -HUGE_VAL;
+    for (const auto& p : corners) {
+        least = std::min(least, p[2]);
+        most = std::max(most, p[2]);
+    }
+    return Fan{Fan::Base::cylinder, *form, {0.0, 0.0, 0.5 * (least + most)}};
+}
+
+template <class T>
+Densities<T> densities(const Shadow& shadow, const Place<T>& p) {
+    return std::visit([&](const auto& s) { return along(s, p); }, shadow);
+}
+
+template <class T>
+Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
+    switch (fan.base) {
+        case Fan::Base::plane: {
+            const Interval x0 = fan.start[0], y0 = fan.start[1];
+            const T x = p.n[0] - x0 * p.w, y = p.n[1] - y0 * p.w;
+            const T dx = p.dn[0] - x0 * p.dw, dy = p.dn[1] - y0 * p.dw;
+            const T turn = sigma * ((x * dy - y * dx) / square(p.w));
+            const auto [t, steepness] = height<T>(
+                fan.form, {T(x0) + sigma * (x / p.w), T(y0) + sigma * (y / p.w), T(0.0)}, {T(0.0), T(0.0), T(1.0)});
+            return {turn * t, turn * steepness, turn, steepness};
+        }
+        case Fan::Base::sphere: {
+            // Stereographic coordinates about the start a: y = (p - q a) / (|p| + q), q = a p, of which sigma y runs
+            // from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle
+            // 4 / (1 + |y|^2)^2 of y's area.
+            const Triad<Interval>& a = fan.start;
+            const T q = dot(a, p.n), size = sqrt(squared_norm(p.n)), sum = size + q;
+            const T y2 = square(sigma) * ((size - q) / sum), weight = T(1.0) / (T(1.0) + y2);
+            const T turn = 4.0 * (sigma * (determinant(a, p.n, p.dn) * square(weight / sum)));
+            const T along = 2.0 * (sigma * (weight / sum)), up = weight * (T(1.0) - y2) - along * q;
+            const auto [t, steepness] =
+                height<T>(fan.form, {T(0.0), T(0.0), T(0.0)},
+                          {along * p.n[0] + a[0] * up, along * p.n[1] + a[1] * up, along * p.n[2] + a[2] * up});
+            const T t2 = square(t);
+            return {turn * t * t2 * T(Interval(1.0) / 3.0), turn * t2 * steepness, turn, steepness};
+        }
+        default: {
+            // Between the start's height and the edge's, at the edge's angle: the face is on the left.
+            const T s2 = square(p.n[0]) + square(p.n[1]), s = sqrt(s2);
+            const T rise = p.n[2] / p.w - T(fan.start[2]);
+            const T turn = rise * (p.n[1] * p.dn[0] - p.n[0] * p.dn[1]) / s2;
+            const auto [t, steepness] = height<T>(fan.form, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise},
+                                                  {p.n[0] / s, p.n[1] / s, T(0.0)});
+            return {turn * square(t) * T(0.5), turn * t * steepness, turn, steepness};
+        }
+    }
+}
+
+template Densities<Interval> densities(const Shadow&, const Place<Interval>&);
+template Densities<Disc> densities(const Shadow&, const Place<Disc>&);
+template Densities<Interval> densities(const Fan&, const Place<Interval>&, const Interval&);
+template Densities<Disc> densities(const Fan&, const Place<Disc>&, const Disc&);
+template Densities<Approximate> densities(const Fan&, const Place<Approximate>&, const Approximate&);
+
+}  // namespace vcell::check

@@ -1,0 +1,143 @@
+/// Faces as integrands: volume below them, their area and that of their shadow on the base, as integrals along
+/// their edges. Patches have no part in it: over each base point the scene gives the height of a bisector, and
+/// edges bound the shadows.
+///
+/// Everything is in the base's own frame: a plane is z = 0 seen from above, a sphere's centre is the origin, a
+/// cylinder's axis is that of z; the unit of length is a power of two of the box.
+///
+/// With t the distance from the base's plane, centre or axis along the unit normal u, an object over the foot f
+/// has the equation C - 2 beta t - alpha^2 t^2 = 0:
+///   |f + t u - c|^2 = (t + delta)^2 for balls, the same without the part along the axis d for tubes, and
+///   s (n (f + t u) + D) = t - R for planes, where delta = rho - R, R the base's radius or 0.
+/// The bisector's normal is along u - n', n' the unit direction from the object's nearest point, so its area over
+/// a piece of the base is that of the piece at distance t times sqrt(2 / (1 - u n')); and
+/// 1 - u n' = sqrt(beta^2 + alpha^2 C) / (t + delta), for planes 2 beta.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "../../envelope/cell.hpp"
+#include "disc.hpp"
+
+namespace vcell::check {
+
+template <class T>
+using Triad = std::array<T, 3>;
+
+/// World coordinates to the base's frame.
+class Frame {
+public:
+    explicit Frame(const Scene& scene);
+
+    Triad<Interval> point(const Vec3& p) const;
+    Triad<Interval> direction(const Vec3& d) const;  ///< keeps its length
+    Interval length(double x) const;
+    double unit() const { return unit_; }
+    Interval radius() const { return radius_; }
+
+private:
+    Triad<Interval> turned(const Triad<Interval>& d) const;
+
+    Vec3 origin_;
+    std::optional<std::array<Triad<Interval>, 3>> rows_;  // none: the world's directions
+    double unit_;                                         // a power of two
+    Interval radius_;
+};
+
+/// A point of a rational curve in homogeneous coordinates (w x, w), and their derivatives.
+template <class T>
+struct Place {
+    Triad<T> n, dn;
+    T w, dw;
+};
+
+/// A polynomial piece of a space curve in the frame, by its Taylor coefficients about its middle: s in [-1, 1].
+struct Span {
+    SmallVector<std::array<Interval, 4>, 4> coefficients;
+
+    template <class T>
+    Place<T> at(const T& s) const {
+        const std::size_t d = coefficients.size() - 1;
+        std::array<T, 4> p, q;
+        for (std::size_t i = 0; i < 4; ++i) {
+            T value(coefficients[d][i]), slope(coefficients[d][i] * static_cast<double>(d));
+            for (std::size_t k = d; k-- > 0;) {
+                value = value * s + T(coefficients[k][i]);
+                if (k > 0) slope = slope * s + T(coefficients[k][i] * static_cast<double>(k));
+            }
+            p[i] = value;
+            q[i] = slope;
+        }
+        return {{p[0], p[1], p[2]}, {q[0], q[1], q[2]}, p[3], q[3]};
+    }
+};
+std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame);
+
+/// Per ds along an edge that a face lies on the left of.
+template <class T>
+struct Densities {
+    T volume, area, shadow;
+    T steepness;  ///< area of the face for that of the base at its distance
+};
+
+/// Over a plane: heights h + g (q - a).
+struct LinearHeight {
+    std::array<Interval, 2> gradient, apex;
+    Interval at_apex, steepness;
+};
+/// Over a plane, a ball's: (s^2 + e) / (2 k), s the distance from its axis.
+struct Paraboloid {
+    std::array<Interval, 2> axis;
+    Interval k, e;
+};
+/// About a sphere: t = K / (A z + B), z the cosine of the angle to an axis; balls, planes and box sides.
+struct Revolved {
+    Triad<Interval> axis;
+    Interval K, A, B, E;  ///< E = A^2 - B^2, 0 for a plane
+    bool is_paraboloid;
+};
+/// The equation of one object, in the frame.
+struct Form {
+    enum class Kind { ball, tube, plane, side } kind;
+    Triad<Interval> c;  ///< ball: centre; tube: a point of the axis; plane, side: unit normal
+    Triad<Interval> d;  ///< tube: unit axis
+    std::array<Triad<Interval>, 2> across;  ///< tube: with d an orthonormal frame
+    std::array<Interval, 2> across_c;       ///< tube: the coordinates of c in it
+    Interval delta;     ///< ball, tube
+    Interval offset;    ///< plane: D; side: n p = offset on it
+    double sign = 1;    ///< plane: of the side where the base is
+    Interval radius;    ///< plane: R
+};
+/// Over a plane: heights that grow in proportion to the distance from an apex.
+struct ConeHeight {
+    Form form;
+    std::array<Interval, 2> apex;
+    Interval at_apex;
+};
+/// Any other: integrated from a point of the base to the edge: along a line of the plane, along a great circle, or on
+/// a cylinder along the generator from a height.
+struct Fan {
+    enum class Base { plane, sphere, cylinder } base;
+    Form form;
+    Triad<Interval> start;
+};
+
+using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, Fan>;
+
+/// The integrand of a face over the base. `corners`: points of its edges, in the frame, by which a place to start
+/// from is chosen and the side of a plane. None: it cannot be told.
+std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
+                             std::span<const Triad<double>> corners);
+
+/// Pre: no Fan.
+template <class T>
+Densities<T> densities(const Shadow& shadow, const Place<T>& p);
+/// The integrand over sigma in [0, 1] too: what lies between the start and the edge.
+template <class T>
+Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma);
+
+}  // namespace vcell::check

@@ -1,0 +1,788 @@
+/// certify() on good cells that were damaged: every damage is objected to, and where it is. And on cells that
+/// look strange and are right.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <stdexcept>
+
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/check.hpp"
+#include "../../io/scene_file.hpp"
+#include "../test_support.hpp"
+
+namespace vcell {
+namespace {
+
+// --- Good cells ---------------------------------------------------------------------------------------
+
+Scene example(const std::string& name) { return read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json"); }
+
+Scene over_the_plane(std::vector<Object> objects, double half_width = 2, double height = 2) {
+    Scene scene;
+    scene.base = Plane{};
+    scene.box = {{-half_width, -half_width, 0}, {half_width, half_width, height}};
+    scene.objects = std::move(objects);
+    return scene;
+}
+
+Scene balls() {
+    return over_the_plane({Sphere{{-1.1, -0.9, 0.9}, 0.25}, Sphere{{0.9, -1.2, 0.7}, 0.2},
+                           Sphere{{0.1, 0.2, 0.6}, 0.1}, Sphere{{1.3, 0.8, 1}, 0.4},
+                           Sphere{{-1.2, 1.1, 0.8}, 0.3}, Sphere{{0.2, 1.4, 0.9}, 0.15},
+                           Sphere{{-0.4, -0.3, 1.2}, 0.2}, Plane{{0, 0, 1.6}, {0.1, 0.05, -1}}});
+}
+
+/// Every inner vertex has four balls.
+Scene lattice() {
+    std::vector<Object> objects;
+    for (const double x : {-1.0, 0.0, 1.0})
+        for (const double y : {-1.0, 0.0, 1.0}) objects.push_back(Sphere{{x, y, 1}, 0.25});
+    return over_the_plane(std::move(objects), 1.5);
+}
+
+/// Three tubes of a square lattice meet along each corner's edge.
+Scene tube_lattice() {
+    Scene scene;
+    scene.base = Cylinder{{0, 0, 0}, {0, 0, 1}, 0.5};
+    scene.box = {{-9, -9, -9}, {9, 9, 9}};
+    for (const int i : {-1, 0, 1})
+        for (const int j : {-1, 0, 1})
+            if (i != 0 || j != 0) scene.objects.push_back(Cylinder{{2.0 * i, 2.0 * j, 0}, {0, 0, 1}, 0.5});
+    return scene;
+}
+
+/// What ties about the hole in it is rounded, and assumed.
+Scene hexagonal_tubes() {
+    Scene scene;
+    scene.base = Cylinder{{0, 0, 0}, {1, 0, 0}, 0.1};
+    scene.box = {{-4, -4, -4}, {4, 4, 4}};
+    const Vec3 u(0, 1, 0), v(0, 0.5, 0.5 * std::sqrt(3.0));
+    for (const int i : {-2, -1, 0, 1, 2})
+        for (const int j : {-2, -1, 0, 1, 2})
+            if ((i != 0 || j != 0) && (i != 1 || j != 0))
+                scene.objects.push_back(Cylinder{i * u + j * v, {1, 0, 0}, 0.1});
+    return scene;
+}
+
+/// Three balls so close to each other that their bisectors cut each other at angles of 10^-4.
+Scene needle() {
+    return over_the_plane({Sphere{{0, 0, 1.1}, 0.1}, Sphere{{2e-4, 0, 1.1}, 0.1}, Sphere{{-1e-4, 1e-4, 1.1}, 0.1}});
+}
+
+const Cell& good(const std::string& name) {
+    static const std::map<std::string, std::function<Scene()>> scenes{
+        {"balls", balls},
+        {"lattice", lattice},
+        {"needle", needle},
+        {"tube lattice", tube_lattice},
+        {"hexagonal tubes", hexagonal_tubes},
+        {"atom", [] { return example("atom_1crn"); }},
+        {"tubes over a plane", [] { return example("leaning"); }},
+        {"tubes around a tube", [] { return example("figure10_tubes"); }},
+        {"around a cylinder", [] { return example("figure10"); }},
+    };
+    static std::map<std::string, Cell> cells;
+    if (!cells.contains(name)) cells[name] = voronoi_cell(scenes.at(name)());
+    return cells[name];
+}
+
+// --- Places -------------------------------------------------------------------------------------------
+
+template <class Items, class Predicate>
+std::uint32_t first(const Items& items, Predicate predicate) {
+    const auto i = std::ranges::find_if(items, predicate);
+    if (i == items.end()) throw std::logic_error("this cell has no such element");
+    return static_cast<std::uint32_t>(i - items.begin());
+}
+bool is_inner(const CellVertex& v) { return std::ranges::all_of(v.sites, &Site::is_object); }
+bool is_inner_edge(const CellEdge& e) { return std::ranges::all_of(e.sites, &Site::is_object); }
+std::uint32_t inner_vertex(const Cell& c) { return first(c.vertices, is_inner); }
+std::uint32_t inner_edge(const Cell& c) { return first(c.edges, is_inner_edge); }
+std::uint32_t spline(const Cell& c) {
+    return first(c.edges, [](const CellEdge& e) { return e.kind == CurveKind::Spline && is_inner_edge(e); });
+}
+std::uint32_t owned_face(const Cell& c) {
+    return first(c.faces, [](const CellFace& f) { return f.site.is_object(); });
+}
+
+/// All trimming curves, with the face that they belong to.
+template <class Visit>
+void for_each_trim(Cell& c, Visit visit) {
+    for (std::size_t f = 0; f < c.faces.size(); ++f)
+        for (TrimmedPatch& patch : c.faces[f].patches)
+            for (auto& loop : patch.loops)
+                for (TrimCurve& trim : loop) visit(f, trim);
+}
+TrimCurve& seam(Cell& c) {
+    TrimCurve* found = nullptr;
+    for_each_trim(c, [&](std::size_t, TrimCurve& trim) {
+        if (!found && trim.seam) found = &trim;
+    });
+    if (!found) throw std::logic_error("no seam");
+    return *found;
+}
+
+// --- Damages ------------------------------------------------------------------------------------------
+
+void scale(RationalPatch& surface, double factor) {
+    for (auto& p : surface.points) p.head<3>() *= factor;
+}
+
+/// A bump as wide as 10^-3 of the curve's middle span, between t0 and t1, where nothing of it changes
+/// elsewhere: the span's knots are made full there, and one control point moves. Pre: a polynomial curve.
+template <int Dim>
+void bump(RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& by) {
+    using Point = Eigen::Matrix<double, Dim, 1>;
+    using Control = typename RationalCurve<Dim>::ControlPoint;
+    for (const auto& p : c.points) REQUIRE(p[Dim] == doctest::Approx(1));
+    const std::size_t d = static_cast<std::size_t>(c.degree);
+    // Insert a knot t (its multiplicity below d): Boehm's rule on every affected point.
+    const auto insert = [&](double t) {
+        std::size_t k = d;
+        while (k + d + 2 < c.knots.size() && c.knots[k + 1] <= t) ++k;
+        std::vector<Control> points;
+        for (std::size_t i = 0; i <= c.points.size(); ++i) {
+            const double width = i < c.points.size() && i > 0 ? c.knots[i + d] - c.knots[i] : 0;
+            const double s = i + d <= k ? 1 : i > k ? 0 : width > 0 ? (t - c.knots[i]) / width : 0;
+            if (s == 1)
+                points.push_back(c.points[i]);
+            else if (s == 0)
+                points.push_back(c.points[i - 1]);
+            else
+                points.push_back((1 - s) * c.points[i - 1] + s * c.points[i]);
+        }
+        std::vector<double> knots(c.knots.begin(), c.knots.end());
+        knots.insert(knots.begin() + static_cast<long>(k) + 1, t);
+        c.knots = Knots();
+        for (const double knot : knots) c.knots.push_back(knot);
+        c.points.clear();
+        for (const Control& p : points) c.points.push_back(p);
+    };
+    const std::size_t middle = d + (c.knots.size() - 2 * d - 2) / 2;
+    const double a = c.knots[middle], b = c.knots[middle + 1];
+    REQUIRE(a < b);
+    const double t0 = a + 0.5003 * (b - a), t1 = a + 0.5013 * (b - a);
+    const Point before = c.evaluate(a + 0.7 * (b - a));
+    for (const double t : {t0, t1})
+        for (std::size_t i = 0; i < d; ++i) insert(t);
+    CHECK((c.evaluate(a + 0.7 * (b - a)) - before).norm() < 1e-9);
+    std::size_t k = 0;
+    while (c.knots[k] < t0) ++k;
+    c.points[k].template head<Dim>() += by;
+}
+
+/// Vertex v, of degree four, becomes two of degree three with an edge of length zero between them.
+void split_vertex(Cell& c, std::uint32_t v) {
+    struct Spoke {
+        std::uint32_t edge;
+        bool starts_here;
+    };
+    // The faces around v, counter-clockwise from the side on which a spoke leaves: left of an outgoing edge
+    // comes before its right.
+    std::vector<Spoke> spokes;
+    for (std::uint32_t e = 0; e < c.edges.size(); ++e)
+        for (const std::size_t end : {0, 1})
+            if (c.edges[e].vertices.size() == 2 && c.edges[e].vertices[end] == v)
+                spokes.push_back({e, end == 0});
+    REQUIRE(spokes.size() == 4);
+    const auto right = [&](const Spoke& s) { return c.edges[s.edge].sites[s.starts_here ? 1 : 0]; };
+    const auto left = [&](const Spoke& s) { return c.edges[s.edge].sites[s.starts_here ? 0 : 1]; };
+    for (std::size_t i = 0; i + 1 < spokes.size(); ++i)  // each spoke's left face is the next one's right
+        for (std::size_t j = i + 1; j < spokes.size(); ++j)
+            if (right(spokes[j]) == left(spokes[i])) {
+                std::swap(spokes[i + 1], spokes[j]);
+                break;
+            }
+    // Spokes 0 and 1 stay; 2 and 3 move to the new vertex. The new edge runs from v to it, between the faces
+    // left of spoke 1 and right of spoke 0.
+    const Site a = left(spokes[1]), b = right(spokes[0]);
+    const auto added = static_cast<std::uint32_t>(c.vertices.size());
+    const auto bridge = static_cast<std::uint32_t>(c.edges.size());
+    CellVertex w = c.vertices[v];
+    c.vertices[v].sites = {a, b, left(spokes[0])};
+    w.sites = {a, b, left(spokes[2])};
+    for (auto* sites : {&c.vertices[v].sites, &w.sites}) std::ranges::sort(*sites);
+    c.vertices.push_back(w);
+    for (const std::size_t i : {2, 3})
+        c.edges[spokes[i].edge].vertices[spokes[i].starts_here ? 0 : 1] = added;
+    CellEdge edge;
+    edge.sites = {a, b};
+    edge.vertices = {v, added};
+    edge.kind = CurveKind::Line;
+    edge.length = 0;
+    edge.curve.degree = 1;
+    for (const double k : {0.0, 0.0, 1.0, 1.0}) edge.curve.knots.push_back(k);
+    const Vec3 p = w.point;
+    for (int k = 0; k < 2; ++k) edge.curve.points.push_back({p.x(), p.y(), p.z(), 1});
+    c.edges.push_back(edge);
+    // In a's loop the bridge follows spoke 1 coming in, in b's it comes before spoke 0 goes out.
+    const auto insert_after = [&](Site site, std::uint32_t coming, bool reversed) {
+        for (CellFace& face : c.faces) {
+            if (face.site != site) continue;
+            for (auto& loop : face.patches[0].loops)
+                for (std::size_t t = 0; t < loop.size(); ++t) {
+                    if (loop[t].edge != coming) continue;
+                    const std::size_t end = loop[t].reversed ? 0 : 1;
+                    const std::uint32_t here = c.edges[coming].vertices[end];
+                    if (here != v && here != added) continue;
+                    TrimCurve trim{bridge, {}, reversed, {}};
+                    trim.curve.degree = 1;
+                    trim.curve.knots = c.edges[bridge].curve.knots;
+                    const Vec2 uv = loop[t].curve.evaluate(loop[t].curve.domain_end());
+                    for (int k = 0; k < 2; ++k) trim.curve.points.push_back({uv.x(), uv.y(), 1});
+                    loop.insert(loop.begin() + static_cast<long>(t) + 1, trim);
+                    return;
+                }
+        }
+        throw std::logic_error("no such spoke");
+    };
+    insert_after(a, spokes[1].edge, false);
+    insert_after(b, spokes[3].edge, true);
+}
+
+/// Over a plane: face f, with one loop of at least four edges, cut by an edge between it and itself from the
+/// start of its first edge to that of its third.
+void cut_face(Cell& c, std::uint32_t f) {
+    CellFace& face = c.faces[f];
+    REQUIRE(face.patches.size() == 1);
+    REQUIRE(face.patches[0].loops.size() == 1);
+    auto loop = face.patches[0].loops[0];
+    REQUIRE(loop.size() >= 4);
+    const auto start = [&](const TrimCurve& trim) { return c.edges[*trim.edge].vertices[trim.reversed ? 1 : 0]; };
+    const auto place = [](const TrimCurve& trim) { return trim.curve.evaluate(trim.curve.domain_begin()); };
+    const Vec2 p = place(loop[0]), q = place(loop[2]), m = 0.5 * (p + q);
+    const auto quadratic = [](auto& curve) {
+        curve.degree = 2;
+        for (const double k : {0.0, 0.0, 0.0, 1.0, 1.0, 1.0}) curve.knots.push_back(k);
+    };
+    const RationalPatch& surface = face.patches[0].surface;
+    CellEdge edge;
+    edge.sites = {face.site, face.site};
+    edge.vertices = {start(loop[0]), start(loop[2])};
+    edge.kind = CurveKind::Parabola;
+    quadratic(edge.curve);
+    const Vec3 a = surface.evaluate(p.x(), p.y()), b = surface.evaluate(q.x(), q.y());
+    const Vec3 s = 2 * surface.evaluate(m.x(), m.y()) - 0.5 * (a + b);
+    for (const Vec3& x : {a, s, b}) edge.curve.points.push_back({x.x(), x.y(), x.z(), 1});
+    edge.length = (a - s).norm() + (s - b).norm();
+    const auto cut = static_cast<std::uint32_t>(c.edges.size());
+    c.edges.push_back(edge);
+    const auto trim = [&](bool reversed) {
+        TrimCurve t{cut, {}, reversed, {}};
+        quadratic(t.curve);
+        for (const Vec2& x : {reversed ? q : p, m, reversed ? p : q}) t.curve.points.push_back({x.x(), x.y(), 1});
+        return t;
+    };
+    CellFace other = face;
+    auto& kept = face.patches[0].loops[0];
+    auto& rest = other.patches[0].loops[0];
+    kept = {loop[0], loop[1], trim(true)};
+    rest.clear();
+    rest.push_back(trim(false));
+    rest.insert(rest.end(), loop.begin() + 2, loop.end());
+    face.area *= 0.5;
+    other.area = face.area;
+    c.faces.push_back(other);
+}
+
+/// The cell of the scene less one ball, given out as that of the whole scene: structure and measures agree with
+/// each other, and a face of `area` is missing. Where it is: about the point p of the boundary.
+Cell missing_face(const Cell& whole, const Vec3& p, double radius, double area) {
+    const auto* plane = std::get_if<Plane>(&whole.scene.base);
+    const auto* sphere = std::get_if<Sphere>(&whole.scene.base);
+    const auto* tube = std::get_if<Cylinder>(&whole.scene.base);
+    Vec3 up;
+    double clearance;
+    if (plane) {
+        up = plane->normal.normalized();
+        clearance = up.dot(p - plane->point);
+    } else {
+        const Vec3 foot = sphere ? sphere->center : tube->point;
+        Vec3 d = p - foot;
+        if (tube) d -= tube->axis.normalized().dot(d) * tube->axis.normalized();
+        up = d.normalized();
+        clearance = d.norm() - (sphere ? sphere->radius : tube->radius);
+    }
+    // A ball above p that reaches below the boundary by `depth`: the area of its face grows with the depth.
+    const auto with_ball = [&](double depth) {
+        Scene scene = whole.scene;
+        scene.objects.push_back(Sphere{p + (clearance - depth + radius) * up, radius});
+        if (!scene.names.empty()) scene.names.emplace_back();
+        return scene;
+    };
+    const auto area_at = [&](double depth) {
+        const Cell cell = voronoi_cell(with_ball(depth));
+        const Site site = Site::object(static_cast<std::uint32_t>(whole.scene.objects.size()));
+        double sum = 0;
+        for (const CellFace& f : cell.faces)
+            if (f.site == site) sum += f.area;
+        return sum;
+    };
+    double depth = 1e-2;
+    for (int k = 0; k < 6; ++k) {
+        const double at = area_at(depth);
+        if (at > 0.5 * area && at < 2 * area) break;
+        depth *= at > 0 ? area / at : 4;
+    }
+    const double at = area_at(depth);
+    REQUIRE(at > 0.3 * area);
+    REQUIRE(at < 3 * area);
+    Cell cell = whole;
+    cell.scene = with_ball(depth);
+    return cell;
+}
+
+/// A point of an owned face, away from its edges: of a patch's parameters, the mean of its loop's corners.
+Vec3 inside_of(const CellFace& face) {
+    const TrimmedPatch& patch = face.patches[0];
+    Vec2 sum = Vec2::Zero();
+    for (const TrimCurve& trim : patch.loops[0]) sum += trim.curve.evaluate(trim.curve.domain_begin());
+    const Vec2 uv = sum / static_cast<double>(patch.loops[0].size());
+    return patch.surface.evaluate(uv.x(), uv.y());
+}
+
+/// Unit direction from the nearest point of an object to p: the gradient of its distance.
+Vec3 gradient(const Object& o, const Vec3& p) {
+    if (const auto* s = std::get_if<Sphere>(&o)) return (p - s->center).normalized();
+    if (const auto* plane = std::get_if<Plane>(&o)) {
+        const Vec3 n = plane->normal.normalized();
+        return n.dot(p - plane->point) < 0 ? Vec3(-n) : n;
+    }
+    const auto& t = std::get<Cylinder>(o);
+    const Vec3 axis = t.axis.normalized(), q = p - t.point;
+    return (q - axis.dot(q) * axis).normalized();
+}
+
+/// The direction in which a vertex may move so that its distances hardly differ.
+Vec3 bad_direction(const Cell& c, std::uint32_t v) {
+    const CellVertex& vertex = c.vertices[v];
+    const Vec3 base = gradient(c.scene.base, vertex.point);
+    Eigen::MatrixXd rows(static_cast<long>(vertex.sites.size()), 3);
+    for (std::size_t i = 0; i < vertex.sites.size(); ++i)
+        rows.row(static_cast<long>(i)) =
+            (gradient(c.scene.objects[vertex.sites[i].index], vertex.point) - base).transpose();
+    return Eigen::JacobiSVD<Eigen::MatrixXd>(rows, Eigen::ComputeFullV).matrixV().col(2);
+}
+
+struct Damage {
+    std::string cell;   ///< the good one
+    std::string what;   ///< is done to it
+    std::string where;  ///< must be refuted, or a part of it; '#' stands for the number that make returns
+    std::function<std::size_t(Cell&)> make;
+};
+
+std::string listing(const Certificate& certificate) {
+    std::string text;
+    for (const Element& e : certificate.elements)
+        if (e.verdict != Verdict::proved)
+            text += e.where + " is " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
+    return text;
+}
+
+bool names(const std::string& place, const std::string& where) {
+    if (!place.starts_with(where)) return false;
+    const char after = place.size() > where.size() ? place[where.size()] : '.';
+    return after == '.' || after == '[';
+}
+
+/// Objected to, and refuted at that place.
+void expect_refuted(const Damage& damage) {
+    CAPTURE(damage.cell);
+    CAPTURE(damage.what);
+    Cell bad = good(damage.cell);
+    const std::size_t number = damage.make(bad);
+    std::string where = damage.where;
+    if (const auto hash = where.find('#'); hash != std::string::npos)
+        where.replace(hash, 1, std::to_string(number));
+    const Certificate certificate = certify(bad);
+    CHECK_FALSE(certificate.holds());
+    const bool refuted = std::ranges::any_of(certificate.elements, [&](const Element& e) {
+        return e.verdict == Verdict::refuted && names(e.where, where);
+    });
+    CHECK_MESSAGE(refuted, "expected ", where, ", found\n", listing(certificate));
+}
+
+void expect_proved(const Cell& cell) {
+    const Certificate certificate = certify(cell);
+    CHECK_MESSAGE(certificate.holds(), listing(certificate));
+}
+
+void raise_all_errors(Cell& c, double error) {
+    for (CellVertex& v : c.vertices) v.error = error;
+    for (CellEdge& e : c.edges) e.error = error;
+    c.measures.volume_error = c.measures.area_error = error;
+}
+
+}  // namespace
+
+TEST_CASE("damage: the good cells are proved") {
+    for (const char* name : {"balls", "lattice", "needle", "tube lattice", "hexagonal tubes", "atom",
+                             "tubes over a plane", "tubes around a tube", "around a cylinder"}) {
+        CAPTURE(name);
+        expect_proved(good(name));
+    }
+}
+
+TEST_CASE("damage: errors that promise nothing hide nothing") {
+    const auto stretched = [](Cell& c) {
+        raise_all_errors(c, 1e6);
+        for (CellFace& f : c.faces)
+            for (TrimmedPatch& p : f.patches) scale(p.surface, 1.25);
+        c.measures.volume = 12345;
+        return std::size_t{0};
+    };
+    std::vector<Damage> damages;
+    for (const char* cell : {"balls", "atom", "tubes over a plane", "tubes around a tube"}) {
+        damages.push_back({cell, "every error 1e6, patches stretched, volume 12345", "measures.volume", stretched});
+        damages.push_back({cell, "every error 1e6, patches stretched, volume 12345", "faces[0].patches[0]", stretched});
+        damages.push_back({cell, "every error 1e6", "vertices[0]", [](Cell& c) {
+                               raise_all_errors(c, 1e6);
+                               return std::size_t{0};
+                           }});
+        damages.push_back({cell, "one edge's error 1e6, all areas doubled", "faces[#].area", [](Cell& c) {
+                               c.edges[inner_edge(c)].error = 1e6;
+                               for (CellFace& f : c.faces) f.area *= 2;
+                               c.measures.area *= 2;
+                               c.measures.box_area *= 2;
+                               return std::size_t{owned_face(c)};
+                           }});
+        damages.push_back({cell, "one edge's error 1e6", "edges[#]", [](Cell& c) {
+                               c.edges[inner_edge(c)].error = 1e6;
+                               return std::size_t{inner_edge(c)};
+                           }});
+        damages.push_back({cell, "volume x 3, volume_error 1e9", "measures.volume", [](Cell& c) {
+                               c.measures.volume *= 3;
+                               c.measures.volume_error = 1e9;
+                               return std::size_t{0};
+                           }});
+        damages.push_back({cell, "area x 3, area_error 1e9", "measures.area", [](Cell& c) {
+                               c.measures.area *= 3;
+                               c.measures.area_error = 1e9;
+                               return std::size_t{0};
+                           }});
+    }
+    for (const Damage& d : damages) expect_refuted(d);
+}
+
+TEST_CASE("damage: errors of 0 where there are some") {
+    std::vector<Damage> damages;
+    for (const char* cell : {"balls", "atom", "tubes over a plane", "tubes around a tube"}) {
+        damages.push_back({cell, "a vertex error of 0", "vertices[#]", [](Cell& c) {
+                               c.vertices[inner_vertex(c)].error = 0;
+                               return std::size_t{inner_vertex(c)};
+                           }});
+        damages.push_back({cell, "a volume error of 0", "measures.volume", [](Cell& c) {
+                               c.measures.volume_error = 0;
+                               return std::size_t{0};
+                           }});
+        damages.push_back({cell, "an area error of 0", "measures.area", [](Cell& c) {
+                               c.measures.area_error = 0;
+                               return std::size_t{0};
+                           }});
+    }
+    for (const char* cell : {"tubes over a plane", "tubes around a tube"})
+        damages.push_back({cell, "a fitted edge's error of 0", "edges[#]", [](Cell& c) {
+                               c.edges[spline(c)].error = 0;
+                               return std::size_t{spline(c)};
+                           }});
+    for (const Damage& d : damages) expect_refuted(d);
+}
+
+TEST_CASE("damage: a face is missing, and all else agrees") {
+    for (const char* name : {"balls", "atom", "tubes over a plane", "tubes around a tube"})
+        for (const double area : {0.02, 1e-3, 1e-5, 1e-8}) {
+            CAPTURE(name);
+            CAPTURE(area);
+            const Cell& cell = good(name);
+            const std::uint32_t f = owned_face(cell);
+            const Certificate certificate =
+                certify(missing_face(cell, inside_of(cell.faces[f]), 0.05, area));
+            CHECK_FALSE(certificate.holds());
+            const bool refuted = std::ranges::any_of(certificate.elements, [&](const Element& e) {
+                return e.verdict == Verdict::refuted && names(e.where, "faces[" + std::to_string(f) + "]");
+            });
+            CHECK_MESSAGE(refuted, listing(certificate));
+        }
+    // At a vertex three faces have a corner too much.
+    for (const char* name : {"balls", "atom"})
+        for (const double area : {1e-3, 1e-8}) {
+            CAPTURE(name);
+            CAPTURE(area);
+            const Cell& cell = good(name);
+            const std::uint32_t v = inner_vertex(cell);
+            const Certificate certificate = certify(missing_face(cell, cell.vertices[v].point, 0.05, area));
+            CHECK_FALSE(certificate.holds());
+            const bool refuted = std::ranges::any_of(certificate.elements, [&](const Element& e) {
+                return e.verdict == Verdict::refuted && names(e.where, "vertices[" + std::to_string(v) + "]");
+            });
+            CHECK_MESSAGE(refuted, listing(certificate));
+        }
+}
+
+TEST_CASE("damage: the structure says what is not there") {
+    const auto erase_face = [](Cell& c) {
+        c.faces.erase(c.faces.begin() + owned_face(c));
+        return std::size_t{0};
+    };
+    const auto isolate = [](Cell& c) {
+        const CellEdge& e = c.edges[inner_edge(c)];
+        CellVertex v;
+        v.point = e.curve.evaluate(0.5 * (e.curve.domain_begin() + e.curve.domain_end()));
+        const auto* plane = std::get_if<Plane>(&c.scene.base);
+        const auto* sphere = std::get_if<Sphere>(&c.scene.base);
+        const auto* tube = std::get_if<Cylinder>(&c.scene.base);
+        if (plane) v.radius = plane->normal.normalized().dot(v.point - plane->point);
+        if (sphere) v.radius = (v.point - sphere->center).norm() - sphere->radius;
+        if (tube)
+            v.radius = tube->axis.normalized().cross(v.point - tube->point).norm() - tube->radius;
+        v.sites = {e.sites[0], e.sites[1]};
+        std::ranges::sort(v.sites);
+        v.error = std::max(c.vertices[0].error, e.error);
+        c.vertices.push_back(v);
+        return c.vertices.size() - 1;
+    };
+    const std::vector<Damage> damages{
+        {"lattice", "a vertex of four sites split by an edge of length zero", "edges[#]",
+         [](Cell& c) {
+             split_vertex(c, first(c.vertices, [](const CellVertex& v) {
+                              return is_inner(v) && v.sites.size() == 4;
+                          }));
+             return c.edges.size() - 1;
+         }},
+        {"balls", "a face cut by an edge between it and itself", "edges[#]",
+         [](Cell& c) {
+             cut_face(c, first(c.faces, [](const CellFace& f) {
+                          return f.site.is_object() && f.patches[0].loops[0].size() >= 4;
+                      }));
+             return c.edges.size() - 1;
+         }},
+        {"balls", "an isolated vertex on an edge", "vertices[#]", isolate},
+        {"atom", "an isolated vertex on an edge", "vertices[#]", isolate},
+        {"tubes around a tube", "an isolated vertex on an edge", "vertices[#]", isolate},
+        {"balls", "a face forgotten", "edges", erase_face},
+        {"atom", "a face forgotten", "edges", erase_face},
+        {"around a cylinder", "a face forgotten", "edges", erase_face},
+        {"tube lattice", "extra sites of an edge removed", "edges[#].extra_sites",
+         [](Cell& c) {
+             const auto e = first(c.edges, [](const CellEdge& edge) { return !edge.extra_sites.empty(); });
+             c.edges[e].extra_sites.clear();
+             return std::size_t{e};
+         }},
+        {"lattice", "a vertex of four sites lists three", "vertices[#]",
+         [](Cell& c) {
+             const auto v = first(c.vertices, [](const CellVertex& x) { return x.sites.size() == 4; });
+             c.vertices[v].sites.pop_back();
+             return std::size_t{v};
+         }},
+        {"hexagonal tubes", "warnings removed", "report",
+         [](Cell& c) {
+             REQUIRE(c.report.decisions.assumed > 0);
+             c.report.warnings.clear();
+             return std::size_t{0};
+         }},
+        {"hexagonal tubes", "coincidences that nobody assumed", "report",
+         [](Cell& c) {
+             c.report.decisions.assumed = 0;
+             return std::size_t{0};
+         }},
+        {"balls", "an edge's sites exchanged", "edges[#]",
+         [](Cell& c) {
+             const auto e = inner_edge(c);
+             std::swap(c.edges[e].sites[0], c.edges[e].sites[1]);
+             return std::size_t{e};
+         }},
+        {"tubes around a tube", "a face given to another site", "faces[#].site",
+         [](Cell& c) {
+             const auto f = owned_face(c);
+             c.faces[f].site = Site::object((c.faces[f].site.index + 1) %
+                                            static_cast<std::uint32_t>(c.scene.objects.size()));
+             return std::size_t{f};
+         }},
+        {"around a cylinder", "a seam that leads nowhere", "faces",
+         [](Cell& c) {
+             seam(c).seam = 1000;
+             return std::size_t{0};
+         }},
+        {"around a cylinder", "a seam that bends on one side", "faces",
+         [](Cell& c) {
+             auto& points = seam(c).curve.points;
+             points[points.size() / 2].x() += 1e-3;
+             return std::size_t{0};
+         }},
+        {"atom", "neighbours in another order", "neighbors",
+         [](Cell& c) {
+             std::swap(c.neighbors.front(), c.neighbors.back());
+             return std::size_t{0};
+         }},
+        {"atom", "a neighbour forgotten", "neighbors",
+         [](Cell& c) {
+             c.neighbors.pop_back();
+             return std::size_t{0};
+         }},
+        {"balls", "the box not touched", "measures.touches_box",
+         [](Cell& c) {
+             c.measures.touches_box = false;
+             return std::size_t{0};
+         }},
+        {"atom", "a loop run the other way", "faces[#].patches[0].loops[0]",
+         [](Cell& c) {
+             const auto f = owned_face(c);
+             auto& loop = c.faces[f].patches[0].loops[0];
+             std::ranges::reverse(loop);
+             return std::size_t{f};
+         }},
+    };
+    for (const Damage& d : damages) expect_refuted(d);
+}
+
+TEST_CASE("damage: points, curves and patches moved") {
+    std::vector<Damage> damages{
+        {"needle", "a vertex of nearly parallel bisectors moved along its bad direction", "vertices[#]",
+         [](Cell& c) {
+             const auto v = inner_vertex(c);
+             c.vertices[v].point += 30 * c.vertices[v].error * bad_direction(c, v);
+             return std::size_t{v};
+         }},
+        {"atom", "a patch for another ball", "faces[#].patches[0]",
+         [](Cell& c) {
+             const auto f = owned_face(c);
+             scale(c.faces[f].patches[0].surface, 1 + 1e-8);
+             return std::size_t{f};
+         }},
+        {"around a cylinder", "a rim moved along the axis", "edges[#]", [](Cell& c) {
+             const auto e = first(c.edges, [](const CellEdge& edge) {
+                 return edge.sites[0].kind == Site::Kind::End || edge.sites[1].kind == Site::Kind::End;
+             });
+             const Vec3 along = std::get<Cylinder>(c.scene.base).axis.normalized();
+             for (auto& p : c.edges[e].curve.points) p.head<3>() += 1e-5 * along;
+             return std::size_t{e};
+         }}};
+    for (const char* cell : {"balls", "atom", "tubes over a plane", "tubes around a tube"}) {
+        damages.push_back({cell, "a vertex moved", "vertices[#]", [](Cell& c) {
+                               const auto v = inner_vertex(c);
+                               c.vertices[v].point.x() += 1e-7;
+                               return std::size_t{v};
+                           }});
+        damages.push_back({cell, "a vertex without one of its sites", "vertices[#]", [](Cell& c) {
+                               const auto v = inner_vertex(c);
+                               c.vertices[v].sites.pop_back();
+                               return std::size_t{v};
+                           }});
+        damages.push_back({cell, "a wrong clearance", "vertices[#]", [](Cell& c) {
+                               const auto v = inner_vertex(c);
+                               c.vertices[v].radius += 1e-8;
+                               return std::size_t{v};
+                           }});
+        damages.push_back({cell, "an edge's control point moved", "edges[#]", [](Cell& c) {
+                               const auto e = inner_edge(c);
+                               auto& points = c.edges[e].curve.points;
+                               points[points.size() / 2].x() += 1e-4;
+                               return std::size_t{e};
+                           }});
+        damages.push_back({cell, "a trimming curve moved", "faces[#]", [](Cell& c) {
+                               const auto f = owned_face(c);
+                               auto& points = c.faces[f].patches[0].loops[0][0].curve.points;
+                               points[points.size() / 2].x() += 1e-4;
+                               return std::size_t{f};
+                           }});
+        damages.push_back({cell, "a patch's control point moved", "faces[#]", [](Cell& c) {
+                               const auto f = owned_face(c);
+                               auto& points = c.faces[f].patches[0].surface.points;
+                               points[points.size() / 2].head<3>() *= 1 + 1e-4;
+                               return std::size_t{f};
+                           }});
+    }
+    for (const char* cell : {"tubes over a plane", "tubes around a tube"}) {
+        damages.push_back({cell, "a spline with a bump between sample points", "edges[#]", [](Cell& c) {
+                               const auto e = spline(c);
+                               bump<3>(c.edges[e].curve, Vec3(1e-4, 1e-4, 1e-4));
+                               return std::size_t{e};
+                           }});
+        damages.push_back({cell, "a trimming curve with a bump between sample points", "faces[#]", [](Cell& c) {
+                               const auto e = spline(c);
+                               std::size_t face = 0;
+                               TrimCurve* found = nullptr;
+                               for_each_trim(c, [&](std::size_t f, TrimCurve& trim) {
+                                   if (found || trim.edge != e) return;
+                                   found = &trim;
+                                   face = f;
+                               });
+                               bump<2>(found->curve, Vec2(1e-4, 1e-4));
+                               return face;
+                           }});
+    }
+    for (const Damage& d : damages) expect_refuted(d);
+}
+
+TEST_CASE("damage: measures that are not the cell's") {
+    std::vector<Damage> damages;
+    const auto add = [&](const char* cell, const char* what, const char* where, auto change) {
+        damages.push_back({cell, what, where, [change](Cell& c) {
+                               change(c);
+                               return std::size_t{owned_face(c)};
+                           }});
+    };
+    for (const char* cell : {"balls", "atom", "tubes over a plane", "tubes around a tube"}) {
+        add(cell, "a volume off by ten times its error and 1e-9", "measures.volume",
+            [](Cell& c) { c.measures.volume += 10 * c.measures.volume_error + 1e-9; });
+        add(cell, "an area off by ten times its error and 1e-9", "measures.area",
+            [](Cell& c) { c.measures.area -= 10 * c.measures.area_error + 1e-9; });
+        add(cell, "a face's area off", "faces[#].area", [](Cell& c) { c.faces[owned_face(c)].area *= 1 + 1e-3; });
+        add(cell, "an edge's length off", "edges", [](Cell& c) { c.edges[inner_edge(c)].length *= 1 + 1e-4; });
+        add(cell, "a wrong base area", "measures.base_area", [](Cell& c) { c.measures.base_area *= 1 + 1e-9; });
+        add(cell, "a wrong box area", "measures.box_area", [](Cell& c) { c.measures.box_area += 1e-2; });
+        add(cell, "a wrong body", "measures.body_volume", [](Cell& c) { c.measures.body_volume += 1e-9; });
+        add(cell, "a least clearance too large", "measures.min_clearance",
+            [](Cell& c) { c.measures.min_clearance += 1e-5; });
+        add(cell, "a least clearance too small", "measures.min_clearance",
+            [](Cell& c) { c.measures.min_clearance -= 1e-5; });
+        add(cell, "a greatest clearance too large", "measures.max_clearance",
+            [](Cell& c) { c.measures.max_clearance += 1e-5; });
+        add(cell, "no volume", "measures.volume", [](Cell& c) { c.measures.volume = not_measured; });
+    }
+    for (const Damage& d : damages) expect_refuted(d);
+}
+
+TEST_CASE("damage: right cells are not accused") {
+    SUBCASE("tubes that stand on the plane: their cones are circular") {
+        expect_proved(voronoi_cell(over_the_plane({Cylinder{{0.1, 0.2, 0}, {0, 0, 1}, 0.25},
+                                                   Sphere{{-1, 0.5, 0.8}, 0.2}})));
+    }
+    SUBCASE("units so small or large that areas leave the doubles' middle") {
+        for (const double unit : {1e-40, 0x1p-100, 0x1p100}) {
+            CAPTURE(unit);
+            Scene scene = balls();
+            for (Object& o : scene.objects) {
+                if (auto* s = std::get_if<Sphere>(&o)) *s = {unit * s->center, unit * s->radius};
+                if (auto* p = std::get_if<Plane>(&o)) p->point *= unit;
+            }
+            scene.box = {unit * scene.box.min, unit * scene.box.max};
+            expect_proved(voronoi_cell(scene));
+        }
+    }
+    SUBCASE("tiny faces") {
+        for (const double area : {1e-4, 1e-8, 1e-11}) {
+            CAPTURE(area);
+            const Cell& cell = good("balls");
+            const Cell lacking = missing_face(cell, inside_of(cell.faces[owned_face(cell)]), 0.05, area);
+            expect_proved(voronoi_cell(lacking.scene));
+        }
+    }
+    SUBCASE("no objects") {
+        expect_proved(voronoi_cell(over_the_plane({})));
+        Scene scene;
+        scene.box = {{-2, -1, -1}, {1, 2, 3}};
+        for (const Object& base : {Object(Sphere{{0.1, 0.2, 0.3}, 0.5}), Object(Cylinder{{0, 0, 0}, {0, 0.3, 1}, 0.25})}) {
+            scene.base = base;
+            expect_proved(voronoi_cell(scene));
+        }
+    }
+    SUBCASE("closed edges") { expect_proved(voronoi_cell(example("island"))); }
+}
+
+}  // namespace vcell
