@@ -1,6 +1,6 @@
 /// Faces that reach around a cylinder base, cut along generators into parts with a patch each.
 ///
-/// The base is divided by generators into `count` equal sectors; sector i has its own angle parameter u, zero
+/// The base is divided by generators into sectors; sector i has its own angle parameter u, zero
 /// in its middle and increasing towards sector i + 1, so that its sides are u = -reach() and u = reach(). The
 /// second parameter v grows along every generator in all sectors. Boundary curves come in runs within one
 /// sector each; where one run ends in a sector's side and the next one starts in the sector beyond, the face

@@ -220,9 +220,9 @@ void MixedArcs::add_edge(const PlaneBaseProblem& problem, EdgeId e, double toler
 
 // The plane that the arc of an edge lies in, if there is one with rational coefficients.
 //
-// Where height_planes() finds two, f = g is contained in their union. The gradient of f - g does not vanish
-// along an edge, so the edge is an analytic curve and lies in one of them: not in that in which one of its
-// points certainly is not.
+// Where height_planes() finds two, f = g is contained in their union. Where the gradient of f - g does not vanish
+// along an edge, it is an analytic curve and lies in one of them: not in that in which one of its points certainly
+// is not. An edge that leaves both runs through a point where they cross, and so the gradient vanishes there.
 std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem, EdgeId e) const {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     if (edge.on_rim()) return wall(problem.region[edge.side]);
@@ -236,19 +236,24 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
     if (planes.size() == 1) return section(0);
     const unsigned side = diagram_.is_circular(edge.left) ? 1 : 0;
     const CylinderHeight& height = frames_[diagram_.dcel.face(Dcel::half_edge(e, side))].height();
-    for (const MinimizationDiagram::ArcPiece& piece : diagram_.pieces(e)) {
-        const CylinderHeight::Jet jet = height(piece.end);
-        const double doubt = height.slope_bound(jet, piece.error) * piece.error +
-                             32 * u * ((piece.end - height.point().head<2>()).norm() + jet.value);
+    std::array<bool, 2> leaves{};
+    const auto visit = [&](const Vector2d& p, double error) {
+        const CylinderHeight::Jet jet = height(p);
+        const double doubt = height.slope_bound(jet, error) * error +
+                             32 * u * ((p - height.point().head<2>()).norm() + jet.value);
         for (const std::size_t i : {0, 1}) {
             const auto& [a, b, c, d] = planes[i];
-            const Interval residual = a.enclosure() * Interval::ball(piece.end.x(), piece.error) +
-                                      b.enclosure() * Interval::ball(piece.end.y(), piece.error) +
+            const Interval residual = a.enclosure() * Interval::ball(p.x(), error) +
+                                      b.enclosure() * Interval::ball(p.y(), error) +
                                       c.enclosure() * Interval::ball(jet.value, doubt) + d.enclosure();
-            if (!residual.contains(0)) return section(1 - i);
+            leaves[i] = leaves[i] || !residual.contains(0);
         }
-    }
-    return std::nullopt;
+    };
+    if (const VertexId start = diagram_.dcel.origin(Dcel::half_edge(e)); start.valid())
+        visit(diagram_.vertices[start].point, diagram_.vertices[start].error);
+    for (const MinimizationDiagram::ArcPiece& piece : diagram_.pieces(e)) visit(piece.end, piece.error);
+    if (leaves[0] == leaves[1]) return std::nullopt;
+    return section(leaves[0] ? 1 : 0);
 }
 
 bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {

@@ -240,6 +240,13 @@ struct MixedAnalysis::Change {
     FormId before, after;
 };
 
+// A vertex of the rim in which more forms meet than change there, and those that are lowest around it inside the piece,
+// counter-clockwise from the label of the side that leaves to that of the one that arrives.
+struct MixedAnalysis::Knot {
+    std::uint32_t vertex;
+    std::vector<FormId> ties, around;
+};
+
 // Pieces with more rivals are rarely plain, and their parts take longer than halves of them.
 constexpr std::size_t most_divided = 4;
 
@@ -260,7 +267,7 @@ struct MixedAnalysis::Work {
     std::vector<Spread>& rivals;  // as the last cull() left them, fewer as more is known
     SmallVector<Change, 8> changes;
     std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
-    std::optional<std::uint32_t> knot;           // a vertex of the rim in which more forms meet than change there
+    std::vector<std::uint32_t> knots;            // vertices of the rim in which more forms meet than change there
     double width = 0;
 
     Vector2d middle() const {
@@ -406,6 +413,18 @@ struct MixedAnalysis::Work {
         if (sign || !supports || rivals.size() > most_divided) return sign;
         return divided().turn(place(a), place(b), place(c));
     }
+    // Of forms in a point where all are equal: the one after `p` on the convex hull of their gradients, counter-clockwise.
+    // None if p is not on it.
+    template <class Spreads>
+    const Spread* next_on_hull(const Spreads& tied, const Spread& p) const {
+        const auto follows = [&](const Spread* q) {
+            return q != &p && std::ranges::all_of(tied, [&](const Spread* o) {
+                return o == &p || o == q || turn(p, *q, *o) == Sign::Positive;
+            });
+        };
+        const auto next = std::ranges::find_if(tied, follows);
+        return next == tied.end() ? nullptr : *next;
+    }
     bool matched_pair() const {
         return changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
     }
@@ -455,6 +474,11 @@ struct MixedAnalysis::Work {
             if (c.vertex < v) all.push_back(c);
         return all;
     }
+    // Do all rivals meet in a vertex of the rim?
+    bool all_tie_in(std::uint32_t v) const {
+        const std::vector<FormId>& ties = piece.vertices[v].ties;
+        return std::ranges::all_of(rivals, [&](const Spread& s) { return std::ranges::find(ties, s.form) != ties.end(); });
+    }
     // From all other changes to a vertex of the rim.
     void join_all_on_rim(std::uint32_t v) {
         for (const Change& c : changes_after(v)) join(c, {v, c.after, c.before});
@@ -496,7 +520,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     const auto add_rim = [&](const Vector2d& p, double error, FormId before, FormId after, std::span<const FormId> ties) {
         const auto v = static_cast<std::uint32_t>(piece.vertices.size());
         piece.vertices.push_back({p, error, after, {ties.begin(), ties.end()}});
-        if (ties.size() > (before == after ? 1 : 2)) work.knot = v;
+        if (ties.size() > (before == after ? 1 : 2)) work.knots.push_back(v);
         if (before != after) work.changes.push_back({v, before, after});
     };
     for (std::size_t i = 0; i < sides; ++i) {
@@ -555,7 +579,7 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         FormId f, g;
     };
     work.clear_inside();
-    if (work.rivals.size() < 3 || work.knot) return false;
+    if (work.rivals.size() < 3 || !work.knots.empty()) return false;
     const auto is_on_rim = [&](FormId f) {
         return std::ranges::find(work.piece.rim, f, &MixedPiece::RimEdge::label) != work.piece.rim.end();
     };
@@ -672,10 +696,14 @@ bool MixedAnalysis::is_plain(const Work& work) const {
 bool MixedAnalysis::join_changes(Work& work) {
     const auto& changes = work.changes;
     const std::size_t n = work.rivals.size();
-    if (work.knot) {
-        const AtKnot ends = ends_at_knot(work);
-        if (ends == AtKnot::All) work.join_all_on_rim(*work.knot);
-        if (ends != AtKnot::None) return ends == AtKnot::All;
+    if (!work.knots.empty()) {
+        std::vector<Knot> knots;
+        for (const std::uint32_t v : work.knots) {
+            auto knot = forms_around_knot(work, v);
+            if (!knot) return false;
+            knots.push_back(*std::move(knot));
+        }
+        return join_all(work, knots);
     }
     if (n <= 3) {
         if (changes.empty()) return true;
@@ -718,37 +746,54 @@ bool MixedAnalysis::join_changes(Work& work) {
             return true;
         }
     }
-    return join_all(work);
+    return join_all(work, {});
 }
 
-// What ends in the knot? Where the label changes all arcs do, as three forms are equal there only. Where it does not, the
-// one trisector that is met touches the side, and passes through the piece if its other form falls faster towards the
-// inside; at a corner that form is higher along both sides, so between them too.
-MixedAnalysis::AtKnot MixedAnalysis::ends_at_knot(const Work& work) {
-    const std::uint32_t v = *work.knot;
+// Between the two sides the lowest forms follow each other as their gradients do on their convex hull, from the label of
+// one side to that of the other: so they do, too, where an arc leaves along a side. If both are one form, it is lowest
+// along two directions and all between them; only where these are opposite may one other form be equal along both: their
+// trisector touches the side, and passes through the piece if the other form falls faster towards the inside.
+std::optional<MixedAnalysis::Knot> MixedAnalysis::forms_around_knot(const Work& work, std::uint32_t v) {
     const auto [arriving, leaving] = work.sides_at(v);
-    const FormId f = work.piece.rim[v].label;
-    if (work.piece.rim[(v + work.piece.rim.size() - 1) % work.piece.rim.size()].label != f) return AtKnot::All;
-    if (arriving != leaving) return AtKnot::None;
-    const std::vector<FormId>& ties = work.piece.vertices[v].ties;
-    const Spread *lowest = work.find(f), *other = work.find(ties[0] == f ? ties[1] : ties[0]);
-    if (work.rivals.size() != 2 || ties.size() != 2 || !lowest || !other) return AtKnot::Unknown;
-    const auto [gx, gy] = work.gradient(*other, *lowest);
-    const auto inward = (Interval(leaving->a) * gx + Interval(leaving->b) * gy).sign();
-    if (inward == Sign::Positive) return AtKnot::None;
-    return inward == Sign::Negative && work.matched_pair() ? AtKnot::All : AtKnot::Unknown;
+    const std::size_t rim = work.piece.rim.size();
+    const FormId first = work.piece.rim[v].label, last = work.piece.rim[(v + rim - 1) % rim].label;
+    Knot knot{v, work.piece.vertices[v].ties, {first}};
+    SmallVector<const Spread*, usual_rivals> ties;
+    for (const FormId f : knot.ties) {
+        const Spread* s = work.find(f);
+        if (!s) return std::nullopt;
+        ties.push_back(s);
+    }
+    const auto find = [&](FormId f) { return std::ranges::find(ties, f, &Spread::form); };
+    if (find(first) == ties.end() || find(last) == ties.end()) return std::nullopt;
+    if (first == last) {
+        if (arriving != leaving) return knot;
+        if (ties.size() != 2) return std::nullopt;
+        const Spread *lowest = *find(first), *other = ties[0] == lowest ? ties[1] : ties[0];
+        const auto [gx, gy] = work.gradient(*other, *lowest);
+        const auto inward = (Interval(leaving->a) * gx + Interval(leaving->b) * gy).sign();
+        if (!inward || *inward == Sign::Zero) return std::nullopt;
+        if (*inward == Sign::Negative) knot.around = {first, other->form, first};
+        return knot;
+    }
+    while (knot.around.back() != last) {
+        const auto next = work.next_on_hull(ties, **find(knot.around.back()));
+        if (!next || knot.around.size() >= ties.size()) return std::nullopt;
+        knot.around.push_back(next->form);
+    }
+    return knot;
 }
 
 // Every visible stretch of a trisector is a graph over the line across its direction. If it has two ends, at the rim's
 // changes and at the vertices, it is one stretch; if it has more, all of the trisector is to be a graph, along which
 // stretches begin and end in turn. Around a vertex the forms follow each other counter-clockwise as their gradients do on
 // their convex hull, since the lowest one in a direction has the gradient farthest against it.
-bool MixedAnalysis::join_all(Work& work) {
+bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
     const std::vector<Spread>& r = work.rivals;
     const std::size_t n = r.size(), rim = work.piece.vertices.size();
     struct Inner {
         MixedPiece::Vertex vertex;
-        std::vector<std::size_t> hull;  // rivals, counter-clockwise
+        std::vector<const Spread*> hull;  // rivals, counter-clockwise
         std::vector<FormId> forms;
     };
     std::vector<Inner> inner;
@@ -756,16 +801,17 @@ bool MixedAnalysis::join_all(Work& work) {
         for (std::size_t j = i + 1; j < n; ++j)
             for (std::size_t k = j + 1; k < n; ++k) {
                 const std::array forms{r[i].form, r[j].form, r[k].form};
-                const auto known = [&](const Inner& v) {
-                    return std::ranges::all_of(forms, [&](FormId f) { return std::ranges::find(v.forms, f) != v.forms.end(); });
+                const auto meet = [&](const std::vector<FormId>& there) {
+                    return std::ranges::all_of(forms, [&](FormId f) { return std::ranges::find(there, f) != there.end(); });
                 };
-                if (std::ranges::any_of(inner, known)) continue;
+                if (std::ranges::any_of(inner, meet, &Inner::forms) || std::ranges::any_of(knots, meet, &Knot::ties))
+                    continue;
                 Inner v;
                 const Inside inside = find_vertex(work, forms, v.vertex);
                 if (inside == Inside::Unknown) return false;
                 if (inside == Inside::No) continue;
                 v.forms.assign(forms.begin(), forms.end());
-                std::vector<std::size_t> present{i, j, k};
+                std::vector<const Spread*> present{&r[i], &r[j], &r[k]};
                 bool visible = true;
                 for (std::size_t l = 0; l < n && visible; ++l) {
                     if (l == i || l == j || l == k) continue;
@@ -774,25 +820,18 @@ bool MixedAnalysis::join_all(Work& work) {
                     visible = *s != Sign::Negative;
                     if (*s != Sign::Zero) continue;
                     v.forms.push_back(r[l].form);
-                    present.push_back(l);
+                    present.push_back(&r[l]);
                 }
                 if (!visible) continue;
                 if (v.forms.size() > 3) {
                     v.vertex.ties = v.forms;
                     if (!settle_tie(v.vertex, forms)) assume(v.vertex.point, std::ldexp(extent_, assumed_exponent), v.forms);
                 }
-                std::size_t a = present[0];
-                const auto is_hull_edge = [&](std::size_t p, std::size_t q) {
-                    return p != q && std::ranges::all_of(present, [&](std::size_t o) {
-                        return o == p || o == q || work.turn(r[p], r[q], r[o]) == Sign::Positive;
-                    });
-                };
-                a = *std::ranges::find_if(present, [&](std::size_t p) {
-                    return std::ranges::any_of(present, [&](std::size_t q) { return is_hull_edge(p, q); });
-                });
+                const Spread* a = *std::ranges::find_if(
+                    present, [&](const Spread* p) { return work.next_on_hull(present, *p) != nullptr; });
                 do {
                     v.hull.push_back(a);
-                    a = *std::ranges::find_if(present, [&](std::size_t q) { return is_hull_edge(a, q); });
+                    a = work.next_on_hull(present, *a);
                 } while (a != v.hull.front());
                 inner.push_back(std::move(v));
             }
@@ -806,35 +845,40 @@ bool MixedAnalysis::join_all(Work& work) {
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j) {
             ends.clear();
-            for (const Change& c : work.changes)
+            const auto add = [&](const Change& c) {
                 if ((c.before == r[i].form && c.after == r[j].form) || (c.before == r[j].form && c.after == r[i].form))
                     ends.push_back(c);
+            };
+            for (const Change& c : work.changes)
+                if (std::ranges::find(knots, c.vertex, &Knot::vertex) == knots.end()) add(c);
+            for (const Knot& knot : knots)
+                for (std::size_t k = 0; k + 1 < knot.around.size(); ++k)
+                    add({knot.vertex, knot.around[k + 1], knot.around[k]});
             for (std::size_t v = 0; v < inner.size(); ++v) {
-                const std::vector<std::size_t>& hull = inner[v].hull;
-                for (std::size_t k = 0; k < hull.size(); ++k) {
-                    const std::size_t p = hull[k], q = hull[(k + 1) % hull.size()];
-                    if (std::min(p, q) == i && std::max(p, q) == j)
-                        ends.push_back({static_cast<std::uint32_t>(rim + v), r[q].form, r[p].form});
-                }
+                const std::vector<const Spread*>& hull = inner[v].hull;
+                for (std::size_t k = 0; k < hull.size(); ++k)
+                    add({static_cast<std::uint32_t>(rim + v), hull[(k + 1) % hull.size()]->form, hull[k]->form});
             }
             if (ends.empty()) continue;
             const Vector2d direction = *work.direction(r[i], r[j]);
             if (ends.size() > 2 && !work.crosses_once(r[i], r[j], direction)) return false;
             if (!join_pair(work, direction, r[i].form, r[j].form, ends)) return false;
         }
-    // Around inner vertices: by hull order.
-    for (std::size_t v = 0; v < inner.size(); ++v) {
-        MixedPiece::HalfEdges& leaving = work.piece.leaving[rim + v];
+    // Around a vertex each arc has another form on its right.
+    const auto sort_around = [&](std::size_t v, const auto& around, auto form) {
+        MixedPiece::HalfEdges& leaving = work.piece.leaving[v];
         MixedPiece::HalfEdges sorted;
-        for (std::size_t k = 0; k < inner[v].hull.size(); ++k) {
-            const FormId right = r[inner[v].hull[k]].form;
+        for (const auto& right : around)
             for (const std::uint32_t h : leaving) {
                 const MixedPiece::Arc& a = work.piece.arcs[h >> 1];
-                if ((h & 1u ? a.left : a.right) == right) sorted.push_back(h);
+                if ((h & 1u ? a.left : a.right) == form(right)) sorted.push_back(h);
             }
-        }
         leaving = std::move(sorted);
-    }
+    };
+    for (std::size_t v = 0; v < inner.size(); ++v)
+        sort_around(rim + v, inner[v].hull, [](const Spread* s) { return s->form; });
+    for (const Knot& knot : knots)
+        sort_around(knot.vertex, std::span(knot.around).first(knot.around.size() - 1), [](FormId f) { return f; });
     return true;
 }
 
@@ -846,7 +890,7 @@ bool MixedAnalysis::join_pair(Work& work, const Vector2d& direction, FormId f, F
     const std::size_t rim = work.piece.rim.size();
     bool separated = true;
     const auto precedes = [&](const Change& a, const Change& b) {
-        if (a.vertex == b.vertex) return false;
+        if (a.vertex == b.vertex) return a.before == f && b.before == g;  // touching the rim: one stretch ends, one begins
         const MixedPiece::Vertex &v = work.piece.vertices[a.vertex], &w = work.piece.vertices[b.vertex];
         const double gap = e.dot(w.point - v.point);
         if (std::abs(gap) > 2 * (v.error + w.error) + 8 * std::numeric_limits<double>::epsilon() * v.point.norm()) return gap > 0;
@@ -1006,12 +1050,13 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
             apex.differences[i][j].gradient = work.gradient(r[i], r[j]);
             if (!work.direction(r[i], r[j])) touching.push_back({i, j});
         }
-    if (work.knot) {
-        const MixedPiece::Vertex& v = work.piece.vertices[*work.knot];
-        if (v.ties.size() < n) return std::nullopt;
+    if (work.knots.size() > 1) return std::nullopt;
+    if (!work.knots.empty()) {
+        apex.rim = work.knots[0];
+        const MixedPiece::Vertex& v = work.piece.vertices[*apex.rim];
+        if (!work.all_tie_in(*apex.rim)) return std::nullopt;
         apex.point = v.point;
         apex.error = v.error;
-        apex.rim = work.knot;
         apex.decided = touching.empty();
         if (touching.empty()) return apex;
     }
@@ -1021,14 +1066,14 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     if (!touching.empty()) {
         const FormId f = r[touching[0][0]].form, g = r[touching[0][1]].form;
         root = root_near([&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); },
-                         work.knot ? apex.point : work.middle());
+                         apex.rim ? apex.point : work.middle());
     } else {
         if (n < 4) return std::nullopt;  // then they tie in one point at most, and the piece will be plain
         triple = {r[0].form, r[1].form, r[2].form};
         root = root_near([&](Interval x, Interval y) { return equal_heights(heights_, triple, x, y); }, work.middle());
     }
     if (!root) return std::nullopt;
-    if (work.knot) {
+    if (apex.rim) {
         if (!((root->point - apex.point).norm() <= 2 * (root->error + apex.error))) return std::nullopt;
     } else {
         apex.point = root->point;
@@ -1055,8 +1100,8 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     for (const Spread& s : r) jets.push_back(heights_.jet(s.form, (*c)[0], (*c)[1]));
     for (std::size_t i = 1; i < n; ++i)
         if (!agree(jets[0].v, jets[i].v, jets[0].v)) return std::nullopt;
-    if (work.knot)
-        for (const PieceSide* side : work.sides_at(*work.knot))
+    if (apex.rim)
+        for (const PieceSide* side : work.sides_at(*apex.rim))
             if (!agree(Wide(side->a) * (*c)[0] + Wide(side->b) * (*c)[1], -Wide(side->c), Wide(extent_)))
                 return std::nullopt;
     const Interval bx(work.piece.box[0], work.piece.box[1]), by(work.piece.box[2], work.piece.box[3]);
@@ -1065,12 +1110,12 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
         apex.differences[i][j].curvature =
             heights_.curvature(r[i].form, bx, by) - heights_.curvature(r[j].form, bx, by);
     }
-    if (!work.knot) {
+    if (!apex.rim) {
         const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
         apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
         apex.point = rounded;
     }
-    apex.decided = !work.knot && 2 * touching.size() == n * (n - 1) && is_tie_of_planes(work, apex);
+    apex.decided = !apex.rim && 2 * touching.size() == n * (n - 1) && is_tie_of_planes(work, apex);
     return apex;
 }
 
@@ -1151,14 +1196,17 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
 bool MixedAnalysis::join_at_tie(Work& work) {
     const auto apex = find_apex(work);
     if (!apex) return false;
+    // Between given ones in a position that input does not favour: an arm may not be one.
     std::vector<Vector2d> corners;
+    constexpr double skew = 0.29;
     if (apex->rim) {
         const auto sides = work.sides_at(*apex->rim);
-        corners.emplace_back(sides[1]->b, -sides[1]->a);
-        if (sides[0] == sides[1]) corners.emplace_back(sides[1]->a, sides[1]->b);
+        const Vector2d along(sides[1]->b, -sides[1]->a), inward(sides[1]->a, sides[1]->b);
+        corners.push_back(along);
+        if (sides[0] == sides[1]) corners.emplace_back(inward + skew * along);
         corners.emplace_back(-sides[0]->b, sides[0]->a);
-    } else {  // a square in a position that input does not favour
-        corners = {{1, 0.29}, {-0.29, 1}, {-1, -0.29}, {0.29, -1}, {1, 0.29}};
+    } else {
+        corners = {{1, skew}, {-skew, 1}, {-1, -skew}, {skew, -1}, {1, skew}};
     }
     const std::vector<FormId> forms = work.forms();
     const auto fan = find_fan(forms, apex->differences, corners);
@@ -1272,7 +1320,7 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     const Interval X(work.piece.box[0], work.piece.box[1]), Y(work.piece.box[2], work.piece.box[3]);
     const HeightCurvature<Interval> p = heights_.curvature(f, X, Y), q = heights_.curvature(g, X, Y);
     const Interval xx = p.xx - q.xx, xy = p.xy - q.xy, yy = p.yy - q.yy;
-    if ((xx * yy - square(xy)).sign() != Sign::Negative || work.knot) return false;
+    if ((xx * yy - square(xy)).sign() != Sign::Negative || !work.knots.empty()) return false;
     const auto& changes = work.changes;
     if (changes.empty()) return true;
     if (work.matched_pair()) {
@@ -1325,11 +1373,15 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     return true;
 }
 
+// What is left of a piece counts as a point: a vertex of the rim in which all rivals meet is that point.
 void MixedAnalysis::join_at_center(Work& work) {
     work.clear_inside();
     assume(work.middle(), work.width, work.forms());
     if (work.changes.empty()) return;
-    if (work.matched_pair() && work.rivals.size() == 2)
+    const auto knot = std::ranges::find_if(work.knots, [&](std::uint32_t v) { return work.all_tie_in(v); });
+    if (knot != work.knots.end())
+        work.join_all_on_rim(*knot);
+    else if (work.matched_pair() && work.rivals.size() == 2)
         work.join(work.changes[0], work.changes[1]);
     else
         work.join_all_to({work.middle(), Interval::up(std::hypot(work.width, work.width)), work.changes[0].before, work.forms()});

@@ -211,8 +211,8 @@ private:
     void cull_sharply(Work& work);
     bool is_plain(const Work& work) const;
     bool join_changes(Work& work);
-    enum class AtKnot { None, All, Unknown };
-    static AtKnot ends_at_knot(const Work& work);
+    struct Knot;
+    static std::optional<Knot> forms_around_knot(const Work& work, std::uint32_t v);
     struct Apex;
     std::optional<Apex> find_apex(const Work& work);
     std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g, const Eigen::Vector2d& start) const;
@@ -221,7 +221,7 @@ private:
     bool divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const;
     bool join_at_saddle(Work& work);
     bool join_without_touching(Work& work);
-    bool join_all(Work& work);
+    bool join_all(Work& work, std::span<const Knot> knots);
     bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);
     void join_at_center(Work& work);
     enum class Inside { No, Yes, Unknown };

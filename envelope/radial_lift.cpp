@@ -770,6 +770,9 @@ private:
     // A face that turns further than this has several patches.
     static constexpr double widest_patch = 4;
     static constexpr double narrowest_sector = 0x1p-10;
+    // Where symmetric input has no points in which an edge touches a generator: a seam there would run along the edge
+    // as far as doubles tell.
+    static constexpr double off_middle = 0.48643;
 
     bool is_cut(FaceId face) const { return !sectors_.empty() && !sectors_[face].sectors.empty(); }
 
@@ -916,9 +919,9 @@ private:
             }
             if (to - from < narrowest_sector)
                 throw InternalError("lift: no patches hold face " + std::to_string(face.value));
-            const double middle = 0.5 * (from + to);
-            finer.push_back(sector(face, from, middle));
-            finer.push_back(sector(face, middle, to));
+            const double inside = std::lerp(from, to, off_middle);
+            finer.push_back(sector(face, from, inside));
+            finer.push_back(sector(face, inside, to));
         }
         all.sectors = std::move(finer);
     }
@@ -933,13 +936,13 @@ private:
                 const double angle = chart_angle(diagram_.vertices[start(e)].point.x());
                 angles.push_back(angle - width * std::floor(angle / width));
             });
-        if (angles.empty()) return 0;
+        if (angles.empty()) return off_middle;
         std::ranges::sort(angles);
         angles.push_back(angles.front() + width);
         std::size_t widest = 0;
         for (std::size_t i = 0; i + 1 < angles.size(); ++i)
             if (angles[i + 1] - angles[i] > angles[widest + 1] - angles[widest]) widest = i;
-        return 0.5 * (angles[widest] + angles[widest + 1]);
+        return std::lerp(angles[widest], angles[widest + 1], off_middle);
     }
 
     // Through the angles of the chart over its start, over where it leaves a sector, and over its end.

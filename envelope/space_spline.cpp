@@ -318,6 +318,7 @@ public:
 private:
     // What a singular end needs, and what no proof in reach may cost (per piece).
     static constexpr int deepest = 40, most_halvings = 256;
+    static constexpr int most_rim_halvings = 4096;  // no pieces get shorter where both sites are nearly as one
     static constexpr int deepest_proof = 4;  // halvings of a span for its certificate
 
     // A point of the arc with derivatives along it, by the length of the curve (p, t).
@@ -399,7 +400,7 @@ private:
         if (arc_.pieces.size() == 1) {
             const Piece& piece = arc_.pieces.front();
             if (const auto q =
-                    meet(0.5 * (chart_point(from, piece) + chart_point(to, piece)), piece.direction))
+                    meet(0.5 * (chart_point(from, piece) + chart_point(to, piece)), piece))
                 offer(lifted(*q));
         }
         return best;
@@ -472,7 +473,7 @@ private:
         const int n = std::max(1, static_cast<int>(std::ceil(turn / widest)));
         Node from = start_;
         for (int i = 1; i <= n; ++i) {
-            int halvings = most_halvings;
+            int halvings = most_rim_halvings;
             const Node to = i == n ? end_ : rim_node(first + sign * turn * i / n);
             fit(from, to, {}, deepest, halvings);
             from = to;
@@ -620,7 +621,7 @@ private:
             }
         }
         const Fit best = smooth(from, to, infinity), straight = chord(from, to, piece);
-        append(best.error() < straight.error() ? best : straight);
+        append(piece && !(best.error() < straight.error()) ? straight : best);
     }
 
     // Does rounding blur the arc so much that no span of this length, or a shorter one, can be proved?
@@ -696,7 +697,7 @@ private:
             return node(over(from.X.y(), w.normalized()));
         }
         const auto on_line =
-            meet(0.5 * (chart_point(from.X, *piece) + chart_point(to.X, *piece)), piece->direction);
+            meet(0.5 * (chart_point(from.X, *piece) + chart_point(to.X, *piece)), *piece);
         return find(on_line ? lifted(*on_line) : Vector4d(0.5 * (from.X + to.X)));
     }
 
@@ -737,8 +738,42 @@ private:
         return q;
     }
 
-    // Newton's method for equal heights, along a line of the chart.
-    std::optional<Vec2> meet(Vec2 q, const Vec2& direction) const {
+    // Equal heights along a line of the chart in the piece's direction, as one of them falls against the other there.
+    std::optional<Vec2> meet(const Vec2& q, const Piece& piece) const {
+        const auto found = approach(q, piece.direction);
+        return found && holds(piece.box, *found) ? found : bisect(q, piece);
+    }
+    static bool holds(const std::array<double, 4>& box, const Vec2& q) {
+        return q.x() >= box[0] && q.x() <= box[1] && q.y() >= box[2] && q.y() <= box[3];
+    }
+    // Between the sides of the piece's box: the line may meet the two again beyond them.
+    std::optional<Vec2> bisect(const Vec2& q, const Piece& piece) const {
+        constexpr int halvings = 60;
+        const Vec2& d = piece.direction;
+        double low = -infinity, high = infinity;
+        for (const int i : {0, 1}) {
+            const double a = (piece.box[2 * i] - q[i]) / d[i], b = (piece.box[2 * i + 1] - q[i]) / d[i];
+            if (d[i] == 0) continue;
+            low = std::max(low, std::min(a, b));
+            high = std::min(high, std::max(a, b));
+        }
+        const auto is_left_nearer = [&](double s) {
+            const Vec2 p = q + s * d;
+            const Vec3 w = problem_.normal(p);
+            const std::array<double, 3> normal{w.x(), w.y(), w.z()};
+            const double y = problem_.is_sphere ? 0 : p.y();
+            // Negative or infinite distances are those of rays that do not get there.
+            return 1 / equations_[1].distance_along(y, normal) > 1 / equations_[right_].distance_along(y, normal);
+        };
+        if (!(low < high) || !is_left_nearer(low) || is_left_nearer(high)) return std::nullopt;
+        for (int i = 0; i < halvings; ++i) {
+            const double middle = 0.5 * (low + high);
+            (is_left_nearer(middle) ? low : high) = middle;
+        }
+        return q + low * d;
+    }
+    // Newton's method, as near as find() needs it.
+    std::optional<Vec2> approach(Vec2 q, const Vec2& direction) const {
         constexpr int enough = 20;
         constexpr double near = 1e-4;  // find() does the rest
         for (int i = 0; i < enough; ++i) {
