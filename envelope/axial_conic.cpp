@@ -60,6 +60,16 @@ bool is_pair_of_lines(const AxialEquation& f, const AxialEquation& g, double siz
     return std::abs(c) <= 0x1p-48 * magnitude(f, size) * magnitude(g, size);
 }
 
+std::array<DistancePlane, 2> AxialConic::planes() const {
+    std::array<DistancePlane, 2> result;
+    for (int i = 0; i < 2; ++i) {
+        const Equation& e = equations_[i];
+        const double length = e.b.norm();
+        result[i] = {{e.b.x(), e.b.y(), e.b.z(), e.b0}, e.k, (length - e.b0) * (length + e.b0)};
+    }
+    return result;
+}
+
 Vector4d AxialConic::at(const Vec3& normal) const {
     Matrix2d rows;
     Vector2d k;

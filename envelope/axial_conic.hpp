@@ -19,6 +19,7 @@
 
 #include "../primitives/radial_base.hpp"
 #include "cell.hpp"
+#include "conic_error.hpp"
 #include "conic_span.hpp"
 #include "radial_patch.hpp"
 
@@ -49,6 +50,8 @@ public:
 
     /// (p, t) in the direction of a unit normal, canonical.
     Eigen::Vector4d at(const Vec3& normal) const;
+    /// The equations, over unit normals.
+    std::array<DistancePlane, 2> planes() const;
     /// The arc between two of its points, less than half a turn of the normal.
     ConicSpan between(const Eigen::Vector4d& from, const Eigen::Vector4d& to) const;
 

@@ -18,6 +18,10 @@ using Eigen::Vector2d;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
+// Rounding of a patch's control points, in the magnitudes that enter them: some ten operations, and
+// coefficients within 4 u.
+constexpr double patch_rounding = 32 * u;
+
 class Lifter {
 public:
     Lifter(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
@@ -188,6 +192,48 @@ private:
         return curve;
     }
 
+    // The motion back, as for vertices: of all points at once.
+    double motion_back(const RationalCurve3& curve) const {
+        double far = 0;
+        for (const Eigen::Vector4d& p : curve.points) far = std::max(far, p.head<3>().norm());
+        return 8 * u * (far + problem_.frame.origin.norm());
+    }
+
+    // From the chart to space. The lifted curve has the heights of f over its chart curve, but for those of
+    // the vertices at its ends and rounding (r). Over the true arc, within `off` of the chart curve, both
+    // heights agree, so that one slope carries over; at the chart curve itself they differ by no more than
+    // both do.
+    double circular_edge_error(EdgeId e) const {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        const double off = arcs_.error(e);
+        const auto slope_and_size = [&](FormId form) {
+            const CircularForm& f = diagram_.forms[form];
+            const double bend = 2 * std::abs(f.k) / f.w;
+            std::array<double, 2> most{0, 0};
+            for (const ArcSpan& span : arcs_.spans(e))
+                for (const Vector2d& p : {span.from, span.middle(), span.to}) {
+                    const double d = (p - Vector2d(f.cx, f.cy)).norm();
+                    const double linear =
+                        (std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) / f.w;
+                    most[0] = std::max(most[0], gradient(f, p).norm() + bend * off);
+                    most[1] = std::max(most[1], bend * d * (d + p.norm()) + linear);
+                }
+            return most;
+        };
+        const auto left = slope_and_size(edge.left);
+        const auto right = edge.on_rim() ? left : slope_and_size(edge.right);
+        double r = 0;
+        for (const VertexId v :
+             {diagram_.dcel.origin(Dcel::half_edge(e)), diagram_.dcel.target(Dcel::half_edge(e))}) {
+            if (!v.valid()) continue;
+            const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
+            r = std::max(r, at.height_error + std::max(left[0], right[0]) * at.error);
+        }
+        r += 16 * u * std::max(left[1], right[1]);
+        const double across = edge.on_rim() ? left[0] : left[0] + right[0];
+        return std::hypot(off, r + across * off);
+    }
+
     void add_edges() {
         cell_.edges.reserve(diagram_.edges.size());
         Range heights{std::numeric_limits<double>::infinity(), 0};
@@ -206,13 +252,11 @@ private:
             if (mixed_.contains(e)) {
                 edge.curve = mixed_space_curve(mixed_.spans(e), heights);
                 edge.error = mixed_.error(e).space;
-                // The motion back, as for vertices.
-                if (edge.error > 0)
-                    for (const Eigen::Vector4d& p : {edge.curve.points.front(), edge.curve.points.back()})
-                        edge.error += 8 * u * (p.head<3>().norm() + problem_.frame.origin.norm());
             } else {
                 edge.curve = space_curve(e, arcs_.spans(e), degree(e), heights);
+                edge.error = circular_edge_error(e);
             }
+            edge.error += motion_back(edge.curve);
             cell_.edges.push_back(std::move(edge));
         }
         // Every height is convex: over a face it is largest on the face's boundary.
@@ -287,7 +331,8 @@ private:
 
     // The height as a Bezier patch on [u0,u1] x [v0,v1]: blossoms. In one variable (u - c)^2 has the
     // coefficients (u0-c)^2, (u0-c)(u1-c), (u1-c)^2, and u itself u0, (u0+u1)/2, u1.
-    RationalPatch patch(const CircularForm& f, const std::array<Range, 2>& box) const {
+    // rounding: bound on how far that turns the surface off.
+    RationalPatch patch(const CircularForm& f, const std::array<Range, 2>& box, double& rounding) const {
         RationalPatch surface;
         const int n = f.k != 0 ? 2 : 1;
         surface.degree_u = surface.degree_v = n;
@@ -299,16 +344,22 @@ private:
         const auto abscissa = [n](const Range& r, int i) {
             return i == 0 ? r[0] : i == n ? r[1] : 0.5 * r[0] + 0.5 * r[1];
         };
+        double size = 0;
         for (int i = 0; i <= n; ++i) {
             for (int j = 0; j <= n; ++j) {
                 const double x = abscissa(box[0], i), y = abscissa(box[1], j);
                 const double quadratic =
                     f.k == 0 ? 0 : f.k * (blossom(box[0], i, f.cx) + blossom(box[1], j, f.cy));
                 const double z = (quadratic + f.a * x + f.b * y + f.e) / f.w;
+                size = std::max(
+                    size,
+                    (std::abs(quadratic) + std::abs(f.a * x) + std::abs(f.b * y) + std::abs(f.e)) / f.w +
+                        std::abs(x) + std::abs(y));
                 const Vec3 world = problem_.frame.to_world({x, y, z});
                 surface.points.push_back({world.x(), world.y(), world.z(), 1});
             }
         }
+        rounding = patch_rounding * (size + problem_.frame.origin.norm());
         return surface;
     }
 
@@ -334,9 +385,28 @@ private:
             TrimmedPatch trimmed;
             const CcbId outer = diagram_.dcel.outer_ccb(id);
             const std::array<Range, 2> box = bounds(outer);
-            trimmed.surface = diagram_.is_circular(form)
-                                  ? patch(diagram_.forms[form], box)
-                                  : mixed_.frame(id).patch(box[0], box[1], problem_.frame);
+            double rounding = 0;
+            if (diagram_.is_circular(form)) {
+                trimmed.surface = patch(diagram_.forms[form], box, rounding);
+            } else {
+                const CylinderFrame& frame = mixed_.frame(id);
+                trimmed.surface = frame.patch(box[0], box[1], problem_.frame);
+                for (const Eigen::Vector4d& p : trimmed.surface.points)
+                    rounding = std::max(rounding, p.head<3>().norm());
+                rounding =
+                    patch_rounding * (rounding + frame.height().reach() + problem_.frame.origin.norm());
+            }
+            // The patch belongs to what the edge's error bounds.
+            const auto add_rounding = [&](CcbId ccb) {
+                const HalfEdgeId start = diagram_.dcel.start(ccb);
+                HalfEdgeId h = start;
+                do {
+                    cell_.edges[Dcel::edge(h).value].error += rounding;
+                    h = diagram_.dcel.next(h);
+                } while (h != start);
+            };
+            add_rounding(outer);
+            for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) add_rounding(inner);
             trimmed.loops.push_back(loop(outer));
             for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) trimmed.loops.push_back(loop(inner));
             face.patches.push_back(std::move(trimmed));

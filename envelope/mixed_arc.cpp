@@ -274,18 +274,45 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const MinimizationDiagram::Vertex& to = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
     Arc& arc = arcs_[e];
     arc.kind = sections[sections[0] ? 0 : 1]->through_apex() ? CurveKind::Line : section_kind(exact_cylinder(*form), *plane);
-    arc.error.chart = 2 * (from.error + to.error) + 16 * u * (from.point.norm() + to.point.norm());
+    const std::size_t first = spans_.size();
     SectionSpans(sections, spans_)
         .add({from.point.x(), from.point.y(), from.height}, {to.point.x(), to.point.y(), to.height});
+    std::optional<WallLine> line;
+    if (edge.on_rim()) {
+        const RegionSide& side = problem.region[edge.side];
+        line = {side.a, side.b, side.c};
+    }
+    const std::array sides{arc_side(e, edge.left, 0), edge.on_rim() ? ArcSide{} : arc_side(e, edge.right, 1)};
+    for (std::size_t i = first; i < spans_.size(); ++i) {
+        const FitError part = conic_error(sides, line ? &*line : nullptr, spans_[i], diagram_.pieces(e));
+        arc.error.chart = std::max(arc.error.chart, part.chart);
+        arc.error.space = std::max(arc.error.space, part.space);
+    }
+    add_end_errors(e);
     return true;
+}
+
+ArcSide MixedArcs::arc_side(EdgeId e, FormId f, unsigned side) const {
+    if (diagram_.is_circular(f)) return {&diagram_.forms[f], nullptr};
+    return {nullptr, &frames_[diagram_.dcel.face(Dcel::half_edge(e, side))]};
+}
+
+// The true arc ends in the true vertices, up to which the curve that was compared may be continued.
+void MixedArcs::add_end_errors(EdgeId e) {
+    FitError end;
+    for (const VertexId v :
+         {diagram_.dcel.origin(Dcel::half_edge(e)), diagram_.dcel.target(Dcel::half_edge(e))}) {
+        if (!v.valid()) continue;
+        const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
+        end.chart = std::max(end.chart, at.error);
+        end.space = std::max(end.space, std::hypot(at.error, at.height_error));
+    }
+    arcs_[e].error.chart += 2 * end.chart;
+    arcs_[e].error.space += 2 * end.space;
 }
 
 void MixedArcs::add_spline(EdgeId e, double tolerance) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-    const auto side = [&](FormId f, unsigned direction) -> ArcSide {
-        if (diagram_.is_circular(f)) return {&diagram_.forms[f], nullptr};
-        return {nullptr, &frames_[diagram_.dcel.face(Dcel::half_edge(e, direction))]};
-    };
     const auto end = [&](VertexId v) -> ArcEnd {
         return {diagram_.vertices[v].point, diagram_.vertices[v].height};
     };
@@ -293,8 +320,10 @@ void MixedArcs::add_spline(EdgeId e, double tolerance) {
                    to = diagram_.dcel.target(Dcel::half_edge(e));
     ArcEnd a, b;
     if (from.valid()) a = end(from), b = end(to);
-    arcs_[e].error = fit_spline({side(edge.left, 0), side(edge.right, 1)}, from.valid() ? &a : nullptr,
-                                from.valid() ? &b : nullptr, diagram_.pieces(e), tolerance, spans_);
+    arcs_[e].error =
+        fit_spline({arc_side(e, edge.left, 0), arc_side(e, edge.right, 1)}, from.valid() ? &a : nullptr,
+                   from.valid() ? &b : nullptr, diagram_.pieces(e), tolerance, spans_);
+    add_end_errors(e);
 }
 
 }  // namespace vcell

@@ -46,7 +46,7 @@ public:
         return {spans_.data() + offsets_[e.value], spans_.data() + offsets_[e.value + 1]};
     }
     CurveKind kind(EdgeId e) const { return arcs_[e].kind; }
-    /// Bounds on the distance from the true arc: in the chart up to its ends' errors, in space 0 for conics.
+    /// Bounds on the distance from the true arc, its ends' errors included.
     const FitError& error(EdgeId e) const { return arcs_[e].error; }
     /// Pre: the face's form is a cylinder's.
     const CylinderFrame& frame(FaceId f) const { return frames_[f]; }
@@ -61,6 +61,8 @@ private:
     void add_edge(const PlaneBaseProblem& problem, EdgeId e, double tolerance);
     std::optional<SectionPlane> plane_of(const PlaneBaseProblem& problem, EdgeId e) const;
     bool add_section(const PlaneBaseProblem& problem, EdgeId e);
+    ArcSide arc_side(EdgeId e, FormId f, unsigned side) const;
+    void add_end_errors(EdgeId e);
     void add_spline(EdgeId e, double tolerance);
 
     const MinimizationDiagram& diagram_;

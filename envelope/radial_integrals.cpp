@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "joined_spans.hpp"
+#include "radial_patch.hpp"
 
 namespace vcell {
 
@@ -87,11 +88,13 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
         delta = sphere->radius - problem.radius;
         c = sphere->center.norm();
         axis = sphere->center / c;
-        d1 = 0.5 * (c - delta);
-        d2 = 0.5 * (c + delta);
-        root = sqrt(d1 * d2);
+        // d1 d2 is known to rounding though one of them may be next to nothing.
+        const double power = ball_power(problem, form);
+        d1 = delta > 0 ? 0.5 * power / (c + delta) : 0.5 * (c - delta);
+        d2 = delta > 0 ? 0.5 * (c + delta) : 0.5 * power / (c - delta);
+        root = 0.5 * sqrt(power);
         shape = delta == 0 ? Shape::Flat : Shape::Hyperboloid;
-        k = 2 * d1 * d2;
+        k = 0.5 * power;
         e0 = delta;
         e1 = c;
         return;
@@ -122,8 +125,9 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
 double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axis, ray.u)); }
 
 // The form f(t) b.(p x dp) has the derivative f' dt ^ b.(p x dp) + f b.(dp x dp), of size t |f'| + 2 f at
-// most. Of a hyperboloid, c (t + d1) / (12 (t + d2)) has t |f'| < c |delta| / (12 (t + d2)), and t > 0.
-double RoundFace::volume_slope(double far) const {
+// most. Of a hyperboloid, c (t + d1) / (12 (t + d2)) has t |f'| < c |delta| / (12 (t + d2)), and lies between
+// its values at the ends of a stretch.
+double RoundFace::volume_slope(double near, double far) const {
     switch (shape) {
         case Shape::Flat:
             return d1 / 3;
@@ -132,7 +136,8 @@ double RoundFace::volume_slope(double far) const {
         case Shape::Hyperboloid:
             break;
     }
-    return c / 12 * (2 * std::max(1.0, d1 / d2) + std::abs(delta) / d2);
+    const double most = std::max((near + d1) / (near + d2), (far + d1) / (far + d2));
+    return c / 12 * (2 * most + std::abs(delta) / (near + d2));
 }
 
 static double largest(double x) { return x; }

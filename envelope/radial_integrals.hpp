@@ -89,9 +89,9 @@ struct RoundFace {
     };
     template <class T>
     Factors<T> factors(const T& t) const;
-    /// Bound on how the volume changes, to first order, where a stretch of a curve with t <= far leaves its
-    /// place: times its length and the distance.
-    double volume_slope(double far) const;
+    /// Bound on how the volume changes, to first order, where a stretch of a curve with near <= t <= far
+    /// leaves its place: times its length and the distance.
+    double volume_slope(double near, double far) const;
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
@@ -181,7 +181,7 @@ struct RadialIntegrals {
     Integral length;
     Integral end_area;                                                           ///< t^2 / 2 d theta
     std::array<double, 2> distance{std::numeric_limits<double>::infinity(), 0};  ///< range of t
-    RadialGap gap;  ///< of add_span()
+    RadialGap gap;                                                               ///< of add_span()
 
     RadialIntegrals& operator+=(const RadialIntegrals& o);
 };

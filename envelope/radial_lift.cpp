@@ -14,6 +14,7 @@
 #include "../primitives/message.hpp"
 #include "axial_conic.hpp"
 #include "chart_arc.hpp"
+#include "conic_error.hpp"
 #include "conic_span.hpp"
 #include "face_cut.hpp"
 #include "joined_spans.hpp"
@@ -46,6 +47,7 @@ struct TrimSpan {
         middle = map(s.middle, s.weight);
         to = map(s.to, 1);
         if (patch.kind() == RadialPatch::Kind::Stereographic) settle_weights(patch.axes()[2], s);
+        if (patch.kind() == RadialPatch::Kind::Confocal) settle_parameters(patch, s);
     }
     double weight() const { return middle.z() / std::sqrt(from.z() * to.z()); }
 
@@ -62,6 +64,22 @@ private:
         const bool at_start = from_other > to_other;
         const Eigen::Vector3d& end = at_start ? from : to;
         middle.z() = (2 * end.head<2>().dot(middle.head<2>()) - end.z() * other(s.middle)) /
+                     (at_start ? from_other : to_other);
+    }
+    // The same of u = t + z, which is a weight's numerator there.
+    void settle_parameters(const RadialPatch& patch, const ConicSpan& s) {
+        const auto& [x, y, z] = patch.axes();
+        const auto across = [&](const Vector4d& p) {
+            return Vector2d(x.dot(p.head<3>()), y.dot(p.head<3>()));
+        };
+        const auto other = [&](const Vector4d& p) { return p.w() - z.dot(p.head<3>()); };
+        const double from_other = other(s.from), to_other = other(s.to);
+        if (from.x() >= from_other && to.x() >= to_other) return;
+        if (from.x() < from_other) from.x() = across(s.from).squaredNorm() / from_other;
+        if (to.x() < to_other) to.x() = across(s.to).squaredNorm() / to_other;
+        const bool at_start = from_other > to_other;
+        const Vector4d& end = at_start ? s.from : s.to;
+        middle.x() = (2 * across(end).dot(across(s.middle)) - (at_start ? from : to).x() * other(s.middle)) /
                      (at_start ? from_other : to_other);
     }
 };
@@ -85,9 +103,8 @@ Plane facing(const Plane& plane) {
 
 Functional<Vec3, double> functional(const RadialBaseProblem& problem, FormId f) {
     if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
-        const double delta = sphere->radius - problem.radius, length = sphere->center.norm();
-        const double square = (length - delta) * (length + delta);
-        return {sphere->center, delta, square, 0.5 * square};
+        const double square = ball_power(problem, f);
+        return {sphere->center, sphere->radius - problem.radius, square, 0.5 * square};
     }
     const Plane plane = facing(std::get<Plane>(problem.objects[f]));
     const double k = plane.normal.dot(plane.point), length = plane.normal.norm();
@@ -174,9 +191,11 @@ public:
         const double scale = 1 / std::sqrt(b.squaredNorm() + b0 * b0);
         normal_ << scale * b, scale * b0;
         k_ = scale * k;
+        power_ = scale * scale * square;
     }
     const Functional<Vec3, double>& functional() const { return functional_; }
     const Vector4d& normal() const { return normal_; }
+    DistancePlane plane() const { return {normal_, k_, power_}; }
     // Of a homogeneous point of that weight.
     double residual(const Vector4d& x, double weight) const { return normal_.dot(x) - weight * k_; }
     double weight(const Vector4d& x) const { return normal_.dot(x) / k_; }
@@ -187,14 +206,13 @@ public:
 private:
     Functional<Vec3, double> functional_;
     Vector4d normal_;  // unit
-    double k_;
+    double k_, power_;
 };
 
 // To the common points of both. Where they are all but parallel, to those of the first.
 Vector4d moved(const Vector4d& x, double weight, const std::array<const Hyperplane*, 2>& planes) {
     const auto& [p, q] = planes;
-    const double a = p->residual(x, weight), b = q->residual(x, weight),
-                 inner = p->normal().dot(q->normal());
+    const double a = p->residual(x, weight), b = q->residual(x, weight), inner = p->normal().dot(q->normal());
     const double determinant = 1 - inner * inner;
     if (determinant < 0x1p-30) return x - a * p->normal();
     return x - ((a - inner * b) * p->normal() + (b - inner * a) * q->normal()) / determinant;
@@ -242,7 +260,7 @@ public:
         halve_for_trims();
         add_edges();
         if (with_measures)
-            measure(problem_, diagram_, cell_);
+            measure(problem_, diagram_, positions_, cell_);
         else
             rank_neighbors(cell_);
         cell_.report.decisions = diagram_.decisions;
@@ -414,7 +432,8 @@ private:
         std::vector<EdgeId> in_chart;
         for (const EdgeId e : diagram_.edges.ids()) {
             if (is_line(e) || is_spline(e) || !problem_.is_sphere) continue;
-            const std::array planes{&hyperplane(diagram_.edges[e].left), &hyperplane(diagram_.edges[e].right)};
+            const std::array planes{&hyperplane(diagram_.edges[e].left),
+                                    &hyperplane(diagram_.edges[e].right)};
             const auto first = static_cast<std::uint32_t>(conics_.size());
             if (problem_.is_sphere && add_arc_on_sphere(e, planes))
                 slices_[e] = {first, static_cast<std::uint32_t>(conics_.size())};
@@ -466,7 +485,8 @@ private:
     bool add_arc_on_sphere(EdgeId e, const std::array<const Hyperplane*, 2>& planes) {
         if (!start(e).valid() || start(e) == end(e)) return false;
         const Vec3 normal = planes[0]->gradient() - planes[1]->gradient();
-        const double length = normal.norm(), size = planes[0]->gradient().norm() + planes[1]->gradient().norm();
+        const double length = normal.norm(),
+                     size = planes[0]->gradient().norm() + planes[1]->gradient().norm();
         const Vector4d &from = points_[start(e)], &to = points_[end(e)];
         const Vec3 u = from.head<3>() / from.w(), v = to.head<3>() / to.w();
         const double radius2 = 1 - std::pow(normal.dot(u) / length, 2);
@@ -503,13 +523,14 @@ private:
         add_arc_about(normal, half_way, to, planes);
     }
 
-    // Appends a span, halved until its weights in space and in the given parameters are large enough.
+    // Appends a span, halved until its weights in space and in the given parameters are large enough. Numbers
+    // that are none are not halved.
     static void add_halves(const ConicSpan& span, std::span<const RadialPatch* const> patches,
                            std::vector<ConicSpan>& spans, int halvings = 40) {
         const auto is_small = [&](const RadialPatch* patch) {
-            return !(TrimSpan(*patch, span).weight() >= least_weight);
+            return TrimSpan(*patch, span).weight() < least_weight;
         };
-        if (halvings > 0 && (!(span.weight >= least_weight) || std::ranges::any_of(patches, is_small))) {
+        if (halvings > 0 && (span.weight < least_weight || std::ranges::any_of(patches, is_small))) {
             for (const ConicSpan& half : span.halves()) add_halves(half, patches, spans, halvings - 1);
             return;
         }
@@ -524,9 +545,9 @@ private:
             return (span.middle / span.weight - end).head<3>().norm();
         };
         const double from = leg(span.from), to = leg(span.to);
-        const bool is_even =
-            span.weight <= greatest_weight && std::max(from, to) <= most_unequal * std::min(from, to);
-        if (is_even || halvings == 0) return add_halves(span, {}, conics_);
+        const bool is_uneven =
+            span.weight > greatest_weight || std::max(from, to) > most_unequal * std::min(from, to);
+        if (!is_uneven || halvings == 0) return add_halves(span, {}, conics_);
         for (const ConicSpan& half : span.halves()) add_even(half, halvings - 1);
     }
 
@@ -562,7 +583,7 @@ private:
                                int halvings = 40) {
         const TrimSpan trim(patch, span);
         const double weight = trim.weight();
-        if (!(weight >= least_weight) && halvings > 0) {
+        if (weight < least_weight && halvings > 0) {
             for (const ConicSpan& half : span.halves()) extend_by_span(box, patch, half, halvings - 1);
             return;
         }
@@ -597,8 +618,8 @@ private:
         }
     }
 
-    // The rectangle of a face's trims. Of the loops' the largest is the outer one's, which contains the others and
-    // comes first from here on.
+    // The rectangle of a face's trims. Of the loops' the largest is the outer one's, which contains the
+    // others and comes first from here on.
     Rectangle face_bounds(FaceId face) {
         std::vector<std::vector<TrimCurve>>& loops = trimmed(face).loops;
         Rectangle outer{no_range, no_range};
@@ -637,6 +658,7 @@ private:
     void add_patches() {
         const std::size_t count = diagram_.dcel.face_count();
         loops_.resize(count);
+        roundings_.resize(count, 0);
         patches_.reserve(count);
         for (const FaceId face : diagram_.face_forms.ids()) {
             const FormId form = diagram_.face_forms[face];
@@ -716,7 +738,8 @@ private:
                 const Vec2 p = patches_[face].parameters(Vec3(points_[start(e)].head<3>()));
                 extend_by_rectangle(box, {{{p.x(), p.x()}, {p.y(), p.y()}}});
             });
-        return box[0][0] > box[0][1] || patches_[face].patch(box[0], box[1], problem_.frame);
+        double rounding;
+        return box[0][0] > box[0][1] || patches_[face].patch(box[0], box[1], problem_.frame, rounding);
     }
 
     std::vector<std::vector<TrimCurve>> trims(FaceId face) const {
@@ -737,7 +760,8 @@ private:
         if (is_cut(face)) return add_cut_surfaces(face);
         trimmed(face).loops = trims(face);
         const auto [box_u, box_v] = face_bounds(face);
-        std::optional<RationalPatch> surface = patches_[face].patch(box_u, box_v, problem_.frame);
+        std::optional<RationalPatch> surface =
+            patches_[face].patch(box_u, box_v, problem_.frame, roundings_[face]);
         if (surface) trimmed(face).surface = std::move(*surface);
         return surface.has_value();
     }
@@ -1062,18 +1086,22 @@ private:
         std::vector<double> reaches;
         for (const Sector& s : all.sectors) reaches.push_back(s.reach());
         all.parts.clear();
+        roundings_[face] = 0;
         all.is_too_wide.assign(all.sectors.size(), false);
         const std::uint32_t first_seam = seams_;
         std::vector<CutPart> parts = cut_face(boundary_runs(face), reaches, seams_);
         match_seams(all, parts, first_seam);
         for (CutPart& part : parts) {
             Rectangle box{no_range, no_range};
-            for (const TrimCurve& trim : part.loops.front()) extend_by_rectangle(box, curve_bounds(trim.curve));
+            for (const TrimCurve& trim : part.loops.front())
+                extend_by_rectangle(box, curve_bounds(trim.curve));
             widen(box);
-            if (auto surface = all.sectors[part.sector].patch.patch(box[0], box[1], problem_.frame))
+            double rounding = 0;
+            if (auto surface = all.sectors[part.sector].patch.patch(box[0], box[1], problem_.frame, rounding))
                 all.parts.push_back({std::move(*surface), std::move(part.loops)});
             else
                 all.is_too_wide[part.sector] = true;
+            roundings_[face] = std::max(roundings_[face], rounding);
         }
         return std::ranges::find(all.is_too_wide, true) == all.is_too_wide.end();
     }
@@ -1109,6 +1137,11 @@ private:
         const auto& [x, y, z] = patch.axes();
         if (patch.kind() == Kind::Planar)
             return {PatchCoordinate::linear(x, patch.origin()), PatchCoordinate::linear(y, patch.origin())};
+        if (patch.kind() == Kind::Confocal) {
+            PatchCoordinate focal;
+            focal.numerator << z, 1, 0;
+            return {focal, PatchCoordinate::linear(y, patch.origin())};
+        }
         if (patch.kind() == Kind::Stereographic)
             return {PatchCoordinate::half_angle(patch.origin(), z, x, 0),
                     PatchCoordinate::half_angle(patch.origin(), z, y, 0)};
@@ -1183,6 +1216,7 @@ private:
 
     void add_edges() {
         cell_.edges.reserve(diagram_.edges.size());
+        positions_.reserve(diagram_.edges.size());
         for (const EdgeId e : diagram_.edges.ids()) {
             const MinimizationDiagram::Edge& from = diagram_.edges[e];
             CellEdge& edge = append_new(cell_.edges);
@@ -1195,15 +1229,82 @@ private:
             if (start(e).valid()) edge.vertices = {start(e).value, end(e).value};
             edge.kind = kinds_[e];
             set_space_curve(e, edge.curve);
-            // The motion back, as for vertices.
-            if (is_spline(e))
-                edge.error =
-                    std::max(errors_[e].curve, errors_[e].trims) +
-                    16 * u * (edge.curve.points.front().head<3>().norm() + problem_.frame.origin.norm());
+            set_error(e, edge);
         }
     }
 
-    // Two forms change places over one generator as the angle grows, and back over the other they have in common.
+    // The true edge ends in the true vertices, up to which the curve that was compared may be continued:
+    // their errors count twice. The trims are compared with the space curve on patches as computed, whose
+    // control points are rounded; and all of it is moved back, as for vertices.
+    void set_error(EdgeId e, CellEdge& edge) {
+        double far = problem_.frame.origin.norm(), end_error = 0;
+        for (const Vector4d& p : edge.curve.points) far = std::max(far, p.head<3>().norm());
+        for (const std::uint32_t v : edge.vertices) end_error = std::max(end_error, cell_.vertices[v].error);
+        const double rounding = 16 * u * (far + problem_.frame.origin.norm());
+        double off, trims;
+        if (is_spline(e)) {
+            off = errors_[e].curve + end_error;
+            trims = errors_[e].trims;
+        } else {
+            off = is_line(e) ? end_error : curve_error(e) + 2 * end_error;
+            trims = trims_error(e, off + 4 * rounding);
+        }
+        // Nothing of the cell is farther away than its box, which holds the base.
+        const double most = 4 * far;
+        double of_patches = 0;
+        for (const unsigned side : {0u, 1u})
+            of_patches = std::max(of_patches, roundings_[diagram_.dcel.face(Dcel::half_edge(e, side))]);
+        positions_.push_back(std::min(most, off + rounding));
+        edge.error = std::min(most, std::max(off, trims) + of_patches + rounding);
+    }
+
+    std::array<DistancePlane, 2> distance_planes(EdgeId e) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        if (problem_.is_sphere) return {hyperplane(edge.left).plane(), hyperplane(edge.right).plane()};
+        const auto equations = axial_equations(edge);
+        return AxialConic(problem_, (*equations)[0], (*equations)[1]).planes();
+    }
+    double curve_error(EdgeId e) { return conic_distance(spans(e), distance_planes(e), problem_.is_sphere); }
+
+    // Of lines and conics; off: what their points may be off the bisectors.
+    double trims_error(EdgeId e, double off) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        double most = off;
+        if (is_line(e) && (problem_.is_sphere || !axial_equations(edge))) return most;
+        std::vector<ConicSpan> segment;
+        std::span<const ConicSpan> along = spans(e);
+        if (is_line(e)) {
+            const Vector4d &from = points_[start(e)], &to = points_[end(e)];
+            segment.push_back({from, 0.5 * (from + to), to, 1});
+            along = segment;
+        }
+        std::optional<std::array<DistancePlane, 2>> planes;
+        for (const unsigned side : {0u, 1u}) {
+            if (side == 1 && edge.on_rim()) continue;
+            const FormId form = side == 0 ? edge.left : edge.right;
+            if (is_flat(problem_, form)) continue;
+            if (!planes) planes = distance_planes(e);
+            // Rays that graze the bisector tell little of where a point of it is.
+            constexpr double grazing = 64;
+            const double gain = ray_gain(along, (*planes)[side], problem_.is_sphere);
+            double trim = (1 + gain) * off;
+            if (gain > grazing && problem_.is_sphere) trim = std::min(trim, trim_distance_of(e, side, along));
+            most = std::max(most, trim);
+        }
+        return most;
+    }
+    double trim_distance_of(EdgeId e, unsigned side, std::span<const ConicSpan> along) const {
+        const RadialPatch& patch = patches_[diagram_.dcel.face(Dcel::half_edge(e, side))];
+        double most = 0;
+        for (const ConicSpan& span : along) {
+            const TrimSpan trim(patch, span);
+            most = std::max(most, trim_distance(patch, span, {trim.from, trim.middle, trim.to}));
+        }
+        return most;
+    }
+
+    // Two forms change places over one generator as the angle grows, and back over the other they have in
+    // common.
     void add_generator_ties(EdgeId e, CellEdge& edge) {
         const Vector4d &from = points_[start(e)], &to = points_[end(e)];
         const bool is_upward = from.y() < to.y();
@@ -1340,10 +1441,12 @@ private:
     std::vector<EdgeId> bent_;        // of conics_, where a trim turned so far that a weight was too small
     IdVector<EdgeId, std::vector<SpaceSpan>> splines_;
     IdVector<EdgeId, SpaceFitError> errors_;
+    IdVector<EdgeId, double> positions_;  // bounds on the distance of space curves from the true ones
     IdVector<FaceId, std::uint32_t> cell_faces_;
     IdVector<FaceId, SmallVector<CcbId, 2>> loops_;  // the outer one first
     IdVector<FaceId, RadialPatch> patches_;
-    IdVector<FaceId, bool> wide_;  // Stereographic with the pole on the circle at infinity
+    IdVector<FaceId, double> roundings_;  // of their control points
+    IdVector<FaceId, bool> wide_;         // Confocal
     IdVector<FaceId, Sectors> sectors_;
     std::uint32_t seams_ = 0;
 };

@@ -21,8 +21,13 @@ constexpr std::uint32_t no_face = UINT32_MAX;
 
 class RadialMeasurer {
 public:
-    RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, Cell& cell)
-        : problem_(problem), diagram_(diagram), cell_(cell), areas_(cell.faces.size()) {}
+    RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                   const IdVector<EdgeId, double>& positions, Cell& cell)
+        : problem_(problem),
+          diagram_(diagram),
+          positions_(positions),
+          cell_(cell),
+          areas_(cell.faces.size()) {}
 
     void run() {
         add_faces();
@@ -62,8 +67,8 @@ public:
         m.box_area_error = box_area_.bound();
         m.min_clearance = distance_[0] - radius;
         m.max_clearance = distance_[1] - radius;
-        const double clearance_error = curve_error_ + 8 * u * (distance_[1] + radius);
-        m.min_clearance_error = m.max_clearance_error = clearance_error;
+        m.min_clearance_error = std::max(least_[1] - distance_[0], distance_[0] - least_[0]);
+        m.max_clearance_error = std::max(greatest_[1] - distance_[1], distance_[1] - greatest_[0]);
         // A cylinder's stretch ends at the box.
         m.touches_box = !problem_.is_sphere || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
             return !f.site.is_object();
@@ -114,7 +119,8 @@ private:
                 make_radial_face(problem_, form, reaches.empty() ? 0 : reaches[f.value].start()));
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
-            distance_[0] = std::min(distance_[0], least_distance(faces_.back()));
+            const double least = least_distance(faces_.back());
+            add_distance(least, least, 8 * u * (least + problem_.radius));
         }
     }
 
@@ -146,8 +152,9 @@ private:
             }
         }
         edge.length = sum.length.value;
-        edge.length_error = sum.length.error + length_sensitivity * edge.error;
-        distance_ = {std::min(distance_[0], sum.distance[0]), std::max(distance_[1], sum.distance[1])};
+        edge.length_error = sum.length.error + length_sensitivity * positions_[e];
+        add_distance(sum.distance[0], sum.distance[1],
+                     positions_[e] + 8 * u * (sum.distance[1] + problem_.radius));
         add_side(left, sum.sides[0], 1);
         if (right != no_face) {
             add_side(right, sum.sides[1], -1);
@@ -155,7 +162,15 @@ private:
             // The rim at the lower end runs about the axis counter-clockwise.
             box_area_.add(std::abs(sum.end_area.value), sum.end_area.error);
         }
-        add_position_error(edge, left, right, sum, is_smooth(e));
+        add_position_error(positions_[e], left, right, sum, is_smooth(e));
+    }
+
+    // A range of distances, known within an error.
+    void add_distance(double low, double high, double error) {
+        if (!std::isfinite(low)) return;
+        distance_ = {std::min(distance_[0], low), std::max(distance_[1], high)};
+        least_ = {std::min(least_[0], low - error), std::min(least_[1], low + error)};
+        greatest_ = {std::max(greatest_[0], high - error), std::max(greatest_[1], high + error)};
     }
 
     void add_side(std::uint32_t face, const RadialIntegrals::Side& side, double sign) {
@@ -166,18 +181,15 @@ private:
     // What an edge that is off by `error` changes: strips of its length. Of a conic the integrand's own
     // derivative across the strip counts; elsewhere the gap between the two bisectors, which closes towards
     // the true edge. Both doubled, and to first order.
-    void add_position_error(const CellEdge& edge, std::uint32_t left, std::uint32_t right,
-                            const RadialIntegrals& sum, bool is_smooth) {
-        double error = edge.error + 4 * u * (sum.distance[1] + problem_.frame.origin.norm());
-        for (const std::uint32_t v : edge.vertices)
-            error = std::max(error, edge.error + cell_.vertices[v].error);
-        curve_error_ = std::max(curve_error_, error);
+    void add_position_error(double error, std::uint32_t left, std::uint32_t right, const RadialIntegrals& sum,
+                            bool is_smooth) {
         const double length = 2 * sum.length.value;
         if (is_smooth) {
-            for (const std::uint32_t side : {left, right})
-                volume_.add(
-                    0, length * error *
-                           std::get<radial_integrals::RoundFace>(faces_[side]).volume_slope(sum.distance[1]));
+            for (const std::uint32_t side : {left, right}) {
+                const auto& round = std::get<radial_integrals::RoundFace>(faces_[side]);
+                const double near = std::max(0.0, sum.distance[0] - error), far = sum.distance[1] + error;
+                volume_.add(0, length * error * round.volume_slope(near, far));
+            }
         } else {
             volume_.add(0, length * (error + sum.gap.from_curve) * sum.gap.apart);
         }
@@ -187,6 +199,7 @@ private:
 
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
+    const IdVector<EdgeId, double>& positions_;
     Cell& cell_;
     std::vector<RadialFace> faces_;          // of the cell
     std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
@@ -194,13 +207,14 @@ private:
     BoundedSum volume_, area_, box_area_;
     std::vector<Vector4d> points_;  // of one edge, canonical
     std::array<double, 2> distance_{std::numeric_limits<double>::infinity(), 0};
-    double curve_error_ = 0;  // the largest of the edges'
+    std::array<double, 2> least_{distance_[0], distance_[0]}, greatest_{0, 0};  // bounds of both
 };
 
 }  // namespace
 
-void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, Cell& cell) {
-    RadialMeasurer(problem, diagram, cell).run();
+void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+             const IdVector<EdgeId, double>& positions, Cell& cell) {
+    RadialMeasurer(problem, diagram, positions, cell).run();
 }
 
 }  // namespace vcell

@@ -18,6 +18,8 @@ namespace vcell {
 /// the effect of the errors of vertices and edges. Beside edges that are no conics the last is an estimate
 /// from points of the edge, doubled, and truncation one from two rules' difference. Lengths are at rounding
 /// level.
-void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, Cell& cell);
+/// positions: bounds on the distances of the edges' space curves from the true edges.
+void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+             const IdVector<EdgeId, double>& positions, Cell& cell);
 
 }  // namespace vcell

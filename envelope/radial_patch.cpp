@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 
 #include "../core/exact.hpp"
 #include "../primitives/bisector.hpp"
@@ -65,7 +66,7 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
         else if (delta == 0)
             set_plane(0.5 * c, c.normalized());
         else
-            set_stereographic(c, delta, middle, wide);
+            set_stereographic(c, delta, ball_power(problem, form), middle, wide);
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
         if (problem.is_sphere)
@@ -114,29 +115,49 @@ void RadialPatch::set_paraboloid(double distance, const Vec3& normal, double rad
     add(0, 2, before * back);
 }
 
-void RadialPatch::set_stereographic(const Vec3& c, double delta, const Vec3& middle, bool wide) {
+void RadialPatch::set_stereographic(const Vec3& c, double delta, double power, const Vec3& middle,
+                                    bool wide) {
     degree_ = {2, 2};
-    const double length = c.norm(), squared = (length - delta) * (length + delta);
-    const Vec3 z = c / length, x = across(z, middle);
-    if (wide) {
-        // The pole at the angle acos(-delta / |c|) from c, on the other side of `middle`.
-        const double cosine = -delta / length, sine = std::sqrt(squared) / length;
-        const Vec3 opposite = sine * x - cosine * z, u_axis = sine * z + cosine * x;
-        set_axes(Kind::Stereographic, u_axis, opposite.cross(u_axis), Vec3::Zero());
-        add(0, 0, 2 * delta * weight);
-        add(1, 0, 2 * std::sqrt(squared) * weight);
-    } else {
-        set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
-        add(0, 0, (length + delta) * weight);
-        add(2, 0, (delta - length) * weight);
-        add(0, 2, (delta - length) * weight);
-    }
-    const Vector4d pole = 0.5 * squared * vector(axes_[2]);
-    add(1, 0, squared * vector(axes_[0]));
-    add(0, 1, squared * vector(axes_[1]));
+    const double length = c.norm();
+    const Vec3 z = c / length;
+    if (wide) return set_confocal(z, length, delta, power, middle);
+    const Vec3 x = across(z, middle);
+    set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
+    const double sum = delta < 0 ? power / (length - delta) : length + delta, difference = power / sum;
+    add(0, 0, sum * weight);
+    add(2, 0, -difference * weight);
+    add(0, 2, -difference * weight);
+    const Vector4d pole = 0.5 * power * vector(axes_[2]);
+    add(1, 0, power * vector(axes_[0]));
+    add(0, 1, power * vector(axes_[1]));
     add(0, 0, pole);
     add(2, 0, -pole);
     add(0, 2, -pole);
+}
+
+// The directions at infinity make the angle acos(-delta / |c|) with c; that on the other side of `middle` is
+// -axes_[2]. (u, v) is (|p| + axes_[2].p, axes_[1].p), which is counter-clockwise with axes_[1] = axes_[0] x
+// axes_[2].
+void RadialPatch::set_confocal(const Vec3& z, double length, double delta, double power, const Vec3& middle) {
+    const Vec3 x = across(z, middle);
+    const double cosine = -delta / length, sine = std::sqrt(power) / length;
+    const Vec3 opposite = sine * x - cosine * z, across_it = sine * z + cosine * x;
+    kind_ = Kind::Confocal;
+    axes_ = {across_it, across_it.cross(opposite), opposite};
+    origin_ = Vec3::Zero();
+    projection_.linear.setZero();
+    projection_.linear.row(0) = vector(opposite) + weight;
+    projection_.linear.row(1) = vector(axes_[1]);
+    projection_.constants << 0, 0, 1, 0;
+    const double a = 0.5 * std::sqrt(power), b = 0.5 * delta / a;
+    add(1, 0, a * vector(axes_[0]));
+    add(2, 0, -b * vector(axes_[0]));
+    add(1, 1, vector(axes_[1]));
+    add(0, 0, -0.5 * a * a * vector(opposite));
+    add(1, 0, a * b * vector(opposite));
+    add(2, 0, 0.5 * (1 - b) * (1 + b) * vector(opposite));
+    add(0, 2, -0.5 * vector(opposite));
+    add(1, 0, weight);
 }
 
 // S = c + v d + t n / W with |S| = t - delta.
@@ -231,8 +252,8 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
 
 // Blossoms: x -> (x + x') / 2, x^2 -> x x'.
 std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
-                                                const std::array<double, 2>& v,
-                                                const BaseFrame& frame) const {
+                                                const std::array<double, 2>& v, const BaseFrame& frame,
+                                                double& rounding) const {
     const auto blossom = [](const std::array<double, 2>& range, int i, int n) -> Polynomial {
         const double a = range[n == 1 ? i : i > 1], b = range[n == 1 ? i : i > 0];
         return {1, 0.5 * a + 0.5 * b, a * b};
@@ -240,25 +261,46 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
     // Coefficients beyond the degrees are zero.
     const auto [m, n] = degree_;
     RationalPatch surface{m, n, u, v, {}};
-    std::array<std::array<Vector4d, 3>, 3> along_v;
+    // With the sums of the terms' absolute values.
+    std::array<std::array<Vector4d, 3>, 3> along_v, size_v;
     for (int j = 0; j <= n; ++j) {
         const Polynomial g = blossom(v, j, n);
-        for (int k = 0; k < 3; ++k)
-            along_v[j][k] = g[0] * coefficient(k, 0) + g[1] * coefficient(k, 1) + g[2] * coefficient(k, 2);
+        for (int k = 0; k < 3; ++k) {
+            const Vector4d c0 = g[0] * coefficient(k, 0), c1 = g[1] * coefficient(k, 1),
+                           c2 = g[2] * coefficient(k, 2);
+            along_v[j][k] = c0 + c1 + c2;
+            size_v[j][k] = c0.cwiseAbs() + c1.cwiseAbs() + c2.cwiseAbs();
+        }
     }
-    double scale = 1;
+    double scale = 1, of_points = 0, of_weights = 0, far = 0;
     for (int i = 0; i <= m; ++i) {
         const Polynomial f = blossom(u, i, m);
         for (int j = 0; j <= n; ++j) {
             const auto& row = along_v[j];
             const Vector4d h = f[0] * row[0] + f[1] * row[1] + f[2] * row[2];
+            const Vector4d size =
+                std::abs(f[0]) * size_v[j][0] + std::abs(f[1]) * size_v[j][1] + std::abs(f[2]) * size_v[j][2];
             if (!(h.w() > 0)) return std::nullopt;
             if (i == 0 && j == 0) scale = 1 / h.w();
-            const Vec3 world = frame.to_world(h.head<3>() / h.w());
+            const Vec3 p = h.head<3>() / h.w(), world = frame.to_world(p);
             surface.points.push_back({world.x(), world.y(), world.z(), scale * h.w()});
+            of_points = std::max(of_points, size.head<3>().sum() / h.w());
+            of_weights = std::max(of_weights, size.w() / h.w());
+            far = std::max(far, p.cwiseAbs().sum());
         }
     }
+    // Control points are means by weights: some ten operations each, coefficients within a few u.
+    constexpr double each = 16 * std::numeric_limits<double>::epsilon();
+    rounding = each * (of_points + far * of_weights + frame.origin.norm());
     return surface;
+}
+
+double ball_power(const RadialBaseProblem& problem, FormId form) {
+    // Its coefficients are those of 2 c across the pole, and of c along it -+ delta: over a scale that |c|
+    // tells.
+    const CircularForm& f = problem.family.forms[form];
+    const double length = std::get<Sphere>(problem.objects[form]).center.norm();
+    return 4 * f.w * length / std::hypot(f.a, f.b, f.k - f.e);
 }
 
 bool is_flat(const RadialBaseProblem& problem, FormId form) {

@@ -15,9 +15,19 @@
 ///
 /// *Stereographic.* Spheres over a sphere base, centre c: S = (|c|^2 - delta^2) n / (2 (c.n + delta W)), (2,
 /// 2), about the direction of c: the surface's points at infinity are the circle u^2 + v^2 = (|c| + delta) /
-/// (|c| - delta), and the pole lies beyond them. A rectangle that reaches across them has no patch; then the
-/// pole is put on that circle, which becomes a line u = const: every rectangle about points of the surface
-/// lies on one side of it.
+/// (|c| - delta), and the pole lies beyond them. A rectangle that reaches across them has no patch; then it
+/// is
+///
+/// *Confocal.* Let q be a direction of that circle, x across it in the plane of q and c. u = |p| - p.q is
+/// constant on paraboloids about q with their focus in the base's centre, v is the length along y = q x x.
+/// Where the surface is met, x.p = a - b u with a = sqrt(|c|^2 - delta^2) / 2, b = delta / (2 a), and |p| +
+/// p.q = (x^2 + v^2) / u:
+///
+///     S = x (a - b u) + v y + q ((a - b u)^2 + v^2 - u^2) / (2 u),
+///
+/// (2, 2), and its weight u is positive on all of the surface: every rectangle will do. No coefficient
+/// cancels where the object all but touches the base and its bisector is a needle. Linear in (p, t): a trim
+/// has the space curve's weights.
 ///
 /// *AboutObject.* Cylinders over a sphere base, seen from the object's axis: c is the foot of the base's
 /// centre, u the tangent of half the angle about the axis, 0 towards the base, v the length along it from c:
@@ -55,14 +65,15 @@ namespace vcell {
 
 class RadialPatch {
 public:
-    enum class Kind : std::uint8_t { Planar, Stereographic, AboutObject, AboutBase };
+    enum class Kind : std::uint8_t { Planar, Stereographic, Confocal, AboutObject, AboutBase };
 
     RadialPatch() = default;
     /// The patch of a form over a face. `middle`: a unit normal of the base in the middle of the face; on
     /// AboutBase the angle counts from it. `y` (cylinder base): a height of the face. `wide`: for faces that
-    /// reach far. The Stereographic pole is put on the circle at infinity, opposite to `middle`; cylinders
-    /// over a cylinder base take d for the half in which `middle` lies, where (with y on one side of the
-    /// crossing) t grows with |v|: rectangles of (u, v) keep clear of the surface's points at infinity.
+    /// reach far. Instead of Stereographic they are Confocal, about the direction at infinity opposite to
+    /// `middle`; cylinders over a cylinder base take d for the half in which `middle` lies, where (with y on
+    /// one side of the crossing) t grows with |v|: rectangles of (u, v) keep clear of the surface's points at
+    /// infinity.
     RadialPatch(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
                 bool wide = false);
 
@@ -72,7 +83,8 @@ public:
     /// A cylinder's patch may be for half of a cylinder base only: n.half() >= 0 for its normals n.
     const std::optional<Vec3>& half() const { return half_; }
     /// parameters() from axes and origin: with q = p - origin() and its components (x, y, z) along the axes,
-    /// (u, v) is (x, y) on Planar, (x, y) / (|q| + z) on Stereographic; on AboutObject and AboutBase u = y /
+    /// (u, v) is (x, y) on Planar, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal; on
+    /// AboutObject and AboutBase u = y /
     /// (|(x, y)| + x), v = along().p + along_start().
     const std::array<Vec3, 3>& axes() const { return axes_; }
     const Vec3& origin() const { return origin_; }
@@ -89,9 +101,9 @@ public:
         return {u, v};
     }
 
-    /// Planar and Stereographic: with t the distance from the base's centre, (u w, v w, w, 0) is the product
-    /// of `linear` and (p, t), plus `constants`, with some w > 0. So along rational curves (p, t) these
-    /// parameters are rational, of their degree.
+    /// Planar, Stereographic and Confocal: with t the distance from the base's centre, (u w, v w, w, 0) is
+    /// the product of `linear` and (p, t), plus `constants`, with some w > 0. So along rational curves (p, t)
+    /// these parameters are rational, of their degree.
     struct Projection {
         Eigen::Matrix4d linear;
         Eigen::Vector4d constants;
@@ -114,14 +126,16 @@ public:
 
     /// The bisector over a rectangle as a Bezier patch in world coordinates. None where a weight is not
     /// positive.
+    /// `rounding`: bound on how far its surface is from that of the coefficients.
     std::optional<RationalPatch> patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
-                                       const BaseFrame& frame) const;
+                                       const BaseFrame& frame, double& rounding) const;
 
 private:
     void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);
     void set_plane(const Vec3& point, const Vec3& normal);
     void set_paraboloid(double distance, const Vec3& normal, double radius);
-    void set_stereographic(const Vec3& c, double delta, const Vec3& middle, bool wide);
+    void set_stereographic(const Vec3& c, double delta, double power, const Vec3& middle, bool wide);
+    void set_confocal(const Vec3& z, double length, double delta, double power, const Vec3& middle);
     void set_about_object(const Cylinder& cylinder, double delta);
     void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C);
     void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
@@ -143,6 +157,10 @@ private:
     Projection projection_;
 };
 
+/// |c|^2 - (rho - R0)^2 of a ball over a sphere base, to some roundings: of the scene's coordinates, as the
+/// form has them. (Near contact the canonical centre's rounding would change it.)
+double ball_power(const RadialBaseProblem& problem, FormId form);
+
 /// Is the bisector a plane (a side of the box included)? Exact.
 bool is_flat(const RadialBaseProblem& problem, FormId form);
 
@@ -162,6 +180,12 @@ std::array<T, 2> RadialPatch::parameters(const std::array<T, 3>& p) const {
     if (kind_ == Kind::Stereographic) {
         const T reach = sqrt(qx * qx + qy * qy + qz * qz) + along(axes_[2], qx, qy, qz);
         return {x / reach, y / reach};
+    }
+    if (kind_ == Kind::Confocal) {
+        // Towards the focal direction the sum cancels.
+        const T z = along(axes_[2], qx, qy, qz), length = sqrt(qx * qx + qy * qy + qz * qz);
+        if (z > T(0.0)) return {length + z, y};
+        return {(x * x + y * y) / (length - z), y};
     }
     return {y / (sqrt(x * x + y * y) + x), along(along_, p[0], p[1], p[2]) + T(along_start_)};
 }

@@ -13,6 +13,7 @@ namespace vcell {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
@@ -30,6 +31,11 @@ struct HeightJet2 {
     double hessian(const Vector2d& a, const Vector2d& b) const {
         return bend.dot(a) * bend.dot(b) + round * a.dot(b);
     }
+};
+
+template <int N>
+struct Homogeneous {
+    Bernstein<N> X, Y, Z, W;
 };
 
 class Side {
@@ -87,6 +93,40 @@ public:
                             linear.largest() + distance * f.reach();
         const double Q = (mx * mx + my * my - t * t - raised<10>(linear)).largest() + rounding * size;
         const double b = (d.z() * t + k).smallest_coefficient();
+        const double below = b * b - d.z() * d.z() * Q;
+        return b > 0 && below > 0 ? Q / (b + std::sqrt(below)) : std::numeric_limits<double>::infinity();
+    }
+
+    // The same of a rational curve (X, Y, Z) / W: everything times W^2.
+    template <int N>
+    double height_error(const Homogeneous<N>& P) const {
+        const double least = P.W.smallest_coefficient(), most = P.W.largest();
+        if (!(least > 0)) return std::numeric_limits<double>::infinity();
+        if (side_.circular) {
+            const CircularForm& f = *side_.circular;
+            const Bernstein<N> dx = P.X - f.cx * P.W, dy = P.Y - f.cy * P.W;
+            const Bernstein<N> linear = f.a * P.X + f.b * P.Y + (-f.w) * P.Z + f.e * P.W;
+            const double size = f.k * (square(dx.largest()) + square(dy.largest())) +
+                                most * (std::abs(f.a) * P.X.largest() + std::abs(f.b) * P.Y.largest() +
+                                        f.w * P.Z.largest() + std::abs(f.e) * most);
+            return ((f.k * (dx * dx + dy * dy) + linear * P.W).largest() + rounding * size) /
+                   (f.w * square(least));
+        }
+        const CylinderHeight& f = side_.cylinder->height();
+        const Eigen::Vector3d &c = f.point(), &d = f.axis();
+        const double k = f.rho() + c.z();
+        const Bernstein<N> mx = P.X - c.x() * P.W, my = P.Y - c.y() * P.W, mz = P.Z - c.z() * P.W;
+        const Bernstein<N> t = d.x() * mx + d.y() * my + d.z() * mz;
+        const Bernstein<N> linear = k * (2 * P.Z + (f.rho() - c.z()) * P.W);
+        const double distance =
+            mx.largest() + my.largest() + (std::abs(c.z()) + f.rho()) * most + P.Z.largest();
+        const double size = square(mx.largest()) + square(my.largest()) + square(t.largest()) +
+                            linear.largest() * most + distance * f.reach() * most;
+        const double Q =
+            ((mx * mx + my * my - t * t - linear * P.W).largest() + rounding * size) / square(least);
+        const Bernstein<N> lower = d.z() * t + k * P.W;
+        double b = std::numeric_limits<double>::infinity();
+        for (int i = 0; i <= N; ++i) b = std::min(b, lower.coefficient(i) / P.W.coefficient(i));
         const double below = b * b - d.z() * d.z() * Q;
         return b > 0 && below > 0 ? Q / (b + std::sqrt(below)) : std::numeric_limits<double>::infinity();
     }
@@ -217,9 +257,12 @@ private:
         append(f);
         return true;
     }
+    // An arc is no better than its worst span: what is as good will do from here on. So an arc of which no
+    // part can be proved costs one descent.
     void append(const Fit& f) {
         error_.chart = std::max(error_.chart, f.error.chart);
         error_.space = std::max(error_.space, f.error.space);
+        tolerance_ = std::max(tolerance_, error_.space);
         spans_.push_back(f.span);
     }
 
@@ -386,13 +429,173 @@ private:
     }
 
     const std::array<Side, 2> sides_;
-    const double tolerance_;
+    double tolerance_;
     std::vector<MixedSpan>& spans_;
     std::vector<Node> nodes_;  // the ends of the pieces
     FitError error_;
 };
 
+// The certificate of conic_error().
+class ConicError {
+public:
+    using Points = std::array<Eigen::Vector4d, 3>;  // homogeneous
+    using Trim = std::array<Vector3d, 4>;
+
+    ConicError(const std::array<ArcSide, 2>& sides, const WallLine* wall) : sides_(sides), wall_(wall) {}
+
+    // None where nothing is proved within a few halvings.
+    std::optional<FitError> operator()(const Points& points, const std::array<Trim, 2>& trims,
+                                       int halvings) const {
+        if (const auto whole = whole_error(points, trims)) return whole;
+        if (halvings == 0) return std::nullopt;
+        std::array<Points, 2> p;
+        std::array<std::array<Trim, 2>, 2> t{trims, trims};
+        divide(points, p[0], p[1]);
+        for (int side = 0; side < 2; ++side) divide(trims[side], t[0][side], t[1][side]);
+        FitError error;
+        for (const int half : {0, 1}) {
+            const auto part = (*this)(p[half], t[half], halvings - 1);
+            if (!part) return std::nullopt;
+            error.chart = std::max(error.chart, part->chart);
+            error.space = std::max(error.space, part->space);
+        }
+        return error;
+    }
+
+private:
+    template <class Control>
+    static void divide(const Control& points, Control& first, Control& second) {
+        Control work = points;
+        const std::size_t n = points.size() - 1;
+        for (std::size_t k = 0; k <= n; ++k) {
+            first[k] = work[0];
+            second[n - k] = work[n - k];
+            for (std::size_t i = 0; i < n - k; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
+        }
+    }
+
+    bool has_height(int side) const { return sides_[side].circular || sides_[side].cylinder; }
+
+    std::optional<FitError> whole_error(const Points& points, const std::array<Trim, 2>& trims) const {
+        Eigen::Array2d low = points[0].head<2>() / points[0].w(), high = low;
+        for (const Eigen::Vector4d& q : points) {
+            low = low.min(q.head<2>().array() / q.w());
+            high = high.max(q.head<2>().array() / q.w());
+        }
+        const Vector2d middle = 0.5 * (low + high).matrix();
+        const double half = 0.5 * (high - low).matrix().norm(), room = 0.25 * half + 64 * u * middle.norm(),
+                     radius = half + room;
+        const auto row = [&](int i) { return Bernstein<2>::from([&](int k) { return points[k][i]; }); };
+        const Homogeneous<2> P{row(0), row(1), row(2), row(3)};
+        std::array<double, 2> error{}, slope{};
+        Vector2d difference = Vector2d::Zero();
+        double change = 0;
+        for (const int i : {0, 1}) {
+            if (!has_height(i)) continue;
+            const Side side(sides_[i]);
+            const HeightJet2 jet = side(middle);
+            const double curvature = side.curvature_bound(jet, radius);
+            error[i] = side.height_error(P);
+            slope[i] = jet.gradient.norm() + jet.gradient_error + radius * curvature;
+            difference += i == 0 ? jet.gradient : Vector2d(-jet.gradient);
+            change += jet.gradient_error + radius * curvature;
+        }
+        FitError result;
+        if (wall_) {
+            const double norm = std::hypot(wall_->a, wall_->b), most = P.W.largest();
+            const double size = std::abs(wall_->a) * P.X.largest() + std::abs(wall_->b) * P.Y.largest() +
+                                std::abs(wall_->c) * most;
+            result.chart = ((wall_->a * P.X + wall_->b * P.Y + wall_->c * P.W).largest() + rounding * size) /
+                           (norm * P.W.smallest_coefficient());
+        } else {
+            const double least = difference.norm() - change;
+            if (!(least > 0)) return std::nullopt;
+            result.chart = (error[0] + error[1]) / least;
+        }
+        if (!(result.chart <= room)) return std::nullopt;
+        double arc_height = std::numeric_limits<double>::infinity(), worst = 0;
+        for (const int i : {0, 1}) {
+            if (!has_height(i)) continue;
+            arc_height = std::min(arc_height, error[i] + slope[i] * result.chart);
+            const double trim = sides_[i].cylinder ? trim_deviation(*sides_[i].cylinder, P, trims[i]) : 0;
+            if (!(trim <= room)) return std::nullopt;
+            worst = std::max(worst, std::hypot(trim, error[i] + slope[i] * trim));
+        }
+        result.space = std::max(worst, std::hypot(result.chart, arc_height));
+        return result;
+    }
+
+    // As for the splines, everything times powers of the weights.
+    static double trim_deviation(const CylinderFrame& frame, const Homogeneous<2>& P, const Trim& points) {
+        const auto row = [&](int i) { return Bernstein<3>::from([&](int k) { return points[k][i]; }); };
+        const Bernstein<3> U = row(0), V = row(1), D = row(2);
+        const double eps = frame.eps(), least = D.smallest_coefficient(),
+                     least_w = P.W.smallest_coefficient();
+        if (!(least > 0 && least_w > 0)) return std::numeric_limits<double>::infinity();
+        const Vector2d ex = frame.turned({1, 0}), ey = frame.turned({0, 1}), o = frame.turned(frame.origin());
+        const Bernstein<2> along = ex.x() * P.X + ey.x() * P.Y - o.x() * P.W,
+                           across = ex.y() * P.X + ey.y() * P.Y - o.y() * P.W;
+        const Bernstein<6> turned = (eps * U + D) * V, D2 = square(D);
+        const double uneven = D.largest() / least * (P.W.largest() / least_w);
+        const double u_size = U.largest() / least, v_size = V.largest() / least,
+                     turned_size = (1 + eps * u_size) * v_size;
+        const double size = u_size + turned_size * (1 + eps * v_size) +
+                            (P.X.largest() + P.Y.largest()) / least_w + frame.origin().norm();
+        const double scale = least_w * least * least;
+        const double first =
+            ((U * D2 * P.W - along * (D2 * D)) - (0.25 * eps) * (turned * V * P.W)).largest() /
+            (scale * least);
+        const double second = (turned * P.W - across * D2).largest() / scale;
+        return std::hypot(first, second) + rounding * uneven * uneven * uneven * size;
+    }
+
+    const std::array<ArcSide, 2> sides_;
+    const WallLine* wall_;
+};
+
 }  // namespace
+
+FitError conic_error(const std::array<ArcSide, 2>& sides, const WallLine* wall, const MixedSpan& span,
+                     std::span<const MinimizationDiagram::ArcPiece> pieces) {
+    constexpr int halvings = 6;
+    const auto homogeneous = [&](int k) {
+        const Eigen::Vector4d& p = span.points[k];
+        return Eigen::Vector4d(p.w() * p.x(), p.w() * p.y(), p.w() * p.z(), p.w());
+    };
+    ConicError::Points points{homogeneous(0), homogeneous(1), homogeneous(span.degree)};
+    if (span.degree == 1) points[1] = 0.5 * (points[0] + points[2]);
+    std::array<ConicError::Trim, 2> trims;
+    for (const int side : {0, 1}) {
+        const MixedSpan::Trim& trim = span.trims[side];
+        const auto at = [&](int k) {
+            const Vector3d& q = trim.points[k];
+            return Vector3d(q.z() * q.x(), q.z() * q.y(), q.z());
+        };
+        ConicError::Trim& t = trims[side];
+        t = {at(0), at(1), at(2), at(3)};
+        if (trim.degree == 1) t = {at(0), (2 * at(0) + at(1)) / 3, (at(0) + 2 * at(1)) / 3, at(1)};
+        if (trim.degree == 2) t = {at(0), (at(0) + 2 * at(1)) / 3, (2 * at(1) + at(2)) / 3, at(2)};
+    }
+    if (const auto error = ConicError(sides, wall)(points, trims, halvings)) return *error;
+    Eigen::Array3d low = points[0].head<3>() / points[0].w(), high = low;
+    const auto hold = [&](const Eigen::Array3d& p) {
+        low = low.min(p);
+        high = high.max(p);
+    };
+    for (const Eigen::Vector4d& q : points) hold(q.head<3>().array() / q.w());
+    for (const MinimizationDiagram::ArcPiece& piece : pieces)
+        for (const int k : {0, 1}) hold({piece.box[k], piece.box[2 + k], low.z()});
+    const double chart = (high - low).head<2>().matrix().norm();
+    // The height over the pieces, by the slope of one side.
+    double slope = std::numeric_limits<double>::infinity();
+    const Vector2d middle = 0.5 * (low + high).head<2>().matrix();
+    for (const ArcSide& side : sides)
+        if (side.circular || side.cylinder) {
+            const HeightJet2 jet = Side(side)(middle);
+            slope = std::min(slope, jet.gradient.norm() + chart * Side(side).curvature_bound(jet, chart));
+        }
+    return {chart, std::hypot(chart, (high - low).z() + slope * chart)};
+}
 
 FitError fit_spline(const std::array<ArcSide, 2>& sides, const ArcEnd* start, const ArcEnd* end,
                     std::span<const MinimizationDiagram::ArcPiece> pieces, double tolerance,

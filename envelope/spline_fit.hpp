@@ -73,9 +73,21 @@ struct FitError {
 };
 
 /// Appends the spans of an arc whose pieces are given. No start: the arc is closed. tolerance: length. The
-/// result exceeds it only where the pieces are narrower than digits can tell, and says so.
+/// result exceeds it only where the pieces are narrower than digits can tell, and says so: no span is then
+/// divided further than to the error of the worst one.
 FitError fit_spline(const std::array<ArcSide, 2>& sides, const ArcEnd* start, const ArcEnd* end,
                     std::span<const MinimizationDiagram::ArcPiece> pieces, double tolerance,
                     std::vector<MixedSpan>& spans);
+
+/// The line a x + b y + c = 0 of the chart over which a wall stands.
+struct WallLine {
+    double a, b, c;
+};
+
+/// The errors of a rational quadratic (or linear) span and its trims, by steps 1, 2 and 4 for rational
+/// curves. `wall`: on the right there is no height, and the arc lies over this line. Where nothing can be
+/// proved, the diameter of the span with the pieces' boxes.
+FitError conic_error(const std::array<ArcSide, 2>& sides, const WallLine* wall, const MixedSpan& span,
+                     std::span<const MinimizationDiagram::ArcPiece> pieces);
 
 }  // namespace vcell

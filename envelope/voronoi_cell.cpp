@@ -1,15 +1,18 @@
 #include "voronoi_cell.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <string>
 #include <utility>
 
+#include "../primitives/base_problem.hpp"
 #include "../primitives/plane_base.hpp"
 #include "../primitives/radial_base.hpp"
 #include "lift.hpp"
 #include "minimization_diagram.hpp"
 #include "radial_lift.hpp"
+#include "scene_motion.hpp"
 
 namespace vcell {
 
@@ -42,6 +45,19 @@ MinimizationDiagram diagram_of(const RadialBaseProblem& problem, const EnvelopeO
     return lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1], options);
 }
 
+// How far rounding in the canonical frame may have moved what lies within the box (BaseFrame).
+double scene_motion(const BaseFrame& frame, const Scene& scene) {
+    if (frame.is_axis_parallel() && frame.origin.isZero(0)) return 0;
+    const double far = std::max(scene.box.min.norm(), scene.box.max.norm()) + frame.origin.norm();
+    return frame_rounding * far;
+}
+double scene_motion(const PlaneBaseProblem& problem, const Scene& scene) {
+    return scene_motion(problem.frame, scene);
+}
+double scene_motion(const RadialBaseProblem& problem, const Scene& scene) {
+    return problem.is_sphere || problem.frame.is_axis_parallel() ? 0 : scene_motion(problem.frame, scene);
+}
+
 // "objects 1, 2, 5: <what> (x, y, z), not told apart within w".
 template <class Problem>
 std::string message(const Assumption& a, const char* what, const Problem& problem) {
@@ -50,7 +66,8 @@ std::string message(const Assumption& a, const char* what, const Problem& proble
         for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
     const Vec3 p = problem.frame.to_world(base_point(problem, a.place));
     char place[128];
-    std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(), a.width);
+    std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(),
+                  a.width);
     return "objects " + sites + ": " + what + " " + place;
 }
 
@@ -79,10 +96,11 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    Cell cell = lift(problem, diagram, scene.tolerance.value_or(1e-7 * scene.box.diagonal()),
-                     options.measure);
+    Cell cell =
+        lift(problem, diagram, scene.tolerance.value_or(1e-7 * scene.box.diagonal()), options.measure);
     report("patches", 1);
     cell.scene = scene;
+    add_scene_motion(cell, scene_motion(problem, scene));
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();

@@ -1,0 +1,188 @@
+#include "conic_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+#include "bernstein.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Of a residual, in the magnitudes that enter it: some ten operations.
+constexpr double rounding = 32 * u;
+// Of a product of four vectors, and of one with what a plane carries.
+constexpr double of_product = 5 * u, of_plane = 12 * u;
+
+constexpr int most_halvings = 4;  // of a span for its proof
+
+struct Controls {
+    std::array<Vector4d, 3> X;  // times the weights
+    std::array<double, 3> w;
+
+    explicit Controls(const ConicSpan& s) : X{s.from, s.middle, s.to}, w{1, s.weight, 1} {}
+};
+
+double product(const Vector4d& a, const Vector4d& b, bool is_sphere) {
+    return a.x() * b.x() + (is_sphere ? a.y() * b.y() : 0) + a.z() * b.z() - a.w() * b.w();
+}
+
+double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner,
+                     double sine2, bool is_sphere, int halvings) {
+    const Controls c(span);
+    double far = 0, near = infinity;
+    for (int i = 0; i < 3; ++i) {
+        far = std::max(far, c.X[i].norm() / c.w[i]);
+        near = std::min(near, c.X[i].w() / c.w[i]);
+    }
+    std::array<double, 2> r{0, 0};
+    for (int j = 0; j < 2; ++j) {
+        for (int i = 0; i < 3; ++i)
+            r[j] = std::max(r[j], std::abs(planes[j].normal.dot(c.X[i]) - c.w[i] * planes[j].k) / c.w[i]);
+        r[j] += of_plane * (far + std::abs(planes[j].k));
+    }
+    const double e = std::sqrt((r[0] * r[0] + 2 * std::abs(inner) * r[0] * r[1] + r[1] * r[1]) / sine2);
+    // The cone's residual times w^2, whose coefficients are 1, w, (1 + 2 w^2) / 3, w, 1.
+    const double w = c.w[1], w2 = (1 + 2 * w * w) / 3;
+    const std::array<double, 3> length{c.X[0].norm(), c.X[1].norm(), c.X[2].norm()};
+    const auto q = [&](int i, int k) { return product(c.X[i], c.X[k], is_sphere); };
+    const double largest = std::max({std::abs(q(0, 0)) + of_product * length[0] * length[0],
+                                     (std::abs(q(0, 1)) + of_product * length[0] * length[1]) / w,
+                                     (std::abs(q(0, 2) + 2 * q(1, 1)) +
+                                      of_product * (length[0] * length[2] + 2 * length[1] * length[1])) /
+                                         (3 * w2),
+                                     (std::abs(q(1, 2)) + of_product * length[1] * length[2]) / w,
+                                     std::abs(q(2, 2)) + of_product * length[2] * length[2]});
+    // | |p| - t | = | |p|^2 - t^2 | / (|p| + t).
+    const double cone = largest < 0.1 * near * near ? largest / (1.9 * near) : infinity, phi = cone + 1.5 * e;
+    double m2 = infinity;
+    for (int i = 0; i < 3; ++i) {
+        std::array<double, 2> s, g;
+        for (int j = 0; j < 2; ++j) {
+            const DistancePlane& p = planes[j];
+            const double k = c.w[i] * p.k - (is_sphere ? 0 : p.normal.y() * c.X[i].y());
+            s[j] = k / c.X[i].w();
+            g[j] = s[j] - 2 * p.normal.w();
+        }
+        const int n = std::abs(g[0]) > std::abs(g[1]) ? 0 : 1;
+        const double turn = g[n] < 0 ? -1 : 1, product = turn * inner, other = g[1 - n];
+        const double a = 2 * planes[n].power + 4 * planes[n].normal.w() * s[n] - s[n] * s[n];
+        const double a_size = 2 * std::abs(planes[n].power) + 4 * std::abs(s[n]) + s[n] * s[n];
+        const double share = 1 - 2 * product * other / (turn * g[n] + std::numbers::sqrt2);
+        const double across = std::abs(std::numbers::sqrt2 * product - other) + rounding;
+        m2 = std::min(m2, (a * share - across * across - rounding * a_size * (1 + std::abs(share))) / sine2);
+    }
+    m2 -= 8 * phi / near * (std::sqrt(std::max(m2, 0.0)) + phi / near);
+    if (near > 0 && m2 > 0 && 2.5 * phi <= near * m2) return e + 2 * phi / std::sqrt(m2);
+    if (halvings == 0) return infinity;
+    const auto halves = span.halves();
+    const double first = span_distance(halves[0], planes, inner, sine2, is_sphere, halvings - 1);
+    if (first == infinity) return infinity;
+    return std::max(first, span_distance(halves[1], planes, inner, sine2, is_sphere, halvings - 1));
+}
+
+struct Trimmed {
+    Controls curve;
+    std::array<Vector3d, 3> trim;
+};
+
+std::array<Trimmed, 2> halves(const Trimmed& part) {
+    const auto divide = [](const auto& p, auto& first, auto& second) {
+        using T = std::decay_t<decltype(p[0])>;
+        const T a = (p[0] + p[1]) / 2, b = (p[1] + p[2]) / 2, m = (a + b) / 2;
+        first = {p[0], a, m};
+        second = {m, b, p[2]};
+    };
+    Trimmed first = part, second = part;
+    divide(part.curve.X, first.curve.X, second.curve.X);
+    divide(part.curve.w, first.curve.w, second.curve.w);
+    divide(part.trim, first.trim, second.trim);
+    return {first, second};
+}
+
+double trim_distance_of_part(const RadialPatch& patch, const Trimmed& part) {
+    const auto trim_row = [&](int i) { return Bernstein<2>::from([&](int k) { return part.trim[k][i]; }); };
+    const Bernstein<2> U = trim_row(0), V = trim_row(1), D = trim_row(2),
+                       W = Bernstein<2>::from([&](int k) { return part.curve.w[k]; });
+    const std::array<Bernstein<4>, 6> monomials{square(D), U * D, V * D, square(U), U * V, square(V)};
+    constexpr std::array<std::array<int, 2>, 6> powers{{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+    std::array<double, 6> largest;
+    for (int k = 0; k < 6; ++k) largest[k] = monomials[k].largest();
+    std::array<Bernstein<4>, 4> S;
+    std::array<double, 4> size{};
+    for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 6; ++k) {
+            const double c = patch.coefficient(powers[k][0], powers[k][1])[i];
+            S[i] = S[i] + c * monomials[k];
+            size[i] += std::abs(c) * largest[k];
+        }
+    const double weight = S[3].smallest_coefficient() - rounding * size[3], least = W.smallest_coefficient();
+    if (!(weight > 0 && least > 0)) return infinity;
+    double squared = 0;
+    for (int i = 0; i < 3; ++i) {
+        const auto X = Bernstein<2>::from([&](int k) { return part.curve.X[k][i]; });
+        const double off =
+            (S[i] * W - S[3] * X).largest() + rounding * (size[i] * W.largest() + size[3] * X.largest());
+        squared += off * off;
+    }
+    return std::sqrt(squared) / (weight * least);
+}
+
+double trim_distance(const RadialPatch& patch, const Trimmed& part, int halvings) {
+    const double whole = trim_distance_of_part(patch, part);
+    if (whole < infinity || halvings == 0) return whole;
+    double most = 0;
+    for (const Trimmed& half : halves(part)) {
+        most = std::max(most, trim_distance(patch, half, halvings - 1));
+        if (most == infinity) break;
+    }
+    return most;
+}
+
+}  // namespace
+
+double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
+                      bool is_sphere) {
+    const Vector4d &a = planes[0].normal, &b = planes[1].normal;
+    const double sine2 =
+        0.25 * (a - b).squaredNorm() * (a + b).squaredNorm() - rounding * (a - b).norm() * (a + b).norm();
+    if (!(sine2 > 0)) return infinity;
+    double most = 0;
+    for (const ConicSpan& span : spans)
+        most = std::max(most, span_distance(span, planes, a.dot(b), sine2, is_sphere, most_halvings));
+    return most;
+}
+
+// Along a ray of direction u (w) n.(p, t) has the slope (k - n_y y) / t =: s, over a sphere k / t. Where the
+// direction changes by d, t changes by t |d| / |s| at most; where the height does, by |n_y| / |s| of that.
+double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, bool is_sphere) {
+    double most = 0;
+    for (const ConicSpan& span : spans) {
+        const Controls c(span);
+        for (int i = 0; i < 3; ++i) {
+            const double reach = is_sphere ? 0 : plane.normal.y() * c.X[i].y();
+            const double k = c.w[i] * plane.k - reach,
+                         size = rounding * (std::abs(c.w[i] * plane.k) + std::abs(reach));
+            const double first = plane.k - (is_sphere ? 0 : plane.normal.y() * span.from.y());
+            if (!(std::abs(k) > size && (k > 0) == (first > 0))) return infinity;
+            most = std::max(most, c.X[i].w() / (std::abs(k) - size));
+        }
+    }
+    return 1 + most;
+}
+
+double trim_distance(const RadialPatch& patch, const ConicSpan& span, const std::array<Vector3d, 3>& trim) {
+    constexpr int halvings = 10;
+    return trim_distance(patch, Trimmed{Controls(span), trim}, halvings);
+}
+
+}  // namespace vcell

@@ -1,0 +1,63 @@
+/// How far conics over a curved base, as written, may be from the true ones.
+///
+/// With t the distance from the base's centre or axis each of two sites is met where n.(p, t) = k, n a unit
+/// vector of four dimensions (axial_conic.hpp; over a sphere base likewise): a hyperplane. The edge is where
+/// both planes, an affine plane A together, meet the cone |p| = t (over a cylinder |(x, z)| = t).
+///
+/// *The bound.* Let X be a point of the curve, r the residuals of the planes, c that of the cone.
+///
+/// 1. With s the sine of the angle between the normals, A is within e = |r| / s of X: the least d with n.d =
+/// -r
+///    has the square (r1^2 - 2 (n1.n2) r1 r2 + r2^2) / s^2.
+/// 2. On A the cone's equation has a gradient of length m: what is left of g = (u, -1), u the unit direction
+/// of
+///    p, without its part in the span of the normals. With k / t =: s (over a cylinder (k - n_y y) / t) g.n
+///    is s - 2 n_t, linear in the homogeneous (1 : y : t), and m^2 is a concave function of these products:
+///    along a span no less than in its control points. 2 - (g.n)^2 = 2 power + 4 n_t s - s^2 =: a. For the
+///    plane with the larger |g.n|, its normal n turned so that this is positive, and n' the other one's, m^2
+///    times the squared sine of their angle is
+///        a (1 - 2 (n.n') (g.n') / (g.n + sqrt 2)) - (sqrt 2 n.n' - g.n')^2:
+///    nothing of it cancels where the cone all but touches a plane.
+/// 3. |p| - t is convex, its second derivative 1 / |p| at most: from a value phi on A it vanishes within 2
+/// |phi| / m,
+///    if 2 |phi| <= |p| m^2.
+///
+/// Residuals are bounded by their Bernstein coefficients, over those of the weights. A trim's point on its
+/// patch is compared with the space curve in the same way, coefficient by coefficient; where rays do not
+/// graze the bisector there is a cheaper bound, as parameters depend on directions and heights only: seen
+/// along the rays a bisector turns an error by no more than ray_gain().
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+
+#include "conic_span.hpp"
+#include "radial_patch.hpp"
+
+namespace vcell {
+
+/// n.(p, t) = k. Both within 8 u, n a unit vector.
+struct DistancePlane {
+    Eigen::Vector4d normal;
+    double k;
+    /// The square of n's part in space less that of n_t, within 16 u of its own: next to nothing where a ball
+    /// all but touches the base.
+    double power;
+};
+
+/// The distance of the spans' points from the conic of two planes; infinite where that is not proved.
+double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
+                      bool is_sphere);
+
+/// By which factor an error across the rays may grow on the bisector of this plane, all along the spans;
+/// infinite where they reach its points at infinity.
+double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, bool is_sphere);
+
+/// |S(c) - C| for a span C of the curve, its trim c (control points (u w, v w, w)) and a patch of total
+/// degree two (over a sphere base: all but AboutObject), S by its coefficients. Infinite where that is not
+/// proved.
+double trim_distance(const RadialPatch& patch, const ConicSpan& span,
+                     const std::array<Eigen::Vector3d, 3>& trim);
+
+}  // namespace vcell

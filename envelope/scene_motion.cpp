@@ -1,0 +1,194 @@
+#include "scene_motion.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <variant>
+#include <vector>
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector4d;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// A unit vector from a foot, and how far away a centre or axis is about which it turns.
+struct Direction {
+    Vec3 g;
+    double distance = infinity;
+};
+
+Direction from_foot(const Object& object, const Vec3& p) {
+    if (const auto* plane = std::get_if<Plane>(&object)) {
+        const Vec3 n = plane->normal.stableNormalized();
+        return {n.dot(p - plane->point) < 0 ? Vec3(-n) : n};
+    }
+    Vec3 m;
+    if (const auto* sphere = std::get_if<Sphere>(&object)) {
+        m = p - sphere->center;
+    } else {
+        const auto& cylinder = std::get<Cylinder>(object);
+        const Vec3 d = cylinder.axis.stableNormalized();
+        m = p - cylinder.point;
+        m -= d.dot(m) * d;
+    }
+    const double distance = m.stableNorm();
+    return {distance > 0 ? Vec3(m / distance) : Vec3::UnitZ().eval(), distance};
+}
+
+// A row of M, and by how much it may change within a radius.
+struct Row {
+    Vec3 value;
+    double nearest = infinity;  // of the distances of its feet's centres and axes
+
+    double variation(double radius) const {
+        return radius < nearest ? 2 * 1.5 * radius / (nearest - radius) : infinity;
+    }
+};
+
+class Motion {
+public:
+    Motion(Cell& cell, double moved)
+        : cell_(cell), moved_(moved), most_(cell.scene.box.diagonal()), equations_(cell.vertices.size()) {
+        find_equations();
+    }
+
+    void run() {
+        for (std::size_t i = 0; i < cell_.vertices.size(); ++i) {
+            CellVertex& v = cell_.vertices[i];
+            v.error = std::min(most_, v.error + of_vertex(v, equations_[i]));
+        }
+        for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
+            CellEdge& e = cell_.edges[i];
+            e.error = std::min(most_, e.error + of_edge(e, is_rim_[i]));
+        }
+    }
+
+private:
+    // A site, or over a base plane's rim the wall that stands on it there.
+    struct Term {
+        Site site;
+        bool is_wall = false;
+
+        friend bool operator==(const Term&, const Term&) = default;
+    };
+
+    // Only one face is beside an edge over the rim, and its side of the box comes second.
+    void find_equations() {
+        std::vector<int> trims(cell_.edges.size(), 0);
+        for (const CellFace& face : cell_.faces)
+            for (const TrimmedPatch& patch : face.patches)
+                for (const auto& loop : patch.loops)
+                    for (const TrimCurve& trim : loop)
+                        if (trim.edge) ++trims[*trim.edge];
+        const bool has_rim = std::holds_alternative<Plane>(cell_.scene.base);
+        for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
+            const CellEdge& e = cell_.edges[i];
+            is_rim_.push_back(has_rim && trims[i] == 1);
+            for (const std::uint32_t v : e.vertices)
+                for (const Term term : {Term{e.sites[0]}, Term{e.sites[1], is_rim_[i]}})
+                    if (std::ranges::find(equations_[v], term) == equations_[v].end())
+                        equations_[v].push_back(term);
+        }
+    }
+
+    Row row(const Term& term, const Vec3& p) const {
+        const Site site = term.site;
+        if (site.kind == Site::Kind::BoxSide) {
+            const Vec3 side = Vec3::Unit(site.index / 2);
+            if (!term.is_wall) return {side};
+            const Vec3 n = std::get<Plane>(cell_.scene.base).normal.stableNormalized();
+            return {(side - n.dot(side) * n).stableNormalized()};
+        }
+        const Direction base = from_foot(cell_.scene.base, p);
+        if (site.kind == Site::Kind::End)
+            return {std::get<Cylinder>(cell_.scene.base).axis.stableNormalized()};
+        const Direction object = from_foot(cell_.scene.objects[site.index], p);
+        return {object.g - base.g, std::min(object.distance, base.distance)};
+    }
+
+    // Of the triples the one whose equations tell the point best.
+    double of_vertex(const CellVertex& v, const std::vector<Term>& terms) const {
+        std::vector<Row> rows;
+        for (const Term& t : terms) rows.push_back(row(t, v.point));
+        double best = infinity;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t j = i + 1; j < rows.size(); ++j)
+                for (std::size_t k = j + 1; k < rows.size(); ++k) {
+                    Matrix3d M;
+                    M << rows[i].value.transpose(), rows[j].value.transpose(), rows[k].value.transpose();
+                    const double inverse = M.inverse().norm();
+                    const double near =
+                        std::min({rows[i].nearest, rows[j].nearest, rows[k].nearest}) - 2 * v.error;
+                    const double change = 2 * std::sqrt(3.0) * moved_;
+                    if (near > 0 && inverse * inverse * (2 / near) * change <= 0.25)
+                        best = std::min(best, 2 * inverse * change);
+                }
+        return best;
+    }
+
+    double of_edge(const CellEdge& e, bool is_rim) const {
+        const RationalCurve3& c = e.curve;
+        const std::array terms{Term{e.sites[0]}, Term{e.sites[1], is_rim}};
+        double most = 0;
+        std::vector<Vector4d> span(c.degree + 1);
+        for (std::size_t i = 0; i + c.degree < c.points.size(); i += c.degree) {
+            for (int k = 0; k <= c.degree; ++k) {
+                const Vector4d& p = c.points[i + k];
+                span[k] << p.w() * p.head<3>(), p.w();
+            }
+            most = std::max(most, of_span(terms, e.error, span, most_halvings));
+        }
+        return most;
+    }
+
+    double of_span(const std::array<Term, 2>& terms, double error, const std::vector<Vector4d>& span,
+                   int halvings) const {
+        const auto point = [](const Vector4d& p) -> Vec3 { return p.head<3>() / p.w(); };
+        const Vec3 middle = 0.5 * (point(span.front()) + point(span.back()));
+        double radius = 0;
+        for (const Vector4d& p : span) radius = std::max(radius, (point(p) - middle).norm());
+        radius += error;
+        const Row a = row(terms[0], middle), b = row(terms[1], middle);
+        // The motion itself must stay within the radius, too.
+        const double wide = 2 * radius, va = a.variation(wide), vb = b.variation(wide);
+        const double size = std::hypot(a.value.norm() + va, b.value.norm() + vb);
+        const double across = a.value.cross(b.value).norm(),
+                     least = across - (a.value.norm() * vb + b.value.norm() * va + va * vb);
+        if (least > 0.5 * across || (halvings == 0 && least > 0)) {
+            const double change = 2 * std::sqrt(2.0) * moved_ * size / least;
+            if (change <= radius) return change;
+        }
+        if (halvings == 0) return infinity;
+        std::vector<Vector4d> work = span, first(span.size()), second(span.size());
+        for (std::size_t k = 0, n = span.size() - 1; k <= n; ++k) {
+            first[k] = work[0];
+            second[n - k] = work[n - k];
+            for (std::size_t i = 0; i < n - k; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
+        }
+        const double of_first = of_span(terms, error, first, halvings - 1);
+        return of_first == infinity ? infinity
+                                    : std::max(of_first, of_span(terms, error, second, halvings - 1));
+    }
+
+    static constexpr int most_halvings = 8;
+
+    Cell& cell_;
+    const double moved_, most_;
+    std::vector<bool> is_rim_;                  // of the edges
+    std::vector<std::vector<Term>> equations_;  // of the vertices
+};
+
+}  // namespace
+
+void add_scene_motion(Cell& cell, double moved) {
+    if (moved > 0) Motion(cell, moved).run();
+}
+
+}  // namespace vcell
