@@ -37,10 +37,11 @@ struct CellEdge {
     std::vector<Site> extra_sites;           ///< further sites that attain the minimum all along it
     SmallVector<std::uint32_t, 2> vertices;  ///< {start, end}, or empty for a closed edge without vertex
     CurveKind kind = CurveKind::Line;
-    /// Bound on the distance from the true arc; 0: exact up to rounding. It bounds |S(c(t)) - C(t)| too, for
+    /// Bound on the distance from the true arc, rounding included. It bounds |S(c(t)) - C(t)| too, for
     /// the trimming curves c of this edge, the surfaces S they lie on and this space curve C.
     double error = 0;
     double length = not_measured, length_error = not_measured;  ///< of the true arc
+    bool is_estimated = false;                                  ///< length_error, otherwise a proven bound
     RationalCurve3 curve;
 };
 
@@ -65,10 +66,11 @@ struct CellFace {
     std::string bisector;           ///< "paraboloid", "plane", "box", ...
     double area = not_measured, area_error = not_measured;
     std::vector<TrimmedPatch> patches;
+    bool is_estimated = false;  ///< area_error, otherwise a proven bound
 };
 
 /// All not_measured, and touches_box false, where measures were not asked for. Each `..._error` bounds the
-/// distance of its measure from that of the true cell.
+/// distance of its measure from that of the true cell, unless it is estimated.
 struct Measures {
     // The whole cell inside the box with the base's body, and the body's share.
     double volume = not_measured, volume_error = not_measured;
@@ -80,7 +82,8 @@ struct Measures {
     // Over the faces, box sides included.
     double min_clearance = not_measured, min_clearance_error = not_measured;
     double max_clearance = not_measured, max_clearance_error = not_measured;
-    bool touches_box = false;  ///< over a plane base always: its region ends at the box
+    bool touches_box = false;   ///< over a plane base always: its region ends at the box
+    bool is_estimated = false;  ///< the errors of volume, area and box_area, otherwise proven bounds
 };
 
 struct Report {

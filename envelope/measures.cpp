@@ -313,6 +313,8 @@ private:
             const auto slope = [&](unsigned side) { return slope_bound(e, side, span); };
             add_position_error(e, polygon, mixed_.error(e).chart, height, slope);
         }
+        // Splines may wind about the true arc, for all that is proved.
+        cell_.edges[e.value].is_estimated = mixed_.kind(e) == CurveKind::Spline;
         set_length(cell_.edges[e.value], length);
     }
 

@@ -12,9 +12,8 @@ namespace vcell {
 /// Fills in face areas, edge lengths, neighbors and all measures but max_clearance (which the space curves
 /// tell) of a cell that is otherwise lifted.
 ///
-/// volume_error and area_error bound truncation (proven, quadrature.hpp), rounding (first order, doubled) and
-/// the effect of the vertices' and arcs' own position errors. base_area has a relative error of 2^-49;
-/// box_area and lengths are at rounding level.
+/// Errors bound truncation (proven, quadrature.hpp), rounding (first order, doubled) and the effect of the
+/// vertices' and arcs' own position errors. base_area has a relative error of 2^-49.
 void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
              const MixedArcs& mixed, Cell& cell);
 

@@ -39,6 +39,7 @@ public:
             cell_.faces[i].area = area;
             cell_.faces[i].area_error = areas_[i].bound();
             (cell_.faces[i].site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
+            m.is_estimated = m.is_estimated || cell_.faces[i].is_estimated;
         }
         const double radius = problem_.radius, pi = std::numbers::pi;
         if (problem_.is_sphere) {
@@ -155,6 +156,11 @@ private:
         edge.length_error = sum.length.error + length_sensitivity * positions_[e];
         add_distance(sum.distance[0], sum.distance[1],
                      positions_[e] + 8 * u * (sum.distance[1] + problem_.radius));
+        if (!is_smooth(e)) {
+            edge.is_estimated = true;
+            for (const std::uint32_t f : {left, right})
+                if (f != no_face) cell_.faces[f].is_estimated = true;
+        }
         add_side(left, sum.sides[0], 1);
         if (right != no_face) {
             add_side(right, sum.sides[1], -1);

@@ -137,47 +137,53 @@ private:
         const RationalCurve3& c = e.curve;
         const std::array terms{Term{e.sites[0]}, Term{e.sites[1], is_rim}};
         double most = 0;
+        int halvings = most_halvings;
         std::vector<Vector4d> span(c.degree + 1);
         for (std::size_t i = 0; i + c.degree < c.points.size(); i += c.degree) {
             for (int k = 0; k <= c.degree; ++k) {
                 const Vector4d& p = c.points[i + k];
                 span[k] << p.w() * p.head<3>(), p.w();
             }
-            most = std::max(most, of_span(terms, e.error, span, most_halvings));
+            most = std::max(most, of_span(terms, e.error, span, halvings));
         }
         return most;
     }
 
+    // Next to a point where the rows depend on each other (objects that touch, axes that cross) the arc goes
+    // on from the part before to its end: it is no farther away than that part's size and motion.
     double of_span(const std::array<Term, 2>& terms, double error, const std::vector<Vector4d>& span,
-                   int halvings) const {
+                   int& halvings) const {
         const auto point = [](const Vector4d& p) -> Vec3 { return p.head<3>() / p.w(); };
         const Vec3 middle = 0.5 * (point(span.front()) + point(span.back()));
         double radius = 0;
         for (const Vector4d& p : span) radius = std::max(radius, (point(p) - middle).norm());
         radius += error;
         const Row a = row(terms[0], middle), b = row(terms[1], middle);
-        // The motion itself must stay within the radius, too.
-        const double wide = 2 * radius, va = a.variation(wide), vb = b.variation(wide);
+        // The motion itself must stay within reach, too.
+        const double room = std::max(radius, std::sqrt(moved_ * most_)), wide = radius + room,
+                     va = a.variation(wide), vb = b.variation(wide);
         const double size = std::hypot(a.value.norm() + va, b.value.norm() + vb);
         const double across = a.value.cross(b.value).norm(),
                      least = across - (a.value.norm() * vb + b.value.norm() * va + va * vb);
-        if (least > 0.5 * across || (halvings == 0 && least > 0)) {
+        if (least > 0.5 * across) {
             const double change = 2 * std::sqrt(2.0) * moved_ * size / least;
-            if (change <= radius) return change;
+            if (change <= room) return change;
         }
+        const bool is_end = radius <= error + std::sqrt(moved_ * most_);
+        if (is_end) return 4 * wide;
         if (halvings == 0) return infinity;
+        --halvings;
         std::vector<Vector4d> work = span, first(span.size()), second(span.size());
         for (std::size_t k = 0, n = span.size() - 1; k <= n; ++k) {
             first[k] = work[0];
             second[n - k] = work[n - k];
             for (std::size_t i = 0; i < n - k; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
         }
-        const double of_first = of_span(terms, error, first, halvings - 1);
-        return of_first == infinity ? infinity
-                                    : std::max(of_first, of_span(terms, error, second, halvings - 1));
+        const double of_first = of_span(terms, error, first, halvings);
+        return of_first == infinity ? infinity : std::max(of_first, of_span(terms, error, second, halvings));
     }
 
-    static constexpr int most_halvings = 8;
+    static constexpr int most_halvings = 1000;  // of an edge
 
     Cell& cell_;
     const double moved_, most_;

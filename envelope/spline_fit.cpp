@@ -144,6 +144,7 @@ public:
 
     FitError run(const ArcEnd* start, const ArcEnd* end,
                  std::span<const MinimizationDiagram::ArcPiece> pieces) {
+        halvings_left_ = most_halvings + most_of_piece * static_cast<int>(pieces.size());
         nodes_.reserve(pieces.size() + 1);
         nodes_.push_back(start ? node(start->point, start->height) : inner_node(pieces.back()));
         for (const Piece& piece : pieces.first(pieces.size() - 1)) nodes_.push_back(inner_node(piece));
@@ -155,6 +156,8 @@ public:
 private:
     using Piece = MinimizationDiagram::ArcPiece;
     static constexpr int deepest = 24;  // halvings of one piece
+    // Of all of an arc: what a singular end needs several times over, and some for each piece.
+    static constexpr int most_halvings = 256, most_of_piece = 16;
 
     // A point of the arc and what the fit needs of the heights there.
     struct Node {
@@ -231,7 +234,7 @@ private:
         // Arc and chord lie in the piece's box: where that is small enough the chord will do.
         const Fit chord = straight(from, to, piece);
         if (accept(chord)) return;
-        if (halvings > 0) {
+        if (halvings > 0 && halvings_left_ > 0) {
             std::optional<Node> middle;
             if (std::isfinite(smooth.error.chart)) {
                 const auto& p = smooth.span.points;  // B(1/2) = sum of binomials / 32
@@ -243,6 +246,7 @@ private:
                 if (middle && !increases(at, middle->p, piece.direction)) middle.reset();
             }
             if (middle) {
+                --halvings_left_;
                 fit(from, *middle, piece, halvings - 1);
                 fit(*middle, to, piece, halvings - 1);
                 return;
@@ -432,6 +436,7 @@ private:
     double tolerance_;
     std::vector<MixedSpan>& spans_;
     std::vector<Node> nodes_;  // the ends of the pieces
+    int halvings_left_ = 0;
     FitError error_;
 };
 

@@ -74,7 +74,7 @@ struct FitError {
 
 /// Appends the spans of an arc whose pieces are given. No start: the arc is closed. tolerance: length. The
 /// result exceeds it only where the pieces are narrower than digits can tell, and says so: no span is then
-/// divided further than to the error of the worst one.
+/// divided further than to the error of the worst one, and there is a budget of divisions.
 FitError fit_spline(const std::array<ArcSide, 2>& sides, const ArcEnd* start, const ArcEnd* end,
                     std::span<const MinimizationDiagram::ArcPiece> pieces, double tolerance,
                     std::vector<MixedSpan>& spans);

@@ -45,17 +45,13 @@ MinimizationDiagram diagram_of(const RadialBaseProblem& problem, const EnvelopeO
     return lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1], options);
 }
 
-// How far rounding in the canonical frame may have moved what lies within the box (BaseFrame).
-double scene_motion(const BaseFrame& frame, const Scene& scene) {
-    if (frame.is_axis_parallel() && frame.origin.isZero(0)) return 0;
-    const double far = std::max(scene.box.min.norm(), scene.box.max.norm()) + frame.origin.norm();
-    return frame_rounding * far;
-}
-double scene_motion(const PlaneBaseProblem& problem, const Scene& scene) {
-    return scene_motion(problem.frame, scene);
-}
+// How far what lies within the box moved when it was decided. Over a sphere nothing does, over a cylinder the
+// base's axis turns (BaseFrame).
+double scene_motion(const PlaneBaseProblem& problem, const Scene&) { return problem.moved; }
 double scene_motion(const RadialBaseProblem& problem, const Scene& scene) {
-    return problem.is_sphere || problem.frame.is_axis_parallel() ? 0 : scene_motion(problem.frame, scene);
+    if (problem.is_sphere || problem.frame.is_axis_parallel()) return 0;
+    const double far = std::max(scene.box.min.norm(), scene.box.max.norm()) + problem.frame.origin.norm();
+    return frame_rounding * far;
 }
 
 // "objects 1, 2, 5: <what> (x, y, z), not told apart within w".

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <climits>
+#include <cmath>
+#include <string>
 #include <utility>
 
 #include "files.hpp"
@@ -35,6 +37,10 @@ void write_curve(JsonWriter& out, const RationalCurve<Dim>& curve) {
     });
 }
 
+std::string error_key(const char* measure, bool is_estimated) {
+    return std::string(measure) + (is_estimated ? "_error_estimate" : "_error");
+}
+
 void write_vertex(JsonWriter& out, const CellVertex& v) {
     out.object([&] {
         out.key("point").value(v.point);
@@ -52,7 +58,7 @@ void write_edge(JsonWriter& out, const CellEdge& e) {
         out.key("kind").value(to_string(e.kind));
         out.key("error").value(e.error);
         out.key("length").value(e.length);
-        out.key("length_error").value(e.length_error);
+        out.key(error_key("length", e.is_estimated)).value(e.length_error);
         write_curve(out.key("curve"), e.curve);
     });
 }
@@ -108,7 +114,7 @@ void write_face(JsonWriter& out, const CellFace& f) {
         if (!f.extra_sites.empty()) write_sites(out.key("extra_sites"), f.extra_sites);
         out.key("bisector").value(f.bisector);
         out.key("area").value(f.area);
-        out.key("area_error").value(f.area_error);
+        out.key(error_key("area", f.is_estimated)).value(f.area_error);
         out.key("patches").array([&] {
             for (const TrimmedPatch& p : f.patches) write_patch(out, p);
         });
@@ -118,13 +124,13 @@ void write_face(JsonWriter& out, const CellFace& f) {
 void write_measures(JsonWriter& out, const Measures& m) {
     out.object([&] {
         out.key("volume").value(m.volume);
-        out.key("volume_error").value(m.volume_error);
+        out.key(error_key("volume", m.is_estimated)).value(m.volume_error);
         out.key("body_volume").value(m.body_volume);
         out.key("body_volume_error").value(m.body_volume_error);
         out.key("area").value(m.area);
-        out.key("area_error").value(m.area_error);
+        out.key(error_key("area", m.is_estimated)).value(m.area_error);
         out.key("box_area").value(m.box_area);
-        out.key("box_area_error").value(m.box_area_error);
+        out.key(error_key("box_area", m.is_estimated)).value(m.box_area_error);
         out.key("base_area").value(m.base_area);
         out.key("base_area_error").value(m.base_area_error);
         out.key("min_clearance").value(m.min_clearance);
@@ -176,6 +182,20 @@ private:
     template <class Items, class F>
     void list(Items& items, F item) {
         in_.array([&](std::size_t) { items.push_back(item()); });
+    }
+
+    // A bound, or under a name that says so an estimate: one of them is needed.
+    auto error_member(std::string_view key, double& value) {
+        return optional_member(key, [this, &value] { value = in_.number(); });
+    }
+    auto estimate_member(std::string_view key, double& value, bool& is_estimated) {
+        return optional_member(key, [this, &value, &is_estimated] {
+            value = in_.number();
+            is_estimated = true;
+        });
+    }
+    void need(std::string_view key, double value) {
+        if (std::isnan(value)) in_.fail_missing(key);
     }
 
     std::uint32_t index() { return static_cast<std::uint32_t>(in_.unsigned_integer(UINT32_MAX - 1)); }
@@ -236,8 +256,10 @@ private:
             required_member("kind", [&] { e.kind = curve_kind(); }),
             required_member("error", [&] { e.error = in_.number(); }),
             required_member("length", [&] { e.length = in_.number(); }),
-            required_member("length_error", [&] { e.length_error = in_.number(); }),
+            error_member("length_error", e.length_error),
+            estimate_member("length_error_estimate", e.length_error, e.is_estimated),
             required_member("curve", [&] { e.curve = curve<3>(); }));
+        need("length_error", e.length_error);
         return e;
     }
 
@@ -305,20 +327,25 @@ private:
                    optional_member("extra_sites", [&] { list(f.extra_sites, [&] { return site(); }); }),
                    required_member("bisector", [&] { f.bisector = in_.string(); }),
                    required_member("area", [&] { f.area = in_.number(); }),
-                   required_member("area_error", [&] { f.area_error = in_.number(); }),
+                   error_member("area_error", f.area_error),
+                   estimate_member("area_error_estimate", f.area_error, f.is_estimated),
                    required_member("patches", [&] { list(f.patches, [&] { return patch(); }); }));
+        need("area_error", f.area_error);
         return f;
     }
 
     void measures(Measures& m) {
         in_.object(required_member("volume", [&] { m.volume = in_.number(); }),
-                   required_member("volume_error", [&] { m.volume_error = in_.number(); }),
+                   error_member("volume_error", m.volume_error),
+                   estimate_member("volume_error_estimate", m.volume_error, m.is_estimated),
                    required_member("body_volume", [&] { m.body_volume = in_.number(); }),
                    required_member("body_volume_error", [&] { m.body_volume_error = in_.number(); }),
                    required_member("area", [&] { m.area = in_.number(); }),
-                   required_member("area_error", [&] { m.area_error = in_.number(); }),
+                   error_member("area_error", m.area_error),
+                   estimate_member("area_error_estimate", m.area_error, m.is_estimated),
                    required_member("box_area", [&] { m.box_area = in_.number(); }),
-                   required_member("box_area_error", [&] { m.box_area_error = in_.number(); }),
+                   error_member("box_area_error", m.box_area_error),
+                   estimate_member("box_area_error_estimate", m.box_area_error, m.is_estimated),
                    required_member("base_area", [&] { m.base_area = in_.number(); }),
                    required_member("base_area_error", [&] { m.base_area_error = in_.number(); }),
                    required_member("min_clearance", [&] { m.min_clearance = in_.number(); }),
@@ -326,6 +353,9 @@ private:
                    required_member("max_clearance", [&] { m.max_clearance = in_.number(); }),
                    required_member("max_clearance_error", [&] { m.max_clearance_error = in_.number(); }),
                    required_member("touches_box", [&] { m.touches_box = in_.boolean(); }));
+        need("volume_error", m.volume_error);
+        need("area_error", m.area_error);
+        need("box_area_error", m.box_area_error);
     }
 
     void report(Report& r) {

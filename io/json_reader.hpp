@@ -95,6 +95,7 @@ public:
 
     /// Throws with the path of the value being read.
     [[noreturn]] void fail(InputError::Kind kind, const std::string& what) const;
+    [[noreturn]] void fail_missing(std::string_view key);
 
     /// The scene object that errors are about, InputError::no_object for none.
     std::uint32_t object_index = InputError::no_object;
@@ -119,7 +120,6 @@ private:
     std::string_view number_token();
     std::string path() const;
     [[noreturn]] void fail_unknown(std::string_view key, std::initializer_list<std::string_view> known);
-    [[noreturn]] void fail_missing(std::string_view key);
     [[noreturn]] void fail_length(std::size_t count);
     [[noreturn]] void fail_type(const char* expected);
     [[noreturn]] void fail_syntax(const std::string& what) const;

@@ -110,6 +110,25 @@ TEST_CASE("cell file: every field arrives") {
     CHECK(read.report.warnings == cell.report.warnings);
 }
 
+TEST_CASE("cell file: errors that are estimated say so in their names") {
+    Cell cell = island_cell();
+    cell.edges[4].is_estimated = cell.faces[1].is_estimated = cell.measures.is_estimated = true;
+    const json text = json::parse(cell_text(cell));
+    CHECK(text["edges"][4].contains("length_error_estimate"));
+    CHECK_FALSE(text["edges"][4].contains("length_error"));
+    CHECK(text["edges"][0].contains("length_error"));
+    CHECK(text["faces"][1].contains("area_error_estimate"));
+    for (const char* key : {"volume_error_estimate", "area_error_estimate", "box_area_error_estimate"})
+        CHECK(text["measures"].contains(key));
+    const Cell read = parse_cell(text.dump());
+    CHECK(read.edges[4].is_estimated);
+    CHECK(read.edges[4].length_error == cell.edges[4].length_error);
+    CHECK_FALSE(read.edges[0].is_estimated);
+    CHECK(read.faces[1].is_estimated);
+    CHECK(read.measures.is_estimated);
+    CHECK(read.measures.volume_error == cell.measures.volume_error);
+}
+
 TEST_CASE("cell file: the layout is the documented one") {
     const json cell = json::parse(cell_text(island_cell()));
     CHECK(cell["vcell"] == 1);
