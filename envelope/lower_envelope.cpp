@@ -41,6 +41,14 @@ constexpr Sizes region_sizes{64, 16}, sphere_sizes{32, 4};
 constexpr int most_stalled_splits = 8;
 // Pieces with more competitors than this are not plain: looking closer is a waste.
 constexpr std::size_t most_competitors = 6;
+// More that tie in a point are seen to where pieces are so small that nothing else is left in them.
+constexpr std::size_t most_tied = 8;
+// A tube's circumference, 4, is cut into such parts as long as there are more competitors than this.
+constexpr std::size_t most_around = 32;
+constexpr double part_around = 0.3;
+// Where differences of three competitors or more change so much more along one axis pieces are cut across that, unless
+// they are too slender.
+constexpr double much_steeper = 4, most_slender = 0x1p16;
 // A vertex needs some hundred pieces below this part of the region at worst. Many more of them follow a curve along
 // which forms tie without crossing: no number of pieces decides that.
 constexpr double small_part = 0x1p-16;
@@ -338,7 +346,9 @@ private:
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             return solve(part.piece, candidates, share, 0);
         const bool at_floor = extent(r) <= MixedAnalysis::floor_width * extent(root_.rect);
-        if (candidates.size() <= most_competitors || extent(r) <= MixedAnalysis::tie_width * extent(root_.rect)) {
+        const double size = extent(r) / extent(root_.rect);
+        if (candidates.size() <= most_competitors ||
+            (size <= MixedAnalysis::tie_width && candidates.size() <= most_tied) || size <= MixedAnalysis::node_width) {
             if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
                 done_ += share;
                 if (options_.progress) options_.progress(done_);
@@ -364,14 +374,26 @@ private:
         std::uint32_t seam;
     };
 
+    // Which way to cut other than across the longer side. Beside a tip no one metric suits all differences, and
+    // where they change along one axis only, as between tubes along a tube, pieces are to be as long as these.
+    // Seen from half of a tube's circumference no object is nearest all around: none is culled.
+    std::optional<bool> cut_upright(const Rect& r, std::size_t candidates) const {
+        if (family_.chart == RadialChart::HalfAngle && candidates > most_around && r.x1 - r.x0 > part_around)
+            return true;
+        const auto steepness = analysis_.steepness_across(r.x1 - r.x0, r.y1 - r.y0);
+        if (!steepness) return std::nullopt;
+        if (family_.tips.any()) return *steepness >= 1;
+        const double x = r.x1 - r.x0, y = r.y1 - r.y0;
+        if (candidates < 3 || std::max(x, y) > most_slender * std::min(x, y)) return std::nullopt;
+        if (*steepness >= much_steeper) return true;
+        if (*steepness * much_steeper <= 1) return false;
+        return std::nullopt;
+    }
+
     std::optional<LabelledHalves> split_labelled(const LabelledPiece& part, const std::vector<FormId>& candidates) {
         const Piece& piece = part.piece;
         const std::size_t n = piece.sides.size();
-        // Beside a tip no one metric suits all differences.
-        std::optional<bool> upright;
-        if (family_.tips.any())
-            upright =
-                analysis_.is_steeper_across(piece.rect.x1 - piece.rect.x0, piece.rect.y1 - piece.rect.y0);
+        const auto upright = cut_upright(piece.rect, candidates.size());
         for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07, 0.11, -0.11, 0.17, -0.17}) {
             const auto cut = cut_at(piece, shift, upright);
             if (!cut) continue;

@@ -22,8 +22,6 @@ using Eigen::Vector2d;
 // Below this exponent a third form lowest by less between two others counts as touching their trisector.
 constexpr int narrow_exponent = -40;
 
-constexpr std::size_t most_compared_in_pairs = 16;
-
 }  // namespace
 
 MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent) : heights_(family), extent_(extent) {
@@ -49,7 +47,6 @@ void MixedAnalysis::bend(const std::array<double, 4>& box, std::vector<Spread>& 
         s.bend = {heights_.jet(s.form, mx, my), heights_.curvature(s.form, X, Y), X - mx, Y - my};
 }
 
-// The one whose highest value is lowest beats most of the others; few are left to be compared in pairs.
 std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::array<double, 4>& box,
                                                                  std::span<const FormId> candidates) const {
     const Interval X(box[0], box[1]), Y(box[2], box[3]), mx(X.mid()), my(Y.mid());
@@ -66,12 +63,7 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     const auto top = [&](const Spread& s) {
         return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
     };
-    const auto drop_above = [&](std::vector<Spread>& all) {
-        const Spread best = *std::ranges::min_element(all, {}, top);
-        std::erase_if(all, [&](const Spread& s) { return s.form != best.form && certainly_above(s, best); });
-        if (all.size() <= most_compared_in_pairs) drop_dominated(all, certainly_above);
-    };
-    drop_above(spreads);
+    drop_above_best(spreads, top, certainly_above);
     if (heights_.family().tips.any() && spreads.size() > 1) {
         // Beside a tip all that do not grow there are nearly zero.
         std::vector<Spread> plain;
@@ -79,9 +71,12 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
             const HeightJet<Interval> all = heights_.plain_jet(s.form, X, Y);
             plain.push_back({s.form, {}, heights_.plain_jet(s.form, mx, my).v, all.gx, all.gy, all.v, {}});
         }
-        drop_above(plain);
+        drop_above_best(plain, top, certainly_above);
+        auto kept = plain.begin();  // in the same order
         std::erase_if(spreads, [&](const Spread& s) {
-            return std::ranges::find(plain, s.form, &Spread::form) == plain.end();
+            const bool is_kept = kept != plain.end() && kept->form == s.form;
+            if (is_kept) ++kept;
+            return !is_kept;
         });
     }
     return spreads;
@@ -129,14 +124,14 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::s
     return kept;
 }
 
-std::optional<bool> MixedAnalysis::is_steeper_across(double along_x, double along_y) const {
+std::optional<double> MixedAnalysis::steepness_across(double along_x, double along_y) const {
     double x = 0, y = 0;
     for (std::size_t i = 0; i < spreads_.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j) {
+        for (std::size_t j = 0; j < std::min(i, most_compared_in_pairs); ++j) {
             x += (spreads_[i].gx - spreads_[j].gx).magnitude() * along_x;
             y += (spreads_[i].gy - spreads_[j].gy).magnitude() * along_y;
         }
-    return x + y > 0 && std::isfinite(x + y) ? std::optional(x >= y) : std::nullopt;
+    return x + y > 0 && std::isfinite(x + y) ? std::optional(x / y) : std::nullopt;
 }
 
 // --- Roots of two equations ----------------------------------------------------------------------------------
@@ -399,19 +394,21 @@ struct MixedAnalysis::Work {
         return Vector2d(chord.y(), -chord.x()).normalized();
     }
     // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points where a = b = c are
-    // lowest; the three in one order always, as another one need not tell.
+    // lowest; Zero if there are no such points. The three in one order always, as another one need not tell.
     std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) const {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
         if (c.form < b.form) return reversed(turn(a, c, b));
         const auto orientation = [](const std::array<Interval, 2>& p, const std::array<Interval, 2>& q) {
-            return (p[0] * q[1] - p[1] * q[0]).sign();
+            const auto sign = (p[0] * q[1] - p[1] * q[0]).sign();
+            return sign == Sign::Zero ? std::nullopt : sign;
         };
-        const auto sign = orientation(gradient(b, a), gradient(c, a));
-        if (!sign && heights.family().tips.any())
-            return orientation(plain_gradient(b, a), plain_gradient(c, a));
-        if (sign || !supports || rivals.size() > most_divided) return sign;
-        return divided().turn(place(a), place(b), place(c));
+        if (const auto sign = orientation(gradient(b, a), gradient(c, a))) return sign;
+        if (are_apart(a, b, c)) return Sign::Zero;
+        if (heights.family().tips.any()) return orientation(plain_gradient(b, a), plain_gradient(c, a));
+        if (!supports || rivals.size() > most_divided) return std::nullopt;
+        const auto sign = divided().turn(place(a), place(b), place(c));
+        return sign == Sign::Zero ? std::nullopt : sign;
     }
     // Of forms in a point where all are equal: the one after `p` on the convex hull of their gradients, counter-clockwise.
     // None if p is not on it.
@@ -424,6 +421,35 @@ struct MixedAnalysis::Work {
         };
         const auto next = std::ranges::find_if(tied, follows);
         return next == tied.end() ? nullptr : *next;
+    }
+    // Is a combination of b - a and c - a nowhere zero? Then the three are nowhere equal. Of all combinations the one
+    // that changes least about the middle: nearly nothing to first order where trisectors run beside each other.
+    bool are_apart(const Spread& a, const Spread& b, const Spread& c) const {
+        struct Difference {
+            Interval v, gx, gy;
+            HeightCurvature<Interval> curvature{};
+
+            double dot(const Difference& o) const { return gx.mid() * o.gx.mid() + gy.mid() * o.gy.mid(); }
+        };
+        const bool bends = a.bend && b.bend && c.bend;
+        if (normals && !bends) return false;
+        const auto from_a = [&](const Spread& s) -> Difference {
+            if (!bends) return {s.v - a.v, s.gx - a.gx, s.gy - a.gy};
+            const auto &p = s.bend->middle, &q = a.bend->middle;
+            return {p.v - q.v, p.gx - q.gx, p.gy - q.gy, s.bend->curvature - a.bend->curvature};
+        };
+        Difference p = from_a(b), q = from_a(c);
+        if (p.dot(p) < q.dot(q)) std::swap(p, q);
+        const Interval k(p.dot(q) / p.dot(p));
+        const Vector2d m = middle();
+        const Interval dx = Interval(piece.box[0], piece.box[1]) - Interval(m.x()),
+                       dy = Interval(piece.box[2], piece.box[3]) - Interval(m.y());
+        Interval rest = q.v - k * p.v + (q.gx - k * p.gx) * dx + (q.gy - k * p.gy) * dy;
+        if (bends)
+            rest = rest + 0.5 * ((q.curvature.xx - k * p.curvature.xx) * square(dx) +
+                                 2.0 * ((q.curvature.xy - k * p.curvature.xy) * dx * dy) +
+                                 (q.curvature.yy - k * p.curvature.yy) * square(dy));
+        return rest.lower() > 0 || rest.upper() < 0;
     }
     bool matched_pair() const {
         return changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
@@ -584,27 +610,29 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         return std::ranges::find(work.piece.rim, f, &MixedPiece::RimEdge::label) != work.piece.rim.end();
     };
     std::vector<Touch> touches;
+    // An arc that is touched inside meets the rim, or it does in a smaller piece: of all pairs those are enough that change
+    // there.
+    std::vector<std::array<FormId, 2>> pairs;
+    for (const Change& c : work.changes) {
+        const std::array pair{std::min(c.before, c.after), std::max(c.before, c.after)};
+        if (std::ranges::find(pairs, pair) == pairs.end()) pairs.push_back(pair);
+    }
     const auto stays_above = [&](FormId h) {
-        for (const Spread& f : work.rivals)
-            for (const Spread& g : work.rivals) {
-                if (f.form == h || !(f.form < g.form) || g.form == h) continue;
-                const auto touching = find_touching(heights_, h, f.form, g.form, work.piece.box);
-                if (!touching) continue;
-                const int exponent =
-                    touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
-                const bool is_tie = exponent < assumed_exponent,
-                           is_above = touching->gap.sign() == Sign::Positive;
-                const bool is_narrow =
-                    exponent < narrow_exponent && touching->width <= std::ldexp(extent_, narrow_exponent / 2);
-                if (!is_above && !is_narrow) return false;
-                ++decisions_.by_multiprecision;
-                if (is_tie || !is_above) {
-                    const double width = std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2));
-                    touches.push_back(
-                        {{touching->place, width, f.form, {f.form, g.form, h}}, f.form, g.form});
-                }
-                return true;
+        for (const auto& [f, g] : pairs) {
+            const auto touching = find_touching(heights_, h, f, g, work.piece.box);
+            if (!touching) continue;
+            const int exponent = touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
+            const bool is_tie = exponent < assumed_exponent, is_above = touching->gap.sign() == Sign::Positive;
+            const bool is_narrow =
+                exponent < narrow_exponent && touching->width <= std::ldexp(extent_, narrow_exponent / 2);
+            if (!is_above && !is_narrow) return false;
+            ++decisions_.by_multiprecision;
+            if (is_tie || !is_above) {
+                const double width = std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2));
+                touches.push_back({{touching->place, width, f, {f, g, h}}, f, g});
             }
+            return true;
+        }
         return false;
     };
     const std::size_t before = work.rivals.size();
@@ -806,6 +834,7 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
                 };
                 if (std::ranges::any_of(inner, meet, &Inner::forms) || std::ranges::any_of(knots, meet, &Knot::ties))
                     continue;
+                if (work.turn(r[i], r[j], r[k]) == Sign::Zero) continue;
                 Inner v;
                 const Inside inside = find_vertex(work, forms, v.vertex);
                 if (inside == Inside::Unknown) return false;

@@ -6,7 +6,8 @@
 ///   * for every two competitors the derivative of their difference in some direction keeps its sign: their
 ///     trisector has no closed component here and crosses every line of that direction at most once;
 ///   * for every three the Jacobian of their two differences is regular all over: by the mean value theorem
-///     on a convex set, they are equal in one point at most.
+///     on a convex set, they are equal in one point at most. Or a combination of the two is nowhere zero: then
+///     in none.
 ///
 /// Both are needed only where two forms are equal and lowest, and all over a box around the points where three are: over
 /// a sphere, where forms are compared cheaply (sphere_supports.hpp), the piece is looked at in parts, and most of them
@@ -141,9 +142,9 @@ public:
     /// The candidates that may be lowest somewhere in the rectangle.
     std::vector<FormId> cull(const std::array<double, 4>& box, std::span<const FormId> candidates);
 
-    /// Do the differences of what the last cull() left, about a box of these sides, change more along x than
-    /// along y? None where their gradients are not bounded.
-    std::optional<bool> is_steeper_across(double along_x, double along_y) const;
+    /// How many times more the differences of what the last cull() left, about a box of these sides, change along x
+    /// than along y. None where their gradients are not bounded.
+    std::optional<double> steepness_across(double along_x, double along_y) const;
 
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);

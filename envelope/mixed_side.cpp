@@ -303,7 +303,8 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
         items.push_back({f, heights_.value(f, middle[0], middle[1]), line.along(all), all.v, {}});
     }
-    drop_dominated(items, [&](const Item& a, const Item& b) {
+    const auto top = [&](const Item& i) { return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r); };
+    drop_above_best(items, top, [&](const Item& a, const Item& b) {
         return a.range.lower() > b.range.upper() ||
                (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
     });

@@ -1,6 +1,7 @@
 // What decisions in a piece and along its sides have in common (mixed_piece.cpp, mixed_side.cpp).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -47,6 +48,19 @@ void drop_dominated(Items& items, Above&& certainly_above) {
         if (!above) std::swap(items[kept++], items[i]);
     }
     items.resize(kept);
+}
+
+// More items than this are not compared with each other: pairs would take longer than what they spare.
+inline constexpr std::size_t most_compared_in_pairs = 16;
+
+// As drop_dominated(), whatever their number: first what is above the item whose top is lowest. That beats most of the
+// others; few are left to be compared in pairs.
+template <class Items, class Top, class Above>
+void drop_above_best(Items& items, Top&& top, Above&& certainly_above) {
+    if (items.size() < 2) return;
+    const auto best = *std::ranges::min_element(items, {}, top);
+    std::erase_if(items, [&](const auto& i) { return certainly_above(i, best); });
+    if (items.size() <= most_compared_in_pairs) drop_dominated(items, certainly_above);
 }
 
 // Those of the candidates that attain the minimum: compare(f, g) is the exact sign of f - g.

@@ -55,6 +55,7 @@ public:
         bend_ = (second(DD) - (rise - l * Fn) * second(FF) / Fn).lower();
         if (!(bend_ > 0)) return std::nullopt;
         stretch_ = sqrt(Interval(1.0) + square(slope)).upper();
+        if (!is_near()) return std::nullopt;
 
         const Interval s =
             Interval(e_.x()) * Interval(box_[0], box_[1]) + Interval(e_.y()) * Interval(box_[2], box_[3]);
@@ -120,6 +121,25 @@ private:
         return solve([&](const Jets& j) { return Wide(e_.x()) * j.at[0] + Wide(e_.y()) * j.at[1] - Wide(s); },
                      [&](const Vector2d&) { return e_; });
     }
+    // In doubles: does h come near to the others? If not, smaller boxes tell them apart at less expense.
+    bool is_near() const {
+        constexpr double near = 0x1p-24;
+        constexpr int most_steps = 4;
+        Vector2d p(0.5 * (box_[0] + box_[1]), 0.5 * (box_[2] + box_[3]));
+        for (int i = 0;; ++i) {
+            const Interval x(p.x()), y(p.y());
+            const auto f = heights_.jet(f_, x, y), g = heights_.jet(g_, x, y), h = heights_.jet(h_, x, y);
+            if (i == most_steps) return !(std::abs((h.v - g.v).mid()) > near * std::abs(g.v.mid()));
+            Matrix2d rows;
+            rows << (f.gx - g.gx).mid(), (f.gy - g.gy).mid(), 0, 0;
+            rows.row(1) = turn_gradient(p);
+            const double turn = ((h.gy - g.gy) * (f.gx - g.gx) - (h.gx - g.gx) * (f.gy - g.gy)).mid();
+            p -= rows.inverse() * Vector2d((f.v - g.v).mid(), turn);
+            if (!p.allFinite()) return true;
+            p = {std::clamp(p.x(), x_.lower(), x_.upper()), std::clamp(p.y(), y_.lower(), y_.upper())};
+        }
+    }
+
     // Newton's method for F = 0 and another equation: all digits, with derivatives in doubles.
     template <class Value, class Slope>
     std::optional<Point> solve(Value&& value, Slope&& slope) const {
