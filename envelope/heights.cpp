@@ -2,20 +2,7 @@
 
 #include <cfloat>
 
-#include "../primitives/exact_space.hpp"
-
 namespace vcell {
-
-// As many digits as there are, peeled off in doubles.
-Wide to_wide(Exact v) {
-    Wide sum(0.0);
-    for (int i = 0; i < 8 && v.sign() != Sign::Zero; ++i) {
-        const double head = v.enclosure().lower();
-        sum += Wide(head);
-        v -= Exact(head);
-    }
-    return sum + Wide(v.enclosure());
-}
 
 namespace {
 
@@ -252,6 +239,11 @@ std::array<Interval, 2> Heights::gradient_difference(FormId f, FormId g, Interva
                             curvature(f, x, y) - curvature(g, x, y), x - mx, y - my);
 }
 
+Wide Heights::plain_value(FormId f, const Wide& x, const Wide& y) const {
+    radial_jet<0>(f, x, y);  // makes the wide form
+    return wide_radial_[f.value]->plain_jet<0>(RadialNormals<Wide>(family_.chart, x, y)).v;
+}
+
 HeightJet<Interval> Heights::plain_jet(FormId f, Interval x, Interval y) const {
     const RadialJet<Interval> j = radial_[f.value].plain_jet<1>(normals(x, y));
     return {j.v, j.x, j.y};
@@ -267,56 +259,6 @@ std::array<Interval, 2> Heights::plain_gradient_difference(FormId f, FormId g, I
                             {a.xx - b.xx, a.xy - b.xy, a.yy - b.yy}, x - mx, y - my);
 }
 
-namespace {
-
-// A height as (a + b sqrt(c)) / den, den > 0.
-struct ExactHeight {
-    OneRoot value;
-    Exact den;
-};
-
-ExactHeight exact_radial_height(const RadialForm& f, RadialChart chart, Exact x, const Exact& y) {
-    const Exact zero, one(1.0), two(2.0);
-    std::array<Exact, 3> n{two * x, two * y, zero};
-    Exact squared = y * y;
-    Exact sign = one;
-    if (chart == RadialChart::HalfAngle) {
-        if (x > one) {
-            x -= two;
-            sign = -one;
-        }
-        n = {sign * two * x, zero, zero};
-        squared = zero;
-    }
-    squared += x * x;
-    n[2] = sign * (one - squared);
-    const auto dot = [&](const std::array<Exact, 3>& v) { return v[0] * n[0] + v[1] * n[1] + v[2] * n[2]; };
-    const Exact A = dot(f.a), B = f.b0 * (one + squared) + dot(f.b) + y * f.slope * A,
-                C = f.c[0] + y * (f.c[1] + y * f.c[2]);
-    if (!f.has_root()) return {{-(B + B), zero, zero}, C};
-    return {{-B, -one, B * B + A * A * C}, C};
-}
-
-// With f of degree 2 in the point's coordinates, f(x / w, y / w) times w^2 is a polynomial.
-ExactHeight exact_height(const FormFamily& family, FormId f, const RationalPoint& p) {
-    const auto& [x, y, w] = p;
-    const Exact zero;
-    if (family.is_circular(f)) {
-        const ExactForm e = family.exact(f);
-        return {{e.K * (x * x + y * y) + (e.A * x + e.B * y + e.C * w) * w, zero, zero}, e.W * w * w};
-    }
-    if (!family.radial.empty()) return exact_radial_height(family.radial_form(f), family.chart, x, y);
-    // C and beta of cylinder_form.hpp, in unit w times all lengths.
-    ExactCylinder form = exact_cylinder(family.cylinder(f));
-    for (Exact* length : {&form.px, &form.py, &form.pz, &form.rho}) *length = w * *length;
-    const auto [C, beta] = cylinder_terms(form, form.unit * x, form.unit * y);
-    const Exact A = form.az * form.az, unit = form.unit * w;
-    if (A.sign() == Sign::Zero) return {{C, zero, zero}, unit * (beta + beta)};
-    return {{-beta, Exact(1.0), beta * beta + A * C}, unit * A};
-}
-
-}  // namespace
-
 Sign Heights::compare(FormId f, FormId g, double x, double y, Decisions& decisions) const {
     if (const auto s = (value(f, Interval(x), Interval(y)) - value(g, Interval(x), Interval(y))).sign()) {
         ++decisions.by_interval;
@@ -325,10 +267,9 @@ Sign Heights::compare(FormId f, FormId g, double x, double y, Decisions& decisio
     return compare(f, g, RationalPoint{x, y}, decisions);
 }
 
-Sign Heights::compare(FormId f, FormId g, const RationalPoint& at, Decisions& decisions) const {
+Sign Heights::compare(FormId f, FormId g, const RationalPoint& p, Decisions& decisions) const {
     ++decisions.by_exact;
-    const ExactHeight p = exact_height(family_, f, at), q = exact_height(family_, g, at);
-    return vcell::compare(p.value, p.den, q.value, q.den);
+    return compare_exactly(family_, f, g, p);
 }
 
 }  // namespace vcell

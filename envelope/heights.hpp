@@ -14,6 +14,7 @@
 #include "../core/interval.hpp"
 #include "../core/sign.hpp"
 #include "../core/wide_interval.hpp"
+#include "exact_heights.hpp"
 #include "radial_height.hpp"
 
 namespace vcell {
@@ -49,14 +50,6 @@ inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& o
             intersection(over[1], middle[1] + c.xy * dx + c.yy * dy)};
 }
 
-/// As many digits of an exact number as there are.
-Wide to_wide(Exact v);
-
-/// The point (x / w, y / w), w > 0: where two lines with coefficients in doubles meet.
-struct RationalPoint {
-    Exact x, y, w = 1.0;
-};
-
 class Heights {
 public:
     /// The family must outlive this object.
@@ -82,6 +75,7 @@ public:
     std::array<Interval, 2> gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
     /// Of heights without the distances from tips. Pre: the base is curved.
     HeightJet<Interval> plain_jet(FormId f, Interval x, Interval y) const;
+    Wide plain_value(FormId f, const Wide& x, const Wide& y) const;
     std::array<Interval, 2> plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
 
     /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).

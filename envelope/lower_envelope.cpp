@@ -121,6 +121,7 @@ public:
     // The region is [-1, 3] x [y0, y1] of half-angle coordinates; both halves are smooth pieces, and together they
     // close. The seams are labelled once.
     MinimizationDiagram over_cylinder() {
+        is_cylinder_ = true;
         const double y0 = root_.rect.y0, y1 = root_.rect.y1;
         const std::uint32_t middle = patchwork_.new_seam(), left = patchwork_.new_seam(), right = patchwork_.new_seam();
         const PieceSide bottom{0, 1, -y0, 0}, top{0, -1, y1, 2};
@@ -380,6 +381,10 @@ private:
     std::optional<bool> cut_upright(const Rect& r, std::size_t candidates) const {
         if (family_.chart == RadialChart::HalfAngle && candidates > most_around && r.x1 - r.x0 > part_around)
             return true;
+        // No one metric suits tubes that are all but parallel to the base.
+        constexpr double strip_part = 0x1p-4;
+        if (is_cylinder_ && extent(r) < strip_part * extent(root_.rect))
+            if (const auto upright = analysis_.asks_for_strips({r.x0, r.x1, r.y0, r.y1})) return upright;
         const auto steepness = analysis_.steepness_across(r.x1 - r.x0, r.y1 - r.y0);
         if (!steepness) return std::nullopt;
         if (family_.tips.any()) return *steepness >= 1;
@@ -510,7 +515,7 @@ private:
     const Piece root_;
     MixedAnalysis analysis_;
     Sizes sizes_ = region_sizes;
-    bool is_sphere_ = false;
+    bool is_sphere_ = false, is_cylinder_ = false;
     std::size_t small_pieces_ = 0;
     double done_ = 0;
     // Working space.

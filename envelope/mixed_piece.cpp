@@ -134,6 +134,24 @@ std::optional<double> MixedAnalysis::steepness_across(double along_x, double alo
     return x + y > 0 && std::isfinite(x + y) ? std::optional(x / y) : std::nullopt;
 }
 
+// Pieces with more rivals are rarely plain, and their parts take longer than halves of them.
+constexpr std::size_t most_divided = 4;
+
+std::optional<bool> MixedAnalysis::asks_for_strips(const std::array<double, 4>& box) const {
+    constexpr double strip_ratio = 8;
+    if (spreads_.size() < 3 || spreads_.size() > most_divided) return std::nullopt;
+    double x = 0, y = 0;
+    for (std::size_t i = 0; i < spreads_.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const auto [gx, gy] = heights_.plain_gradient_difference(spreads_[i].form, spreads_[j].form,
+                                                                     {box[0], box[1]}, {box[2], box[3]});
+            x += gx.magnitude() * (box[1] - box[0]);
+            y += gy.magnitude() * (box[3] - box[2]);
+        }
+    if (!std::isfinite(x + y)) return std::nullopt;
+    return x > strip_ratio * y ? std::optional(true) : y > strip_ratio * x ? std::optional(false) : std::nullopt;
+}
+
 // --- Roots of two equations ----------------------------------------------------------------------------------
 
 namespace {
@@ -242,9 +260,6 @@ struct MixedAnalysis::Knot {
     std::vector<FormId> ties, around;
 };
 
-// Pieces with more rivals are rarely plain, and their parts take longer than halves of them.
-constexpr std::size_t most_divided = 4;
-
 struct MixedAnalysis::Work {
     const PieceBoundary& boundary;
     const NormalBox* normals;  // these two are null unless rivals compare by supports
@@ -264,6 +279,7 @@ struct MixedAnalysis::Work {
     std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
     std::vector<std::uint32_t> knots;            // vertices of the rim in which more forms meet than change there
     double width = 0;
+    mutable std::vector<std::array<FormId, 3>> apart;  // known to tie nowhere, in the order of the rivals
 
     Vector2d middle() const {
         return {Interval(piece.box[0], piece.box[1]).mid(), Interval(piece.box[2], piece.box[3]).mid()};
@@ -451,6 +467,23 @@ struct MixedAnalysis::Work {
                                  (q.curvature.yy - k * p.curvature.yy) * square(dy));
         return rest.lower() > 0 || rest.upper() < 0;
     }
+    // Do the three certainly tie nowhere in the piece? Where gradients are on one line all along a trisector, as of tubes
+    // that are nearly parallel over a tube, their turn never tells. Asked of few, when the other questions have failed.
+    bool is_apart(const Spread& a, const Spread& b, const Spread& c) const {
+        if (!a.bend || rivals.size() > most_divided || heights.family().radial.empty() ||
+            heights.family().chart != RadialChart::HalfAngle)
+            return false;
+        if (known_apart({a.form, b.form, c.form})) return true;
+        const auto meet_nowhere_of = [&](const Spread& h, const Spread& f, const Spread& g) {
+            return meet_nowhere(heights, h.form, f.form, g.form, piece.box);
+        };
+        if (!meet_nowhere_of(a, b, c) && !meet_nowhere_of(b, a, c) && !meet_nowhere_of(c, a, b)) return false;
+        apart.push_back({a.form, b.form, c.form});
+        return true;
+    }
+    bool known_apart(const std::array<FormId, 3>& forms) const {
+        return std::ranges::find(apart, forms) != apart.end();
+    }
     bool matched_pair() const {
         return changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
     }
@@ -524,7 +557,7 @@ struct MixedAnalysis::Work {
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
     Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, heights_, parts_,
-              false, {}, {}, {}, spreads_, {}, {}, {}, 0};
+              false, {}, {}, {}, spreads_, {}, {}, {}, 0, {}};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -603,6 +636,7 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     struct Touch {
         MixedPiece::Vertex vertex;
         FormId f, g;
+        bool decided;
     };
     work.clear_inside();
     if (work.rivals.size() < 3 || !work.knots.empty()) return false;
@@ -621,16 +655,28 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         for (const auto& [f, g] : pairs) {
             const auto touching = find_touching(heights_, h, f, g, work.piece.box);
             if (!touching) continue;
-            const int exponent = touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
-            const bool is_tie = exponent < assumed_exponent, is_above = touching->gap.sign() == Sign::Positive;
+            const int exponent =
+                touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
+            const bool is_tie = exponent < assumed_exponent,
+                       is_above = touching->gap.sign() == Sign::Positive;
             const bool is_narrow =
                 exponent < narrow_exponent && touching->width <= std::ldexp(extent_, narrow_exponent / 2);
             if (!is_above && !is_narrow) return false;
             ++decisions_.by_multiprecision;
-            if (is_tie || !is_above) {
-                const double width = std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2));
-                touches.push_back({{touching->place, width, f, {f, g, h}}, f, g});
+            if (!is_tie && is_above) return true;
+            const std::array forms{f, g, h};
+            const auto exact = is_tie ? exact_tie(forms, touching->at[0], touching->at[1]) : std::nullopt;
+            Touch t{{touching->place, std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2)), f,
+                     {f, g, h}},
+                    f,
+                    g,
+                    exact && have_gradients_in_line(heights_.family(), forms, *exact)};
+            if (t.decided) {
+                const auto [x, y] = enclosure(*exact);
+                t.vertex.point = {x.mid(), y.mid()};
+                t.vertex.error = reach(x, y);
             }
+            touches.push_back(std::move(t));
             return true;
         }
         return false;
@@ -662,7 +708,7 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         }
         if (is_hidden) continue;
         if (!work.divide(t.f, t.g, t.vertex)) return false;
-        assume(p, r, t.vertex.ties);
+        if (!t.decided) assume(p, r, t.vertex.ties);
     }
     return true;
 }
@@ -712,7 +758,7 @@ bool MixedAnalysis::is_plain(const Work& work) const {
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j)
             for (std::size_t k = j + 1; k < n; ++k)
-                if (!work.turn(r[i], r[j], r[k])) return false;
+                if (!work.turn(r[i], r[j], r[k]) && !work.is_apart(r[i], r[j], r[k])) return false;
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j)
             if (!work.direction(r[i], r[j])) return false;
@@ -946,6 +992,7 @@ bool MixedAnalysis::join_pair(Work& work, const Vector2d& direction, FormId f, F
 
 // Contracts a box a little larger than the piece, or the part of it where all three meet, to the root, if there is one.
 MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out) {
+    if (work.known_apart(forms)) return Inside::No;
     std::array<double, 4> box = work.piece.box;
     const bool by_supports = work.supports && work.rivals.size() <= most_divided;
     if (by_supports) {
@@ -1027,15 +1074,24 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece:
     return box;
 }
 
-// Do all forms that tie in a vertex as far as digits tell do so exactly, in a point in doubles? As there is only one point
+// The point with rational coordinates that these stand for, if all of the forms tie there.
+std::optional<RationalPoint> MixedAnalysis::exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y) {
+    auto p = rational_near(x, y, extent_);
+    if (!p || (!heights_.family().radial.empty() && p->w != Exact(1.0))) return std::nullopt;
+    decisions_.by_exact += forms.size() - 1;
+    return all_tie(heights_.family(), forms, *p) ? std::move(p) : std::nullopt;
+}
+
+// Do all forms that tie in a vertex as far as digits tell do so exactly, in a rational point? As there is only one point
 // in which three of them do, it is the vertex then.
 bool MixedAnalysis::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
     const auto box = sharp_vertex(v, forms);
     if (!box) return false;
-    const Vector2d p(nearest_double((*box)[0], extent_), nearest_double((*box)[1], extent_));
-    if (exactly_lowest(heights_, p.x(), p.y(), v.ties, decisions_).size() < v.ties.size()) return false;
-    v.point = p;
-    v.error = 0;
+    const auto p = exact_tie(v.ties, (*box)[0], (*box)[1]);
+    if (!p) return false;
+    const auto [x, y] = enclosure(*p);
+    v.point = {x.mid(), y.mid()};
+    v.error = reach(x, y);
     return true;
 }
 
@@ -1134,17 +1190,23 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
             if (!agree(Wide(side->a) * (*c)[0] + Wide(side->b) * (*c)[1], -Wide(side->c), Wide(extent_)))
                 return std::nullopt;
     const Interval bx(work.piece.box[0], work.piece.box[1]), by(work.piece.box[2], work.piece.box[3]);
+    const auto exact = exact_tie(work.forms(), (*c)[0], (*c)[1]);
+    apex.decided = exact.has_value();
     for (const auto& [i, j] : touching) {
         if (!agree(jets[i].gx, jets[j].gx, Wide(1.0)) || !agree(jets[i].gy, jets[j].gy, Wide(1.0))) return std::nullopt;
+        apex.decided = apex.decided && have_equal_gradients(heights_.family(), r[i].form, r[j].form, *exact);
         apex.differences[i][j].curvature =
             heights_.curvature(r[i].form, bx, by) - heights_.curvature(r[j].form, bx, by);
     }
-    if (!apex.rim) {
-        const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
-        apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
-        apex.point = rounded;
+    if (apex.rim) {
+        for (const PieceSide* side : work.sides_at(*apex.rim))
+            apex.decided = apex.decided && is_on_line(*exact, side->a, side->b, side->c);
+        return apex;
     }
-    apex.decided = !apex.rim && 2 * touching.size() == n * (n - 1) && is_tie_of_planes(work, apex);
+    const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
+    apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
+    apex.point = rounded;
+    apex.decided = apex.decided || (2 * touching.size() == n * (n - 1) && is_tie_of_planes(work, apex));
     return apex;
 }
 

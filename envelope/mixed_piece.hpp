@@ -145,6 +145,9 @@ public:
     /// How many times more the differences of what the last cull() left, about a box of these sides, change along x
     /// than along y. None where their gradients are not bounded.
     std::optional<double> steepness_across(double along_x, double along_y) const;
+    /// Are they few, and do they change many times as much along x as along y, or the other way round? None if not.
+    /// Pre: the base is a cylinder.
+    std::optional<bool> asks_for_strips(const std::array<double, 4>& box) const;
 
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
@@ -228,6 +231,7 @@ private:
     enum class Inside { No, Yes, Unknown };
     Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);
     std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
     bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other);
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);

@@ -421,10 +421,11 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     if (s < s0 || s > s1) return std::nullopt;
 
     RimTransition tie{{}, {}, {}, 0, {forms.begin(), forms.end()}};
-    const IntervalPoint rounded = line.at(Interval(s));
-    const bool exact = is_point(rounded[0]) && is_point(rounded[1]) &&
-                       exactly_lowest(heights_, rounded[0].mid(), rounded[1].mid(), forms, decisions_).size() == n;
-    if (exact) p = Wide(s);
+    const auto wide = line.wide_at(p);
+    auto exact = exact_tie(forms, wide[0], wide[1]);
+    if (exact && !is_on_line(*exact, line.side.a, line.side.b, line.side.c)) exact.reset();
+    if (exact) p = to_wide(line.by_x ? exact->x : exact->y) / to_wide(exact->w);
+    bool decided = exact.has_value();
     std::vector<std::array<Wide, 2>> jets;
     for (const FormId f : forms) jets.push_back(line.sharp_jet(heights_, f, p));
     std::vector<bool> lowest_before(n, true), lowest_after(n, true);
@@ -434,6 +435,8 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
             auto after = slope(i, j).sign(), before = after ? std::optional(-*after) : after;
             if (!after) {
                 if (!agree(jets[i][1], jets[j][1], Wide(1.0))) return std::nullopt;
+                decided = decided && have_equal_slopes(heights_.family(), forms[i], forms[j], *exact, line.side.a,
+                                                       line.side.b);
                 before = after = bend(i, j).sign();
             }
             if (!after || *after == Sign::Zero) return std::nullopt;
@@ -445,10 +448,11 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     if (s == s0) tie.before = tie.after;  // a corner
     if (s == s1) tie.after = tie.before;
     if (tie.before != l0 || tie.after != l1) return std::nullopt;
-    const IntervalPoint place = exact ? rounded : line.at(p.enclosure());
+    const IntervalPoint place = exact ? enclosure(*exact) : line.at(p.enclosure());
     tie.point = {place[0].mid(), place[1].mid()};
     tie.error = reach(place[0], place[1]);
-    if (!exact || touching)
+    // One root of two forms with a slope needs no assumption.
+    if (!decided && (touching || n > 2))
         assume(tie.point, std::ldexp(extent_, touching ? assumed_exponent / 2 : assumed_exponent), tie.ties);
     return tie;
 }

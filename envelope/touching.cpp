@@ -100,7 +100,7 @@ private:
         const auto rounding = [&](int k) {
             return Interval((p[k] - Wide(place[k])).enclosure().magnitude());
         };
-        return {place, gap, j.g.v, (run * stretch_ + rounding(0) + rounding(1)).upper()};
+        return {p, place, gap, j.g.v, (run * stretch_ + rounding(0) + rounding(1)).upper()};
     }
 
     Vector2d gradient(FormId a, FormId b, const Vector2d& p) const {
@@ -176,6 +176,48 @@ private:
 };
 
 }  // namespace
+
+bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box) {
+    // n along the coordinate along which the trisector is thin, with surroundings as wide again; s along the other.
+    const double dx = box[1] - box[0], dy = box[3] - box[2];
+    const std::size_t n = dx <= dy ? 0 : 1, s = 1 - n;
+    const double margin = n == 0 ? dx : dy;
+    std::array<Interval, 2> at{Interval(box[0], box[1]), Interval(box[2], box[3])};
+    at[n] = Interval(at[n].lower() - margin, at[n].upper() + margin);
+    const auto difference = [&](FormId a, FormId b, const std::array<Wide, 2>& p) {
+        return heights.plain_value(a, p[0], p[1]) - heights.plain_value(b, p[0], p[1]);
+    };
+    std::array<Wide, 2> p{Wide(at[0].mid()), Wide(at[1].mid())};
+    const Gradient F = heights.plain_gradient_difference(f, g, at[0], at[1]);
+    Wide residual = difference(f, g, p);
+    if ((residual.enclosure() + F[0] * (at[0] - Interval(at[0].mid())) + F[1] * (at[1] - Interval(at[1].mid()))).sign())
+        return true;  // the two are equal nowhere
+    const double inverse = 1 / F[n].mid();
+    if (!F[n].sign() || !std::isfinite(inverse)) return false;
+    const Interval run = -F[s] / F[n];
+
+    constexpr int most_steps = 20, enough = -200;
+    const int size = Wide(margin).magnitude_exponent();
+    for (int i = 0;; ++i) {
+        const Wide step = Wide(inverse) * residual;
+        if (step.magnitude_exponent() < size + enough) break;
+        if (i == most_steps) return false;
+        p[n] = (p[n] - step).mid();
+        if (!at[n].contains(p[n].approximation())) return false;
+        residual = difference(f, g, p);
+    }
+    const Interval half(at[s].radius());
+    const Interval reach = p[n].enclosure() + run * Interval(-1.0, 1.0) * half;
+    if (!at[n].contains(reach.lower()) || !at[n].contains(reach.upper())) return false;
+
+    const Gradient H = heights.plain_gradient_difference(h, g, at[0], at[1]);
+    const double l = H[n].mid() * inverse;
+    const Interval change = H[s] - l * F[s] + (H[n] - l * F[n]) * run;
+    const Interval off = Interval(residual.enclosure().magnitude()) / F[n] * H[n];  // of the true trisector
+    const Interval phi = difference(h, g, p).enclosure();
+    const double least = std::max(phi.lower(), -phi.upper());
+    return Interval(least).lower() > (Interval(change.magnitude()) * half + off.magnitude()).upper();
+}
 
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
                                       const std::array<double, 4>& box) {

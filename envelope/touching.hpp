@@ -22,7 +22,8 @@
 namespace vcell {
 
 struct Touching {
-    Eigen::Vector2d place;  ///< on the trisector; rounded
+    std::array<Wide, 2> at;  ///< on the trisector
+    Eigen::Vector2d place;   ///< the same, rounded
     Wide gap;               ///< h less the others there
     Wide height;            ///< theirs
     double width;  ///< bounds the distance from `place` of all that is on the trisector and not below h
@@ -33,5 +34,10 @@ struct Touching {
 /// that place.
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
                                       const std::array<double, 4>& box);
+
+/// Do three forms certainly tie nowhere in the box? Where F = f - g grows along one coordinate the trisector is a graph
+/// over the other, s, and phi = h - g along it changes by no more than |D_s + D_n n'| for each unit of s. Pre: the base is
+/// curved.
+bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box);
 
 }  // namespace vcell
