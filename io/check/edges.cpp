@@ -226,10 +226,14 @@ private:
         Edges& edges;
         const Net& net;
         Vector<Interval> box = net.box(), slope = net.derivative(0);
+        Vec3 center = middle(box);
+        double reach = (edges.space().clearance(to_vector<Interval>(center)) + 2 * Interval(radius(box))).upper();
 
         bool operator()(const Condition& c) {
             const Space<Interval>& space = edges.space();
             const double allowed = edges.allowance(c);
+            // Both distances change by no more than the way.
+            if (c.site.is_object() && space.is_beyond(c.site.index, center, reach)) return true;
             if (space.excess(c, box).lower() >= 0) return true;
             const Interval change = dot(space.gradient(c, box), slope);
             const Interval at_begin = space.excess(c, net.corner(0, 0)), at_end = space.excess(c, net.corner(1, 0));

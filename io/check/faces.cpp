@@ -77,9 +77,8 @@ private:
             for (std::size_t t = 0; t < patch.loops[l].size(); ++t) {
                 const Trim& trim = patch.loops[l][t];
                 if (!trim.curve->edge) continue;
-                const double gap =
-                    certify_trim(patch, trim, fmt::format("{}[{}]", loop_path(patch.face, patch.index, l), t),
-                                 subject_, options_, certificate_);
+                const TrimPlace place{l, t};
+                const double gap = certify_trim(patch, place, subject_, options_, certificate_);
                 const EdgeBound& edge = edge_bounds_[*trim.curve->edge];
                 proved = proved && gap < HUGE_VAL && edge.growth > 0;
                 most = std::max({most, gap, (edge.excess + 2 * gap) / edge.growth});
@@ -202,12 +201,13 @@ private:
             const Interval m(-faces.width_, faces.width_);
             near_ = {box_[0] + m, box_[1] + m, box_[2] + m};
             center_ = middle(box_);
-            reach_ = 2 * radius(near_);
+            reach_ = (space_.clearance(to_vector<Interval>(center_)) + 2 * Interval(radius(near_))).upper();
             own_gradient_ = space_.gradient(faces.own_[0], near_);
         }
 
         bool operator()(const Condition& c) const {
-            if (space_.excess(c, to_vector<Interval>(center_)).lower() >= reach_) return true;
+            // Both distances change by no more than the way.
+            if (c.site.is_object() && space_.is_beyond(c.site.index, center_, reach_)) return true;
             if (space_.excess(c, box_).lower() >= 0) return true;
             const Vector<Interval> gradient = space_.gradient(c, near_);
             const Vector<Interval> sine = cross(own_gradient_, gradient);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <type_traits>
+#include <vector>
 
 #include "space.hpp"
 
@@ -21,66 +23,79 @@ inline double upper_bound(const Wide& x) { return x.enclosure().upper(); }
 std::vector<Condition> independent(const Space<Interval>& space, std::span<const Condition> conditions,
                                    const Vec3& p);
 
-/// A box with exactly one point where all three excesses are zero, or nothing if there is no proof of one
-/// within about `reach` of the start. Krawczyk's operator K(X) = m - Y f(m) + (I - Y J(X)) (X - m): K(X) in
-/// the interior of X proves that X holds one zero, and K(X) holds it, too [Neumaier90, Theorem 5.1.8].
+/// Where a common zero is: in center + offset. The offset's digits are not lost in those of the center.
 template <class T>
-std::optional<Vector<T>> enclose(const Space<T>& space, const std::array<Condition, 3>& conditions,
-                                 const Vec3& start, double reach, int rounds) {
-    Vector<T> m = to_vector<T>(start);
-    Eigen::Matrix3d j;
-    const auto slope = [&](const Vector<T>& x, int row) { return space.gradient(conditions[row], x); };
+struct Enclosure {
+    Vector<T> center, offset;
+
+    Vector<T> box() const { return center + offset; }
+    T distance(const Vec3& p) const { return sqrt(square((center - to_vector<T>(p)) + offset)); }
+};
+
+/// A box with exactly one point where all three excesses are zero, or nothing if there is no proof of one
+/// within about `reach` of the start. Krawczyk's operator K(D) = -Y f(m) + (I - Y J(m + D)) D: K(D) in the
+/// interior of D proves that m + D holds one zero, and m + K(D) holds it, too [Neumaier90, Theorem 5.1.8].
+template <class T>
+std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Condition, 3>& conditions,
+                                    const Vec3& start, double reach, int rounds) {
     const auto number = [](const T& x) {
         if constexpr (std::is_same_v<T, Interval>)
             return x.mid();
         else
             return x.approximation();
     };
+    Vector<T> m = to_vector<T>(start);
+    Eigen::Matrix3d j;
     for (int r = 0; r < 3; ++r) {
-        const Vector<T> g = slope(m, r);
+        const Vector<T> g = space.gradient(conditions[r], m);
         for (int k = 0; k < 3; ++k) j(r, k) = number(g[k]);
     }
-    const Eigen::Matrix3d y = j.inverse();
-    if (!y.allFinite()) return std::nullopt;
-    std::optional<Vector<T>> found;
+    const Eigen::Matrix3d inverse = j.inverse();
+    if (!inverse.allFinite()) return std::nullopt;
+    const auto y = [&](int r, const Vector<T>& f) {
+        return T(inverse(r, 0)) * f[0] + T(inverse(r, 1)) * f[1] + T(inverse(r, 2)) * f[2];
+    };
+    const double least = 0x1p-80 * start.cwiseAbs().maxCoeff();
+    std::optional<Enclosure<T>> found;
     for (int round = 0; round < rounds; ++round) {
-        Vector<T> f;
-        for (int r = 0; r < 3; ++r) f[r] = space.excess(conditions[r], m);
-        Vector<T> newton;  // m - Y f(m)
+        Vector<T> f, newton, d;
         double step = 0;
+        for (int r = 0; r < 3; ++r) f[r] = space.excess(conditions[r], m);
         for (int r = 0; r < 3; ++r) {
-            const T move = T(y(r, 0)) * f[0] + T(y(r, 1)) * f[1] + T(y(r, 2)) * f[2];
-            newton[r] = m[r] - move;
-            step = std::max(step, upper_bound(magnitude(move)));
+            newton[r] = -y(r, f);
+            step = std::max(step, upper_bound(magnitude(newton[r])));
         }
-        // After a proof only the part of K(X) beside m matters: X shrinks to the last box.
-        const double half = 4 * step + 0x1p-52 * start.cwiseAbs().maxCoeff();
+        const double half = 4 * step + least;
         if (!found && !(half <= reach)) return std::nullopt;
-        Vector<T> x;
-        for (int r = 0; r < 3; ++r) x[r] = found ? (*found)[r] : m[r] + T(-half, half);
+        for (int r = 0; r < 3; ++r) d[r] = found ? found->offset[r] : T(-half, half);
         std::array<Vector<T>, 3> jacobian;
-        for (int r = 0; r < 3; ++r) jacobian[r] = slope(x, r);
+        for (int r = 0; r < 3; ++r) jacobian[r] = space.gradient(conditions[r], m + d);
         Vector<T> k;
         bool inside = true;
         for (int r = 0; r < 3; ++r) {
-            T sum = newton[r];
+            k[r] = newton[r];
             for (int c = 0; c < 3; ++c) {
-                const T product = T(y(r, 0)) * jacobian[0][c] + T(y(r, 1)) * jacobian[1][c] + T(y(r, 2)) * jacobian[2][c];
-                sum += (T(r == c ? 1.0 : 0.0) - product) * (x[c] - m[c]);
+                const T product = y(r, {jacobian[0][c], jacobian[1][c], jacobian[2][c]});
+                k[r] += (T(r == c ? 1.0 : 0.0) - product) * d[c];
             }
-            k[r] = sum;
-            inside = inside && k[r].lower() > x[r].lower() && k[r].upper() < x[r].upper();
+            inside = inside && k[r].lower() > d[r].lower() && k[r].upper() < d[r].upper();
         }
-        if (found) {  // a point of the box stays one of K(X): their intersection
-            for (int r = 0; r < 3; ++r)
-                k[r] = {std::max(k[r].lower(), (*found)[r].lower()), std::min(k[r].upper(), (*found)[r].upper())};
-        } else if (!inside) {
-            // A better start, before a proof is tried again.
-            for (int r = 0; r < 3; ++r) m[r] = newton[r].mid();
+        if (!found && !inside) {  // a better start, before a proof is tried again
+            for (int r = 0; r < 3; ++r) m[r] = (m[r] + newton[r]).mid();
             continue;
         }
-        found = k;
-        for (int r = 0; r < 3; ++r) m[r] = k[r].mid();
+        if (found)  // the zero stays in the intersection
+            for (int r = 0; r < 3; ++r)
+                k[r] = T(std::max(k[r].lower(), d[r].lower()), std::min(k[r].upper(), d[r].upper()));
+        found = Enclosure<T>{m, k};
+        if constexpr (std::is_same_v<T, Interval>) return found;
+        for (int r = 0; r < 3; ++r) {
+            const T shift = k[r].mid();
+            m[r] = (m[r] + shift).mid();
+            // m is not the exact sum: the offset takes what rounding has left.
+            k[r] = k[r] + (found->center[r] - m[r]);
+        }
+        found = Enclosure<T>{m, k};
     }
     return found;
 }

@@ -180,6 +180,15 @@ public:
         });
     }
 
+    /// Is a ball's distance from p surely greater than reach? False if the object is none.
+    bool is_beyond(std::uint32_t i, const Vec3& p, double reach) const {
+        const auto* s = std::get_if<Sphere>(&scene_.objects[i]);
+        if (!s) return false;
+        constexpr double kAbove = 1 + 0x1p-40;  // more than a few roundings
+        const double limit = kAbove * (std::max(reach, 0.0) + s->radius);
+        return (p - s->center).squaredNorm() > kAbove * limit * limit;
+    }
+
     Vector<T> gradient(const Condition& c, const Vector<T>& p) const {
         if (c.site.is_object()) return object_gradient(c.site.index, p) - up(p);
         if (c.site.kind == Site::Kind::End) return c.site.index == 0 ? base_.direction : negative(base_.direction);
@@ -231,7 +240,8 @@ private:
         stretch_ = {T(-HUGE_VAL), T(HUGE_VAL)};
         for (std::uint32_t s = 0; s < 6; ++s) {
             const T along = -dot(inwards(s), base_.direction);
-            const T room = inside_side(s, base_.point) - T(radius) * sqrt(magnitude(T(1.0) - square(along)));
+            const T sine = sqrt(square(cross(inwards(s), base_.direction)));  // exactly 0 for axis-parallel ones
+            const T room = inside_side(s, base_.point) - T(radius) * sine;
             if (!(along.lower() > 0) && !(along.upper() < 0)) continue;
             const T end = room / along;
             if (along.lower() > 0)

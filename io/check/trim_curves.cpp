@@ -137,8 +137,12 @@ private:
 
 }  // namespace
 
-double certify_trim(const Patch& patch, const Trim& trim, const std::string& where, const Subject& subject,
+double certify_trim(const Patch& patch, const TrimPlace& place, const Subject& subject,
                     const CheckOptions& options, Certificate& certificate) {
+    const Trim& trim = patch.loops[place.loop][place.curve];
+    const auto where = [&] {
+        return fmt::format("{}[{}]", loop_path(patch.face, patch.index, place.loop), place.curve);
+    };
     const std::size_t e = *trim.curve->edge;
     const double error = 2 * subject.full_error(e);
     const TrimJudge judge(patch, trim, subject);
@@ -156,21 +160,22 @@ double certify_trim(const Patch& patch, const Trim& trim, const std::string& whe
         const Pair pair = std::move(pairs.back());
         pairs.pop_back();
         const double gap = judge.gap(pair);
-        const auto [middle, rounding] = points(std::midpoint(pair.trim.begin, pair.trim.end));
-        if (gap <= error + rounding) {
+        // What rounding of (u, v) makes on the surface is looked at where it may matter.
+        if (gap <= error + kRounding * patch.control_size ||
+            gap <= error + points(std::midpoint(pair.trim.begin, pair.trim.end)).second) {
             most = std::max(most, gap);
             continue;
         }
         for (const double t : {pair.trim.begin, std::midpoint(pair.trim.begin, pair.trim.end), pair.trim.end})
             if (const auto [distance, width] = points(t); distance > error + 2 * width) {
-                certificate.refute(where,
+                certificate.refute(where(),
                                    fmt::format("lifts to a curve {:.3g} away from edge {} at the same parameter",
                                                distance, e),
                                    distance);
                 return HUGE_VAL;
             }
         if (++count > std::size_t{1} << std::clamp(options.effort, 0, 40)) {
-            certificate.leave_open(where, fmt::format("lifts to a curve within {:.3g} of edge {}", gap, e), gap);
+            certificate.leave_open(where(), fmt::format("lifts to a curve within {:.3g} of edge {}", gap, e), gap);
             return HUGE_VAL;
         }
         auto trims = halves(pair.trim);

@@ -5,9 +5,13 @@
 
 namespace vcell::check {
 
+struct TrimPlace {
+    std::size_t loop, curve;
+};
+
 /// How far the lifted curve is from its edge at most, where that is within what the edge's error allows;
 /// otherwise the certificate says what is wrong, and the bound is infinite.
-double certify_trim(const Patch& patch, const Trim& trim, const std::string& where, const Subject& subject,
+double certify_trim(const Patch& patch, const TrimPlace& place, const Subject& subject,
                     const CheckOptions& options, Certificate& certificate);
 
 }  // namespace vcell::check

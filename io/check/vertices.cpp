@@ -49,7 +49,6 @@ private:
         const Space<T>& space;
         Vector<T> point;
         T distance;  ///< of the stated point
-        bool is_proved = false;  ///< one common point of three sites; else the stated point itself
     };
 
     void judge(std::size_t i) {
@@ -66,13 +65,13 @@ private:
         const std::array<Condition, 3> three{triple[0], triple[1], triple[2]};
         const auto box = enclose(space(), three, v.point, reach(), 4);
         if (box) {
-            const Place<Interval> place{space(), *box, distance(*box, v.point), true};
+            const Place<Interval> place{space(), box->box(), box->distance(v.point)};
             if (decide(i, conditions, place, false)) return;
         }
         // Wide arithmetic: many roundings closer, where doubles leave a question open.
         const auto finer = enclose(wide_, three, v.point, reach(), 8);
         if (!finer) return judge_touching(i, conditions);
-        const Place<Wide> place{wide_, *finer, distance(*finer, v.point), true};
+        const Place<Wide> place{wide_, finer->box(), finer->distance(v.point)};
         decide(i, conditions, place, true);
     }
 
@@ -100,10 +99,6 @@ private:
     }
     bool is_upright(const Site& side) const {
         return std::get<Plane>(scene_.base).normal[side.index / 2] == 0;
-    }
-    template <class T>
-    static T distance(const Vector<T>& box, const Vec3& p) {
-        return sqrt(square(box - to_vector<T>(p)));
     }
     /// Adds the verdict about vertex i, or returns false where only a finer enclosure can tell. `last`: there
     /// is none finer.
@@ -179,7 +174,7 @@ private:
     /// where along it is not proved.
     void judge_touching(std::size_t i, std::span<const Condition> conditions) {
         const CellVertex& v = cell_.vertices[i];
-        const Place<Interval> place{space(), to_vector<Interval>(v.point), Interval(0.0), false};
+        const Place<Interval> place{space(), to_vector<Interval>(v.point), Interval(0.0)};
         const std::string where = vertex_path(i);
         double width = 0, steepest = 0;
         for (const Condition& c : conditions) {
