@@ -5,11 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <new>
+#include <optional>
 
 #include "../core/errors.hpp"
 #include "../envelope/voronoi_cell.hpp"
@@ -46,23 +48,84 @@ struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// f(), whose complaints about a file's contents name the file: `name` instead of standard input.
+template <class F>
+auto about_file(const std::string& path, const char* name, F f) {
+    const auto named = [&](const char* what) {
+        const std::string file = path == "-" ? name : path;
+        return file.empty() ? what : file + ": " + what;
+    };
+    try {
+        return f();
+    } catch (const InputError& e) {
+        if (e.path.starts_with("--")) throw;  // about an option
+        throw InputError(e.kind, e.object, "", named(e.what()));
+    } catch (const UndecidedError& e) {
+        throw UndecidedError(named(e.what()));
+    }
+}
+
+// ---- Options -------------------------------------------------------------------------------------
+
+// CLI11 asks these before it converts: an empty answer is consent.
+std::string number_complaint(const std::string& text) {
+    const std::optional<double> value =
+        to_double(std::string_view(text).substr(text.starts_with('+') ? 1 : 0));
+    return value && std::isfinite(*value) ? ""
+                                          : fmt::format("must be a finite number, is {}", printable(text));
+}
+
+std::string ball_complaint(const std::string& text) {
+    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+    return digits && text.size() < 10
+               ? ""
+               : fmt::format("must be the number of a ball, counted from 0, is {}", printable(text));
+}
+
+std::string count_complaint(const std::string& text) {
+    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+    return digits && text.size() < 10 && std::stoul(text) > 0
+               ? ""
+               : fmt::format("must be a number from 1 to 999999999, is {}", printable(text));
+}
+
+/// A length, or in percent of the cell's diagonal: "0.01", "0.1%".
+struct Chord {
+    double value = 0;
+    bool is_relative = false;
+};
+std::optional<Chord> to_chord(std::string_view text) {
+    const bool is_relative = text.ends_with('%');
+    if (is_relative) text.remove_suffix(1);
+    const std::optional<double> value = to_double(text);
+    if (!value || !std::isfinite(*value) || !(*value > 0)) return std::nullopt;
+    return Chord{is_relative ? *value / 100 : *value, is_relative};
+}
+std::string chord_complaint(const std::string& text) {
+    return to_chord(text)
+               ? ""
+               : fmt::format("must be a length above 0 or a percentage of the cell's diagonal, is {}",
+                             printable(text));
+}
+
 // ---- Scenes --------------------------------------------------------------------------------------
 
 /// The scene argument of a command, with what a plain file leaves open.
-struct SceneArgument {
+class SceneArgument {
+public:
     std::string path;
-    std::size_t base = 0;
-    std::vector<double> base_plane, box;
-    CLI::Option* has_base = nullptr;
 
     void add_to(CLI::App& command) {
         command.add_option("SCENE", path, "scene file, JSON or x y z r lines; - is standard input")
             ->required();
         const char* group = "Scenes of x y z r lines";
-        has_base =
-            command.add_option("--base", base, "the ball that is the base, counted from 0")->group(group);
+        has_base = command.add_option("--base", base, "the ball that is the base, counted from 0")
+                       ->check(ball_complaint)
+                       ->type_name("K")
+                       ->group(group);
         command.add_option("--base-plane", base_plane, "the base plane: a point of it and its normal")
             ->expected(6)
+            ->check(number_complaint)
             ->type_name("X Y Z NX NY NZ")
             ->excludes(has_base)
             ->group(group);
@@ -70,8 +133,15 @@ struct SceneArgument {
             .add_option("--box", box,
                         "the box, instead of one about the balls that leaves half its diagonal of room")
             ->expected(6)
+            ->check(number_complaint)
             ->type_name("X0 Y0 Z0 X1 Y1 Z1")
             ->group(group);
+    }
+
+    /// f(), whose complaints are about the scene and name its file.
+    template <class F>
+    auto about(F f) const {
+        return about_file(path, "", f);
     }
 
     Scene read() const {
@@ -82,8 +152,13 @@ struct SceneArgument {
         if (has_base->count() > 0) options.base_ball = base;
         if (!base_plane.empty()) options.base_plane = Plane{vec(base_plane, 0), vec(base_plane, 3)};
         if (!box.empty()) options.box = Box{vec(box, 0), vec(box, 3)};
-        return read_scene(path, options);
+        return about([&] { return read_scene(path, options); });
     }
+
+private:
+    std::size_t base = 0;
+    std::vector<double> base_plane, box;
+    CLI::Option* has_base = nullptr;
 };
 
 Cell compute_cell(const Scene& scene) {
@@ -119,9 +194,19 @@ public:
             ->check(CLI::IsMember({"json", "svg", "obj"}))
             ->capture_default_str();
         command_
-            .add_option("--chord", chord_,
-                        "OBJ: largest distance of a triangle side from the surface, in length")
-            ->check(CLI::PositiveNumber);
+            .add_option(
+                "--chord", chord_,
+                "OBJ: largest distance of a triangle side from the surface, a length, or with % a part "
+                "of the cell's diagonal")
+            ->check(chord_complaint)
+            ->type_name("LENGTH")
+            ->capture_default_str();
+        command_
+            .add_option("--triangles", most_triangles_,
+                        "OBJ: about as many at most; the chord grows until they do")
+            ->check(count_complaint)
+            ->type_name("N")
+            ->capture_default_str();
         command_.add_flag("--solid", solid_, "OBJ: with walls and base, a closed mesh");
         command_.footer("No output appears before all of them are complete.");
     }
@@ -132,11 +217,10 @@ public:
         // Every target is opened before the work: what cannot be written is known at once.
         for (const std::string& target : outputs_) add(target);
         const Scene scene = scene_.read();
-        const Cell cell = compute_cell(scene);
+        const Cell cell = scene_.about([&] { return compute_cell(scene); });
         std::optional<CellMesh> mesh;
         for (const auto& out : files_) {
-            if (out->format == "obj" && !mesh)
-                mesh = tessellate(cell, {chord_ > 0 ? std::optional(chord_) : std::nullopt, solid_});
+            if (out->format == "obj" && !mesh) mesh = mesh_of(cell);
             write(*out, cell, mesh);
         }
         for (const auto& out : files_) out->file.close();
@@ -177,6 +261,18 @@ private:
         files_.push_back(std::unique_ptr<Output>(new Output{OutputFile(target), format, material_file}));
     }
 
+    CellMesh mesh_of(const Cell& cell) const {
+        const Chord chord = *to_chord(chord_);
+        const double wanted = chord.is_relative ? chord.value * cell_diagonal(cell) : chord.value;
+        CellMesh mesh = tessellate(cell, {wanted, solid_, most_triangles_});
+        if (mesh.chord > wanted)
+            warn(fmt::format(
+                "a chord of {:.3g} is too fine for {} triangles (--triangles) or 4096 pieces of an edge: "
+                "the mesh has {} triangles with one of {:.3g}",
+                wanted, most_triangles_, mesh.triangles.size(), mesh.chord));
+        return mesh;
+    }
+
     static void write(Output& out, const Cell& cell, const std::optional<CellMesh>& mesh) {
         std::ostream& stream = out.file.stream();
         if (out.format == "json") write_cell(stream, cell);
@@ -189,7 +285,8 @@ private:
     SceneArgument scene_;
     std::vector<std::string> outputs_;
     std::string format_ = "json";
-    double chord_ = 0;
+    std::string chord_ = "0.1%";
+    std::size_t most_triangles_ = MeshOptions().most_triangles;
     bool solid_ = false;
     std::vector<std::unique_ptr<Output>> files_;
 };
@@ -216,8 +313,11 @@ public:
         if (scene_.path == "-" && points_ == "-")
             throw UsageError("query: scene and points cannot both come from standard input");
         const Scene scene = scene_.read();
-        const std::string answers = std::holds_alternative<Plane>(scene.base) ? answer(plane_base_problem(scene))
-                                                                              : answer(radial_base_problem(scene));
+        const std::vector<Vec3> points = about_file(points_, "points", [&] { return read_points(); });
+        const std::string answers = scene_.about([&] {
+            return std::holds_alternative<Plane>(scene.base) ? answer(plane_base_problem(scene), points)
+                                                             : answer(radial_base_problem(scene), points);
+        });
         OutputFile out("-");
         out.stream() << answers;
         out.commit();
@@ -226,10 +326,10 @@ public:
 
 private:
     template <class Problem>
-    std::string answer(const Problem& problem) const {
+    static std::string answer(const Problem& problem, const std::vector<Vec3>& points) {
         for (const std::string& w : problem.warnings) warn(w);
         std::string answers;
-        for (const Vec3& p : read_points()) {
+        for (const Vec3& p : points) {
             const auto a = query_point(problem, p);
             if (a && a->site)
                 answers += fmt::format("{} {} {}\n", to_string(*a->site), a->clearance, a->inside);
@@ -239,8 +339,9 @@ private:
         return answers;
     }
 
-    std::vector<Vec3> read_points() const try {
-        const std::string text = read_file(points_);
+    std::vector<Vec3> read_points() const {
+        const std::string bytes = read_file(points_);
+        const std::string_view text = without_byte_order_mark(bytes);
         std::vector<Vec3> points;
         std::size_t line_number = 0;
         for (std::size_t at = 0; at < text.size();) {
@@ -257,8 +358,6 @@ private:
             points.emplace_back(numbers[0], numbers[1], numbers[2]);
         }
         return points;
-    } catch (const InputError& e) {
-        throw InputError(e.kind, e.object, points_ == "-" ? "points" : points_, e.what());
     }
 
     CLI::App& command_;
@@ -279,7 +378,8 @@ public:
     bool chosen() const { return command_.parsed(); }
 
     Status run() const {
-        const Cell cell = compute_cell(scene_.read());
+        const Scene scene = scene_.read();
+        const Cell cell = scene_.about([&] { return compute_cell(scene); });
         const Measures& m = cell.measures;
         OutputFile out("-");
         out.stream() << "volume\tvolume_error\tbody_volume\tarea\tarea_error\tbox_area\tbase_area\t"
@@ -320,7 +420,7 @@ public:
     bool chosen() const { return command_.parsed(); }
 
     Status run() const {
-        const Cell cell = read_cell(path_);
+        const Cell cell = about_file(path_, "", [&] { return read_cell(path_); });
         const Certificate certificate = certify(cell, options_);
         OutputFile out("-");
         if (json_)
@@ -352,6 +452,9 @@ int run(int argc, char** argv) {
     app.footer(program_footer);
     app.set_version_flag("--version", "vcell " VCELL_VERSION);
     app.require_subcommand(1);
+    app.failure_message([](const CLI::App*, const CLI::Error& e) {
+        return fmt::format("vcell: {}; \"vcell --help\" tells more\n", e.what());
+    });
     Compute compute(app);
     Query query(app);
     Measure measure(app);

@@ -1,6 +1,5 @@
 // The time of lower_envelope() alone, one thread, over scenes of spheres above a plane:
 //
-//   table3   the sizes of Table 3 of [HE], 4 ... 24 random spheres
 //   random   50 ... 1,000,000 random spheres at constant density, with the fit to c n log n
 //   lattice  equal spheres on a lattice, where every vertex is degenerate
 //
@@ -98,16 +97,10 @@ void measure(benchmark::State& state, Family& family) {
 }
 
 void register_families(std::uint32_t max_n) {
-    static Family table3{[](std::uint32_t n) { return random_scene(n); }};
     static Family random{[](std::uint32_t n) { return random_scene(n); }};
     static Family lattice{lattice_scene};
 
-    auto* bench = benchmark::RegisterBenchmark("table3", measure, std::ref(table3));
-    bench->Unit(benchmark::kMillisecond);
-    for (const std::uint32_t n : {4, 6, 8, 10, 12, 16, 18, 20, 22, 24})
-        if (n <= max_n) bench->Arg(n);
-
-    bench = benchmark::RegisterBenchmark("random", measure, std::ref(random));
+    auto* bench = benchmark::RegisterBenchmark("random", measure, std::ref(random));
     bench->Unit(benchmark::kMillisecond)->Complexity(benchmark::oNLogN);
     for (const std::uint32_t n :
          {50, 100, 200, 500, 1000, 2000, 5000, 10'000, 20'000, 50'000, 100'000, 200'000, 500'000, 1'000'000})

@@ -1,7 +1,8 @@
 // The time of scenes with cylinders over a plane base, one thread:
 //
-//   scene      voronoi_cell() of Fig. 5 and Fig. 6 of [HE] and of the piles in examples/scenes, patches and
-//              measures included, at the tolerance 1e-7 of the diagonal
+//   scene      voronoi_cell() of Fig. 5 and Fig. 6 of [HE], of its Table 3 (planes and balls alone) and of
+//   the
+//              piles in examples/scenes, patches and measures included, at the tolerance 1e-7 of the diagonal
 //   pile       the same for random piles of 50 ... 2000 balls and rods at constant density, with the fit to
 //              c n log n
 //   trisector  the trisector of the base, a cylinder and a sphere (psc) or a second cylinder (pcc), proved
@@ -203,6 +204,12 @@ void register_all(std::uint32_t max_n) {
                                                                {"figure6", {file("figure6"), 14.8}},
                                                                {"pile_50", {file("pile_50")}},
                                                                {"pile_500", {file("pile_500")}}};
+    // [HE, Table 3]
+    constexpr std::pair<const char*, double> table3[] = {
+        {"table3_04", 0.13}, {"table3_06", 0.24}, {"table3_08", 0.38}, {"table3_10", 0.53},
+        {"table3_12", 0.71}, {"table3_16", 1.05}, {"table3_18", 1.16}, {"table3_20", 1.36},
+        {"table3_22", 1.56}, {"table3_24", 1.72}};
+    for (const auto& [name, seconds] : table3) files.push_back({name, {file(name), seconds}});
     for (auto& [name, cell_case] : files)
         benchmark::RegisterBenchmark(("scene/" + name).c_str(), measure_cell, std::ref(cell_case))
             ->Unit(benchmark::kMillisecond);

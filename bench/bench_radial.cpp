@@ -1,21 +1,25 @@
 // The time of cells of spheres and cylinders, one thread:
 //
-//   atom/<name>  a ball among the 60 others of a molecule that are nearest to it: radial_base_problem(),
-//                lower_envelope_on_sphere() and lift(), over all atoms of FOLDER/<name>.xyzr (x y z r on each
-//                line)
+//   atom/<name>  the complete cell of a ball in a molecule, FOLDER/<name>.xyzr (x y z r on each line), over
+//   all of
+//                its balls: among the 30 others that are nearest, and where its largest clearance says that
+//                more may matter, once more among all that do. Finding the nearest is not in the time. The
+//                volumes must fill the molecule's box
 //   around/n     n small balls on a thin shell around one ball
 //   tubes        20 skew cylinders around a cylinder
-//   scene/<name> Figs. 7 to 10 of [HE], as far as examples/scenes has them
+//   scene/<name> scenes of examples/scenes: Figs. 7 to 10 of [HE], and others of balls and tubes
 //   pair/<base>/<objects>  20 random scenes of two objects over the base, of every combination, planes as
 //   bases too
 //
 // Usage: bench_radial [--max_n=N] [--molecules=FOLDER] [Google Benchmark's options]
 //
 // Each is the time of voronoi_cell(), patches and measures included. Sizes above N (default 100,000) are left
-// out, and atoms without FOLDER. Counters: n objects; cells; median_us and p90_us, over the cells, of each
-// one's least CPU time; of that call bisectors_us, envelope_us and patches_us, wall clock, medians;
-// unmeasured_us as median_us, without measures (CellOptions::measure); V, E, F (means); the signs that each rung of the ladder decided, summed up, `assumed` ones by none of them;
-// warnings; the paper's own time, where it has one.
+// out, and atoms without FOLDER. Counters: n objects (mean); cells; median_us and p90_us, over the cells, of
+// each one's least CPU time; first_us, the median of each one's first call in this process, which meets cold
+// caches and fresh memory; of the least call bisectors_us, envelope_us and patches_us, wall clock, medians;
+// unmeasured_us as median_us, without measures (CellOptions::measure); V, E, F (means); the signs that each
+// rung of the ladder decided, summed up, `assumed` ones by none of them; warnings; the paper's own time,
+// where it has one.
 //
 // Cells of up to 2000 objects are checked by check_cell(), of larger ones a hundred vertices against all
 // objects; a wrong one is an error and the exit status 1.
@@ -28,6 +32,7 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -82,7 +87,7 @@ std::string find_fault(const Cell& cell) {
 
 /// Seconds of a cell and of its stages, and of the cell without measures.
 struct Times {
-    double cell = HUGE_VAL, bisectors = 0, envelope = 0, patches = 0, unmeasured = HUGE_VAL;
+    double cell = HUGE_VAL, first = 0, bisectors = 0, envelope = 0, patches = 0, unmeasured = HUGE_VAL;
 };
 
 double cpu_seconds() {
@@ -91,40 +96,64 @@ double cpu_seconds() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-double seconds_unmeasured(const Scene& scene) {
+/// A cell to be computed, again and again.
+using CellCase = std::function<Cell(const CellOptions&)>;
+
+double seconds_unmeasured(const CellCase& at) {
     CellOptions options;
     options.measure = false;
     const double start = cpu_seconds();
-    const Cell cell = voronoi_cell(scene, options);
+    const Cell cell = at(options);
     return cpu_seconds() - start;
 }
 
-/// Scenes of a kind, measured together.
+/// Cells of a kind, measured together.
 struct Family {
     std::string name;
-    std::function<std::vector<Scene>()> make;
+    std::function<std::vector<CellCase>()> make;
     double paper_seconds = 0;  ///< [HE, sec. 6], on an Intel Q6600; 0: not in the paper
+    bool fills_box = false;    ///< the volumes of the cells add up to their box
+    std::shared_ptr<std::vector<double>> first =
+        std::make_shared<std::vector<double>>();  ///< seconds, once known
 };
 
+std::vector<CellCase> cells_of(std::vector<Scene> scenes) {
+    std::vector<CellCase> cells;
+    for (Scene& scene : scenes)
+        cells.push_back(
+            [scene = std::move(scene)](const CellOptions& options) { return voronoi_cell(scene, options); });
+    return cells;
+}
+
 void measure(benchmark::State& state, const Family& family) {
-    const std::vector<Scene> scenes = family.make();
-    std::vector<Times> best(scenes.size());
+    const std::vector<CellCase> cases = family.make();
+    std::vector<Times> best(cases.size());
     Decisions decisions;
-    std::size_t warnings = 0;
+    std::size_t warnings = 0, objects = 0;
     std::array<double, 3> sizes{};
+    double volume = 0, volume_error = 0, box_volume = 0;
     std::string fault;
     bool first = true;
     for (auto _ : state) {
-        for (std::size_t i = 0; i < scenes.size(); ++i) {
+        for (std::size_t i = 0; i < cases.size(); ++i) {
             const double start = cpu_seconds();
-            const Cell cell = voronoi_cell(scenes[i]);
+            const Cell cell = cases[i]({});
             const double seconds = cpu_seconds() - start;
             state.PauseTiming();
             const Report& report = cell.report;
+            if (family.first->size() == i) family.first->push_back(seconds);
             if (seconds < best[i].cell)
-                best[i] = {seconds, report.seconds_bisectors, report.seconds_envelope,
-                           report.seconds_patches, best[i].unmeasured};
+                best[i] = {seconds,
+                           family.first->at(i),
+                           report.seconds_bisectors,
+                           report.seconds_envelope,
+                           report.seconds_patches,
+                           best[i].unmeasured};
             if (first) {
+                objects += cell.scene.objects.size();
+                volume += cell.measures.volume;
+                volume_error += cell.measures.volume_error;
+                box_volume = (cell.scene.box.max - cell.scene.box.min).prod();
                 decisions += report.decisions;
                 warnings += report.warnings.size();
                 sizes[0] += static_cast<double>(cell.vertices.size());
@@ -136,11 +165,15 @@ void measure(benchmark::State& state, const Family& family) {
         }
         // In turns of their own: caches are as warm or cold as for the others.
         state.PauseTiming();
-        for (std::size_t k = 0; k < scenes.size(); ++k)
-            best[k].unmeasured = std::min(best[k].unmeasured, seconds_unmeasured(scenes[k]));
+        for (std::size_t k = 0; k < cases.size(); ++k)
+            best[k].unmeasured = std::min(best[k].unmeasured, seconds_unmeasured(cases[k]));
         state.ResumeTiming();
         first = false;
     }
+    // Sums round too.
+    if (family.fills_box && std::abs(volume - box_volume) > volume_error + 1e-12 * box_volume)
+        fault =
+            "the volumes add up to " + std::to_string(volume) + ", the box has " + std::to_string(box_volume);
     if (!fault.empty()) return fail(state, fault);
     const auto times = [&](double Times::*part) {
         std::vector<double> us;
@@ -149,11 +182,12 @@ void measure(benchmark::State& state, const Family& family) {
         return us;
     };
     const std::vector<double> total = times(&Times::cell);
-    const double cells = static_cast<double>(scenes.size());
-    count(state, "n", static_cast<double>(scenes[0].objects.size()));
+    const double cells = static_cast<double>(cases.size());
+    count(state, "n", static_cast<double>(objects) / cells);
     count(state, "cells", cells);
     count(state, "median_us", median(total));
     count(state, "p90_us", total[total.size() * 9 / 10]);
+    count(state, "first_us", median(times(&Times::first)));
     count(state, "unmeasured_us", median(times(&Times::unmeasured)));
     count(state, "bisectors_us", median(times(&Times::bisectors)));
     count(state, "envelope_us", median(times(&Times::envelope)));
@@ -172,35 +206,75 @@ void measure(benchmark::State& state, const Family& family) {
 
 // --- Scenes ------------------------------------------------------------------------------------------------
 
-std::vector<Scene> atoms(const std::string& file) {
-    constexpr std::size_t candidates = 60;
-    std::ifstream in(file);
+/// The balls of a molecule; for each the others by the distance of their surface from its own.
+struct Molecule {
+    struct Neighbor {
+        double gap;
+        std::uint32_t ball;
+        friend auto operator<=>(const Neighbor&, const Neighbor&) = default;
+    };
     std::vector<Sphere> balls;
+    std::vector<std::vector<Neighbor>> nearest;
+    Box box;
+};
+
+Molecule read_molecule(const std::string& file) {
+    Molecule m;
+    std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
         std::istringstream numbers(line);
         Sphere b;
-        if (numbers >> b.center[0] >> b.center[1] >> b.center[2] >> b.radius) balls.push_back(b);
+        if (numbers >> b.center[0] >> b.center[1] >> b.center[2] >> b.radius) m.balls.push_back(b);
     }
-    Box box{balls.at(0).center, balls.at(0).center};
-    for (const Sphere& b : balls) {
-        box.min = box.min.cwiseMin(b.center);
-        box.max = box.max.cwiseMax(b.center);
+    m.box = {m.balls.at(0).center, m.balls.at(0).center};
+    for (const Sphere& b : m.balls) {
+        m.box.min = m.box.min.cwiseMin(b.center - Vec3::Constant(b.radius));
+        m.box.max = m.box.max.cwiseMax(b.center + Vec3::Constant(b.radius));
     }
-    const Vec3 margin = Vec3::Constant(box.diagonal() / 2);
-    std::vector<Scene> scenes;
-    for (std::size_t i = 0; i < balls.size(); ++i) {
-        std::vector<std::pair<double, std::size_t>> order;
-        for (std::size_t j = 0; j < balls.size(); ++j)
-            if (j != i) order.emplace_back(distance(balls[j], balls[i].center), j);
-        std::ranges::sort(order);
-        order.resize(std::min(order.size(), candidates));
-        Scene scene;
-        scene.base = balls[i];
-        for (const auto& [d, j] : order) scene.objects.push_back(balls[j]);
-        scene.box = {box.min - margin, box.max + margin};
-        scenes.push_back(std::move(scene));
+    const Vec3 margin = Vec3::Constant(5);  // angstroms: the outermost atoms have room, but not for ever
+    m.box = {m.box.min - margin, m.box.max + margin};
+    for (std::uint32_t i = 0; i < m.balls.size(); ++i) {
+        m.nearest.emplace_back();
+        for (std::uint32_t j = 0; j < m.balls.size(); ++j)
+            if (j != i)
+                m.nearest[i].push_back({distance(m.balls[j], m.balls[i].center) - m.balls[i].radius, j});
+        std::ranges::sort(m.nearest[i]);
     }
-    return scenes;
+    return m;
+}
+
+/// A point of the cell is at most its largest clearance away from the ball, and from no other ball less than
+/// from that one: a ball further away than twice the clearance comes into no cell. More balls only lower it.
+Cell complete_cell(const Molecule& m, std::uint32_t ball, const CellOptions& options) {
+    constexpr std::size_t at_first = 30;
+    const auto& nearest = m.nearest[ball];
+    Scene scene;
+    scene.base = m.balls[ball];
+    scene.box = m.box;
+    std::size_t count = std::min(at_first, nearest.size());
+    while (true) {
+        for (std::size_t k = scene.objects.size(); k < count; ++k)
+            scene.objects.push_back(m.balls[nearest[k].ball]);
+        Cell cell = voronoi_cell(scene, options);
+        // Without measures the vertices speak for it, though an ellipse may reach further between them: such
+        // cells are timed and not used.
+        double clearance = 0;
+        for (const CellVertex& v : cell.vertices) clearance = std::max(clearance, v.radius + v.error);
+        if (options.measure) clearance = std::max(clearance, cell.measures.max_clearance);
+        const auto beyond = std::ranges::upper_bound(nearest, 2 * clearance, {}, &Molecule::Neighbor::gap);
+        const auto needed = static_cast<std::size_t>(beyond - nearest.begin());
+        if (needed <= count) return cell;
+        count = needed;
+    }
+}
+
+std::vector<CellCase> atoms(const std::string& file) {
+    const auto molecule = std::make_shared<const Molecule>(read_molecule(file));
+    std::vector<CellCase> cells;
+    for (std::uint32_t i = 0; i < molecule->balls.size(); ++i)
+        cells.push_back(
+            [molecule, i](const CellOptions& options) { return complete_cell(*molecule, i, options); });
+    return cells;
 }
 
 Vec3 direction(RandomLengths& random) {
@@ -322,17 +396,20 @@ void register_all(std::uint32_t max_n, const std::string& molecules) {
     };
     if (!molecules.empty())
         for (const std::string name : {"1CRN", "1AKI"})
-            add({"atom/" + name, [=] { return atoms(molecules + "/" + name + ".xyzr"); }});
+            add({"atom/" + name, [=] { return atoms(molecules + "/" + name + ".xyzr"); }, 0, true});
     for (const std::uint32_t n : {100, 1000, 10000, 100000})
-        if (n <= max_n) add({"around/" + std::to_string(n), [n] { return balls_around(n); }});
-    add({"tubes", tubes});
+        if (n <= max_n) add({"around/" + std::to_string(n), [n] { return cells_of(balls_around(n)); }});
+    add({"tubes", [] { return cells_of(tubes()); }});
     for (const auto& [name, seconds] : {std::pair<std::string, double>{"figure7", 0},
                                         {"figure8", 2.9},
                                         {"figure9", 0.65},
-                                        {"figure10", 4.1}}) {
+                                        {"figure10", 4.1},
+                                        {"four_balls_two_planes", 0},
+                                        {"ball_tube_plane", 0},
+                                        {"tube_three_balls_plane", 0}}) {
         const std::string file = VCELL_SCENES "/" + name + ".json";
         if (std::filesystem::exists(file))
-            add({"scene/" + name, [file] { return std::vector{read_scene(file)}; }, seconds});
+            add({"scene/" + name, [file] { return cells_of({read_scene(file)}); }, seconds});
     }
     constexpr std::array kinds{Kind::Plane, Kind::Sphere, Kind::Cylinder};
     const auto name = [](Kind k) { return std::string(kind_names[static_cast<std::size_t>(k)]); };
@@ -341,7 +418,7 @@ void register_all(std::uint32_t max_n, const std::string& molecules) {
             for (const Kind b : kinds)
                 if (a <= b)
                     add({"pair/" + name(base) + "/" + name(a) + "-" + name(b),
-                         [=] { return pairs(base, a, b); }});
+                         [=] { return cells_of(pairs(base, a, b)); }});
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
-FAMILIES = ("table3", "random", "lattice")
+FAMILIES = ("random", "lattice")
 DECISIONS = ("double", "interval", "exact", "multiprecision", "assumed")
 COLUMNS = ("scene", "n", "seconds", "seconds_min", "V", "E", "F", "closed", *DECISIONS, "cheap_share",
            "us_per_sphere", "peak_MB", "t2n_over_tn", "compiler", "machine", "commit")

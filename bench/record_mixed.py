@@ -3,8 +3,8 @@
 
     bench/record_mixed.py build/release/bench
 
-writes bench/results/mixed.csv (cells of scenes with cylinders; trisectors) and bench/results/solver.csv
-(vertex systems). Seconds are CPU time: of cells the median and least of the repetitions; of trisectors the
+writes bench/results/mixed.csv (cells of scenes with cylinders and of Table 3's; trisectors) and
+bench/results/solver.csv (vertex systems); with --table3 only the former's rows of Table 3, in their place. Seconds are CPU time: of cells the median and least of the repetitions; of trisectors the
 median, 90 % quantile and largest over random pairs, as bench_mixed says. Wall-clock times are those of a
 cell's stages, least of the repetitions, and of vertex systems, which take microseconds: the least of all runs
 of a system, then the quantiles over the systems. A target is met where `target_ratio`, seconds / target, is
@@ -124,13 +124,15 @@ def main():
     parser.add_argument("--max-n", type=int, default=2000, help="largest pile (default 2000)")
     parser.add_argument("--repetitions", type=int, default=5, help="of each measurement (default 5)")
     parser.add_argument("--min-time", type=float, default=0.2, help="seconds of a repetition (default 0.2)")
+    parser.add_argument("--table3", action="store_true", help="measure the scenes of Table 3 alone")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=record.SOURCE / "bench/results")
     options = parser.parse_args()
     common = [f"--benchmark_repetitions={options.repetitions}",
               f"--benchmark_min_time={options.min_time}"]
     options.output.mkdir(parents=True, exist_ok=True)
 
-    mixed = run(options.folder / "bench_mixed", [f"--max_n={options.max_n}", *common])
+    only = ["--benchmark_filter=^scene/table3_"] if options.table3 else []
+    mixed = run(options.folder / "bench_mixed", [f"--max_n={options.max_n}", *common, *only])
     origin = {"compiler": mixed["context"]["compiler"], "machine": record.machine(), "commit": record.commit()}
     rows = []
     for name, runs in measurements(mixed).items():
@@ -138,6 +140,12 @@ def main():
             rows.append({**trisector_row(name, runs), **origin})
         else:
             rows.append({**cell_row(name.removeprefix("scene/"), runs), **origin})
+    if options.table3:
+        new = {r["scene"] for r in rows}
+        with open(options.output / "mixed.csv", newline="", encoding="utf-8") as old:
+            rows = [r for r in csv.DictReader(old) if r["scene"] not in new] + rows
+        write(options.output / "mixed.csv", MIXED, rows)
+        return
     write(options.output / "mixed.csv", MIXED, rows)
     piles = [r for r in rows if r["scene"].startswith("pile/")]
     print(f"{options.output / 'mixed.csv'}: piles take n^{exponent(piles):.2f}")
@@ -148,4 +156,5 @@ def main():
     print(options.output / "solver.csv")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -42,9 +42,10 @@ function(vcell_usage target)
   # With AVX Eigen would align vectors of four doubles to 32 bytes, and a program built for its own machine
   # would lay out cells otherwise than the library.
   target_compile_definitions(${target} PUBLIC EIGEN_MAX_STATIC_ALIGN_BYTES=16)
-  target_include_directories(${target} PUBLIC
-    $<BUILD_INTERFACE:${vcell_BINARY_DIR}/include>
-    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${vcell_BINARY_DIR}/include>)
+  if(VCELL_INSTALL)
+    target_include_directories(${target} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  endif()
   target_link_libraries(${target} PUBLIC Eigen3::Eigen Boost::headers)
 endfunction()
 

@@ -97,7 +97,7 @@ struct Cell {
     std::vector<CellVertex> vertices;
     std::vector<CellEdge> edges;
     std::vector<CellFace> faces;
-    std::vector<std::uint32_t> neighbors;  ///< objects that own a face, by decreasing area
+    std::vector<std::uint32_t> neighbors;  ///< objects that own a face, alone or not, by decreasing area
     Measures measures;
     Report report;
 };

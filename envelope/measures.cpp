@@ -474,8 +474,11 @@ void rank_neighbors(Cell& cell) {
     };
     std::vector<Share> shares;
     shares.reserve(cell.faces.size());
-    for (const CellFace& face : cell.faces)
+    for (const CellFace& face : cell.faces) {
         if (face.site.is_object()) shares.push_back({face.site.index, face.area});
+        for (const Site site : face.extra_sites)
+            if (site.is_object()) shares.push_back({site.index, face.area});
+    }
     std::sort(shares.begin(), shares.end(),
               [](const Share& a, const Share& b) { return a.object < b.object; });
     std::size_t objects = 0;

@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
 """Writes the scenes of examples/scenes. Deterministic: run again, it writes the same files.
 
+    make_scenes.py [--molecules FOLDER] [--check]
+
 The generator is written out below, so that no library's version changes the scenes. The scenes of molecules
-are made only where their ball files are: make_scenes.py [FOLDER of NAME.xyzr].
+are made only from a FOLDER of NAME.xyzr. With --check nothing is written: the exit status is 1 if any file
+differs from what would be, or is a scene that nobody makes (atom_*.json may be there without their molecules).
 """
+import argparse
 import itertools
 import json
 import math
 import pathlib
-import sys
 
 SCENES = pathlib.Path(__file__).resolve().parent / "scenes"
+made = {}  # by name: the file's text
 
 
 class Random:
@@ -66,7 +70,7 @@ def write(name, content):
     lines.append("  ],")
     lines.append(f'  "box": {json.dumps(content["box"])}')
     lines.append("}")
-    (SCENES / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    made[name] = "\n".join(lines) + "\n"
 
 
 def loose_spheres(count, seed, side, heights, radii, gap):
@@ -164,13 +168,32 @@ def molecule(path, count=60):
 
 
 def around_spheres():
-    # Figs. 7 and 8: a ball among planes and balls.
+    # A ball among three balls, of whose cell the figure shows the sixth over the cube's side +z.
     write("figure7.json", scene(
+        [sphere((0.75, 0.25, 2.75), 0.75, "O1"),
+         sphere((-1.5, 0.75, 2.25), 0.5, "O2"),
+         sphere((0.25, -1.75, 2), 0.25, "O3")],
+        [-4, -4, -4], [4, 4, 4], unit_ball()))
+    write("figure8.json", scene(
+        [sphere((2.5, 0.5, 0.25), 0.75, "O1"),
+         sphere((-2.25, -0.75, 0.5), 0.5, "O2"),
+         sphere((0.25, 2.5, -0.5), 1, "O3"),
+         sphere((-0.5, -2, -0.25), 0.25, "O4"),
+         sphere((-0.25, 0.25, 2.25), 0.5, "O5"),
+         sphere((0.5, -0.25, -2.75), 0.75, "O6")],
+        [-4, -4, -4], [4, 4, 4], unit_ball()))
+    write("figure9.json", scene(
+        [plane([0, 0, -2], [0.25, 0.125, 1], "O1"),
+         plane([-2.25, 0, 0], [1, -0.25, 0.375], "O2"),
+         sphere((2.25, 0.5, 0.25), 0.75, "O3"),
+         sphere((-0.5, 1.5, 2), 0.5, "O4")],
+        [-4, -4, -4], [4, 4, 4], unit_ball()))
+    write("two_balls_plane.json", scene(
         [sphere((3, 0.5, 0.25), 1, "O1"),
          sphere((-1, 2.75, 1), 0.75, "O2"),
          plane([0, 0, -2.5], [0.25, 0.125, 1], "O3")],
         [-5, -5, -5], [5, 5, 5], unit_ball()))
-    write("figure8.json", scene(
+    write("four_balls_two_planes.json", scene(
         [sphere((2.5, 0.5, 0.25), 0.75, "O1"),
          sphere((-1, 2.25, 1), 0.5, "O2"),
          sphere((-2, -1.5, 1.25), 1.25, "O3"),
@@ -178,8 +201,7 @@ def around_spheres():
          plane([0, 0, -2.5], [0.25, 0.125, 1], "O5"),
          plane([0, 0, 3], [-0.25, 0.5, -1], "O6")],
         [-4, -4, -4], [4, 4, 4], unit_ball()))
-    # Fig. 9: with a cylinder among them.
-    write("figure9.json", scene(
+    write("ball_tube_plane.json", scene(
         [sphere((2.5, 0.5, 0.25), 0.75, "O1"),
          cylinder((-2, 0, 0.5), (0.25, 1, 0.125), 0.5, "O2"),
          plane([0, 0, -2.5], [0.25, 0.125, 1], "O3")],
@@ -211,14 +233,20 @@ def around_spheres():
 
 def around_cylinders():
     base = cylinder((0, 0, 0), (0, 0, 1), 0.5, "base")
-    # Fig. 10: a tube among planes and balls, and among tubes.
+    # A tube in the wedge of two planes whose crest is across it: they meet in an ellipse all around, but for
+    # where the ball comes between them with two curves of degree four.
     write("figure10.json", scene(
+        [plane([2.5, 0, 0], [5, 0, 12], "O1"),
+         plane([2.5, 0, 0], [5, 0.5, -12], "O2"),
+         sphere((-0.5, -1.75, 0.125), 0.5, "O3")],
+        [-3, -2.5, -0.75], [2.25, 2.5, 0.75], base))
+    write("tube_three_balls_plane.json", scene(
         [sphere((1.5, 0.25, 0.5), 0.5, "O1"),
          sphere((-0.75, 1.25, -0.75), 0.375, "O2"),
          sphere((-0.5, -1.5, 0.25), 0.75, "O3"),
          plane([-2, 0, 0], [1, 0.25, 0.125], "O4")],
         [-3, -3, -2], [3, 3, 2], base))
-    write("figure10_tubes.json", scene(
+    write("three_tubes.json", scene(
         [cylinder((1.5, 0, 0.25), (0.125, 1, 0.25), 0.375, "O1"),
          cylinder((-1.25, 0.5, 0), (0.25, 0.5, 1), 0.25, "O2"),
          cylinder((0, -1.5, -0.5), (1, 0.125, 0.125), 0.5, "O3")],
@@ -227,19 +255,32 @@ def around_cylinders():
 
 
 def main():
-    SCENES.mkdir(exist_ok=True)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--molecules", type=pathlib.Path, metavar="FOLDER")
+    parser.add_argument("--check", action="store_true")
+    options = parser.parse_args()
     around_spheres()
     around_cylinders()
-    for path in sorted(pathlib.Path(sys.argv[1]).glob("????.xyzr")) if len(sys.argv) > 1 else []:
+    for path in sorted(options.molecules.glob("????.xyzr")) if options.molecules else []:
         write(f"atom_{path.stem.lower()}.json", molecule(path))
 
     write("figure1.json", scene(
+        [sphere((-0.4, -0.2, 0.75), 0.3, "O1"),
+         sphere((0.5, 0.25, 0.55), 0.2, "O2")],
+        [-1, -1, 0], [1, 1, 2]))
+    write("figure2.json", scene(
+        [sphere((-0.5, -0.4, 0.7), 0.3, "O1"),
+         sphere((0.55, -0.3, 0.6), 0.2, "O2"),
+         sphere((0.1, 0.5, 0.8), 0.35, "O3")],
+        [-1, -1, 0], [1, 1, 2]))
+
+    write("three_spheres.json", scene(
         [sphere((-0.45, -0.3, 0.75), 0.3, "O1"),
          sphere((0.5, -0.35, 0.6), 0.2, "O2"),
          sphere((0.05, 0.5, 0.9), 0.4, "O3")],
         [-1, -1, 0], [1, 1, 2]))
 
-    write("figure2.json", scene(
+    write("six_spheres.json", scene(
         [sphere((-0.6, -0.5, 0.55), 0.25, "O1"),
          sphere((0.3, -0.6, 0.8), 0.35, "O2"),
          sphere((0.75, 0.2, 0.5), 0.15, "O3"),
@@ -330,6 +371,18 @@ def main():
     write("pile_50.json", scene(pile(50, 5, 6, (0.4, 2.8)), [0, 0, 0], [6, 6, 4]))
     write("pile_500.json", scene(pile(500, 50, 20, (0.4, 2.8)), [0, 0, 0], [20, 20, 4]))
 
+    if options.check:
+        files = {path.name: path.read_text(encoding="utf-8") for path in SCENES.glob("*.json")}
+        wrong = [name for name, text in made.items() if files.get(name) != text]
+        wrong += [name for name in files if name not in made and not name.startswith("atom_")]
+        for name in sorted(wrong):
+            print(f"{name} is not what make_scenes.py writes")
+        return 1 if wrong else 0
+    SCENES.mkdir(exist_ok=True)
+    for name, text in made.items():
+        (SCENES / name).write_text(text, encoding="utf-8")
+    return 0
+
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -50,70 +50,76 @@ struct Triple {
     const char* paper;
 };
 
-constexpr const char* unknown = "not stated here";
+// What [HE] says of a row, or of its general case: see the text above the tables.
+constexpr const char* special = "";
+constexpr const char* quadric = "quadric";
 constexpr const char* quartic = "degree 4";
-constexpr const char* conic = "conic (Lemmas 1–4)";
-constexpr const char* no_conic = "no conic: approximated";
+constexpr const char* planes = "line";
+constexpr const char* lemma_1 = "conic (Lemma 1)";
+constexpr const char* lemma_2 = "conic (Lemma 2)";
+constexpr const char* lemma_3 = "conic (Lemma 3)";
+constexpr const char* lemma_4 = "conic (Lemma 4)";
+constexpr const char* no_conic = "no conic";
 
 std::vector<Pair> pairs() {
     return {
-        {"general", ground, gable, unknown},
-        {"parallel", ground, roof, unknown},
-        {"general", ground, ball, unknown},
-        {"general", ground, pipe, "elliptic cone"},
-        {"axis along the plane", ground, level, unknown},
-        {"axis across the plane", ground, upright, unknown},
-        {"line in the plane", ground, Cylinder{{1, 2, 0}, {1, 1, 0}, 0}, unknown},
-        {"general", ball, marble, unknown},
-        {"equal radii", Sphere{{0, 0, 0}, 1}, Sphere{{1, 2, 3}, 1}, unknown},
-        {"one inside the other", Sphere{{0, 0, 0}, 3}, Sphere{{1, 0, 1}, 0.5}, unknown},
-        {"concentric", Sphere{{0, 0, 0}, 3}, Sphere{{0, 0, 0}, 0.5}, unknown},
+        {"general", ground, gable, quadric},
+        {"parallel", ground, roof, special},
+        {"general", ground, ball, quadric},
+        {"general", ground, pipe, "quadric: elliptic cone"},
+        {"axis along the plane", ground, level, special},
+        {"axis across the plane", ground, upright, special},
+        {"line in the plane", ground, Cylinder{{1, 2, 0}, {1, 1, 0}, 0}, special},
+        {"general", ball, marble, quadric},
+        {"equal radii", Sphere{{0, 0, 0}, 1}, Sphere{{1, 2, 3}, 1}, special},
+        {"one inside the other", Sphere{{0, 0, 0}, 3}, Sphere{{1, 0, 1}, 0.5}, special},
+        {"concentric", Sphere{{0, 0, 0}, 3}, Sphere{{0, 0, 0}, 0.5}, special},
         {"general", marble, Cylinder{{0, 0, 5}, {1, 2, 1}, 0.5}, quartic},
-        {"equal radii", Sphere{{-1, 1, 2}, 0.5}, Cylinder{{0, 0, 5}, {1, 2, 1}, 0.5}, unknown},
-        {"point on a line", Sphere{{0, 0, 5}, 0}, Cylinder{{0, 0, 5}, {1, 2, 1}, 0}, unknown},
+        {"equal radii", Sphere{{-1, 1, 2}, 0.5}, Cylinder{{0, 0, 5}, {1, 2, 1}, 0.5}, special},
+        {"point on a line", Sphere{{0, 0, 5}, 0}, Cylinder{{0, 0, 5}, {1, 2, 1}, 0}, special},
         {"general", pipe, Cylinder{{0, 0, 6}, {1, 2, 1}, 1}, quartic},
-        {"equal radii", pipe, Cylinder{{0, 0, 6}, {1, 2, 1}, 0.5}, unknown},
-        {"equal radii, crossing axes", pipe, Cylinder{{0, 0, 3}, {1, 2, 1}, 0.5}, unknown},
-        {"parallel axes", pipe, Cylinder{{0, 0, 6}, {-2, -2, -1}, 1}, unknown},
-        {"parallel axes, equal radii", pipe, Cylinder{{0, 0, 6}, {2, 2, 1}, 0.5}, unknown},
-        {"one inside the other", pipe, Cylinder{{0, 0.5, 3}, {2, 2, 1}, 2}, unknown},
-        {"coaxial", pipe, Cylinder{{0, 0, 3}, {2, 2, 1}, 2}, unknown},
+        {"equal radii", pipe, Cylinder{{0, 0, 6}, {1, 2, 1}, 0.5}, special},
+        {"equal radii, crossing axes", pipe, Cylinder{{0, 0, 3}, {1, 2, 1}, 0.5}, special},
+        {"parallel axes", pipe, Cylinder{{0, 0, 6}, {-2, -2, -1}, 1}, special},
+        {"parallel axes, equal radii", pipe, Cylinder{{0, 0, 6}, {2, 2, 1}, 0.5}, special},
+        {"one inside the other", pipe, Cylinder{{0, 0.5, 3}, {2, 2, 1}, 2}, special},
+        {"coaxial", pipe, Cylinder{{0, 0, 3}, {2, 2, 1}, 2}, special},
     };
 }
 
 std::vector<Triple> triples() {
     const Cylinder crossing{{0, 0, 3}, {6, 3, -2}, 0.5}, skew{{0, 1, 5}, {1, 2, 1}, 0.25};
     return {
-        {"general", ground, gable, Plane{{0, 0, 9}, {1, 2, 2}}, conic},
-        {"general", ground, gable, ball, conic},
-        {"parallel planes", ground, roof, ball, conic},
-        {"general", ground, gable, pipe, conic},
-        {"axis along the planes", ground, roof, level, conic},
-        {"axis across the planes", ground, roof, upright, conic},
-        {"general", ground, ball, marble, conic},
-        {"equal radii, equal heights", ground, Sphere{{-1, 0, 2}, 0.5}, Sphere{{1, 0, 2}, 0.5}, conic},
+        {"general", ground, gable, Plane{{0, 0, 9}, {1, 2, 2}}, planes},
+        {"general", ground, gable, ball, lemma_3},
+        {"parallel planes", ground, roof, ball, special},
+        {"general", ground, gable, pipe, lemma_4},
+        {"axis along the planes", ground, roof, level, special},
+        {"axis across the planes", ground, roof, upright, special},
+        {"general", ground, ball, marble, lemma_2},
+        {"equal radii, equal heights", ground, Sphere{{-1, 0, 2}, 0.5}, Sphere{{1, 0, 2}, 0.5}, special},
         {"general", ground, marble, pipe, no_conic},
-        {"upright cylinder, centre on its axis", ground, Sphere{{7, 2, 3}, 1}, upright, unknown},
+        {"upright cylinder, centre on its axis", ground, Sphere{{7, 2, 3}, 1}, upright, special},
         {"general", ground, pipe, skew, no_conic},
-        {"parallel axes", ground, pipe, Cylinder{{0, 3, 6}, {4, 4, 2}, 1}, unknown},
-        {"parallel axes along the plane", ground, level, Cylinder{{2, 0, 3}, {-6, -8, 0}, 0.25}, unknown},
-        {"equal radii, crossing axes", ground, pipe, crossing, unknown},
+        {"parallel axes", ground, pipe, Cylinder{{0, 3, 6}, {4, 4, 2}, 1}, special},
+        {"parallel axes along the plane", ground, level, Cylinder{{2, 0, 3}, {-6, -8, 0}, 0.25}, special},
+        {"equal radii, crossing axes", ground, pipe, crossing, special},
         {"equal radii, crossing axes along the plane", ground, level, Cylinder{{0, 0, 3}, {0, 1, 0}, 0.5},
-         unknown},
+         special},
         {"equal radii, crossing axes, irrational planes", ground, level, Cylinder{{0, 0, 3}, {1, 1, 0}, 0.5},
-         unknown},
-        {"general", marble, ball, Sphere{{3, 0, 0}, 0.5}, conic},
-        {"equal radii", Sphere{{-1, 0, 2}, 0.5}, Sphere{{1, 0, 2}, 0.5}, Sphere{{0, 3, 2}, 0.5}, conic},
+         special},
+        {"general", marble, ball, Sphere{{3, 0, 0}, 0.5}, lemma_1},
+        {"equal radii", Sphere{{-1, 0, 2}, 0.5}, Sphere{{1, 0, 2}, 0.5}, Sphere{{0, 3, 2}, 0.5}, special},
         {"general", marble, ball, Cylinder{{0, 0, 6}, {1, 2, 1}, 0.5}, no_conic},
         {"points and a line", Sphere{{-1, 1, 2}, 0}, Sphere{{1, 0, 3}, 0}, Cylinder{{0, 0, 6}, {1, 2, 1}, 0},
-         unknown},
+         special},
         {"general", marble, pipe, skew, no_conic},
-        {"parallel axes", marble, pipe, Cylinder{{0, 3, 6}, {4, 4, 2}, 1}, unknown},
-        {"equal radii, crossing axes", Sphere{{1, 2, 3}, 0.5}, x_rod, y_rod, unknown},
+        {"parallel axes", marble, pipe, Cylinder{{0, 3, 6}, {4, 4, 2}, 1}, special},
+        {"equal radii, crossing axes", Sphere{{1, 2, 3}, 0.5}, x_rod, y_rod, special},
         {"general", Cylinder{{0, 5, 0}, {1, 0, 3}, 0.75}, pipe, skew, no_conic},
         {"parallel axes", x_rod, Cylinder{{0, 3, 0}, {2, 0, 0}, 1}, Cylinder{{0, 0, 4}, {-1, 0, 0}, 0.25},
-         unknown},
-        {"equal radii, crossing axes", x_rod, y_rod, z_rod, unknown},
+         special},
+        {"equal radii, crossing axes", x_rod, y_rod, z_rod, special},
     };
 }
 
@@ -185,9 +191,19 @@ int main(int argc, char** argv) {
     std::puts(
         "# Bisectors and trisectors\n\n"
         "Made by a program from what `bisector()` and `trisector()` answer; do not edit, run\n"
-        "`build/release/examples/tables bench/results/radial.csv > docs/tables.md`. A test compares the two.\n\n"
-        "[HE] is the paper of [references.md](references.md); its column says what is known here of its "
-        "tables.\n\n"
+        "`build/release/examples/tables bench/results/radial.csv > docs/tables.md`. A test compares the "
+        "two.\n\n"
+        "[HE] is the paper of [references.md](references.md). Its tables are about general position, so its "
+        "column "
+        "is\n"
+        "empty for special ones: of the six bisectors four are quadrics and those of a cylinder with a "
+        "sphere or a\n"
+        "cylinder have degree 4 (Table 1); of the ten trisectors five are conics or lines: of three planes, "
+        "of three\n"
+        "spheres (Lemma 1), of a plane and two spheres (Lemma 2), of two planes and a sphere (Lemma 3), of "
+        "two "
+        "planes\n"
+        "and a cylinder (Lemma 4); the other five are none and are approximated there (Table 2).\n\n"
         "## Bisectors [HE, Table 1]\n\n"
         "Degree: of the implicit polynomial. Patch: degrees of the rational patch in its two parameters.\n\n"
         "| objects | position | surface | degree | patch | [HE] |\n"

@@ -405,8 +405,27 @@ void write_cell(std::ostream& out, const Cell& cell) {
     out << '\n';
 }
 
+namespace {
+
+// What a scene file has at its top and a cell has not.
+bool is_key_of_scene(std::string_view path) {
+    for (const std::string_view key : {"base", "objects", "base_object", "box", "units", "tolerance"})
+        if (path == key) return true;
+    return false;
+}
+
+}  // namespace
+
 Cell parse_cell(std::string_view text) {
-    Cell cell = CellReader(text).read();
+    Cell cell = [&] {
+        try {
+            return CellReader(text).read();
+        } catch (const InputError& e) {
+            if (e.kind != InputError::Kind::UnknownKey || !is_key_of_scene(e.path)) throw;
+            throw InputError(InputError::Kind::WrongType, InputError::no_object, "",
+                             "this is a scene, not a cell: \"vcell compute\" makes its cell");
+        }
+    }();
     validate(cell.scene);
     return cell;
 }

@@ -1,5 +1,6 @@
 #include "files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -52,6 +53,8 @@ extern "C" void on_signal(int signal) {
 
 std::string last_error() { return std::strerror(errno); }
 
+std::string path_of(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
+
 }  // namespace
 
 std::string read_file(const std::string& path) {
@@ -72,7 +75,8 @@ std::string read_file(const std::string& path) {
     return read_all(file);
 }
 
-OutputFile::OutputFile(std::string target) : target_(std::move(target)), final_(target_) {
+OutputFile::OutputFile(std::string target, Unfinished unfinished)
+    : target_(std::move(target)), final_(target_) {
     namespace fs = std::filesystem;
     if (target_ == "-") return;
     if (target_.empty()) throw WriteError("cannot write a file without a name");
@@ -90,35 +94,90 @@ OutputFile::OutputFile(std::string target) : target_(std::move(target)), final_(
         final_ = fs::canonical(target_, error).string();
         if (error) fail(error.message());
     }
-    const fs::path beside(final_);
-    std::string name =
-        (beside.parent_path() / fmt::format(".{}.XXXXXX", beside.filename().string())).string();
-    const int descriptor = ::mkstemp(name.data());
-    if (descriptor < 0) fail(last_error());
-    temporary_ = name;
-    remember(temporary_);
-    // mkstemp makes files private; the target shall look as if it had been opened for writing.
+    if (fs::path(final_).filename().empty()) fail("it is a directory");
+    if (unfinished == Unfinished::Nameless) open_nameless();
+    if (nameless_ < 0) open_hidden();
+}
+
+std::string OutputFile::hidden_name(const std::string& ending) const {
+    const std::filesystem::path final_path(final_);
+    return (final_path.parent_path() / fmt::format(".{}.{}", final_path.filename().string(), ending))
+        .string();
+}
+
+// The target shall look as if it had been opened for writing: like the file that it replaces, or as the mask
+// says.
+bool OutputFile::set_mode(int descriptor) const {
     struct stat old;
     const mode_t mask = ::umask(0);
     ::umask(mask);
     const mode_t mode = ::stat(final_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0666 & ~mask;
-    const bool ready = ::fchmod(descriptor, mode) == 0;
+    return ::fchmod(descriptor, mode) == 0;
+}
+
+// Leaves nameless_ -1 where there are no such files, or no /proc to name one by.
+void OutputFile::open_nameless() {
+    const std::string folder = std::filesystem::path(final_).parent_path().string();
+    nameless_ = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+    if (nameless_ < 0) return;
+    file_.open(path_of(nameless_), std::ios::binary);
+    if (file_ && set_mode(nameless_)) return;
+    discard();
+    file_ = std::ofstream();
+}
+
+void OutputFile::open_hidden() {
+    std::string name = hidden_name("XXXXXX");
+    const int descriptor = ::mkstemp(name.data());
+    if (descriptor < 0) fail(last_error());
+    temporary_ = name;
+    remember(temporary_);
+    const bool ready = set_mode(descriptor);
     ::close(descriptor);
     file_.open(temporary_, std::ios::binary);
     if (!ready || !file_) {
         const std::string why = last_error();
-        ::unlink(temporary_.c_str());
-        forget(temporary_);
+        discard();
         fail(why);
     }
 }
 
-OutputFile::~OutputFile() {
-    if (temporary_.empty()) return;
+// To its target, if there is none yet; otherwise to a hidden name, in temporary_.
+void OutputFile::link_nameless() {
+    const std::string path = path_of(nameless_);
+    const auto link_to = [&](const std::string& name) {
+        return ::linkat(AT_FDCWD, path.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    };
+    if (!link_to(final_)) {
+        constexpr int attempts = 1000;  // the names of other processes that were killed at this very place
+        for (int i = 0; errno == EEXIST && temporary_.empty() && i < attempts; ++i) {
+            const std::string name = hidden_name(fmt::format("{}.{}", ::getpid(), i));
+            remember(name);
+            if (link_to(name)) {
+                temporary_ = name;
+            } else {
+                const int why = errno;
+                forget(name);
+                errno = why;
+            }
+        }
+        if (temporary_.empty()) fail(last_error());
+    }
+    ::close(nameless_);
+    nameless_ = -1;
+}
+
+void OutputFile::discard() {
     file_.close();
+    if (nameless_ >= 0) ::close(nameless_);
+    nameless_ = -1;
+    if (temporary_.empty()) return;
     ::unlink(temporary_.c_str());
     forget(temporary_);
+    temporary_.clear();
 }
+
+OutputFile::~OutputFile() { discard(); }
 
 std::ostream& OutputFile::stream() {
     if (target_ == "-") return std::cout;
@@ -137,6 +196,7 @@ void OutputFile::close() {
 
 void OutputFile::commit() {
     close();
+    if (nameless_ >= 0) link_nameless();
     if (temporary_.empty()) return;
     if (::rename(temporary_.c_str(), final_.c_str()) != 0) fail(last_error());
     forget(temporary_);

@@ -10,9 +10,7 @@
 
 namespace vcell {
 
-JsonReader::JsonReader(std::string_view text) : text_(text) {
-    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
-}
+JsonReader::JsonReader(std::string_view text) : text_(without_byte_order_mark(text)) {}
 
 char JsonReader::peek() {
     while (at_ < text_.size()) {

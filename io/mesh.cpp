@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <unordered_map>
 
 #include "../core/errors.hpp"
@@ -43,11 +45,18 @@ double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
     return (s.evaluate(m.x(), m.y()) - chord_middle).norm();
 }
 
+/// The mesh has grown beyond its bound, or a line beyond all halving.
+struct TooFine {};
+
 class Tessellator {
 public:
-    Tessellator(const Cell& cell, const MeshOptions& options)
+    /// mesh() throws TooFine when it has more than `most_triangles`, and if `keeps_chord` where 4096 pieces
+    /// of a line are not enough.
+    Tessellator(const Cell& cell, double chord, bool keeps_chord, std::size_t most_triangles)
         : cell_(cell),
-          chord_(options.chord.value_or(1e-3 * cell.scene.box.diagonal())),
+          chord_(chord),
+          keeps_chord_(keeps_chord),
+          most_triangles_(most_triangles),
           lines_(cell.edges.size()) {
         for (std::size_t e = 0; e < cell.edges.size(); ++e) {
             const RationalCurve3& curve = cell.edges[e].curve;
@@ -77,11 +86,16 @@ public:
 
         for (std::uint32_t f = 0; f < cell_.faces.size(); ++f) {
             const std::size_t begin = mesh_.triangles.size();
-            for (const TrimmedPatch& patch : cell_.faces[f].patches) add_patch(patch);
+            for (const TrimmedPatch& patch : cell_.faces[f].patches) {
+                add_patch(patch);
+                check_size();
+            }
             mesh_.groups.push_back({CellMesh::Group::Kind::Face, f, begin, mesh_.triangles.size()});
         }
         if (closed) add_walls_and_base();
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) mesh_.edge_lines.push_back(sampled_[e].points);
+        check_size();
+        mesh_.chord = chord_;
         return std::move(mesh_);
     }
 
@@ -97,6 +111,10 @@ private:
         std::vector<double> breaks;  // where trimming curves begin and end: points of every polyline
         std::size_t pieces = 1;      // between its ends, before halving
     };
+
+    void check_size() const {
+        if (mesh_.triangles.size() > most_triangles_) throw TooFine();
+    }
 
     template <class F>
     void for_each_curve(F f) const {
@@ -174,7 +192,8 @@ private:
         std::vector<double> result{breaks.front()};
         const auto add = [&](auto& self, double from, double to, int depth) -> void {
             constexpr int deepest = 12;
-            if (depth < deepest && too_coarse(line, from, to)) {
+            if ((depth < deepest || keeps_chord_) && too_coarse(line, from, to)) {
+                if (depth == deepest) throw TooFine();
                 const double middle = 0.5 * (from + to);
                 self(self, from, middle, depth + 1);
                 self(self, middle, to, depth + 1);
@@ -203,6 +222,8 @@ private:
         for (std::size_t i = 0; i < lines_.size(); ++i) {
             sampled_[i].parameters = parameters(i);
             if (i < cell_.edges.size()) sample_edge(i);
+            // Each point of the edges belongs to a triangle of its own.
+            if (mesh_.points.size() > most_triangles_) throw TooFine();
         }
         for (const CellFace& face : cell_.faces)
             for (const TrimmedPatch& patch : face.patches)
@@ -339,7 +360,9 @@ private:
                 point.push_back(p.point);
             }
         }
-        const Triangulation t = triangulate(uv, split);
+        // Each point inside makes two triangles: when this bound ends it, there are more than are left.
+        const std::size_t left = most_triangles_ - std::min(most_triangles_, mesh_.triangles.size());
+        const Triangulation t = triangulate(uv, split, point.size() + left / 2 + 1);
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
         for (std::size_t i = 0; i < t.points.size(); ++i) {
             if (i >= point.size()) point.push_back(add_point(position(t.points[i])));
@@ -467,6 +490,8 @@ private:
 
     const Cell& cell_;
     double chord_;
+    bool keeps_chord_;
+    std::size_t most_triangles_;
     std::vector<Line> lines_;                                 // edges, then seams
     std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> line
     std::vector<SampledLine> sampled_;
@@ -475,8 +500,49 @@ private:
 
 }  // namespace
 
+double cell_diagonal(const Cell& cell) {
+    Eigen::AlignedBox3d box;
+    for (const CellEdge& e : cell.edges) {
+        constexpr int pieces = 16;
+        const double begin = e.curve.domain_begin(), end = e.curve.domain_end();
+        for (int i = 0; i <= pieces; ++i) box.extend(e.curve.evaluate(begin + (end - begin) * i / pieces));
+    }
+    // Edges over the rim show how far a plane's region or a cylinder's stretch goes.
+    if (const auto* sphere = std::get_if<Sphere>(&cell.scene.base)) {
+        box.extend(sphere->center - Vec3::Constant(sphere->radius));
+        box.extend(sphere->center + Vec3::Constant(sphere->radius));
+    }
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
 CellMesh tessellate(const Cell& cell, const MeshOptions& options) {
-    return Tessellator(cell, options).mesh(options.closed);
+    const double diagonal = cell_diagonal(cell);
+    constexpr double default_chord = 1e-3;  // of the diagonal
+    const double wanted = options.chord.value_or(default_chord * diagonal);
+    // At chords of pictures' size lines may stop being halved where their parameter stands all but still.
+    const auto attempt = [&](double chord, std::size_t most_triangles) -> std::optional<CellMesh> {
+        try {
+            return Tessellator(cell, chord, chord < 0.5 * default_chord * diagonal, most_triangles)
+                .mesh(options.closed);
+        } catch (const TooFine&) {
+            return std::nullopt;
+        }
+    };
+    if (auto mesh = attempt(wanted, options.most_triangles)) return std::move(*mesh);
+    // A mesh of the default chord is small, so the finest one that is not too fine is looked for from there
+    // on.
+    constexpr double step = 4;
+    double chord = std::max(wanted, default_chord * diagonal);
+    std::optional<CellMesh> best = attempt(chord, options.most_triangles);
+    while (!best && chord <= diagonal) best = attempt(chord *= step, options.most_triangles);
+    if (!best) return *attempt(chord, SIZE_MAX);
+    for (;;) {
+        chord = best->chord / step;
+        std::optional<CellMesh> finer =
+            chord > wanted ? attempt(chord, options.most_triangles) : std::nullopt;
+        if (!finer) return std::move(*best);
+        best = std::move(finer);
+    }
 }
 
 }  // namespace vcell

@@ -106,6 +106,11 @@ Scene read_scene_value(JsonReader& in) {
     in.object(required_member("vcell", [&] { read_format_version(in); }),
               required_member("base", [&] { scene.base = read_object(in, scene.base_name); }),
               required_member("objects", [&] { read_objects(in, scene); }),
+              optional_member("base_object",
+                              [&] {
+                                  scene.base_object =
+                                      static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX - 1));
+                              }),
               required_member("box",
                               [&] {
                                   in.object(required_member("min", [&] { scene.box.min = read_vec3(in); }),
@@ -126,6 +131,7 @@ void write_scene_value(JsonWriter& out, const Scene& scene) {
             write_object(out, object, i < scene.names.size() ? scene.names[i] : std::string());
             ++i;
         });
+        if (scene.base_object) out.line_key("base_object").value(*scene.base_object);
         out.line_key("box").object([&] {
             out.key("min").value(scene.box.min);
             out.key("max").value(scene.box.max);
@@ -198,30 +204,65 @@ Scene parse_text_scene(std::string_view text, const TextSceneOptions& options) {
     const std::vector<Sphere> balls = read_balls(text);
     Scene scene;
     scene.box = options.box ? *options.box : default_box(balls, options.base_plane);
+    scene.objects.assign(balls.begin(), balls.end());
     if (options.base_plane) {
         scene.base = *options.base_plane;
-        scene.objects.assign(balls.begin(), balls.end());
         return scene;
     }
     if (*options.base_ball >= balls.size())
         throw InputError(InputError::Kind::OutOfRange, InputError::no_object, "--base",
                          fmt::format("must be less than the number of balls, {}, is {}", balls.size(),
                                      *options.base_ball));
-    for (std::size_t i = 0; i < balls.size(); ++i) {
-        if (i == *options.base_ball) {
-            scene.base = balls[i];
-            scene.base_name = std::to_string(i);
-        } else {
-            scene.objects.push_back(balls[i]);
-            scene.names.push_back(std::to_string(i));
-        }
-    }
+    scene.base = balls[*options.base_ball];
+    scene.base_object = static_cast<std::uint32_t>(*options.base_ball);
     return scene;
 }
 
 }  // namespace
 
+namespace {
+
+[[noreturn]] void fail_format(const char* what) {
+    throw InputError(InputError::Kind::Syntax, InputError::no_object, "", what);
+}
+
+// Files that people have at hand and that are no scenes.
+void refuse_foreign_format(std::string_view text) {
+    if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+        fail_format("this is UTF-16 text, a scene is UTF-8");
+    for (const std::string_view record :
+         {"HEADER", "OBSLTE", "TITLE ", "COMPND", "SOURCE", "KEYWDS", "EXPDTA", "AUTHOR", "REMARK", "CRYST1",
+          "MODEL ", "ATOM  ", "HETATM"})
+        if (text.starts_with(record))
+            fail_format(
+                "this is a PDB file, which has no radii; a scene is JSON, or one ball \"x y z r\" a line");
+    if (text.starts_with("data_"))
+        fail_format(
+            "this is an mmCIF file, which has no radii; a scene is JSON, or one ball \"x y z r\" a line");
+}
+
+// What a cell file has at its top and a scene has not.
+bool is_key_of_cell(std::string_view path) {
+    for (const std::string_view key :
+         {"scene", "vertices", "edges", "faces", "neighbors", "measures", "report"})
+        if (path == key) return true;
+    return false;
+}
+
+Scene parse_json_scene(std::string_view text) try {
+    JsonReader reader(text);
+    Scene scene = read_scene_value(reader);
+    reader.end();
+    return scene;
+} catch (const InputError& e) {
+    if (e.kind != InputError::Kind::UnknownKey || !is_key_of_cell(e.path)) throw;
+    fail_format("this is a cell, not a scene: the scene is what it has under the key \"scene\"");
+}
+
+}  // namespace
+
 Scene parse_scene(std::string_view text, const TextSceneOptions& options) {
+    text = without_byte_order_mark(text);
     const std::size_t first = text.find_first_not_of(" \t\r\n");
     const bool plain =
         first != text.npos && std::string_view("0123456789+-.#").find(text[first]) != text.npos;
@@ -229,15 +270,14 @@ Scene parse_scene(std::string_view text, const TextSceneOptions& options) {
     if (plain) {
         scene = parse_text_scene(text, options);
     } else {
+        refuse_foreign_format(text);
         if (options.any())
             throw InputError(InputError::Kind::Unsupported, InputError::no_object,
                              options.base_ball    ? "--base"
                              : options.base_plane ? "--base-plane"
                                                   : "--box",
                              "is for x y z r files, this scene is JSON");
-        JsonReader reader(text);
-        scene = read_scene_value(reader);
-        reader.end();
+        scene = parse_json_scene(text);
     }
     validate(scene);
     return scene;

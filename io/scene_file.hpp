@@ -13,8 +13,7 @@ namespace vcell {
 
 /// What an `x y z r` file does not say itself. JSON scenes say it all and take none of these.
 struct TextSceneOptions {
-    /// The ball that is the base, counted from 0. It is taken out of the objects; the others are then
-    /// named by their numbers in the file.
+    /// The ball that is the base, counted from 0; Scene::base_object. All balls keep their numbers.
     std::optional<std::size_t> base_ball;
     /// The base plane; then every ball is an object.
     std::optional<Plane> base_plane;
@@ -27,8 +26,8 @@ struct TextSceneOptions {
 
 /// A scene from text in either form: JSON unless the first character that is not blank begins a number
 /// or a comment. In an `x y z r` file every line holds one ball; '#' begins a comment; blank lines count
-/// for nothing. The scene is validated. Throws InputError; what is wrong with the options has a path
-/// like the program's: "--base".
+/// for nothing. A byte order mark is skipped. The scene is validated. Throws InputError; what is wrong with
+/// the options has a path like the program's: "--base".
 Scene parse_scene(std::string_view text, const TextSceneOptions& options = {});
 
 /// parse_scene of a file, of standard input for "-". Throws ReadError, InputError.

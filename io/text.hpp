@@ -15,6 +15,9 @@ std::size_t utf8_length(std::string_view text);
 /// beyond 40 bytes "...".
 std::string printable(std::string_view text);
 
+/// `text` without the UTF-8 byte order mark that some editors put before it.
+std::string_view without_byte_order_mark(std::string_view text);
+
 /// The next line of `text` from `at` on, without its end and without what follows '#'; moves `at` behind
 /// the line. Pre: at < text.size().
 std::string_view next_line(std::string_view text, std::size_t& at);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <deque>
 #include <numeric>
 #include <unordered_map>
@@ -157,10 +158,10 @@ public:
         legalize();
     }
 
-    void refine(const std::function<bool(const Point&, const Point&)>& split) {
+    void refine(const std::function<bool(const Point&, const Point&)>& split, std::size_t bound) {
         // First come, first served: should the points run out, the mesh is equally fine everywhere. Round
         // triangles as long as the polygon's sides are n^2 / 16 or so.
-        const std::size_t n = points_.size(), most_points = n + n * n + 1000;
+        const std::size_t n = points_.size(), most_points = std::min(bound, n + n * n + 1000);
         std::deque<Side> todo;
         const auto add_all = [&](std::uint32_t t) {
             for (std::uint32_t k = 0; k < 3; ++k) todo.push_back({t, k});
@@ -287,7 +288,8 @@ private:
 }  // namespace
 
 Triangulation triangulate(const std::vector<std::vector<Point>>& loops,
-                          const std::function<bool(const Point&, const Point&)>& split) {
+                          const std::function<bool(const Point&, const Point&)>& split,
+                          std::size_t most_points) {
     std::vector<Point> points;
     std::vector<std::vector<std::uint32_t>> indices;
     for (const auto& loop : loops) {
@@ -300,7 +302,7 @@ Triangulation triangulate(const std::vector<std::vector<Point>>& loops,
     std::vector<Triangle> triangles = clip_ears(points, ring.vertices());
     Mesh mesh(std::move(points), std::move(triangles));
     mesh.make_delaunay();
-    mesh.refine(split);
+    mesh.refine(split, most_points);
     return std::move(mesh).result();
 }
 

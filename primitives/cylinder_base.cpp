@@ -98,7 +98,8 @@ public:
 
     RadialBaseProblem build() {
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
-            std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
+            if (scene_.competes(i))
+                std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
         objects_.drop_hidden_and_equal(mirrored());
         return make_problem();
     }

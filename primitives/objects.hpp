@@ -16,12 +16,16 @@ using Vec3 = Eigen::Vector3d;
 struct Plane {
     Vec3 point = Vec3::Zero();
     Vec3 normal = Vec3::UnitZ();
+
+    friend bool operator==(const Plane&, const Plane&) = default;
 };
 
 /// The ball's surface; radius 0 is a point.
 struct Sphere {
     Vec3 center = Vec3::Zero();
     double radius = 0;
+
+    friend bool operator==(const Sphere&, const Sphere&) = default;
 };
 
 /// The infinite cylinder about the line through `point` along `axis` (need not be unit, must not be
@@ -30,6 +34,8 @@ struct Cylinder {
     Vec3 point = Vec3::Zero();
     Vec3 axis = Vec3::UnitZ();
     double radius = 0;
+
+    friend bool operator==(const Cylinder&, const Cylinder&) = default;
 };
 
 using Object = std::variant<Plane, Sphere, Cylinder>;

@@ -441,6 +441,7 @@ public:
 
     PlaneBaseProblem build() {
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
+            if (!scene_.competes(i)) continue;
             if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]))
                 add(i, *sphere);
             else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i]))

@@ -19,6 +19,7 @@ const char* cuts_or_touches(Sign clearance) { return clearance == Sign::Zero ? "
 
 RadialObjects::RadialObjects(const Scene& scene) : scene_(scene), owner_(scene.objects.size()) {
     std::iota(owner_.begin(), owner_.end(), 0u);
+    if (scene.base_object) owner_[*scene.base_object] = none;
 }
 
 void RadialObjects::fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const {

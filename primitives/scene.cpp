@@ -107,6 +107,16 @@ void validate(const Scene& scene) {
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         std::visit(Checker(scene, static_cast<std::uint32_t>(i), ""), scene.objects[i]);
     Checker(scene, InputError::no_object, "box")(scene.box);
+    if (scene.base_object) {
+        const std::uint32_t i = *scene.base_object;
+        const Checker top(scene, InputError::no_object, "");
+        if (i >= scene.objects.size())
+            top.fail(Kind::OutOfRange, "base_object",
+                     "must be less than the number of objects, " + std::to_string(scene.objects.size()) +
+                         ", is " + std::to_string(i));
+        if (scene.objects[i] != scene.base)
+            top.fail(Kind::OutOfRange, "base_object", "objects[" + std::to_string(i) + "] is not the base");
+    }
     if (scene.tolerance) {
         const Checker top(scene, InputError::no_object, "");
         top.number("tolerance", *scene.tolerance);

@@ -1,6 +1,7 @@
 /// A scene: one base, its objects, and the box that clips the cell.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,16 +13,21 @@ namespace vcell {
 struct Scene {
     Object base;
     std::vector<Object> objects;
+    /// The object that is the base itself, in scenes that number the base among the others: equal to it, and
+    /// no competitor.
+    std::optional<std::uint32_t> base_object;
     std::vector<std::string> names;  ///< empty, or one (possibly empty) name for each object
     std::string base_name;
     Box box;
     std::string units = "mm";
     std::optional<double> tolerance;  ///< length; none: 1e-7 of the box diagonal
+
+    bool competes(std::size_t object) const { return !base_object || *base_object != object; }
 };
 
 /// Validates a scene on its own: finite numbers, non-zero directions, radii >= 0, a proper box, and
 /// magnitudes whose products stay in the double range: coordinates, radii and components up to 1e60, a
-/// direction's largest component and the box's extents at least 1e-60.
+/// direction's largest component and the box's extents at least 1e-60; a base_object that is the base.
 /// Throws InputError with the scene file's path of the first offender. Whether objects stay clear of
 /// the base is decided with the cell, by exact signs.
 void validate(const Scene& scene);

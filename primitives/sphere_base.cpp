@@ -258,7 +258,8 @@ public:
         objects_.balls.reserve(scene_.objects.size());
         powers_.reserve(scene_.objects.size());
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
-            std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
+            if (scene_.competes(i))
+                std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
         objects_.drop_hidden_and_equal({});
         merge_mirrored_balls();
         merge_planelike_balls();
@@ -420,6 +421,7 @@ private:
         using Kind = FormSources::Kind;
         std::uint32_t next_ball = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
+            if (!scene_.competes(i)) continue;
             const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]);
             const std::uint32_t k = sphere != nullptr ? next_ball++ : 0;
             if (!objects_.is_kept(i)) continue;

@@ -289,8 +289,11 @@ private:
 
     void check_neighbors() {
         std::map<std::uint32_t, double> owned;
-        for (const CellFace& f : cell_.faces)
+        for (const CellFace& f : cell_.faces) {
             if (f.site.is_object()) owned[f.site.index] += f.area;
+            for (const Site s : f.extra_sites)
+                if (s.is_object()) owned[s.index] += f.area;
+        }
         std::map<std::uint32_t, int> listed;
         for (std::size_t i = 0; i < cell_.neighbors.size(); ++i) {
             const std::uint32_t object = cell_.neighbors[i];

@@ -70,6 +70,7 @@ SceneGeometry::SceneGeometry(const Scene& scene)
         const Object& o = scene.objects[i];
         const double size = std::visit([](const auto& x) { return magnitude(x); }, o);
         object_rounding_.push_back(kRounding * (scale_ + size));
+        if (!scene.competes(i)) continue;
         if (const auto* s = std::get_if<Sphere>(&o)) {
             spheres_.x.push_back(s->center.x());
             spheres_.y.push_back(s->center.y());
@@ -236,7 +237,7 @@ double SceneGeometry::inside_box(const Vec3& p) const {
 bool SceneGeometry::exists(const Site& s) const {
     switch (s.kind) {
         case Site::Kind::Object:
-            return s.index < scene_.objects.size();
+            return s.index < scene_.objects.size() && scene_.competes(s.index);
         case Site::Kind::BoxSide:
             return s.index < 6;
         case Site::Kind::End:
@@ -286,7 +287,9 @@ double SceneGeometry::brute_height(const Ray& ray) const {
     for (std::uint32_t s = 0; s < 6; ++s)
         if (const double v = speed(s, ray.direction); v > 0)
             t = std::min(t, std::max(0.0, inside_side(s, ray.foot)) / v);
-    for (const Object& o : scene_.objects) {
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+        const Object& o = scene_.objects[i];
+        if (!scene_.competes(i)) continue;
         if (distance(o, ray.at(t)) >= t) continue;
         double lo = ray.start, hi = t;
         for (double m = 0.5 * (lo + hi); lo < m && m < hi; m = 0.5 * (lo + hi))
@@ -306,7 +309,7 @@ Site SceneGeometry::owner(const Ray& ray, double r) const {
             least = inside_side(s, p);
         }
     for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
-        if (const double e = distance_to(i, p) - r; e < least) {
+        if (const double e = distance_to(i, p) - r; e < least && scene_.competes(i)) {
             best = Site::object(i);
             least = e;
         }

@@ -15,6 +15,7 @@ constexpr double kFavour = 1 + 0x1p-40;
 
 SiteTree::SiteTree(const Scene& scene) {
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+        if (!scene.competes(i)) continue;
         if (const auto* s = std::get_if<Sphere>(&scene.objects[i]))
             balls_.push_back({s->center, s->radius, i});
         else

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -11,7 +13,10 @@
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
+#include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "test_support.hpp"
 
@@ -91,7 +96,7 @@ TEST_CASE("program: help and version") {
 
 TEST_CASE("program: wrong usage is status 1") {
     Workplace w;
-    w.write("s.json", contents(example("figure1.json")));
+    w.write("s.json", contents(example("three_spheres.json")));
     for (const char* arguments : {"",
                                   "compile s.json",
                                   "compute",
@@ -124,7 +129,8 @@ TEST_CASE("program: wrong usage is status 1") {
 
 TEST_CASE("program: several outputs from one computation") {
     Workplace w;
-    const Outcome o = w.run("compute " + example("figure2.json") + " -o a.json -o b.SVG -o c.obj --solid");
+    const Outcome o =
+        w.run("compute " + example("six_spheres.json") + " -o a.json -o b.SVG -o c.obj --solid");
     CHECK(o.status == 0);
     CHECK(o.out.empty());
     CHECK(o.err.empty());
@@ -139,7 +145,7 @@ TEST_CASE("program: several outputs from one computation") {
 
 TEST_CASE("program: standard input and output") {
     Workplace w;
-    const std::string scene = contents(example("figure1.json"));
+    const std::string scene = contents(example("three_spheres.json"));
     const Outcome computed = w.run("compute - -o -", scene);
     CHECK(computed.status == 0);
     CHECK(json::parse(computed.out).at("vertices").size() == 8);
@@ -163,13 +169,13 @@ TEST_CASE("program: an output that exists is replaced whole or not at all") {
     CHECK(w.run("compute - -o a.json -o b.svg", "{}").status == 2);
     CHECK(w.read("a.json") == "old");
     CHECK(w.files() == Names{"a.json"});
-    CHECK(w.run("compute " + example("figure1.json") + " -o a.json").status == 0);
+    CHECK(w.run("compute " + example("three_spheres.json") + " -o a.json").status == 0);
     CHECK(json::accept(w.read("a.json")));
 }
 
 TEST_CASE("program: bad scenes are status 2, named, and leave nothing") {
     Workplace w;
-    json scene = json::parse(contents(example("figure1.json")));
+    json scene = json::parse(contents(example("three_spheres.json")));
     const auto complaint = [&](const json& s) {
         const Outcome o = w.run("compute - -o a.json -o a.svg -o a.obj", s.dump());
         CHECK(o.status == 2);
@@ -219,14 +225,138 @@ TEST_CASE("program: plain balls") {
     CHECK(w.run("measure balls.xyzr --base-plane 0 0 0 0 0 1").status == 0);
     CHECK(w.run("measure balls.xyzr").err ==
           "vcell: --base-plane: missing: an x y z r file does not say what its base is\n");
-    const Outcome ball = w.run("compute balls.xyzr --base 0 -o -");
-    CHECK(ball.status == 0);
-    const json ball_cell = json::parse(ball.out);
-    CHECK(ball_cell.at("faces").size() == 1 + 6);
-    CHECK(ball_cell.at("neighbors") == json{0});
-    CHECK(ball_cell.at("scene").at("objects").at(0).at("name") == "1");
     CHECK(w.run("measure balls.xyzr --base 7").status == 2);
-    CHECK(w.run("measure " + example("figure1.json") + " --base 0").status == 2);
+    const std::string mark = "\xEF\xBB\xBF";
+    w.write("marked.xyzr", mark + w.read("balls.xyzr"));
+    CHECK(w.run("measure marked.xyzr --base 0").out == w.run("measure balls.xyzr --base 0").out);
+    CHECK(w.run("query marked.xyzr --base 0", mark + "0 0 0\n").status == 0);
+    CHECK(w.run("measure " + example("three_spheres.json") + " --base 0").status == 2);
+}
+
+TEST_CASE("program: balls keep their numbers in the file, whichever is the base") {
+    Workplace w;
+    w.write("row.xyzr", "0 0 0 1\n4 0 0 1\n8 0 0 1\n4 0 4 1\n4 0 4 1\n");
+    for (const auto& [base, neighbors] :
+         {std::pair("0", json{1, 3, 4}), std::pair("1", json{0, 2, 3, 4}), std::pair("2", json{1, 3, 4})}) {
+        CAPTURE(base);
+        const Outcome o =
+            w.run("compute row.xyzr --box -2 -2 -2 10 2 6 -o cell.json --base " + std::string(base));
+        CHECK(o.status == 0);
+        const json cell = json::parse(w.read("cell.json"));
+        json listed = cell.at("neighbors");
+        std::sort(listed.begin(), listed.end());
+        CHECK(listed == neighbors);
+        CHECK(cell.at("scene").at("base_object") == std::atoi(base));
+        CHECK(cell.at("scene").at("objects").size() == 5);
+        // Every face's site is the ball that the file has in that line.
+        std::vector<std::array<double, 3>> centers{{0, 0, 0}, {4, 0, 0}, {8, 0, 0}, {4, 0, 4}, {4, 0, 4}};
+        const auto& b = centers[static_cast<std::size_t>(std::atoi(base))];
+        for (const json& v : cell.at("vertices"))
+            for (const json& site : v.at("sites")) {
+                if (!site.is_number()) continue;
+                const auto& c = centers[site.get<std::size_t>()];
+                double to_base = 0, to_site = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double x = v.at("point").at(k);
+                    to_base += (x - b[k]) * (x - b[k]);
+                    to_site += (x - c[k]) * (x - c[k]);
+                }
+                CHECK(std::sqrt(to_site) == doctest::Approx(std::sqrt(to_base)).epsilon(1e-12));
+            }
+        CHECK(w.run("check cell.json").status == 0);
+    }
+    CHECK(w.run("query row.xyzr --base 1", "2.5 0 0\n5.5 0 0\n4 0 1.5\n").out ==
+          "0 1 true\n2 1 true\n3 1 true\n");
+    // Merged duplicates are both neighbours, and the warning has their numbers.
+    CHECK(w.run("measure row.xyzr --base 1").err.find("object 3 and object 4") != std::string::npos);
+    // The cell is a scene's, too: what it has under "scene" gives the same cell.
+    w.write("scene.json", json::parse(w.read("cell.json")).at("scene").dump());
+    CHECK(json::parse(w.run("compute scene.json -o -").out).at("faces") ==
+          json::parse(w.read("cell.json")).at("faces"));
+}
+
+TEST_CASE("program: messages name the file that they are about") {
+    Workplace w;
+    json scene = json::parse(contents(example("three_spheres.json")));
+    scene["objects"][1]["sphere"]["radius"] = -1;
+    w.write("bad.json", scene.dump());
+    for (const char* command : {"compute bad.json -o a.json", "measure bad.json", "query bad.json"})
+        CHECK(w.run(command).err == "vcell: bad.json: objects[1].sphere.radius: must be >= 0, is -1\n");
+    scene["objects"][1]["sphere"]["radius"] = 0.25;
+    scene["objects"][1]["sphere"]["center"][2] = 0;
+    w.write("cuts.json", scene.dump());
+    for (const char* command : {"compute cuts.json -o a.json", "measure cuts.json", "query cuts.json"})
+        CHECK(w.run(command).err.find("vcell: cuts.json: objects[1].sphere: cuts the base region at (") == 0);
+    w.write("balls.xyzr", "0 0 0 1\n0 0 O 1\n");
+    CHECK(w.run("measure balls.xyzr --base 0").err == "vcell: balls.xyzr: line 2: 'O' is not a number\n");
+    w.write("cell.json", "{\"vcell\": 1}");
+    CHECK(w.run("check cell.json").err == "vcell: cell.json: scene: missing\n");
+}
+
+TEST_CASE("program: mistakes are said in one line") {
+    Workplace w;
+    w.write("balls.xyzr", "0 0 0 1\n4 0 0 1\n");
+    w.write("atoms.pdb", "HEADER    PLANT PROTEIN\nATOM      1  N   THR A   1      17.047  14.099   3.625\n");
+    const std::string scene = example("three_spheres.json");
+    CHECK(w.run("compute " + scene + " -o cell.json").status == 0);
+    for (const auto& [arguments, status, message] :
+         {std::tuple<std::string, int, std::string>{
+              "measure balls.xyzr --base -1", 1,
+              "--base: must be the number of a ball, counted from 0, is -1"},
+          {"measure balls.xyzr --base 1.5", 1,
+           "--base: must be the number of a ball, counted from 0, is 1.5"},
+          {"measure balls.xyzr --base 2", 2, "--base: must be less than the number of balls, 2, is 2"},
+          {"compute " + scene + " -o a.obj --chord abc", 1,
+           "--chord: must be a length above 0 or a percentage"},
+          {"compute " + scene + " -o a.obj --chord -1%", 1,
+           "--chord: must be a length above 0 or a percentage"},
+          {"compute " + scene + " -o a.obj --triangles 0", 1, "--triangles: must be a number from 1"},
+          {"measure balls.xyzr --base 0 --box 0 0 0 1 1 x", 1, "--box: must be a finite number, is x"},
+          {"check " + scene, 2, scene + ": this is a scene, not a cell"},
+          {"measure cell.json", 2, "cell.json: this is a cell, not a scene"},
+          {"measure atoms.pdb --base 0", 2, "atoms.pdb: this is a PDB file"},
+          {"measure balls.xyzr", 2, "--base-plane: missing"},
+          {"", 1, ""}}) {
+        CAPTURE(arguments);
+        const Outcome o = w.run(arguments);
+        CHECK(o.status == status);
+        CHECK(o.out.empty());
+        CHECK(o.err.find("vcell: " + message) == 0);
+        CHECK(std::count(o.err.begin(), o.err.end(), '\n') == 1);
+    }
+}
+
+TEST_CASE("program: meshes are as fine as the cell is large, and end at a number of triangles") {
+    Workplace w;
+    const auto triangles = [&](const std::string& options) {
+        const Outcome o = w.run("compute scene.json -o a.obj " + options);
+        CHECK(o.status == 0);
+        const std::string mesh = w.read("a.obj");
+        std::size_t count = 0;
+        for (std::size_t at = 0; (at = mesh.find("\nf ", at)) != mesh.npos; ++at) ++count;
+        return std::pair(count, o.err);
+    };
+    // The same cell in a box a million times as large: the ball is closed in by six others.
+    json scene = json::parse(contents(example("figure8.json")));
+    w.write("scene.json", scene.dump());
+    const auto [fine, nothing] = triangles("");
+    CHECK(nothing.empty());
+    for (int k = 0; k < 3; ++k) {
+        scene["box"]["min"][k] = -4e6;
+        scene["box"]["max"][k] = 4e6;
+    }
+    w.write("scene.json", scene.dump());
+    // The chart is another, and so are the triangles.
+    CHECK(static_cast<double>(triangles("").first) == doctest::Approx(static_cast<double>(fine)).epsilon(0.05));
+    CHECK(triangles("--chord 0.01%").first > 2 * fine);
+    const auto [coarse, warning] = triangles("--chord 1e-300 --triangles 2000");
+    CHECK(coarse <= 2000);
+    CHECK(coarse > 500);
+    CHECK(warning.find("vcell: warning: a chord of 1e-300 is too fine for 2000 triangles (--triangles)") ==
+          0);
+    // Fewer than the edges alone take: as many as they take.
+    CHECK(triangles("--triangles 1").second.find("is too fine for 1 triangles (--triangles)") !=
+          std::string::npos);
 }
 
 TEST_CASE("program: query answers point by point") {
@@ -299,7 +429,7 @@ TEST_CASE("program: query answers over curved bases") {
 
 TEST_CASE("program: query names a bad line") {
     Workplace w;
-    const std::string scene = example("figure1.json");
+    const std::string scene = example("three_spheres.json");
     w.write("points.txt", "0 0 0\n0 0\n");
     CHECK(w.run("query " + scene + " points.txt").status == 2);
     CHECK(w.run("query " + scene + " points.txt").err ==
@@ -312,20 +442,20 @@ TEST_CASE("program: query names a bad line") {
 
 TEST_CASE("program: measure prints a header and a line") {
     Workplace w;
-    std::istringstream lines(w.run("measure " + example("figure1.json")).out);
+    std::istringstream lines(w.run("measure " + example("three_spheres.json")).out);
     std::string header, values, more;
     REQUIRE(std::getline(lines, header));
     REQUIRE(std::getline(lines, values));
     CHECK_FALSE(std::getline(lines, more));
     CHECK(std::count(header.begin(), header.end(), '\t') == std::count(values.begin(), values.end(), '\t'));
     CHECK(header.find("volume\tvolume_error\tbody_volume\tarea\t") == 0);
-    const json cell = json::parse(w.run("compute " + example("figure1.json") + " -o -").out);
+    const json cell = json::parse(w.run("compute " + example("three_spheres.json") + " -o -").out);
     CHECK(std::stod(values) == cell.at("measures").at("volume").get<double>());
 }
 
 TEST_CASE("program: check names the damage, status 4") {
     Workplace w;
-    json cell = json::parse(w.run("compute " + example("figure2.json") + " -o -").out);
+    json cell = json::parse(w.run("compute " + example("six_spheres.json") + " -o -").out);
     cell["vertices"][3]["radius"] = cell["vertices"][3]["radius"].get<double>() + 0.01;
     const Outcome o = w.run("check -", cell.dump());
     CHECK(o.status == 4);
@@ -339,7 +469,7 @@ TEST_CASE("program: check names the damage, status 4") {
 
 TEST_CASE("program: warnings go to standard error") {
     Workplace w;
-    json scene = json::parse(contents(example("figure1.json")));
+    json scene = json::parse(contents(example("three_spheres.json")));
     scene["objects"].push_back(scene["objects"][0]);
     const Outcome o = w.run("compute - -o a.json", scene.dump());
     CHECK(o.status == 0);
@@ -350,7 +480,7 @@ TEST_CASE("program: warnings go to standard error") {
 TEST_CASE("program: a device that is full is an error") {
     if (!fs::is_character_file("/dev/full")) return;
     Workplace w;
-    const std::string scene = example("figure1.json");
+    const std::string scene = example("three_spheres.json");
     for (const std::string& command : {"compute " + scene + " -o - -o a.svg", "measure " + scene}) {
         const int status = std::system(("cd '" + w.path("").string() + "' && '" VCELL_PROGRAM "' " + command +
                                         " > /dev/full 2> /dev/null")
@@ -362,28 +492,39 @@ TEST_CASE("program: a device that is full is an error") {
 }
 
 TEST_CASE("program: stopped while it waits for its scene, it leaves nothing") {
-    Workplace w;
-    int pipe_ends[2];
-    REQUIRE(::pipe(pipe_ends) == 0);
-    const pid_t child = ::fork();
-    REQUIRE(child >= 0);
-    if (child == 0) {
-        ::dup2(pipe_ends[0], 0);
+    for (const int signal : {SIGTERM, SIGKILL}) {
+        Workplace w;
+        int pipe_ends[2];
+        REQUIRE(::pipe(pipe_ends) == 0);
+        const pid_t child = ::fork();
+        REQUIRE(child >= 0);
+        if (child == 0) {
+            ::dup2(pipe_ends[0], 0);
+            ::close(pipe_ends[1]);
+            if (::chdir(w.path("").c_str()) != 0) ::_exit(9);
+            ::execl(VCELL_PROGRAM, VCELL_PROGRAM, "compute", "-", "-o", "a.json",
+                    static_cast<char*>(nullptr));
+            ::_exit(9);
+        }
+        ::close(pipe_ends[0]);
+        // An open file of its folder, nameless, shows that the program is up; it then waits for its scene.
+        const fs::path descriptors = "/proc/" + std::to_string(child) + "/fd";
+        const auto is_up = [&] {
+            std::error_code gone;
+            for (const auto& entry : fs::directory_iterator(descriptors, gone))
+                if (fs::read_symlink(entry.path(), gone).string().find(w.path("").string()) == 0) return true;
+            return false;
+        };
+        bool up = false;
+        for (int i = 0; i < 1000 && !(up = is_up()); ++i) ::usleep(10'000);
+        CHECK(up);
+        REQUIRE(::kill(child, signal) == 0);
+        int status = 0;
+        REQUIRE(::waitpid(child, &status, 0) == child);
         ::close(pipe_ends[1]);
-        if (::chdir(w.path("").c_str()) != 0) ::_exit(9);
-        ::execl(VCELL_PROGRAM, VCELL_PROGRAM, "compute", "-", "-o", "a.json", static_cast<char*>(nullptr));
-        ::_exit(9);
+        CHECK(WIFSIGNALED(status));
+        CHECK(w.files().empty());
     }
-    ::close(pipe_ends[0]);
-    // The temporary file shows that the program is up; it then waits for the rest of its scene.
-    for (int i = 0; i < 1000 && w.files().empty(); ++i) ::usleep(10'000);
-    CHECK(w.files().size() == 1);
-    REQUIRE(::kill(child, SIGTERM) == 0);
-    int status = 0;
-    REQUIRE(::waitpid(child, &status, 0) == child);
-    ::close(pipe_ends[1]);
-    CHECK(WIFSIGNALED(status));
-    CHECK(w.files().empty());
 }
 
 TEST_CASE("program: hostile scenes end soon, with status 2 and without output") {
@@ -403,7 +544,7 @@ TEST_CASE("program: hostile scenes end soon, with status 2 and without output") 
 TEST_CASE("program: mutated scenes give a cell that checks, or status 2") {
     Workplace w;
     std::mt19937_64 rng(vcell::test_seed());
-    const std::string scene = contents(example("figure1.json"));
+    const std::string scene = contents(example("three_spheres.json"));
     for (int i = 0; i < 150; ++i) {
         std::string text = scene;
         for (auto n = 1 + rng() % 2; n-- > 0;) {

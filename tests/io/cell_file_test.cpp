@@ -188,6 +188,17 @@ TEST_CASE("cell file: a key too many, a wrong type: named wherever it is") {
     });
 }
 
+TEST_CASE("cell file: a scene is told from a cell") {
+    std::ostringstream scene;
+    write_scene(scene, island_cell().scene);
+    try {
+        parse_cell(scene.str());
+        FAIL("accepted");
+    } catch (const InputError& e) {
+        CHECK(std::string(e.what()).find("this is a scene, not a cell") == 0);
+    }
+}
+
 TEST_CASE("cell file: names of sites and kinds, shapes of patches") {
     json cell = json::parse(cell_text(paraboloid_cell()));
     const auto with = [&](const char* pointer, const json& value) {

@@ -116,7 +116,8 @@ TEST_CASE("scene file: each mistake is named with its path") {
         {without("/objects/1/cylinder", "radius"), "objects[1].cylinder.radius: missing"},
         {without("/objects/2/plane", "normal"), "objects[2].plane.normal: missing"},
         {without("/base/plane", "point"), "base.plane.point: missing"},
-        {with("/objcts", 1), "objcts: unknown key, known are vcell, base, objects, box, units, tolerance"},
+        {with("/objcts", 1),
+         "objcts: unknown key, known are vcell, base, objects, base_object, box, units, tolerance"},
         {with("/objects/3/sphre", 1),
          "objects[3].sphre: unknown key, known are plane, sphere, cylinder, name"},
         {with("/objects/0/sphere/radius2", 1),
@@ -219,11 +220,45 @@ TEST_CASE("scene file: one of the balls as base") {
     options.box = Box{{-9, -9, -9}, {9, 9, 9}};
     const Scene scene = parse_scene("0 0 0 1\n5 0 0 1\n0 5 0 2\n", options);
     CHECK(std::get<Sphere>(scene.base).center == Vec3(5, 0, 0));
-    REQUIRE(scene.objects.size() == 2);
-    CHECK(std::get<Sphere>(scene.objects[1]).radius == 2);
-    CHECK(scene.names == std::vector<std::string>{"0", "2"});
-    CHECK(scene.base_name == "1");
+    REQUIRE(scene.objects.size() == 3);
+    CHECK(std::get<Sphere>(scene.objects[2]).radius == 2);
+    CHECK(scene.base_object == 1);
+    CHECK(scene.objects[1] == scene.base);
+    CHECK_FALSE(scene.competes(1));
+    CHECK(scene.competes(0));
     CHECK(scene.box.max == Vec3(9, 9, 9));
+    std::ostringstream written;
+    write_scene(written, scene);
+    const Scene again = parse_scene(written.str());
+    CHECK(again.base_object == 1);
+    CHECK(again.objects == scene.objects);
+}
+
+TEST_CASE("scene file: the base's own number must be that of an object like it") {
+    CHECK(scene_complaint(with("/base_object", 2)) == "base_object: objects[2] is not the base");
+    CHECK(scene_complaint(with("/base_object", 4)) ==
+          "base_object: must be less than the number of objects, 4, is 4");
+    CHECK(scene_complaint(with("/base_object", -1)) == "base_object: must be a non-negative integer, is -1");
+}
+
+TEST_CASE("scene file: a byte order mark before either form") {
+    const std::string mark = "\xEF\xBB\xBF";
+    CHECK(parse_scene(mark + complete.dump()).objects.size() == 4);
+    TextSceneOptions options;
+    options.base_ball = 0;
+    CHECK(parse_scene(mark + "0 0 0 1\n5 0 0 1\n", options).objects.size() == 2);
+    CHECK(parse_scene(mark + "# two balls\n0 0 0 1\n5 0 0 1\n", options).objects.size() == 2);
+}
+
+TEST_CASE("scene file: what is no scene is called by its name") {
+    CHECK(scene_complaint("HEADER    PLANT PROTEIN                           30-APR-81   1CRN\n")
+              .find("this is a PDB file") == 0);
+    CHECK(scene_complaint("ATOM      1  N   THR A   1      17.047  14.099   3.625\n")
+              .find("this is a PDB file") == 0);
+    CHECK(scene_complaint("data_1CRN\n#\n").find("this is an mmCIF file") == 0);
+    CHECK(scene_complaint("\xFF\xFE{\0") == "this is UTF-16 text, a scene is UTF-8");
+    CHECK(scene_complaint(cell_text(island_cell())).find("this is a cell, not a scene") == 0);
+    CHECK(scene_complaint(with("/faces", 1)).find("this is a cell, not a scene") == 0);
 }
 
 TEST_CASE("scene file: mistakes in plain balls name the line, or the option") {

@@ -65,7 +65,8 @@ double exit_of_box(const Box& box, const Vec3& p, const Vec3& d) {
 TEST_CASE("unfold: points of the cube's squares lie in the face of the nearest site, and in no other") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
-    for (const std::string name : {"figure8", "octahedron", "cube", "between", "figure7"}) {
+    for (const std::string name :
+         {"figure7", "figure8", "octahedron", "cube", "between", "two_balls_plane"}) {
         CAPTURE(name);
         const Scene scene = read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json");
         const Cell cell = voronoi_cell(scene);
@@ -100,7 +101,7 @@ TEST_CASE("unfold: points of the cube's squares lie in the face of the nearest s
 }
 
 TEST_CASE("unfold: faces fill the cube's squares, and edges end in their vertices") {
-    for (const std::string name : {"figure8", "octahedron", "icosahedron", "flat"}) {
+    for (const std::string name : {"four_balls_two_planes", "octahedron", "icosahedron", "flat"}) {
         CAPTURE(name);
         const Cell cell = voronoi_cell(read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json"));
         const Unfolding picture = unfold(cell);
@@ -135,7 +136,7 @@ TEST_CASE(
     "unfold: points of the strips around a cylinder lie in the face of the nearest site, and in no other") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
-    for (const std::string name : {"figure10", "figure10_tubes", "bundle"}) {
+    for (const std::string name : {"figure10", "tube_three_balls_plane", "three_tubes", "bundle"}) {
         CAPTURE(name);
         const Scene scene = read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json");
         const Cell cell = voronoi_cell(scene);

@@ -1,0 +1,12 @@
+# Configures the parent project with vcell inside, builds its program and runs it.
+file(REMOVE_RECURSE ${BUILD})
+set(absent)
+foreach(package IN ITEMS doctest benchmark nlohmann_json CLI11 fmt)
+  list(APPEND absent -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${BUILD} -G ${GENERATOR} -DVCELL=${VCELL} -DWAY=${WAY}
+    -DCMAKE_CXX_COMPILER=${COMPILER} ${absent}
+  COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${BUILD} --target app COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${BUILD}/app COMMAND_ERROR_IS_FATAL ANY)
