@@ -8,7 +8,7 @@
 namespace vcell {
 
 std::optional<PointAnswer> query_point(const PlaneBaseProblem& problem, const Vec3& world) {
-    const Vec3 p = problem.frame.to_canonical(world);
+    const Vec3 p = problem.frame.to_canonical(world / problem.unit);
     const Exact x = p.x(), y = p.y(), z = p.z();
     for (const RegionSide& side : problem.region)
         if ((side.a * x + side.b * y + Exact(side.c)).sign() == Sign::Negative) return std::nullopt;
@@ -18,12 +18,12 @@ std::optional<PointAnswer> query_point(const PlaneBaseProblem& problem, const Ve
     Exact above;  // has the sign of height - z, for z >= 0
     if (problem.family.is_circular(owner)) {
         const ExactForm f = problem.family.exact(owner);
-        answer.clearance = problem.family.forms[owner](p.x(), p.y());
+        answer.clearance = problem.unit * problem.family.forms[owner](p.x(), p.y());
         above = f.K * (x * x + y * y) + f.A * x + f.B * y + f.C - f.W * z;
     } else {
         const ExactCylinder f = exact_cylinder(problem.family.cylinder(owner));
         const auto [C, beta] = cylinder_terms(f, f.unit * x, f.unit * y);
-        answer.clearance = cylinder_height(problem.family.cylinder(owner), p.x(), p.y());
+        answer.clearance = problem.unit * cylinder_height(problem.family.cylinder(owner), p.x(), p.y());
         const Exact t = f.unit * z;
         above = C - (beta + beta) * t - f.az * f.az * t * t;
     }
@@ -68,7 +68,7 @@ double distance(const ExactTerms& f) {
 }  // namespace
 
 std::optional<PointAnswer> query_point(const RadialBaseProblem& problem, const Vec3& world) {
-    const Vec3 p = problem.frame.to_canonical(world);
+    const Vec3 p = problem.frame.to_canonical(world / problem.unit);
     if (!problem.is_sphere && (p.y() < problem.stretch[0] || p.y() > problem.stretch[1])) return std::nullopt;
     Vec3 across = p;
     if (!problem.is_sphere) across.y() = 0;
@@ -85,7 +85,7 @@ std::optional<PointAnswer> query_point(const RadialBaseProblem& problem, const V
     const FormId owner = lowest_form(problem.family, chart.x(), chart.y());
     const ExactTerms f = terms(problem.family, owner, chart);
     answer.site = problem.sites[owner].front();
-    answer.clearance = distance(f) - problem.radius;
+    answer.clearance = problem.unit * (distance(f) - problem.radius);
     // The point is at distance s <= W / Q, that is Q <= W / s, where C Q^2 - 2 B Q - A^2 is not negative:
     // C W^2 - A^2 s^2 - 2 B W s >= 0.
     const Exact s2 =

@@ -14,10 +14,12 @@
 #include <optional>
 
 #include "../core/errors.hpp"
+#include "../core/platform.hpp"
 #include "../envelope/voronoi_cell.hpp"
 #include "../io/check/check.hpp"
 #include "../io/io.hpp"
 #include "../io/text.hpp"
+#include "../primitives/decided_scene.hpp"
 #include "progress.hpp"
 #include "query.hpp"
 
@@ -315,8 +317,10 @@ public:
         const Scene scene = scene_.read();
         const std::vector<Vec3> points = about_file(points_, "points", [&] { return read_points(); });
         const std::string answers = scene_.about([&] {
-            return std::holds_alternative<Plane>(scene.base) ? answer(plane_base_problem(scene), points)
-                                                             : answer(radial_base_problem(scene), points);
+            const DecidedScene decided = decide(scene);
+            return std::holds_alternative<Plane>(scene.base)
+                       ? answer(plane_base_problem(decided.scene, decided.unit), points)
+                       : answer(radial_base_problem(decided.scene, decided.unit), points);
         });
         OutputFile out("-");
         out.stream() << answers;
@@ -493,6 +497,8 @@ int main(int argc, char** argv) {
     } catch (const WriteError& e) {
         return fail(wrong_usage, e.what());
     } catch (const UsageError& e) {
+        return fail(wrong_usage, e.what());
+    } catch (const EnvironmentError& e) {
         return fail(wrong_usage, e.what());
     } catch (const std::bad_alloc&) {
         return fail(undecided, "out of memory");

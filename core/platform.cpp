@@ -22,16 +22,13 @@ void require_ieee_arithmetic(const char* who) {
         throw EnvironmentError(std::string(who) +
                                ": this thread does not round to nearest; call std::fesetround(FE_TONEAREST) first "
                                "(a library that switches rounding has not switched it back)");
-    if (least_normal * half == 0)
-        throw EnvironmentError(std::string(who) +
-                               ": this thread flushes subnormal results to zero; call "
-                               "_MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_OFF) first, and link nothing with -ffast-math, "
-                               "which sets it when a program starts");
-    if (least / least_normal == 0)
+    // As results, and as operands.
+    if (least_normal * half == 0 || least / least_normal == 0)
         throw EnvironmentError(std::string(who) +
                                ": this thread takes subnormal numbers for zero; call "
+                               "_MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_OFF) and "
                                "_MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_OFF) first, and link nothing with "
-                               "-ffast-math, which sets it when a program starts");
+                               "-ffast-math, which sets both when a program starts");
 }
 
 }  // namespace vcell

@@ -20,4 +20,38 @@ std::string to_string(CurveKind kind) {
     return "spline";
 }
 
+void scale(Cell& cell, double factor, bool parameters) {
+    const double square = factor * factor, cube = square * factor;
+    for (CellVertex& v : cell.vertices) {
+        v.point *= factor;
+        v.radius *= factor;
+        v.error *= factor;
+    }
+    for (CellEdge& e : cell.edges) {
+        for (double* length : {&e.error, &e.length, &e.length_error}) *length *= factor;
+        for (Eigen::Vector4d& p : e.curve.points) p.head<3>() *= factor;
+    }
+    for (CellFace& f : cell.faces) {
+        f.area *= square;
+        f.area_error *= square;
+        for (TrimmedPatch& patch : f.patches) {
+            for (Eigen::Vector4d& p : patch.surface.points) p.head<3>() *= factor;
+            if (!parameters) continue;
+            for (std::array<double, 2>* domain : {&patch.surface.domain_u, &patch.surface.domain_v})
+                for (double& bound : *domain) bound *= factor;
+            for (std::vector<TrimCurve>& loop : patch.loops)
+                for (TrimCurve& trim : loop)
+                    for (Eigen::Vector3d& p : trim.curve.points) p.head<2>() *= factor;
+        }
+    }
+    Measures& m = cell.measures;
+    for (double* volume : {&m.volume, &m.volume_error, &m.body_volume, &m.body_volume_error}) *volume *= cube;
+    for (double* area : {&m.area, &m.area_error, &m.box_area, &m.box_area_error, &m.base_area, &m.base_area_error})
+        *area *= square;
+    for (double* length :
+         {&m.min_clearance, &m.min_clearance_error, &m.max_clearance, &m.max_clearance_error})
+        *length *= factor;
+    cell.report.moved *= factor;
+}
+
 }  // namespace vcell

@@ -89,6 +89,9 @@ struct Measures {
 struct Report {
     Decisions decisions;
     double seconds_bisectors = 0, seconds_envelope = 0, seconds_patches = 0;
+    /// A bound on the distance that anything of the scene within the box has moved before it was decided about: all else
+    /// is exact about that. Vertices are as far from those of the scene as that takes them.
+    double moved = 0;
     std::vector<std::string> warnings;
 };
 
@@ -101,5 +104,9 @@ struct Cell {
     Measures measures;
     Report report;
 };
+
+/// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a power of
+/// two. With `parameters` those of its patches, too.
+void scale(Cell& cell, double factor, bool parameters);
 
 }  // namespace vcell

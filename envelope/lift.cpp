@@ -82,8 +82,10 @@ private:
         if (arcs_.is_line(e)) return CurveKind::Parabola;
         // A vertical circular cylinder cut by the plane: a circle exactly when that plane is horizontal. For
         // two spheres it has the slope 2 (c_g - c_f) / (w_f - w_g). Coefficients here are zero in double
-        // exactly when they are zero.
-        const bool horizontal = f.k != 0 && g.k != 0 ? f.cx == g.cx && f.cy == g.cy
+        // exactly when they are zero, and centres are exact up to rounding.
+        const auto close = [](double a, double b) { return std::abs(a - b) <= 16 * u * (std::abs(a) + std::abs(b) + 1); };
+        const bool horizontal = f.k != 0 && g.k != 0 ? close(f.cx, g.cx) && close(f.cy, g.cy) &&
+                                                           problem_.on_one_normal(edge.left, edge.right)
                                 : f.k == 0           ? f.a == 0 && f.b == 0
                                                      : g.a == 0 && g.b == 0;
         return horizontal ? CurveKind::Circle : CurveKind::Ellipse;
@@ -368,8 +370,15 @@ private:
     std::string bisector_name(FormId form) const {
         if (!main_site(form).is_object()) return "box";
         if (diagram_.is_circular(form)) return diagram_.forms[form].k != 0 ? "paraboloid" : "plane";
-        const CylinderForm& f = problem_.family.cylinder(form);
-        return f.az == 0 ? "parabolic cylinder" : f.ax == 0 && f.ay == 0 ? "circular cone" : "elliptic cone";
+        switch (problem_.axes[form.value - problem_.family.forms.size()]) {
+            case AxisToBase::Parallel:
+                return "parabolic cylinder";
+            case AxisToBase::Upright:
+                return "circular cone";
+            case AxisToBase::Oblique:
+                break;
+        }
+        return "elliptic cone";
     }
 
     void add_faces() {

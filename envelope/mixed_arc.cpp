@@ -27,8 +27,10 @@ Exact apex_offset(const ExactCylinder& f, const SectionPlane& s) {
            (f.rho + f.pz) * (s.nx * f.ax + s.ny * f.ay);
 }
 
-// A section that does not pass through the apex.
-CurveKind section_kind(const ExactCylinder& f, const SectionPlane& s) {
+// A section that does not pass through the apex, of a cylinder whose axis lies so to the base.
+CurveKind section_kind(ExactCylinder f, AxisToBase axis, const SectionPlane& s) {
+    if (axis == AxisToBase::Parallel) f.az = Exact();
+    if (axis == AxisToBase::Upright) f.ax = f.ay = Exact();
     const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
     const Exact ex = s.nz * f.ax - s.nx * f.az, ey = s.nz * f.ay - s.ny * f.az;
     switch ((ex * ex + ey * ey - s.nz * s.nz * norm).sign()) {
@@ -262,18 +264,21 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     if (!plane || !start.valid()) return false;
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     std::array<std::optional<Section>, 2> sections;
-    const CylinderForm* form = nullptr;
+    FormId form;
     for (const int side : {1, 0}) {
         const FormId f = side == 0 ? edge.left : edge.right;
         if ((side == 1 && edge.on_rim()) || diagram_.is_circular(f)) continue;
-        form = &problem.family.cylinder(f);
+        form = f;
         const FaceId face = diagram_.dcel.face(Dcel::half_edge(e, static_cast<unsigned>(side)));
-        sections[side] = Section(*form, frames_[face], *plane);
+        sections[side] = Section(problem.family.cylinder(form), frames_[face], *plane);
     }
     const MinimizationDiagram::Vertex& from = diagram_.vertices[start];
     const MinimizationDiagram::Vertex& to = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
     Arc& arc = arcs_[e];
-    arc.kind = sections[sections[0] ? 0 : 1]->through_apex() ? CurveKind::Line : section_kind(exact_cylinder(*form), *plane);
+    arc.kind = sections[sections[0] ? 0 : 1]->through_apex()
+                   ? CurveKind::Line
+                   : section_kind(exact_cylinder(problem.family.cylinder(form)),
+                                  problem.axes[form.value - problem.family.forms.size()], *plane);
     const std::size_t first = spans_.size();
     SectionSpans(sections, spans_)
         .add({from.point.x(), from.point.y(), from.height}, {to.point.x(), to.point.y(), to.height});

@@ -1327,8 +1327,8 @@ private:
         for (const Site site : edge.extra_sites) sites += ", " + to_string(site);
         const Vector4d middle = 0.5 * (from + to);
         cell_.report.warnings.push_back("objects " + sites + ": taken to meet in one line through " +
-                                        to_text(problem_.frame.to_world(middle.head<3>())) +
-                                        ", not told apart within " + to_text(narrow_tie * middle.w()));
+                                        to_text(problem_.unit * problem_.frame.to_world(middle.head<3>())) +
+                                        ", not told apart within " + to_text(problem_.unit * narrow_tie * middle.w()));
     }
 
     void set_space_curve(EdgeId e, RationalCurve3& curve) const {

@@ -17,8 +17,12 @@
 //   pole is where f is lowest, and a form that others have beaten is mostly flatter than f.
 // A small diagram is looked through for vertices, a large one has a tree of them.
 //
-// All bounds of rounding are generous multiples of first order ones: u = 2^-53, and no more than some tens of
-// operations lie between coefficients and signs.
+// Bounds on rounding. Where k operations of relative error u = 2^-53 follow each other, k < 128, their product is
+// within k u (1 + 2^-45) of 1 [Higham02, Lemma 3.1]: a constant that is a tenth above its count of roundings covers all
+// orders. Of a circle n.p = o with radius R the coefficients are off by dn and do, |dn| + |do| <= error (the
+// largest value of dn.p - do on the sphere), and it is used only where error < 2^-20 |n| and R^2 > 2^-10. With e = error /
+// |n| the offset o / |n| is then off by e, the centre by 2 e, of that at most e across n, and R^2 by 2 e, R by 32 e; what
+// is left of second order is less than a hundredth of that.
 #include "sphere_diagram.hpp"
 
 #include <Eigen/Geometry>
@@ -274,6 +278,7 @@ private:
         edge.error = f.error + g.error;
         edge.apex_blur = 1024 * edge.error / edge.length + 4 * slack;
     }
+    static bool is_well_known(const Edge& edge) { return 0x1p20 * edge.error < edge.length; }
 
     void set_arc(Index e) {
         Edge& edge = edges_[e];
@@ -282,7 +287,7 @@ private:
         edge.apex = Mark();
         edge.apex.doubt = edge.apex.level = HUGE_VAL;
         const double radius2 = 1 - edge.offset * edge.offset / edge.square;
-        if (!(radius2 > least_square)) return;
+        if (!(radius2 > least_square) || !is_well_known(edge)) return;
         // Certainly less than half a turn?
         if (!(edge.normal.dot(p.p.cross(q.p)) >
               edge.length * (2 * (p.error + q.error) + slack) + 4 * edge.error))
@@ -290,9 +295,11 @@ private:
         const Vector3d center = edge.offset / edge.square * edge.normal,
                        middle = 0.5 * (p.p + q.p) - center;  // of the chord
         const double depth2 = middle.squaredNorm();
-        // Up to a third of a turn the apex is at most twice the radius away. Of the first order errors the
-        // greatest is that of the radius, 2^5 times that of its square.
-        if (!(radius2 < 4 * depth2)) return;
+        // Up to a third of a turn the apex is at most twice the radius away: R^2 < 4 |m|^2, m = middle, so |m| > 2^-6.
+        // m -> R^2 m / |m|^2 is an inversion: it takes a change d of m to one of R^2 |d| / (|m| |m + d|) < 8 |d| for |d| <
+        // |m| / 2. From the ends |d| is half the sum of their errors, from the centre 2 e; and R^2 itself changes the
+        // apex by 2 e / |m| < 128 e, the centre by 2 e. Together 4 times the ends' errors and less than 150 e.
+        if (!(radius2 < 4 * depth2) || !(p.error + q.error < 0x1p-7)) return;
         edge.apex.p = center + radius2 / depth2 * middle;
         edge.apex.error = edge.apex_blur + 32 * (p.error + q.error);
         edge.apex.height = f(edge.apex.p);
@@ -658,16 +665,19 @@ private:
         const double at_center = along * edge.offset + offset;
         const Vector3d across = gradient - along * edge.normal;
         const double radius2 = 1 - edge.offset * edge.offset / edge.square;
-        if (!(radius2 > least_square)) return Middle::Unknown;
+        if (!(radius2 > least_square) || !is_well_known(edge)) return Middle::Unknown;
         const double steepness = across.norm(), radius = std::sqrt(radius2);
+        // The centre's value moves by 2 e of the slope, the circle's highest by R's 32 e more.
         const double doubt = 4 * error + slope * (64 * edge.error / length + slack);
         const double extreme = sign * at_center - steepness * radius;
         if (extreme > doubt) return Middle::Same;
         if (!(extreme < -doubt) || !(steepness > 0x1p-20 * slope)) return Middle::Unknown;
         const Vector3d center = edge.offset / edge.square * edge.normal;
         middle_ = center - sign * radius / steepness * across;
+        // n.(a x b) for two points seen from the centre: each end is off by its error, the centre counts across n only, e
+        // times |a - b| <= 2, and n itself by dn R^2.
         const double turn_doubt =
-            length * (end_error + slack) + 4 * edge.error + length * radius * doubt / steepness;
+            length * (2 * end_error + slack) + 4 * edge.error + length * radius * doubt / steepness;
         const auto turn = [&](const Vector3d& a, const Vector3d& b) {
             const double value = edge.normal.dot(a.cross(b));
             return std::abs(value) > turn_doubt ? sign_of(value) : Sign::Zero;

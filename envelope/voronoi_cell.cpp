@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cstdio>
 #include <string>
+#include <type_traits>
 #include <utility>
 
-#include "../primitives/base_problem.hpp"
+#include "../core/platform.hpp"
+#include "../primitives/decided_scene.hpp"
 #include "../primitives/plane_base.hpp"
 #include "../primitives/radial_base.hpp"
 #include "lift.hpp"
@@ -45,25 +47,18 @@ MinimizationDiagram diagram_of(const RadialBaseProblem& problem, const EnvelopeO
     return lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1], options);
 }
 
-// How far what lies within the box moved when it was decided. Over a sphere nothing does, over a cylinder the
-// base's axis turns (BaseFrame).
-double scene_motion(const PlaneBaseProblem& problem, const Scene&) { return problem.moved; }
-double scene_motion(const RadialBaseProblem& problem, const Scene& scene) {
-    if (problem.is_sphere || problem.frame.is_axis_parallel()) return 0;
-    const double far = std::max(scene.box.min.norm(), scene.box.max.norm()) + problem.frame.origin.norm();
-    return frame_rounding * far;
-}
-
 // "objects 1, 2, 5: <what> (x, y, z), not told apart within w".
 template <class Problem>
 std::string message(const Assumption& a, const char* what, const Problem& problem) {
     std::string sites;
     for (const FormId f : a.forms)
         for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
-    const Vec3 p = problem.frame.to_world(base_point(problem, a.place));
+    const Vec3 p = problem.unit * problem.frame.to_world(base_point(problem, a.place));
+    // Over a plane the chart's coordinates are lengths.
+    const double width = std::is_same_v<Problem, PlaneBaseProblem> ? problem.unit * a.width : a.width;
     char place[128];
     std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(),
-                  a.width);
+                  width);
     return "objects " + sites + ": " + what + " " + place;
 }
 
@@ -76,7 +71,8 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     Stopwatch watch;
     report("bisectors", 0);
     validate(scene);
-    auto problem = make_problem(scene);
+    DecidedScene decided = decide(scene);
+    auto problem = make_problem(decided.scene, decided.unit);
     report("bisectors", 1);
     const double seconds_bisectors = watch.lap();
 
@@ -92,11 +88,15 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    Cell cell =
-        lift(problem, diagram, scene.tolerance.value_or(1e-7 * scene.box.diagonal()), options.measure);
-    report("patches", 1);
+    Cell cell = lift(problem, diagram,
+                     decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options.measure);
+    cell.report.moved = std::max(problem.moved, decided.moved);
+    cell.scene = std::move(decided.scene);
+    add_scene_motion(cell, cell.report.moved);
+    // Over a plane all parameters of patches are lengths. Elsewhere some are, and stay in the decided scene's unit.
+    scale(cell, decided.unit, std::is_same_v<decltype(problem), PlaneBaseProblem>);
     cell.scene = scene;
-    add_scene_motion(cell, scene_motion(problem, scene));
+    report("patches", 1);
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();
@@ -110,8 +110,10 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
 }  // namespace
 
 Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
-    if (std::holds_alternative<Plane>(scene.base)) return cell_over_base(scene, options, plane_base_problem);
-    return cell_over_base(scene, options, radial_base_problem);
+    return in_ieee_arithmetic("voronoi_cell()", [&] {
+        if (std::holds_alternative<Plane>(scene.base)) return cell_over_base(scene, options, plane_base_problem);
+        return cell_over_base(scene, options, radial_base_problem);
+    });
 }
 
 }  // namespace vcell

@@ -18,7 +18,8 @@ struct CellOptions {
 };
 
 /// The Voronoi cell of the scene's base among its objects, inside the box.
-/// Throws InputError as validate(), plane_base_problem() and radial_base_problem() do.
+/// Throws InputError as validate(), plane_base_problem() and radial_base_problem() do, and EnvironmentError
+/// (core/platform.hpp) where this thread does not compute as IEEE 754 has it by default.
 Cell voronoi_cell(const Scene& scene, const CellOptions& options = {});
 
 }  // namespace vcell

@@ -155,6 +155,7 @@ void write_report(JsonWriter& out, const Report& r) {
             out.key("envelope").value(r.seconds_envelope);
             out.key("patches").value(r.seconds_patches);
         });
+        out.key("moved").value(r.moved);
         out.key("warnings").lines(r.warnings, [&](const std::string& w) { out.value(w); });
     });
 }
@@ -378,6 +379,7 @@ private:
                                     required_member("envelope", [&] { r.seconds_envelope = in_.number(); }),
                                     required_member("patches", [&] { r.seconds_patches = in_.number(); }));
                             }),
+            required_member("moved", [&] { r.moved = in_.number(); }),
             required_member("warnings", [&] { list(r.warnings, [&] { return in_.string(); }); }));
     }
 

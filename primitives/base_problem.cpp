@@ -2,6 +2,9 @@
 
 #include <bit>
 #include <cmath>
+#include <variant>
+
+#include "exact_space.hpp"
 
 namespace vcell {
 
@@ -21,6 +24,28 @@ std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame) {
             sides[s] = {m, box.max[axis] - frame.origin[axis], s};
     }
     return sides;
+}
+
+// With the rounded length L distances from the plane are |n| / L times as long.
+double moved_by_length(const Plane& plane, const Box& box) {
+    const Vec3 normal = scaled_axis(plane.normal);
+    const ExactVector n(normal);
+    const Exact square = dot(n, n);
+    const double length = rounded_sqrt(square);
+    const Exact excess = Exact(length) * length - square;
+    if (excess.sign() == Sign::Zero) return 0;
+    const double part = std::abs(nearest(excess)) / nearest(square);  // twice that of the length
+    const double farthest = (box.max - box.min).norm() +
+                            std::abs(normal.dot(0.5 * box.min + 0.5 * box.max - plane.point)) / length;
+    return part * farthest;
+}
+
+double moved_by_lengths(const Scene& scene) {
+    double moved = 0;
+    for (const Object& object : scene.objects)
+        if (const auto* plane = std::get_if<Plane>(&object))
+            moved = std::max(moved, moved_by_length(*plane, scene.box));
+    return moved;
 }
 
 Vec3 scaled_axis(const Vec3& axis) {

@@ -12,12 +12,13 @@
 #include "../core/exact.hpp"
 #include "objects.hpp"
 #include "plane_base.hpp"
+#include "scene.hpp"
 
 namespace vcell {
 
 /// A rotation in doubles is off by a few units of 2^-53. Components of a unit vector below that are noise (a
-/// cosine of pi/2), and taking them at their word would lean things against each other by as much: they are
-/// rounded to zero together with the rest of the frame.
+/// cosine of pi/2) where it is rounded anyway: of a cylinder base's axis and of the box's sides over a plane base. That
+/// is counted as motion.
 inline constexpr double frame_rounding = 0x1p-51;
 
 /// A double's relative error bound only holds above the subnormals; forms stay well clear of them.
@@ -33,6 +34,10 @@ struct BoxSide {
     std::uint32_t index;  ///< as in Site::box_side()
 };
 std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame);
+
+/// How far planes within the box have moved as their |n| are rounded, or a bound: that scales distances from them.
+double moved_by_length(const Plane& plane, const Box& box);
+double moved_by_lengths(const Scene& scene);
 
 /// The axis with its largest component in [1/2, 1): its length drops out of all heights, and products of
 /// four lengths and four axis components stay in range. Exact.

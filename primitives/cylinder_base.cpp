@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "axial_ties.hpp"
+#include "exact_motion.hpp"
 #include "message.hpp"
 #include "radial_objects.hpp"
 
@@ -20,67 +22,54 @@ namespace {
 
 using Kind = InputError::Kind;
 
-// canonical = rows . (world - origin) / norm. This rotation has rational entries, so what objects are to each
-// other stays exact; the base's axis turns by a few 2^-53 to become the y axis, or not at all where its
-// length is a double.
+// canonical = rotation . (world - origin) / norm. What objects are to each other stays exact; the base's axis turns by a
+// few 2^-53 to become the y axis, or not at all where its length is a double.
 struct CylinderFrame {
     Vec3 axis;  // scaled, noise rounded to zero
     Vec3 origin;
-    std::array<ExactVector, 3> rows;  // orthogonal, of length `norm`
-    Exact norm;
-    bool is_exact;  // the axis has not turned
+    ExactRotation rotation;
+    const Exact& norm;
+    double turn;  // of the axis
 
-    CylinderFrame(const Cylinder& base, const Box& box) : axis(scaled_axis(base.axis)), origin(base.point) {
-        Eigen::Index k = 0;
-        const double size = axis.cwiseAbs().maxCoeff(&k);
-        for (double& component : axis)
-            if (std::abs(component) < frame_rounding * size) component = 0;
-        // The largest component goes to y by a cyclic shift; with -e_k the other two change places.
-        const bool up = axis[k] > 0;
-        const Eigen::Index i = (k + (up ? 2 : 1)) % 3, j = (k + (up ? 1 : 2)) % 3;
+    CylinderFrame(const Cylinder& base, const Box& box)
+        : axis(without_noise(scaled_axis(base.axis))),
+          origin(base.point),
+          rotation(axis, 1),
+          norm(rotation.norm),
+          turn(rotation.turn(scaled_axis(base.axis), 1)) {
         const Vec3 center = 0.5 * box.min + 0.5 * box.max;
-        // The rest is done by the quaternion w + x i + z k.
-        double w = 1, x = 0, z = 0;
-        if (axis[i] == 0 && axis[j] == 0) {
+        Eigen::Index k = 0;
+        axis.cwiseAbs().maxCoeff(&k);
+        if ((axis.array() != 0).count() == 1) {
             origin[k] = center[k];
         } else {
-            const ExactVector a(axis);
-            w = rounded_sqrt(dot(a, a)) + std::abs(axis[k]);
-            x = -axis[j];
-            z = axis[i];
             // In the base's point no rounding leaves the axis.
             const Vec3 unit = axis.normalized();
             const double away = unit.dot(center - base.point);
             if (std::abs(away) > box.diagonal()) origin += away * unit;
         }
-        const Exact ww = Exact(w) * w, xx = Exact(x) * x, zz = Exact(z) * z;
-        const Exact wx = 2.0 * Exact(w) * x, wz = 2.0 * Exact(w) * z, xz = 2.0 * Exact(x) * z;
-        norm = ww + xx + zz;
-        const auto row = [&](const Exact& at_i, const Exact& at_k, const Exact& at_j) {
-            std::array<Exact, 3> e;
-            e[i] = at_i;
-            e[k] = up ? at_k : -at_k;
-            e[j] = at_j;
-            return ExactVector(e[0], e[1], e[2]);
-        };
-        rows = {row(ww + xx - zz, -wz, xz), row(wz, ww - xx - zz, -wx), row(xz, wx, ww - xx + zz)};
-        const ExactVector image = turned(ExactVector(base.axis));
-        is_exact = image.x.sign() == Sign::Zero && image.z.sign() == Sign::Zero;
+    }
+    CylinderFrame(const CylinderFrame&) = delete;
+    CylinderFrame& operator=(const CylinderFrame&) = delete;
+
+    // A cosine of pi/2 in a direction that was turned in doubles is no lean: the base would end on sides of the box
+    // that it runs along. The base turns with its frame anyhow, by about as much, and `turn` counts it.
+    static Vec3 without_noise(Vec3 axis) {
+        const double size = axis.cwiseAbs().maxCoeff();
+        for (double& component : axis)
+            if (std::abs(component) < frame_rounding * size) component = 0;
+        return axis;
     }
 
     // norm times the rotation of p.
-    ExactVector turned(const ExactVector& p) const {
-        return {dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)};
-    }
+    ExactVector turned(const ExactVector& p) const { return rotation(p); }
     ExactVector from_origin(const Vec3& p) const { return ExactVector(p) - ExactVector(origin); }
 
     // Of what turned() returns.
-    Vec3 rounded(const ExactVector& p) const {
-        return Vec3(nearest(p.x), nearest(p.y), nearest(p.z)) / nearest(norm);
-    }
+    Vec3 rounded(const ExactVector& p) const { return rotation.rounded(p); }
     BaseFrame rounded() const {
         BaseFrame frame;
-        for (int r = 0; r < 3; ++r) frame.rotation.row(r) = rounded(rows[r]);
+        frame.rotation = rotation.rounded();
         frame.origin = origin;
         return frame;
     }
@@ -88,9 +77,10 @@ struct CylinderFrame {
 
 class CylinderProblem {
 public:
-    CylinderProblem(const Scene& scene, const Cylinder& base)
+    CylinderProblem(const Scene& scene, const Cylinder& base, double unit)
         : scene_(scene),
           base_(base),
+          unit_(unit),
           frame_(base, scene.box),
           motion_(frame_.rounded()),
           stretch_(stretch()),
@@ -127,7 +117,7 @@ private:
 
     // Where R |(n.x, n.z)| + n.y y <= norm distance for all sides, R = R0 or the least radius of such a
     // circle.
-    std::array<double, 2> stretch() const {
+    std::array<double, 2> stretch() {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         std::array<double, 2> range{-infinity, infinity};
         for (std::uint32_t s = 0; s < 6; ++s) {
@@ -146,15 +136,19 @@ private:
             if (side.is_across_axis()) {
                 end = ahead == Sign::Positive ? side.distance.enclosure() : -side.distance.enclosure();
             } else {
-                const double radius = std::max(base_.radius, least_end_radius * scene_.box.diagonal());
+                const double least = least_end_radius * scene_.box.diagonal();
+                const double radius = std::max(base_.radius, least);
                 const Exact across2 = Exact(radius) * radius * side.across2();
                 end = ((frame_.norm * side.distance).enclosure() - sqrt(across2.enclosure())) /
                       side.normal.y.enclosure();
             }
-            if (ahead == Sign::Positive)
-                range[1] = std::min(range[1], end.lower());
-            else
-                range[0] = std::max(range[0], end.upper());
+            const bool is_last = ahead == Sign::Positive;
+            const double y = is_last ? end.lower() : end.upper();
+            if (is_last ? y >= range[1] : y <= range[0]) continue;
+            range[is_last] = y;
+            const bool is_early =
+                !side.is_across_axis() && base_.radius < least_end_radius * scene_.box.diagonal();
+            early_ends_[is_last] = is_early ? std::optional(side.site) : std::nullopt;
         }
         if (!(range[0] < range[1])) fail_empty("contains no stretch of the base cylinder (base.cylinder)");
         return range;
@@ -211,7 +205,7 @@ private:
                 across > 0 ? Vec3(-base_.radius / across * Vec3(normal.x(), 0, normal.z())) : Vec3::Zero();
             objects_.fail(Kind::TouchesBase, i,
                           std::string(cuts_or_touches(clearance)) + " the base at " +
-                              to_text(motion_.to_world(Vec3(0, y, 0) + toward)));
+                              to_text(unit_ * motion_.to_world(Vec3(0, y, 0) + toward)));
         }
         objects_.planes.add(side == Sign::Negative ? -h : h, i);
     }
@@ -275,7 +269,7 @@ private:
         const ExactVector p = frame_.from_origin({f.px, f.py, f.pz}), a = direction(f);
         const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - base_.radius;
         const ExactVector axis = frame_.turned(a), near = frame_.turned(length2 * p - along * a);
-        if (is_along_base(axis)) return along_base(near, frame_.norm * length2, delta);
+        if (is_along_base(f)) return along_base(near, frame_.norm * length2, delta);
         const Exact &n = frame_.norm, n2 = n * n;
         const ExactVector b = n * near;
         return {{n2 * (length2 * (dot(p, p) - delta * delta) - along * along), -2.0 * b.y,
@@ -309,13 +303,11 @@ private:
     }
     static ExactVector direction(const CylinderForm& f) { return ExactVector(Vec3(f.ax, f.ay, f.az)); }
 
-    // Where the base's axis has turned, parallel axes are parallel but for that.
-    bool is_along_base(const ExactVector& turned) const {
-        const auto is_none = [&](const Exact& component) {
-            return component.sign() == Sign::Zero ||
-                   (!frame_.is_exact && std::abs(nearest(component)) < frame_rounding * nearest(frame_.norm));
-        };
-        return is_none(turned.x) && is_none(turned.z);
+    // Parallel in the scene as it is, or now that the base's axis has turned.
+    bool is_along_base(const CylinderForm& f) const {
+        const ExactVector a = direction(f), image = frame_.turned(a);
+        return (image.x.sign() == Sign::Zero && image.z.sign() == Sign::Zero) ||
+               cross(a, ExactVector(scaled_axis(base_.axis))).is_zero();
     }
 
     // The chart is turned about the axis, u = chart n / W, by an angle that no input favours: a symmetric
@@ -387,7 +379,7 @@ private:
                 const ExactVector axis = frame_.turned(direction(f));
                 add(site,
                     Cylinder{motion_.to_canonical(cylinder.point),
-                             is_along_base(axis) ? Vec3::UnitY().eval() : frame_.rounded(axis),
+                             is_along_base(f) ? Vec3::UnitY().eval() : frame_.rounded(axis),
                              cylinder.radius},
                     form(f));
             }
@@ -398,6 +390,13 @@ private:
                 add(side.site, Plane{canonical.k * canonical.m, canonical.m}, form(side));
         }
         return entries;
+    }
+
+    // Every place is within 2 reach (> sqrt(3) reach) of the origin.
+    double moved() const {
+        const double reach = std::max((scene_.box.min - frame_.origin).cwiseAbs().maxCoeff(),
+                                      (scene_.box.max - frame_.origin).cwiseAbs().maxCoeff());
+        return std::max(2 * reach * frame_.turn, moved_by_lengths(scene_));
     }
 
     RadialBaseProblem make_problem() {
@@ -426,11 +425,18 @@ private:
                     {site, entries[tie.before].id, entries[tie.after].id, tie.is_exact});
         found.add_twins(objects_);
         problem.frame = motion_;
+        problem.unit = unit_;
+        problem.moved = moved();
         problem.is_sphere = false;
         problem.radius = base_.radius;
         problem.stretch = stretch_;
         problem.family.chart = RadialChart::HalfAngle;
         problem.chart = chart() / turn_norm;
+        for (const std::optional<Site>& site : early_ends_)
+            if (site)
+                problem.warnings.push_back("base: ends " + to_text(unit_ * least_end_radius * scene_.box.diagonal()) +
+                                           " from side " + to_string(*site) +
+                                           ", which it runs into obliquely: its clearance falls to 0 there");
         objects_.warn(found.sites, problem.warnings);
         problem.sites = std::move(found.sites);
         problem.objects = std::move(found.objects);
@@ -439,16 +445,18 @@ private:
 
     const Scene& scene_;
     const Cylinder& base_;
+    const double unit_;
     const CylinderFrame frame_;
     const BaseFrame motion_;  // rounded
+    std::array<std::optional<Site>, 2> early_ends_;  // sides before which the stretch ends by least_end_radius
     const std::array<double, 2> stretch_;
     RadialObjects objects_;
 };
 
 }  // namespace
 
-RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base) {
-    return CylinderProblem(scene, base).build();
+RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit) {
+    return CylinderProblem(scene, base, unit).build();
 }
 
 }  // namespace vcell

@@ -6,6 +6,6 @@
 namespace vcell {
 
 /// radial_base_problem() of a scene whose base is this cylinder.
-RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base);
+RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit);
 
 }  // namespace vcell

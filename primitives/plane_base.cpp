@@ -65,7 +65,6 @@ public:
             if (origin_[i] != 0 && Difference(p[i], origin_[i]).low != 0) return false;
         return true;
     }
-    bool keeps_directions() const { return is_axis_parallel_; }
     Vec3 to_canonical(const Vec3& p) const { return motion_.to_canonical(p); }
 
     // norm times the canonical point.
@@ -429,14 +428,14 @@ LinearForm plane_form(const HalfSpaceOverBase& h) {
 
 class ProblemBuilder {
 public:
-    ProblemBuilder(const Scene& scene, const Plane& base)
+    ProblemBuilder(const Scene& scene, const Plane& base, double unit)
         : scene_(scene),
           base_(base),
           frame_(std::make_shared<PlaneFrame>(base, scene.box)),
           box_(frame_->box()),
           sides_(base_region(box_)),
           region_(sides_),
-          moved_(frame_->moved()),
+          unit_(unit),
           sources_(std::make_shared<IdVector<FormId, FormSource>>()) {}
 
     PlaneBaseProblem build() {
@@ -454,11 +453,23 @@ public:
         add_cylinders();
         PlaneBaseProblem problem;
         problem.frame = frame_->motion();
-        problem.moved = moved_;
+        problem.unit = unit_;
+        problem.moved = std::max(frame_->moved(), moved_by_lengths(scene_));
         problem.region = sides_;
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
         problem.family.forms = std::move(forms_);
-        for (const std::uint32_t i : cylinder_objects_) problem.family.cylinders.push_back(form_of(i));
+        for (const std::uint32_t i : cylinder_objects_) {
+            problem.family.cylinders.push_back(form_of(i));
+            const ExactVector axis(std::get<Cylinder>(scene_.objects[i]).axis), normal(base_.normal);
+            problem.axes.push_back(dot(axis, normal).sign() == Sign::Zero ? AxisToBase::Parallel
+                                   : cross(axis, normal).is_zero()        ? AxisToBase::Upright
+                                                                          : AxisToBase::Oblique);
+        }
+        problem.on_one_normal = [sources = sources_, normal = base_.normal](FormId f, FormId g) {
+            const auto *p = std::get_if<Ball>(&(*sources)[f]), *q = std::get_if<Ball>(&(*sources)[g]);
+            if (p == nullptr || q == nullptr) return false;
+            return cross(ExactVector(center(*p)) - ExactVector(center(*q)), ExactVector(normal)).is_zero();
+        };
         problem.family.exact = [sources = sources_, frame = frame_](FormId f) -> ExactForm {
             const FormSource& source = (*sources)[f];
             if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(placed(*frame, *ball));
@@ -481,11 +492,12 @@ private:
         const Vec3 world = frame_->motion().to_world({place.x(), place.y(), 0});
         fail(Kind::TouchesBase, object,
              std::string(depth == Sign::Positive ? "cuts" : "touches") + " the base region at " +
-                 to_text(world));
+                 to_text(unit_ * world));
     }
 
     // A ball of the world in canonical coordinates.
     static ExactBall placed(const PlaneFrame& frame, const Ball& ball) {
+        if (frame.keeps(center(ball))) return {ExactVector(frame.to_canonical(center(ball))), ball.rho, 1.0};
         return {frame.place(center(ball)), frame.norm() * ball.rho, frame.norm()};
     }
     static Vec3 center(const Ball& ball) { return {ball.cx, ball.cy, ball.cz}; }
@@ -520,11 +532,10 @@ private:
     }
 
     void add(std::uint32_t i, const Plane& plane) {
-        const Vec3 unscaled = plane.normal;
-        const ExactVector normal(unscaled);
+        const ExactVector normal(plane.normal);
         const Exact square = dot(normal, normal);
         const double length = rounded_sqrt(square);
-        HalfSpaceOverBase h{frame_->turned(unscaled), {}, frame_->norm() * length};
+        HalfSpaceOverBase h{frame_->turned(plane.normal), {}, frame_->norm() * length};
         // A plane parallel to the base stays parallel to it.
         const bool is_level = cross(normal, ExactVector(base_.normal)).is_zero();
         if (is_level && !frame_->is_exact()) {
@@ -536,19 +547,6 @@ private:
         h.d = -dot(h.n, p);
         h.n = frame_->norm() * h.n;
         h.length = frame_->norm() * h.length;
-        const Exact excess = Exact(length) * length - square;
-        if (excess.sign() != Sign::Zero) {
-            // Distances from the plane change by this part of them.
-            const double part = 0.5 * std::abs(nearest(excess)) / nearest(square);
-            double farthest = 0;
-            for (int corner = 0; corner < 8; ++corner) {
-                const Vec3 at((corner & 1 ? scene_.box.max : scene_.box.min).x(),
-                              (corner & 2 ? scene_.box.max : scene_.box.min).y(),
-                              (corner & 4 ? scene_.box.max : scene_.box.min).z());
-                farthest = std::max(farthest, std::abs(unscaled.dot(at - plane.point)) / length);
-            }
-            moved_ = std::max(moved_, 2 * part * farthest);
-        }
         // Linear over the region: the corners tell.
         const auto& corners = region_.corners();
         std::vector<Sign> signs;
@@ -750,7 +748,8 @@ private:
                 const bool is_kept = frame_->keeps(center(ball));
                 const CircularForm f =
                     is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
-                check_range(f.e, f.e == 0, Site::object(ball_objects_[i]));
+                check_range(f.e, is_kept ? rounded(*frame_, ball).cz == ball.rho : f.e == 0,
+                            Site::object(ball_objects_[i]));
                 check_range(f.w, false, Site::object(ball_objects_[i]));
                 ball_forms[i] = forms_.push_back(f);
                 sources_->push_back(balls_[i]);
@@ -811,7 +810,7 @@ private:
     const std::array<BoxSide, 6>& box_;
     const std::vector<RegionSide> sides_;
     const Region region_;
-    double moved_;
+    const double unit_;
 
     // Of the world: there objects hide in each other, exactly.
     std::vector<Ball> balls_;
@@ -834,14 +833,14 @@ private:
 
 }  // namespace
 
-PlaneBaseProblem plane_base_problem(const Scene& scene) {
+PlaneBaseProblem plane_base_problem(const Scene& scene, double unit) {
     const auto* base = std::get_if<Plane>(&scene.base);
     if (base == nullptr)
         throw InputError(Kind::Unsupported, InputError::no_object,
                          std::holds_alternative<Sphere>(scene.base) ? "base.sphere" : "base.cylinder",
                          "only planes are bases in this version");
     check_base_cuts_box(*base, scene.box);
-    return ProblemBuilder(scene, *base).build();
+    return ProblemBuilder(scene, *base, unit).build();
 }
 
 double region_area(const std::vector<RegionSide>& region) {

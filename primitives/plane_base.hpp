@@ -14,6 +14,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "../core/circular_form.hpp"
@@ -43,6 +45,8 @@ struct RegionSide {
     Site site;
 };
 
+enum class AxisToBase : std::uint8_t { Parallel, Upright, Oblique };
+
 /// A scene over a plane base, brought to canonical position and checked.
 struct PlaneBaseProblem {
     BaseFrame frame;
@@ -52,6 +56,12 @@ struct PlaneBaseProblem {
     /// A bound on the distance that anything of the scene within the box has moved, in its unit: the base and the sides
     /// of the box with the motion, planes by the rounding of |n|, which scales distances from them.
     double moved = 0;
+    double unit = 1;  ///< of the scene's lengths, for messages
+    /// How the axis of each of family.cylinders lies to the base, in the scene as it is: forms are exact about a base
+    /// that may have turned a little.
+    std::vector<AxisToBase> axes;
+    /// Are the centres of two forms' balls on one normal of the base? Likewise.
+    std::function<bool(FormId, FormId)> on_one_normal;
     /// The sites of each form, ascending: several when objects coincide as seen from the base
     /// (duplicates, a plane whose bisector is the box side). Objects hidden in cylinders, and cylinders
     /// hidden beyond planes or sides of the box, have none: at best they tie with what hides them.
@@ -64,8 +74,9 @@ struct PlaneBaseProblem {
 /// TouchesBase (with object and place) for an object that cuts or touches the closed base region,
 /// OutOfRange where a height's coefficients leave the double range. All of it by exact signs.
 /// An object that meets the base outside the region only is legal.
+/// Messages give places in lengths times `unit`.
 /// Pre: validate(scene) has passed.
-PlaneBaseProblem plane_base_problem(const Scene& scene);
+PlaneBaseProblem plane_base_problem(const Scene& scene, double unit = 1);
 
 /// Area of the base region. Relative error at most 2^-49: the exact corners, rounded at the very end.
 double region_area(const std::vector<RegionSide>& region);

@@ -27,9 +27,9 @@ void FormSites::settle() {
     joined_.clear();
 }
 
-RadialBaseProblem radial_base_problem(const Scene& scene) {
-    if (const auto* sphere = std::get_if<Sphere>(&scene.base)) return sphere_base_problem(scene, *sphere);
-    return cylinder_base_problem(scene, std::get<Cylinder>(scene.base));
+RadialBaseProblem radial_base_problem(const Scene& scene, double unit) {
+    if (const auto* sphere = std::get_if<Sphere>(&scene.base)) return sphere_base_problem(scene, *sphere, unit);
+    return cylinder_base_problem(scene, std::get<Cylinder>(scene.base), unit);
 }
 
 Vec3 RadialBaseProblem::normal(const Vec2& p) const {

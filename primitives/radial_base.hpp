@@ -67,7 +67,7 @@ struct RadialBaseProblem {
     /// becomes the y axis, the origin is its foot of the box's centre, or in general the base's point where that is
     /// within a diagonal of the box. The forms are those of an exact R of rational entries: what objects and sides of
     /// the box are to each other, it leaves alone. Only the base's axis turns, by a few 2^-53, unless its length is a
-    /// double (as of axis-parallel ones, or (1, 2, 2)); then axes parallel to it but for 2^-51 count as parallel.
+    /// double (as of axis-parallel ones, or (1, 2, 2)), and the cylinders along it turn with it.
     BaseFrame frame;
     bool is_sphere;
     double radius;  ///< R0
@@ -90,6 +90,8 @@ struct RadialBaseProblem {
         bool is_exact;         ///< otherwise up to narrow_tie
     };
     std::vector<GeneratorTie> generator_ties;
+    /// As in PlaneBaseProblem.
+    double unit = 1, moved = 0;
     std::vector<std::string> warnings;
 
     /// Unit outward normal at a chart point. On a cylinder x may be any number of [-1, 3].
@@ -118,6 +120,6 @@ struct RadialBaseProblem {
 /// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a plane; over a
 /// cylinder balls out of sight beyond the ends of the stretch.
 /// Pre: validate(scene) has passed; the base is a sphere or a cylinder.
-RadialBaseProblem radial_base_problem(const Scene& scene);
+RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
 
 }  // namespace vcell

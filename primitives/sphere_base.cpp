@@ -250,8 +250,8 @@ struct FormSources {
 
 class SphereProblem {
 public:
-    SphereProblem(const Scene& scene, const Sphere& base)
-        : scene_(scene), frame_{base.center, base.radius, {}}, objects_(scene) {}
+    SphereProblem(const Scene& scene, const Sphere& base, double unit)
+        : scene_(scene), unit_(unit), frame_{base.center, base.radius, {}}, objects_(scene) {}
 
     RadialBaseProblem build() {
         check_box();
@@ -307,7 +307,7 @@ private:
         if (clearance != Sign::Positive) {
             const Vec3 place = frame_.center - h.n * (nearest(value) / h.length / h.length);
             objects_.fail(Kind::TouchesBase, i,
-                          std::string(cuts_or_touches(clearance)) + " the base at " + to_text(place));
+                          std::string(cuts_or_touches(clearance)) + " the base at " + to_text(unit_ * place));
         }
         objects_.planes.add(h, i);
     }
@@ -458,6 +458,8 @@ private:
         }
         found.add_twins(objects_);
         problem.frame.origin = frame_.center;
+        problem.unit = unit_;
+        problem.moved = moved_by_lengths(scene_);
         problem.is_sphere = true;
         problem.radius = frame_.radius;
         problem.chart = frame_.rotation.matrix / frame_.rotation.norm;
@@ -470,6 +472,7 @@ private:
     }
 
     const Scene& scene_;
+    const double unit_;
     SphereFrame frame_;
     RadialObjects objects_;
     std::vector<BallPower> powers_;  // of objects_.balls
@@ -478,8 +481,8 @@ private:
 
 }  // namespace
 
-RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base) {
-    return SphereProblem(scene, base).build();
+RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit) {
+    return SphereProblem(scene, base, unit).build();
 }
 
 }  // namespace vcell

@@ -6,6 +6,6 @@
 namespace vcell {
 
 /// radial_base_problem() of a scene whose base is this sphere.
-RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base);
+RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit);
 
 }  // namespace vcell

@@ -197,11 +197,15 @@ TEST_CASE("cell: oblique frames of one scene, its axes exchanged, agree") {
 TEST_CASE("cell: rounding noise in the base's normal does not lean the box over the base") {
     std::mt19937_64 rng(test_seed());
     Scene scene = random_scene(rng, 15, 3);
-    const Measures straight = voronoi_cell(scene).measures;
+    const Cell straight = voronoi_cell(scene);
     scene.base = Plane{{0, 0, 0}, {std::sin(std::numbers::pi), -1e-17, 1}};
-    const Measures noisy = voronoi_cell(scene).measures;
-    CHECK(noisy.volume == straight.volume);
-    CHECK(noisy.box_area == straight.box_area);
+    const Cell noisy = voronoi_cell(scene);
+    CHECK(noisy.faces.size() == straight.faces.size());
+    CHECK(noisy.vertices.size() == straight.vertices.size());
+    CHECK(noisy.measures.volume == doctest::Approx(straight.measures.volume).epsilon(1e-14));
+    CHECK(noisy.measures.box_area == doctest::Approx(straight.measures.box_area).epsilon(1e-14));
+    CHECK(straight.report.moved <= 0x1p-48);
+    CHECK(noisy.report.moved > straight.report.moved);
 }
 
 TEST_CASE("cell: duplicates stay in the labels, the first one owns the face") {

@@ -218,11 +218,57 @@ TEST_CASE("heights: the bisector's point is equally far from base and object") {
                            real(form.W);
             const Real d = distance(scene.objects[site.index], problem.frame, {x, y, t});
             CAPTURE(site.index);
-            // Exact for spheres; a plane's |n| has been rounded once.
-            CHECK(abs(d - t) <= (site.index == 0 ? Real(1e-80) : 8 * u * t));
+            // Exact for spheres, where doubles hold the canonical centre; a plane's |n| has been rounded once.
+            const bool is_exact = site.index == 0 && problem.frame.is_axis_parallel();
+            CHECK(abs(d - t) <= (is_exact ? Real(1e-80) : 16 * u * (1 + t)));
             CHECK(problem.family.forms[f](x, y) == doctest::Approx(t.convert_to<double>()).epsilon(1e-13));
         }
     }
+}
+
+TEST_CASE("frame: a tilted plane leaves alone what objects are to each other") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (const Vec3& normal : {Vec3(2, 3, 6), Vec3(0.1, -0.2, 0.9), Vec3(1e-17, 0, 1), Vec3(1, 1, 1)}) {
+        CAPTURE(normal.transpose());
+        Scene scene = square_scene();
+        scene.box = {{-1, -1, -1}, {1, 1, 1}};
+        scene.base = Plane{{0.1, 0.2, -0.05}, normal};
+        for (int i = 0; i < 5; ++i)
+            scene.objects.push_back(
+                Sphere{4 * normal.normalized() + Vec3(unit(rng), unit(rng), unit(rng)), 0.1 + 0.1 * i});
+        const PlaneBaseProblem problem = plane_base_problem(scene);
+        struct Center {
+            Real x, y, z;
+        };
+        std::vector<Center> centers;
+        for (std::uint32_t i = 0; i < 5; ++i) {
+            const FormId f{i};
+            REQUIRE(problem.sites[f] == std::vector{Site::object(i)});
+            const ExactForm e = problem.family.exact(f);
+            const Real K = real(e.K);
+            // w = 2 (z + rho) over K.
+            centers.push_back({-real(e.A) / (2 * K), -real(e.B) / (2 * K),
+                               real(e.W) / (2 * K) - std::get<Sphere>(scene.objects[i]).radius});
+            for (std::uint32_t j = 0; j < i; ++j) {
+                const Vec3 &p = std::get<Sphere>(scene.objects[i]).center, &q = std::get<Sphere>(scene.objects[j]).center;
+                Real world = 0;
+                for (int k = 0; k < 3; ++k) world += (Real(p[k]) - q[k]) * (Real(p[k]) - q[k]);
+                const Real x = centers[i].x - centers[j].x, y = centers[i].y - centers[j].y,
+                           z = centers[i].z - centers[j].z;
+                CHECK(abs(x * x + y * y + z * z - world) <= Real(1e-80));
+            }
+            // And the doubles stand for that.
+            const CircularForm& c = problem.family.forms[f];
+            const Real value = (real(e.K) * (Real(0.25) * 0.25 + Real(0.5) * 0.5) + real(e.A) * 0.25 +
+                                real(e.B) * 0.5 + real(e.C)) / real(e.W);
+            CHECK(c(0.25, 0.5) == doctest::Approx(value.convert_to<double>()).epsilon(1e-14));
+        }
+        CHECK((problem.moved == 0) == false);  // sides of the box
+        CHECK(problem.moved <= 0x1p-46);
+    }
+    // A normal of length 7 leaves the base where it is, and axis-parallel ones the box.
+    CHECK(plane_base_problem(square_scene()).moved == 0);
 }
 
 TEST_CASE("forms: double fields are within 4u of the exact ones") {
