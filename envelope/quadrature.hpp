@@ -14,9 +14,11 @@
 
 namespace vcell::quadrature {
 
-inline constexpr int points = 16;  ///< of the rule where none is chosen
+inline constexpr int points = 16;              ///< of the rule where none is chosen
 inline constexpr double truncation = 4e-21;    ///< error bound over the integrand's bound M
 inline constexpr double required_reach = 2.5;  ///< half lengths
+/// Of one span: some forty for each of many singular points.
+inline constexpr int most_halvings = 2000;
 
 /// Positive abscissae and their weights; the rule is symmetric.
 template <int n>
@@ -95,15 +97,22 @@ void visit_nodes(const ArcSpan& span, Visit&& visit) {
 /// Halves the span until reach(part) >= 2.5 half lengths, then calls visit_part(part, true).
 /// reach: a lower bound on the radius (in arc length, about the middle) of analyticity. A singularity on the
 /// span itself (an object that all but touches the base there) ends the halving at parts that are 2^-52 of
-/// the span: visit_part(part, false), without a bound of the rule's truncation.
+/// the span: visit_part(part, false), without a bound of the rule's truncation. The same where a budget of
+/// halvings is spent, as by numbers that are none.
 template <class Reach, class VisitPart>
-void visit_parts(const ArcSpan& span, const Reach& reach, VisitPart&& visit_part, int halvings = 52) {
+void visit_parts(const ArcSpan& span, const Reach& reach, VisitPart&& visit_part, int halvings, int& budget) {
     const bool is_tame = 0.5 * span.length() * required_reach <= reach(span);
-    if (!is_tame && halvings > 0) {
-        for (const ArcSpan& half : span.halves()) visit_parts(half, reach, visit_part, halvings - 1);
+    if (!is_tame && halvings > 0 && budget > 0) {
+        --budget;
+        for (const ArcSpan& half : span.halves()) visit_parts(half, reach, visit_part, halvings - 1, budget);
         return;
     }
     visit_part(span, is_tame);
+}
+template <class Reach, class VisitPart>
+void visit_parts(const ArcSpan& span, const Reach& reach, VisitPart&& visit_part) {
+    int budget = most_halvings;
+    visit_parts(span, reach, visit_part, 52, budget);
 }
 
 }  // namespace vcell::quadrature

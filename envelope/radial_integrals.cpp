@@ -550,7 +550,16 @@ public:
 
     // On an ellipse whose semi-axes' sum is rho, in the disk |s| <= r with 2 r = rho + 1 / rho, the n-point
     // rule errs by (64/15) rho^(-2n) / (1 - rho^-2) of the integrand's bound (quadrature.hpp).
-    void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings = 40) const {
+    void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
+        int budget = quadrature::most_halvings;
+        add(left, right, sum, 40, budget);
+    }
+
+private:
+    static constexpr int most_points = 14;
+
+    void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,
+             int& budget) const {
         const double r = disk(std::max({0.0, -left.delta, -right.delta}));
         const double rho = r + sqrt(r * r - 1), shrink = 1 / square(rho);
         const double least_w = w_.c0 - w_.deviation(r);
@@ -560,15 +569,22 @@ public:
         int points = 4;
         for (; points < most_points && !(truncation <= needed); points += 2) truncation *= square(shrink);
         // NaN where there is no disk.
-        if (!(truncation <= needed) && halvings > 0) {
+        if (!(truncation <= needed) && halvings > 0 && budget > 0) {
+            --budget;
             for (const double sign : {-1.0, 1.0})
                 Conic(Powers{a_[0] + sign * 0.5 * a_[1] + 0.25 * a_[2], 0.5 * a_[1] + sign * 0.5 * a_[2],
                              0.25 * a_[2]})
-                    .add(left, right, sum, halvings - 1);
+                    .add(left, right, sum, halvings - 1, budget);
             return;
         }
-        const double rounding = 2 * term_rounding * this->moment(1) / square(std::min(w_(-1.0), w_(1.0)));
-        const double middle_t = t_.c0 / w_.c0, turned_t = turned().deviation(r) / least_w;
+        const double moment_here = this->moment(1) / square(std::min(w_(-1.0), w_(1.0)));
+        const double rounding = 2 * term_rounding * moment_here;
+        // Where halving ended without a disk, the whole part.
+        const bool is_tame = truncation < infinity;
+        if (!is_tame) truncation = 4 * moment_here;
+        const double middle_t = t_.c0 / w_.c0,
+                     turned_t = is_tame ? turned().deviation(r) / least_w
+                                        : turned().deviation(1) / std::min({w_(-1.0), w_(0.0), w_(1.0)});
         const double error = truncation + rounding;
         for (const int side : {0, 1}) {
             const auto bounds =
@@ -591,9 +607,6 @@ public:
                 return add_values<most_points>(left, right, sum);
         }
     }
-
-private:
-    static constexpr int most_points = 14;
 
     explicit Conic(const Powers& a) : a_(a), t_{a[0][3], a[1][3], a[2][3]}, w_{a[0][4], a[1][4], a[2][4]} {
         // p x dp and dp, both times w^2: the powers that would be higher cancel.

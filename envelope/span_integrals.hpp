@@ -99,8 +99,8 @@ private:
 /// Adds an integrand's integrals along a span. It offers N values at a SpanPoint of any number type, and at
 /// one of doubles their sizes: the sums of the absolute values of their terms.
 template <std::size_t N, class Integrand>
-void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum,
-               int halvings = 40) {
+void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum, int halvings,
+               int& budget) {
     // The bound may exceed the integrand's size by this factor: 4e-21 of it is next to nothing.
     constexpr double largest_growth = 1e4, ellipse = 2.4;
     const auto bounds = integrand(span.at(ComplexBall(0.0, ellipse)));
@@ -119,8 +119,9 @@ void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Int
     bool good = true;
     for (std::size_t k = 0; k < N; ++k)
         good = good && bounds[k].magnitude() <= largest_growth * size[k] + std::numeric_limits<double>::min();
-    if (!good && halvings > 0) {
-        for (const int side : {0, 1}) integrate(span.half(side), integrand, sum, halvings - 1);
+    if (!good && halvings > 0 && budget > 0) {
+        --budget;
+        for (const int side : {0, 1}) integrate(span.half(side), integrand, sum, halvings - 1, budget);
         return;
     }
     for (std::size_t k = 0; k < N; ++k) {
@@ -128,6 +129,12 @@ void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Int
         const double truncation = good ? 2 * quadrature::truncation * bounds[k].magnitude() : 2 * size[k];
         sum[k] += {value[k], truncation + term_rounding * size[k]};
     }
+}
+
+template <std::size_t N, class Integrand>
+void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum) {
+    int budget = quadrature::most_halvings;
+    integrate(span, integrand, sum, 40, budget);
 }
 
 /// The same for integrands that are dear, or cannot be bounded: with seven points, and their difference from

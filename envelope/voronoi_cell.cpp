@@ -1,7 +1,9 @@
 #include "voronoi_cell.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <type_traits>
@@ -62,6 +64,36 @@ std::string message(const Assumption& a, const char* what, const Problem& proble
     return "objects " + sites + ": " + what + " " + place;
 }
 
+// Where an element's numbers or bounds are none, digits or a budget were not enough.
+void require_numbers(const Cell& cell, bool is_measured) {
+    const auto require = [](bool is_known, const char* element, const auto& sites, const Vec3& p) {
+        if (is_known) return;
+        std::string names;
+        for (const Site site : sites) names += (names.empty() ? "" : ", ") + to_string(site);
+        char place[96];
+        std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g)", p.x(), p.y(), p.z());
+        throw UndecidedError("objects " + names + ": no bound on the error of their " + element + " near " +
+                             place);
+    };
+    for (const CellVertex& v : cell.vertices)
+        require(std::isfinite(v.point.sum() + v.radius + v.error), "vertex", v.sites, v.point);
+    for (const CellEdge& e : cell.edges) {
+        double sum = is_measured ? e.error + e.length + e.length_error : e.error;
+        for (const Eigen::Vector4d& p : e.curve.points) sum += p.sum();
+        require(std::isfinite(sum), "edge", e.sites, e.curve.points.front().head<3>());
+    }
+    if (!is_measured) return;
+    for (const CellFace& f : cell.faces) {
+        const auto& points = f.patches.front().surface.points;
+        require(std::isfinite(f.area + f.area_error), "face", std::array{f.site},
+                points.empty() ? Vec3::Zero().eval() : Vec3(points.front().head<3>()));
+    }
+    const Measures& m = cell.measures;
+    if (!std::isfinite(m.volume + m.volume_error + m.min_clearance + m.min_clearance_error + m.max_clearance +
+                       m.max_clearance_error))
+        throw UndecidedError("the cell's measures: no bound on their error");
+}
+
 // From the scene's heights, made by make_problem(), to its cell.
 template <class MakeProblem>
 Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem make_problem) {
@@ -96,6 +128,7 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     // Over a plane all parameters of patches are lengths. Elsewhere some are, and stay in the decided scene's unit.
     scale(cell, decided.unit, std::is_same_v<decltype(problem), PlaneBaseProblem>);
     cell.scene = scene;
+    require_numbers(cell, options.measure);
     report("patches", 1);
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
