@@ -22,7 +22,7 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     const auto edges = certify_edges(subject, options, certificate);
     certify_kinds(subject, options, certificate);
     certify_faces(subject, edges, options, certificate);
-    certify_measures(subject, options, certificate);
+    certify_measures(subject, edges, options, certificate);
     return certificate;
 }
 

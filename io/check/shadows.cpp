@@ -383,7 +383,7 @@ Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
         default: {
             // Their cone's apex is where the axis comes as far below the plane as the radius. Far away it would
             // cost digits.
-            constexpr double least_slope = 0x1p-8;
+            constexpr double least_slope = 0x1p-5;
             const Interval slope = form.d[2];
             if (slope.lower() > least_slope || slope.upper() < -least_slope) {
                 const Interval run = (-form.delta - form.c[2]) / slope;

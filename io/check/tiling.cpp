@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -20,12 +21,14 @@ public:
     using Room::Room;
 
     void run() {
+        const std::size_t before = certificate_.count(Verdict::refuted);
         check_uses();
         check_labels();
         check_loops();
         check_seams();
         check_euler();
         check_samples();
+        if (certificate_.count(Verdict::refuted) == before) certificate_.prove("tiling");
     }
 
 private:
@@ -33,6 +36,13 @@ private:
         for (std::size_t e = 0; e < uses_.size(); ++e) {
             const auto& uses = uses_[e];
             if (uses.empty()) note(edge_path(e), "no face uses it");
+            const auto& [left, right] = cell_.edges[e].sites;
+            if (left == right) note(edge_path(e) + ".sites", fmt::format("are {} on both sides", title(left)));
+            const auto& points = cell_.edges[e].curve.points;
+            if (std::ranges::all_of(points, [&](const auto& p) {
+                    return p.template head<3>() == points.front().template head<3>();
+                }))
+                note(edge_path(e) + ".curve", "is a single point");
             if (uses.size() > 2) note(edge_path(e), fmt::format("used {} times", uses.size()));
             if (uses.size() == 2 && uses[0].reversed == uses[1].reversed)
                 note(edge_path(e), fmt::format("used twice in the same sense, by faces {} and {}",
@@ -88,6 +98,7 @@ private:
         }
         for (std::size_t v = 0; v < around.size(); ++v) {
             if (cell_.vertices[v].sites.size() < 2) note(vertex_path(v) + ".sites", "are fewer than two");
+            if (around[v].empty()) note(vertex_path(v), "no edge ends there");
             if (around[v].size() != 2 || around[v][0] == around[v][1]) continue;
             if (label(around[v][0]) == label(around[v][1]) &&
                 label(around[v][0]).size() == cell_.vertices[v].sites.size())
@@ -101,21 +112,79 @@ private:
             for (std::size_t l = 0; l < patch.loops.size(); ++l) {
                 const std::string where = loop_path(patch.face, patch.index, l);
                 check_head_to_tail(patch, patch.loops[l], where);
-                double area = 0;
-                for (const Trim& trim : patch.loops[l])
-                    for (const auto& piece : trim.pieces)
-                        area += integrate(
-                                    [&](double t) {
-                                        const auto [q, d] = piece.evaluate(t);
-                                        const Vec2 r = q - patch.lo;
-                                        return Scalar(0.5 * (r.x() * d.y() - r.y() * d.x()));
-                                    },
-                                    piece.begin, piece.end, Scalar(kRounding * (patch.hi - patch.lo).prod()))
-                                    .value[0];
                 if (is_as_small_as_rounding(patch)) continue;
-                if (l == 0 && !(area > 0)) note(where, "the outer loop does not run counter-clockwise");
-                if (l > 0 && !(area < 0)) note(where, "a hole does not run clockwise");
+                const int turn = orientation(patch.loops[l]);
+                if (l == 0 && turn < 0) note(where, "the outer loop does not run counter-clockwise");
+                if (l > 0 && turn > 0) note(where, "a hole does not run clockwise");
+                if (l > 0 && is_outside(patch, patch.loops[l])) note(where, "a hole outside the outer loop");
             }
+        check_cycles();
+    }
+
+    /// The sign of a loop's area: that of the polygon through points of it, if it is larger than what lies between
+    /// the chords and the curves, of which each stays in the hull of its control points. 0: the parts are too
+    /// small to tell.
+    static int orientation(const std::vector<Trim>& loop) {
+        std::vector<Bezier<2>> parts;
+        for (const Trim& trim : loop) parts.insert(parts.end(), trim.pieces.begin(), trim.pieces.end());
+        const Vec2 origin = parts.front().control(0);
+        constexpr int most_halvings = 7;
+        for (int k = 0;; ++k) {
+            double area = 0, between = 0, size = 0;
+            for (const auto& part : parts) {
+                const std::size_t last = part.points.size() - 1;
+                const Vec2 p = part.control(0) - origin, q = part.control(last) - origin, chord = q - p;
+                area += p.x() * q.y() - p.y() * q.x();
+                size += std::abs(p.x() * q.y()) + std::abs(p.y() * q.x());
+                // A hull's area is at most that of the rectangle along the chord and its ends' offsets.
+                double above = 0, below = 0, before = 0, after = chord.squaredNorm();
+                for (std::size_t i = 1; i < last; ++i) {
+                    const Vec2 m = part.control(i) - origin - p;
+                    const double aside = chord.x() * m.y() - chord.y() * m.x(), along = chord.dot(m);
+                    above = std::max(above, aside);
+                    below = std::min(below, aside);
+                    before = std::min(before, along);
+                    after = std::max(after, along);
+                }
+                if (above > below)
+                    between += 2 * (above - below) * (chord.squaredNorm() > 0 ? (after - before) / chord.squaredNorm() : HUGE_VAL);
+            }
+            const double rest = between + kRounding * size;
+            if (area > rest) return 1;
+            if (area < -rest) return -1;
+            if (k == most_halvings) return 0;
+            std::vector<Bezier<2>> halves;
+            for (const auto& part : parts)
+                for (auto& half : part.halves()) halves.push_back(std::move(half));
+            parts = std::move(halves);
+        }
+    }
+
+    static bool is_outside(const Patch& patch, const std::vector<Trim>& hole) {
+        const Vec2 q = hole.front().pieces.front().control(0), near = kPlaceRounding * (patch.hi - patch.lo);
+        double turn = 0;
+        for (const Trim& trim : patch.loops[0])
+            for (const auto& piece : trim.pieces) {
+                const auto angle = swept(piece, q, near);
+                if (!angle) return false;  // where loops touch, edges are judged
+                turn += *angle;
+            }
+        return turn < std::numbers::pi;
+    }
+
+    /// All around a face its edges are closed, whatever seams cut them: at each vertex as many come as go.
+    void check_cycles() {
+        std::map<std::pair<std::size_t, std::uint32_t>, int> balance;
+        for (std::size_t e = 0; e < uses_.size(); ++e) {
+            const auto& vertices = cell_.edges[e].vertices;
+            if (vertices.empty() || vertices[0] == vertices[1]) continue;
+            for (const auto& use : uses_[e])
+                for (const int end : {0, 1})
+                    balance[{use.face, vertices[static_cast<std::size_t>(end)]}] += (end == 1) == use.reversed ? -1 : 1;
+        }
+        for (const auto& [at, sum] : balance)
+            if (sum != 0)
+                note(face_path(at.first), fmt::format("its edges are not closed at vertex {}", at.second));
     }
 
     // Of faces between objects that all but meet: which way their loops run is not in the numbers.
@@ -229,7 +298,12 @@ private:
 
     void check_samples() {
         std::mt19937_64 rng(options_.seed);
-        for (std::uint32_t k = 0; k < options_.samples; ++k) {
+        // That each base point lies under one face is proved by the sum of their shadows (measures.hpp); samples are
+        // a second look, as long as they cost little.
+        constexpr std::size_t most_tests = 4'000'000;
+        const std::size_t samples =
+            std::min<std::size_t>(options_.samples, most_tests / (scene_.objects.size() + patches_.size() + 1));
+        for (std::size_t k = 0; k < samples; ++k) {
             const auto ray = geometry_.random_ray(rng, kNearEdge * scene_.box.diagonal());
             if (!ray) return note("scene.box", "holds none of the base");
             if (!check_sample(*ray)) return;

@@ -1,0 +1,234 @@
+#include "clearances.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <set>
+
+namespace vcell::check {
+
+namespace {
+
+using Control = Eigen::Vector4d;
+
+/// A part of an edge by its homogeneous control points, in the frame.
+struct Part {
+    std::vector<Control> points;
+    double bound;  ///< of the clearances along it, from the side that is asked for
+
+    friend bool operator<(const Part& a, const Part& b) { return a.bound < b.bound; }
+};
+
+/// How the clearances of points, and of parts, are told over a base.
+class Heights {
+public:
+    Heights(const Scene& scene, const Frame& frame)
+        : is_plane_(std::holds_alternative<Plane>(scene.base)),
+          is_sphere_(std::holds_alternative<Sphere>(scene.base)),
+          radius_(frame.radius().mid()) {}
+
+    double at(const Vec3& p) const {
+        return is_plane_ ? p.z() : (is_sphere_ ? p.norm() : p.head<2>().norm()) - radius_;
+    }
+    /// A height over a plane, or a squared distance, is a quotient of polynomials of which the denominator's
+    /// Bernstein coefficients are positive: it lies between the least and the greatest quotient of coefficients. On
+    /// a circle about the centre or the axis they are all the same.
+    std::array<double, 2> range(const Part& part) const {
+        std::array<double, 2> bounds{HUGE_VAL, -HUGE_VAL};
+        const auto meet = [&](double h) { bounds = {std::min(bounds[0], h), std::max(bounds[1], h)}; };
+        if (is_plane_) {
+            for (const Control& c : part.points) meet(c[2] / c[3]);
+            return bounds;
+        }
+        const std::size_t d = part.points.size() - 1;
+        std::vector<double> binomials(2 * d + 1, 1.0);
+        for (std::size_t k = 1; k <= 2 * d; ++k)
+            binomials[k] = binomials[k - 1] * static_cast<double>(2 * d + 1 - k) / static_cast<double>(k);
+        std::vector<double> choose(d + 1, 1.0);
+        for (std::size_t k = 1; k <= d; ++k)
+            choose[k] = choose[k - 1] * static_cast<double>(d + 1 - k) / static_cast<double>(k);
+        for (std::size_t k = 0; k <= 2 * d; ++k) {
+            double square = 0, weight = 0;
+            for (std::size_t i = k > d ? k - d : 0; i <= std::min(k, d); ++i) {
+                const Control &a = part.points[i], &b = part.points[k - i];
+                const double share = choose[i] * choose[k - i] / binomials[k];
+                square += share * (a.x() * b.x() + a.y() * b.y() + (is_sphere_ ? a.z() * b.z() : 0));
+                weight += share * a[3] * b[3];
+            }
+            meet(square / weight);
+        }
+        return {std::sqrt(std::max(0.0, bounds[0])) - radius_, std::sqrt(std::max(0.0, bounds[1])) - radius_};
+    }
+
+private:
+    bool is_plane_, is_sphere_;
+    double radius_;
+};
+
+std::array<Part, 2> halves(const Part& part) {
+    std::array<Part, 2> result{part, part};
+    std::vector<Control> level = part.points;
+    const std::size_t d = level.size() - 1;
+    for (std::size_t i = 0; i <= d; ++i) {
+        result[0].points[i] = level[0];
+        result[1].points[d - i] = level[d - i];
+        for (std::size_t j = 0; j < d - i; ++j) level[j] = 0.5 * (level[j] + level[j + 1]);
+    }
+    return result;
+}
+
+/// The greatest of sign times the height along all parts, up to `enough`.
+Interval greatest(std::vector<Part> parts, const Heights& heights, double sign, double enough) {
+    const auto bound = [&](Part& part) { part.bound = sign > 0 ? heights.range(part)[1] : -heights.range(part)[0]; };
+    double attained = -HUGE_VAL;
+    const auto meet = [&](const Part& part) {
+        for (const Control& c : {part.points.front(), part.points.back()})
+            attained = std::max(attained, sign * heights.at(c.head<3>() / c[3]));
+    };
+    for (Part& part : parts) {
+        bound(part);
+        meet(part);
+    }
+    std::erase_if(parts, [&](const Part& part) { return part.bound <= attained + enough; });
+    std::priority_queue<Part> queue(std::less<Part>(), std::move(parts));
+    double left = attained + enough;
+    for (int k = 0; !queue.empty() && queue.top().bound > attained + enough; ++k) {
+        const Part part = queue.top();
+        queue.pop();
+        constexpr int most_parts = 100'000;
+        if (k == most_parts) {
+            left = std::max(left, part.bound);
+            break;
+        }
+        for (Part& half : halves(part)) {
+            bound(half);
+            meet(half);
+            queue.push(std::move(half));
+        }
+    }
+    return {attained, std::max(left, attained + enough)};
+}
+
+/// Half the distance between the base and an object, and whether the base's point nearest to it is one of the
+/// region: surely, perhaps (none), or not. A bisector that is lowest all along a line or an arc is so on edges too.
+struct Nearest {
+    Interval half_distance;
+    std::optional<bool> is_inside;
+};
+
+std::optional<bool> lies_within(Interval x, Interval low, Interval high) {
+    const Interval below = x - low, above = high - x;
+    if (below.lower() >= 0 && above.lower() >= 0) return true;
+    if (below.upper() < 0 || above.upper() < 0) return false;
+    return std::nullopt;
+}
+
+}  // namespace
+
+Clearances clearances(const Subject& subject, const Frame& frame) {
+    const Cell& cell = subject.cell;
+    const Scene& scene = cell.scene;
+    const Heights heights(scene, frame);
+    constexpr double rounding = kRounding;  // of coordinates, in the frame's unit
+    std::vector<Part> parts;
+    for (const auto& pieces : subject.edge_pieces)
+        for (const auto& piece : pieces) {
+            Part part{{}, 0};
+            for (std::size_t i = 0; i < piece.points.size(); ++i) {
+                const Triad<Interval> p = frame.point(piece.control(i));
+                const double w = piece.weight(i);
+                part.points.push_back({w * p[0].mid(), w * p[1].mid(), w * p[2].mid(), w});
+            }
+            parts.push_back(std::move(part));
+        }
+    Interval least{HUGE_VAL}, most{-HUGE_VAL};
+    if (!parts.empty()) {
+        least = -greatest(parts, heights, -1, rounding);
+        most = greatest(std::move(parts), heights, 1, rounding);
+    }
+
+    const double size = subject.geometry.scale() / frame.unit();
+    Interval low, high;
+    if (std::holds_alternative<Cylinder>(scene.base)) {
+        const auto end = [&](const Interval& y) {
+            return hull(frame.length(y.lower()), frame.length(y.upper())) + Interval(-rounding, rounding) * size;
+        };
+        low = end(subject.space.stretch()[0]);
+        high = end(subject.space.stretch()[1]);
+    }
+    std::set<Site> owners;
+    for (const CellFace& face : cell.faces) owners.insert(face.site);
+    for (const Site& site : owners) {
+        const auto nearest = [&]() -> std::optional<Nearest> {
+            const bool over_plane = std::holds_alternative<Plane>(scene.base);
+            const bool about_sphere = std::holds_alternative<Sphere>(scene.base);
+            const Interval radius = frame.radius();
+            if (site.kind == Site::Kind::BoxSide) {
+                if (!about_sphere) return std::nullopt;  // lowest along lines, or at the rim
+                const int axis = static_cast<int>(site.index / 2);
+                const Triad<Interval> corner = frame.point(site.index % 2 ? scene.box.max : scene.box.min);
+                const Interval k = corner[static_cast<std::size_t>(axis)];
+                return Nearest{(site.index % 2 ? k : -k) - radius, true};
+            }
+            if (!site.is_object()) return std::nullopt;
+            const Object& object = scene.objects[site.index];
+            if (const auto* ball = std::get_if<Sphere>(&object)) {
+                const Triad<Interval> c = frame.point(ball->center);
+                const Interval r = frame.length(ball->radius);
+                if (over_plane) {
+                    const Plane& base = std::get<Plane>(scene.base);
+                    const Vec3& n = base.normal;
+                    const Vec3 foot = ball->center - n * (n.dot(ball->center - base.point) / n.squaredNorm());
+                    // A side that the base plane runs along does not bound its region.
+                    double inside = HUGE_VAL;
+                    for (int axis = 0; axis < 3; ++axis)
+                        if (n[(axis + 1) % 3] != 0 || n[(axis + 2) % 3] != 0)
+                            inside = std::min({inside, foot[axis] - scene.box.min[axis], scene.box.max[axis] - foot[axis]});
+                    inside /= frame.unit();
+                    Nearest result{0.5 * (c[2] - r), std::nullopt};
+                    if (std::abs(inside) > rounding * size) result.is_inside = inside > 0;
+                    return result;
+                }
+                if (about_sphere) return Nearest{0.5 * (sqrt(square(c[0]) + square(c[1]) + square(c[2])) - r - radius), true};
+                return Nearest{0.5 * (sqrt(square(c[0]) + square(c[1])) - r - radius),
+                               lies_within(c[2], low, high)};
+            }
+            if (const auto* plane = std::get_if<Plane>(&object)) {
+                if (!about_sphere) return std::nullopt;
+                const double scale = plane->normal.cwiseAbs().maxCoeff();
+                const Triad<Interval> n = frame.direction(plane->normal / scale), p = frame.point(plane->point);
+                const Interval d = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+                const Interval length = sqrt(square(n[0]) + square(n[1]) + square(n[2]));
+                return Nearest{0.5 * ((d.mid() < 0 ? -d : d) / length - radius), true};
+            }
+            const auto& tube = std::get<Cylinder>(object);
+            if (over_plane) return std::nullopt;
+            const Triad<Interval> d = frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff()),
+                                  c = frame.point(tube.point);
+            const Interval r = frame.length(tube.radius);
+            if (about_sphere) {
+                const Interval x = c[1] * d[2] - c[2] * d[1], y = c[2] * d[0] - c[0] * d[2],
+                               z = c[0] * d[1] - c[1] * d[0];
+                const Interval distance =
+                    sqrt((square(x) + square(y) + square(z)) / (square(d[0]) + square(d[1]) + square(d[2])));
+                return Nearest{0.5 * (distance - r - radius), true};
+            }
+            // The common perpendicular of two axes, the base's that of z.
+            const Interval across = square(d[0]) + square(d[1]);
+            if (!(across.lower() > 0)) return std::nullopt;
+            const Interval cross = c[0] * d[1] - c[1] * d[0];
+            const Interval distance = (cross.mid() < 0 ? -cross : cross) / sqrt(across);
+            const Interval z = c[2] - (c[0] * d[0] + c[1] * d[1]) / across * d[2];
+            return Nearest{0.5 * (distance - r - radius), lies_within(z, low, high)};
+        }();
+        if (!nearest || nearest->is_inside == false) continue;
+        least = Interval(std::min(least.lower(), nearest->half_distance.lower()),
+                         nearest->is_inside ? std::min(least.upper(), nearest->half_distance.upper()) : least.upper());
+        // A cell of one face without an edge is as high as low.
+        if (most.upper() == -HUGE_VAL) most = nearest->half_distance;
+    }
+    const Interval blur(-rounding * size, rounding * size);
+    return {least + blur, most + blur};
+}
+
+}  // namespace vcell::check
