@@ -169,18 +169,18 @@ private:
         if (std::holds_alternative<Plane>(cell_.scene.base)) {
             // The shadow is straight: its length is the way along its chord.
             const Place<Interval> a = span.at(Interval(-1.0)), b = span.at(Interval(1.0));
-            const Interval x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w;
+            const Interval x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w, z = span.origin[2];
             const Interval chord = sqrt(square(x) + square(y));
             if (!(chord.lower() > 0)) {
-                sums_.sides += chord * hull(a.n[2] / a.w, b.n[2] / b.w);
+                sums_.sides += chord * (z + hull(a.n[2] / a.w, b.n[2] / b.w));
                 return;
             }
             sums_.is_complete &= integrate<1>(
                 [&]<class T>(const T& s) {
                     const Place<T> p = span.at(s);
                     const T dx = (p.dn[0] * p.w - p.n[0] * p.dw), dy = (p.dn[1] * p.w - p.n[1] * p.dw);
-                    return std::array<T, 1>{p.n[2] * (x * dx + y * dy) * T(Interval(1.0) / chord) /
-                                            (square(p.w) * p.w)};
+                    return std::array<T, 1>{(T(z) + p.n[2] / p.w) * (x * dx + y * dy) * T(Interval(1.0) / chord) /
+                                            square(p.w)};
                 },
                 -1, 1, {enough_[1]}, sum, effort);
             sums_.sides += sum[0];
@@ -189,7 +189,8 @@ private:
         sums_.is_complete &= integrate<1>(
             [&]<class T>(const T& s) {
                 const Place<T> p = span.at(s);
-                return std::array<T, 1>{0.5 * (p.n[0] * p.dn[1] - p.n[1] * p.dn[0]) / square(p.w)};
+                const Triad<T> n = p.whole(), dn = p.whole_derivative();
+                return std::array<T, 1>{0.5 * (n[0] * dn[1] - n[1] * dn[0]) / square(p.w)};
             },
             -1, 1, {enough_[1]}, sum, effort);
         // The face is on the left: around the lower end it runs with the angle, around the upper against it.

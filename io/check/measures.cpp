@@ -16,6 +16,9 @@ namespace {
 
 /// A bound that many times larger than what the enclosure needs excludes nothing.
 constexpr double kLargestExcess = 0x1p20;
+/// Relative: how wide enclosures may grow over the operations of an integral, where each takes the worst of all
+/// roundings, before they are no better than nothing.
+constexpr double kBlur = 8 * kRounding;
 /// Effort from which on integrals in two variables are proved too.
 constexpr int kEffortOfProofs = 14;
 
@@ -91,7 +94,7 @@ private:
         if (b < 0x1p-54 * std::abs(value) && !is_exact)
             return certificate_.refute(
                 where, fmt::format("a bound of {:.3g} on its error is less than its own last place", bound), most * u);
-        if (most > b && enclosure.radius() > b + rounding)
+        if (most > b && enclosure.radius() > b + slack + kBlur * std::pow(size_, dimension))
             return certificate_.leave_open(
                 where, fmt::format("is {} -+ {:.3g}, enclosed no better than within {:.3g} of {}", stated, bound, own * u,
                                    enclosure.mid() * u),

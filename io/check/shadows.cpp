@@ -130,9 +130,19 @@ T revolved_area(const Revolved& r, const T& b) {
 }
 
 template <class T>
+struct Relative {
+    T x, y, dx, dy;
+};
+/// A plane's coordinates about a point of it, times w.
+template <class T>
+Relative<T> relative(const Place<T>& p, const std::array<Interval, 2>& about) {
+    const Interval x = about[0] - Interval(p.origin[0]), y = about[1] - Interval(p.origin[1]);
+    return {p.n[0] - x * p.w, p.n[1] - y * p.w, p.dn[0] - x * p.dw, p.dn[1] - y * p.dw};
+}
+
+template <class T>
 Densities<T> along(const LinearHeight& h, const Place<T>& p) {
-    const T x = p.n[0] - h.apex[0] * p.w, y = p.n[1] - h.apex[1] * p.w;
-    const T dx = p.dn[0] - h.apex[0] * p.dw, dy = p.dn[1] - h.apex[1] * p.dw;
+    const auto [x, y, dx, dy] = relative(p, h.apex);
     const T turn = (x * dy - y * dx) / square(p.w);
     const T above = (h.gradient[0] * x + h.gradient[1] * y) / p.w;
     const T shadow = 0.5 * turn;
@@ -144,8 +154,7 @@ Densities<T> along(const LinearHeight& h, const Place<T>& p) {
 // With s^2 = m k^2 and r = sqrt(1 + m): the integral of r from the axis is k^2 (r^3 - 1) / 3.
 template <class T>
 Densities<T> along(const Paraboloid& h, const Place<T>& p) {
-    const T x = p.n[0] - h.axis[0] * p.w, y = p.n[1] - h.axis[1] * p.w;
-    const T dx = p.dn[0] - h.axis[0] * p.dw, dy = p.dn[1] - h.axis[1] * p.dw;
+    const auto [x, y, dx, dy] = relative(p, h.axis);
     const T squared_weight = square(p.w);
     const T turn = (x * dy - y * dx) / squared_weight, s2 = (square(x) + square(y)) / squared_weight;
     const T volume = (0.25 * s2 + T(0.5 * h.e)) * turn * T(Interval(0.5) / h.k);
@@ -156,9 +165,10 @@ Densities<T> along(const Paraboloid& h, const Place<T>& p) {
 // About the axis by phi: an integral over z times dphi, dphi = det(axis, p, dp) / (|p|^2 (1 - z^2)).
 template <class T>
 Densities<T> along(const Revolved& r, const Place<T>& p) {
-    const T norm2 = squared_norm(p.n), z = dot(r.axis, p.n) / sqrt(norm2);
+    const Triad<T> n = p.whole(), dn = p.whole_derivative();
+    const T norm2 = squared_norm(n), z = dot(r.axis, n) / sqrt(norm2);
     const T b = r.A * z + T(r.B), b1(r.A + r.B);
-    const T turn = determinant(r.axis, p.n, p.dn) / (norm2 * (T(1.0) + z));
+    const T turn = determinant(r.axis, n, dn) / (norm2 * (T(1.0) + z));
     const T volume = T(r.K * square(r.K) / (6.0 * square(r.A + r.B))) * (b1 + b) / square(b) * turn;
     const T steepness = sqrt(T(r.E) + 2.0 * (r.B * b)) / b;
     return {volume, T(square(r.K)) * revolved_area(r, b) * turn, turn, steepness};
@@ -166,11 +176,11 @@ Densities<T> along(const Revolved& r, const Place<T>& p) {
 
 template <class T>
 Densities<T> along(const ConeHeight& h, const Place<T>& p) {
-    const T x = p.n[0] - h.apex[0] * p.w, y = p.n[1] - h.apex[1] * p.w;
-    const T dx = p.dn[0] - h.apex[0] * p.dw, dy = p.dn[1] - h.apex[1] * p.dw;
+    const auto [x, y, dx, dy] = relative(p, h.apex);
     const T turn = (x * dy - y * dx) / square(p.w);
     const auto [t, steepness] =
-        height<T>(h.form, {p.n[0] / p.w, p.n[1] / p.w, T(0.0)}, {T(0.0), T(0.0), T(1.0)});
+        height<T>(h.form, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
+                  {T(0.0), T(0.0), T(1.0)});
     const T shadow = 0.5 * turn;
     return {((t - T(h.at_apex)) * T(Interval(1.0) / 3.0) + T(0.5 * h.at_apex)) * turn, shadow * steepness, shadow,
             steepness};
@@ -244,9 +254,15 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     using Homogeneous = std::array<Interval, 4>;
     const std::size_t d = static_cast<std::size_t>(curve.degree);
     std::vector<Homogeneous> points;
+    Triad<double> origin;
+    const auto& middle = curve.points[curve.points.size() / 2];
+    for (std::size_t i = 0; i < 3; ++i) origin[i] = frame.point(middle.head<3>())[i].mid();
     for (const auto& p : curve.points) {
         const Triad<Interval> x = frame.point(p.head<3>());
-        points.push_back({p[3] * x[0], p[3] * x[1], p[3] * x[2], Interval(p[3])});
+        Homogeneous h;
+        for (std::size_t i = 0; i < 3; ++i) h[i] = p[3] * (x[i] - Interval(origin[i]));
+        h[3] = p[3];
+        points.push_back(h);
     }
     const auto between = [](const Homogeneous& a, const Homogeneous& b, Interval s) {
         Homogeneous h;
@@ -280,6 +296,7 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         // de Casteljau points of level d - k at the middle.
         Span span;
         span.coefficients.resize(d + 1);
+        span.origin = origin;
         level = piece;
         double binomial = 1, half_power = std::ldexp(1.0, -curve.degree);
         for (std::size_t order = d + 1; order-- > 0;) {
@@ -446,8 +463,7 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
     switch (fan.base) {
         case Fan::Base::plane: {
             const Interval x0 = fan.start[0], y0 = fan.start[1];
-            const T x = p.n[0] - x0 * p.w, y = p.n[1] - y0 * p.w;
-            const T dx = p.dn[0] - x0 * p.dw, dy = p.dn[1] - y0 * p.dw;
+            const auto [x, y, dx, dy] = relative(p, {x0, y0});
             const T turn = sigma * ((x * dy - y * dx) / square(p.w));
             const auto [t, steepness] = height<T>(
                 fan.form, {T(x0) + sigma * (x / p.w), T(y0) + sigma * (y / p.w), T(0.0)}, {T(0.0), T(0.0), T(1.0)});
@@ -458,23 +474,25 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
             // from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle
             // 4 / (1 + |y|^2)^2 of y's area.
             const Triad<Interval>& a = fan.start;
-            const T q = dot(a, p.n), size = sqrt(squared_norm(p.n)), sum = size + q;
+            const Triad<T> n = p.whole(), dn = p.whole_derivative();
+            const T q = dot(a, n), size = sqrt(squared_norm(n)), sum = size + q;
             const T y2 = square(sigma) * ((size - q) / sum), weight = T(1.0) / (T(1.0) + y2);
-            const T turn = 4.0 * (sigma * (determinant(a, p.n, p.dn) * square(weight / sum)));
+            const T turn = 4.0 * (sigma * (determinant(a, n, dn) * square(weight / sum)));
             const T along = 2.0 * (sigma * (weight / sum)), up = weight * (T(1.0) - y2) - along * q;
             const auto [t, steepness] =
                 height<T>(fan.form, {T(0.0), T(0.0), T(0.0)},
-                          {along * p.n[0] + a[0] * up, along * p.n[1] + a[1] * up, along * p.n[2] + a[2] * up});
+                          {along * n[0] + a[0] * up, along * n[1] + a[1] * up, along * n[2] + a[2] * up});
             const T t2 = square(t);
             return {turn * t * t2 * T(Interval(1.0) / 3.0), turn * t2 * steepness, turn, steepness};
         }
         default: {
             // Between the start's height and the edge's, at the edge's angle: the face is on the left.
-            const T s2 = square(p.n[0]) + square(p.n[1]), s = sqrt(s2);
-            const T rise = p.n[2] / p.w - T(fan.start[2]);
-            const T turn = rise * (p.n[1] * p.dn[0] - p.n[0] * p.dn[1]) / s2;
+            const Triad<T> n = p.whole(), dn = p.whole_derivative();
+            const T s2 = square(n[0]) + square(n[1]), s = sqrt(s2);
+            const T rise = p.n[2] / p.w + T(Interval(p.origin[2]) - fan.start[2]);
+            const T turn = rise * (n[1] * dn[0] - n[0] * dn[1]) / s2;
             const auto [t, steepness] = height<T>(fan.form, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise},
-                                                  {p.n[0] / s, p.n[1] / s, T(0.0)});
+                                                  {n[0] / s, n[1] / s, T(0.0)});
             return {turn * square(t) * T(0.5), turn * t * steepness, turn, steepness};
         }
     }

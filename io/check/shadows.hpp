@@ -48,16 +48,26 @@ private:
     Interval radius_;
 };
 
-/// A point of a rational curve in homogeneous coordinates (w x, w), and their derivatives.
+/// A point of a rational curve in homogeneous coordinates relative to a nearby origin (w (x - origin), w), and their
+/// derivatives. Relative: where coordinates are large for the curve, the bounds of w x and of w would not know of
+/// each other.
 template <class T>
 struct Place {
     Triad<T> n, dn;
     T w, dw;
+    Triad<double> origin;
+
+    /// Not relative.
+    Triad<T> whole() const { return {n[0] + origin[0] * w, n[1] + origin[1] * w, n[2] + origin[2] * w}; }
+    Triad<T> whole_derivative() const {
+        return {dn[0] + origin[0] * dw, dn[1] + origin[1] * dw, dn[2] + origin[2] * dw};
+    }
 };
 
 /// A polynomial piece of a space curve in the frame, by its Taylor coefficients about its middle: s in [-1, 1].
 struct Span {
     SmallVector<std::array<Interval, 4>, 4> coefficients;
+    Triad<double> origin;
 
     template <class T>
     Place<T> at(const T& s) const {
@@ -72,7 +82,7 @@ struct Span {
             p[i] = value;
             q[i] = slope;
         }
-        return {{p[0], p[1], p[2]}, {q[0], q[1], q[2]}, p[3], q[3]};
+        return {{p[0], p[1], p[2]}, {q[0], q[1], q[2]}, p[3], q[3], origin};
     }
 };
 std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame);
