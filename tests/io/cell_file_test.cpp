@@ -4,8 +4,10 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "../../core/errors.hpp"
+#include "../../io/scene_file.hpp"
 #include "sample_cells.hpp"
 
 using namespace vcell;
