@@ -26,7 +26,7 @@ struct Fraction {
 // The first convergent of the continued fraction [Knuth98, section 4.5.3] after which what remains is no more than noise.
 std::optional<Fraction> simplest_near(Wide v) {
     constexpr int noise = -60, most_bits = 100;
-    constexpr double largest_quotient = 0x1p50;
+    constexpr double largest_quotient = 0x1p64;  // of a remainder that is no noise
     Fraction before{0.0, 1.0}, convergent{1.0, 0.0};
     while (true) {
         const double quotient = std::round(v.approximation());

@@ -1,0 +1,118 @@
+// Corners and exact ties: what is known about them is not asked of intervals, and nothing of it is assumed.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "../../envelope/exact_heights.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../primitives/plane_base.hpp"
+#include "cell_checks.hpp"
+#include "test_support.hpp"
+
+using namespace vcell;
+
+namespace {
+
+Scene scene_over(const Plane& base, std::vector<Object> objects) {
+    Scene scene;
+    scene.base = base;
+    scene.objects = std::move(objects);
+    scene.box = {{-1, -1, -1}, {1, 1, 1}};
+    scene.tolerance = 1e-3;  // these tests are about what meets where
+    return scene;
+}
+
+// Nothing is assumed, and vertices lie where they say, as far from their sites as from the base.
+Cell check_decided(const Scene& scene) {
+    Cell cell = voronoi_cell(scene);
+    CHECK(cell.report.decisions.assumed == 0);
+    CHECK(cell.vertices.size() >= 4);
+    for (const CellVertex& v : cell.vertices) {
+        CHECK(v.radius == doctest::Approx(testing::clearance(scene, v.point)).epsilon(1e-10));
+        for (const Site site : v.sites) CHECK(std::abs(testing::boundary_residual(scene, site, v.point)) < 1e-10);
+    }
+    return cell;
+}
+
+}  // namespace
+
+TEST_CASE("ties: two sides of the box meet in a corner of an oblique base region") {
+    testing::check_geometry(
+        check_decided(scene_over({{0, 0, 0}, {1, 2, -0.7}}, {Cylinder{{0.5, 1, -0.3}, {1, 0, 1.4}, 0.1}})));
+}
+
+TEST_CASE("ties: tubes over tilted planes leave nothing undecided") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 12; ++i) {
+        CAPTURE(i);
+        const Vec3 n = Vec3(unit(rng), unit(rng), unit(rng)).normalized();
+        const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
+        const Plane base{{0.1, -0.2, 0.05}, n};
+        std::vector<Object> objects;
+        for (int k = 0; k < 3; ++k) {
+            const double height = 0.6 + 0.3 * unit(rng);
+            const Vec3 p = base.point + unit(rng) * e1 + unit(rng) * e2 + height * n;
+            if (k == 0 || unit(rng) > 0)
+                objects.push_back(Cylinder{p, unit(rng) * e1 + unit(rng) * e2, 0.2});
+            else
+                objects.push_back(Sphere{p, 0.5 * height});
+        }
+        testing::check_geometry(check_decided(scene_over(base, std::move(objects))));
+    }
+}
+
+TEST_CASE("ties: lines that cross over a corner or within the region tie with equal gradients, exactly") {
+    const Plane base{{0, 0, 0}, {0, 0, 1}};
+    Scene scene = scene_over(base, {Cylinder{{1, -2, 1}, {2, 0, 0}, 0}, Cylinder{{2, 1, 1}, {0, 1, 0}, 0}});
+    scene.box = {{-2, -2, -2}, {2, 2, 4}};
+    check_decided(scene);
+    // Over a point of a side: a point, a line and a tube.
+    scene.objects = {Sphere{{-1, 0, 2}, 0}, Cylinder{{-2, 1, 4}, {-1, -1, 0}, 0}, Cylinder{{0, 0, 4}, {-2, 1, 0}, 0},
+                     Cylinder{{2, 1, 2}, {0, -2, 0}, 1}, Cylinder{{2, -1, 4}, {1, 0, 0}, 0}};
+    check_decided(scene);
+    // Over a point with thirds for coordinates.
+    scene.objects = {Cylinder{{1.0 / 4, 0, 1}, {1, 4, 0}, 0}, Cylinder{{0, 1.0 / 4, 1}, {4, 1, 0}, 0}};
+    check_decided(scene);
+}
+
+TEST_CASE("rational_near: finds quotients, and none near a root") {
+    const Wide third = Wide(1.0) / Wide(3.0), x = Wide(22.0) / Wide(7.0), root = sqrt(Wide(2.0));
+    for (const double extent : {1.0, 0x1p100, 0x1p-100}) {
+        CAPTURE(extent);
+        const auto p = rational_near(Wide(extent) * x, -(Wide(extent) * third), extent);
+        REQUIRE(p);
+        CHECK(Exact(7.0) * p->x == Exact(22 * extent) * p->w);
+        CHECK(Exact(-3.0) * p->y == Exact(extent) * p->w);
+        CHECK_FALSE(rational_near(Wide(extent) * root, Wide(0.0), extent));
+    }
+    const auto dyadic = rational_near(Wide(0.1), Wide(-0.75), 1);
+    REQUIRE(dyadic);
+    CHECK(dyadic->w == Exact(1.0));
+    CHECK(dyadic->x == Exact(0.1));
+}
+
+TEST_CASE("have_equal_gradients: of lines that cross over the point, not of those that pass each other's heights") {
+    const Plane base{{0, 0, 0}, {0, 0, 1}};
+    const auto problem = plane_base_problem(
+        scene_over(base, {Cylinder{{0, 0, 0.5}, {1, 2, 0}, 0}, Cylinder{{0, 0, 0.5}, {2, -1, 0}, 0},
+                          Sphere{{0.5, 0.5, 0.5}, 0}}));
+    const FormFamily& family = problem.family;
+    const auto form = [&](std::uint32_t object) {
+        for (const FormId f : problem.sites.ids())
+            if (problem.sites[f].front() == Site::object(object)) return f;
+        FAIL("no form");
+        return FormId();
+    };
+    const std::array lines{form(0), form(1)};
+    const RationalPoint crossing{0.0, 0.0}, beside{3.0, 1.0, 10.0};
+    CHECK(all_tie(family, lines, crossing));
+    CHECK(have_equal_gradients(family, lines[0], lines[1], crossing));
+    // Half-way between the lines (1, 2) and (2, -1): along (3, 1) and (-1, 3).
+    CHECK(all_tie(family, lines, beside));
+    CHECK_FALSE(have_equal_gradients(family, lines[0], lines[1], beside));
+    CHECK(compare_exactly(family, lines[0], form(2), crossing) == Sign::Negative);
+    CHECK(have_equal_slopes(family, lines[0], lines[1], beside, 1, -3));
+}
