@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "../core/errors.hpp"
 #include "joined_spans.hpp"
 
 namespace vcell {
@@ -23,10 +22,11 @@ public:
            std::uint32_t& seams)
         : reaches_(reaches), seams_(seams), sides_(reaches.size()) {
         for (const auto& loop : loops) add_loop(loop);
-        for (std::vector<Crossing>& crossings : sides_) add_seams(crossings);
+        for (std::vector<Crossing>& crossings : sides_) is_closed_ = is_closed_ && add_seams(crossings);
     }
 
-    std::vector<CutPart> parts() {
+    std::optional<std::vector<CutPart>> parts() {
+        if (!is_closed_) return std::nullopt;
         std::vector<std::vector<TrimCurve>> holes;
         std::vector<std::uint32_t> hole_sectors;
         std::vector<CutPart> result;
@@ -52,7 +52,7 @@ public:
             const auto owner = std::ranges::find_if(result, [&](const CutPart& part) {
                 return part.sector == hole_sectors[i] && goes_round(part.loops.front(), inside);
             });
-            if (owner == result.end()) throw InternalError("a hole of a face lies in none of its parts");
+            if (owner == result.end()) return std::nullopt;
             owner->loops.push_back(std::move(holes[i]));
         }
         return result;
@@ -79,17 +79,19 @@ private:
         }
     }
 
-    // The face lies above a curve that runs to the right and below one that runs to the left.
-    void add_seams(std::vector<Crossing>& crossings) {
+    // The face lies above a curve that runs to the right and below one that runs to the left: else they do not enclose
+    // it.
+    bool add_seams(std::vector<Crossing>& crossings) {
         std::ranges::sort(crossings, {}, &Crossing::v);
         for (std::size_t i = 0; i < crossings.size(); i += 2) {
             if (i + 1 == crossings.size() || !crossings[i].rightwards || crossings[i + 1].rightwards)
-                throw InternalError("the curves across a seam do not enclose a face");
+                return false;
             const Crossing &low = crossings[i], &high = crossings[i + 1];
             add_seam(low.from, high.to, 1);
             add_seam(high.from, low.to, -1);
             ++seams_;
         }
+        return true;
     }
 
     void add_seam(std::uint32_t from, std::uint32_t to, double side) {
@@ -145,12 +147,13 @@ private:
     std::vector<BoundaryRun> runs_;
     std::vector<std::uint32_t> next_;
     std::vector<std::vector<Crossing>> sides_;
+    bool is_closed_ = true;
 };
 
 }  // namespace
 
-std::vector<CutPart> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
-                              std::span<const double> reaches, std::uint32_t& seams) {
+std::optional<std::vector<CutPart>> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
+                                             std::span<const double> reaches, std::uint32_t& seams) {
     return Cutter(loops, reaches, seams).parts();
 }
 

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,9 +32,9 @@ struct CutPart {
 
 /// The parts of a face with the given boundary loops, each a cycle of runs with the face on their left.
 /// `reaches`: u on the sides of each sector, two sectors at least. `seams` counts the seam pieces given out
-/// so far.
-std::vector<CutPart> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
-                              std::span<const double> reaches, std::uint32_t& seams);
+/// so far. None where the runs do not enclose parts: a curve runs along a seam as far as its fit tells.
+std::optional<std::vector<CutPart>> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
+                                             std::span<const double> reaches, std::uint32_t& seams);
 
 /// The parameters' ranges along a curve that consists of Bezier pieces of degree 1, 2 or 3, or with equal
 /// weights.

@@ -49,10 +49,10 @@ constexpr double part_around = 0.3;
 // Where differences of three competitors or more change so much more along one axis pieces are cut across that, unless
 // they are too slender.
 constexpr double much_steeper = 4, most_slender = 0x1p16;
-// A vertex needs some hundred pieces below this part of the region at worst. Many more of them follow a curve along
-// which forms tie without crossing: no number of pieces decides that.
+// A vertex needs some hundred pieces below this part of the region at worst, and a form has two vertices on average. Many
+// more of them follow a curve along which forms tie without crossing: no number of pieces decides that.
 constexpr double small_part = 0x1p-16;
-constexpr std::size_t most_small_pieces = 5000;
+constexpr std::size_t most_small_pieces = 5000, small_pieces_of_form = 200;
 // Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
 constexpr double split_ratio = 0.48643;
 
@@ -356,7 +356,7 @@ private:
                 return patchwork_.add(*resolved);
             }
         }
-        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > most_small_pieces))
+        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > std::min(most_small_pieces, small_pieces_of_form * family_.size())))
             throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);
         if (!halves) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));

@@ -242,6 +242,7 @@ private:
     Decisions decisions_;
     std::vector<Assumption> assumptions_;
     std::optional<Assumption> obstacle_;
+    std::size_t short_stretches_ = 0;   // that the side in work may still be divided into
     std::vector<Spread> spreads_;       // of the forms that the last cull() left
     std::optional<DividedBox> parts_;   // of the last piece that was divided
     std::optional<NormalBox> normals_;  // over its box, if that is how they compare

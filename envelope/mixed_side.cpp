@@ -329,6 +329,10 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     return out;
 }
 
+// Stretches of a side shorter than sharp_width that are divided at most. Around a change or a tie some ten follow each
+// other; forms with contact of third order, or that rounding blurs, keep any number of them apart before the floor.
+constexpr std::size_t most_short_stretches = 4096, more_for_each_form = 64, most_along_seam = 1024;
+
 // From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
 bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
                             std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out) {
@@ -356,6 +360,12 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         assume(t.point, s1 - s0, t.ties);
         out.push_back(std::move(t));
         return true;
+    }
+    if (s1 - s0 < sharp_width * extent_ && short_stretches_-- == 0) {
+        const Assumption tie{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
+        if (!is_seam) throw TieError(tie);
+        obstacle_ = tie;
+        return false;
     }
     for (const double ratio : {0.48643, 0.53171, 0.41234}) {
         const double s = s0 + ratio * (s1 - s0);
@@ -464,6 +474,7 @@ std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const
     const bool ascending = line.ascends();
     const double s0 = std::min(p.lower(), q.lower()), s1 = std::max(p.upper(), q.upper());
     SideLabels labels{ascending ? first : last, {}};
+    short_stretches_ = (is_seam ? most_along_seam : most_short_stretches) + more_for_each_form * candidates.size();
     if (!descend(line, s0, labels.first, s1, ascending ? last : first, candidates, is_seam, labels.transitions))
         return std::nullopt;
     // What ties in a corner is the corner's.

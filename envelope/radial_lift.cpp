@@ -715,8 +715,29 @@ private:
                 again = all;  // seams are numbered through
             }
         }
+        for (const EdgeId e : diagram_.edges.ids()) require_proof(e);
         for (const FaceId face : diagram_.face_forms.ids())
             if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);
+    }
+
+    // A spline that is not proved to follow its arc is none.
+    void require_proof(EdgeId e) const {
+        if (!is_spline(e) || std::isfinite(errors_[e].curve + errors_[e].trims)) return;
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        const Site left = main_site(edge.left),
+                   right = edge.on_rim() ? end_site(edge.side) : main_site(edge.right);
+        const Vec3 place = errors_[e].unproved.value_or(Vec3::Zero());
+        throw UndecidedError("objects " + to_string(left) + ", " + to_string(right) +
+                             ": no curve is proved to be the one between them around " +
+                             to_text(problem_.frame.to_world(place)));
+    }
+    void require_proofs(FaceId face) const {
+        for (const CcbId ccb : loops_[face]) around(ccb, [&](EdgeId e, bool) { require_proof(e); });
+    }
+    UndecidedError undecided(FaceId face) const {
+        return UndecidedError("object " + to_string(main_site(diagram_.face_forms[face])) +
+                              ": no patches hold its face in the direction " +
+                              to_text(Vec3(problem_.frame.rotation.transpose() * middle(face))));
     }
 
     // Splines for their trims, conics over a cylinder for the sectors that they run through.
@@ -769,8 +790,10 @@ private:
     // After a patch with a weight that is not positive.
     void change_patch(FaceId face) {
         if (!problem_.is_sphere) return cut_finer(face);
-        if (!wide_.empty() && wide_[face])
-            throw InternalError("lift: no patch holds face " + std::to_string(face.value));
+        if (!wide_.empty() && wide_[face]) {
+            require_proofs(face);
+            throw undecided(face);
+        }
         wide_.resize(patches_.size());
         wide_[face] = true;
         patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0, true);
@@ -790,10 +813,12 @@ private:
         std::vector<Sector> sectors;
         std::vector<TrimmedPatch> parts;
         std::vector<bool> is_too_wide;  // of each sector
+        int failed_cuts = 0;
     };
     // A face that turns further than this has several patches.
     static constexpr double widest_patch = 4;
     static constexpr double narrowest_sector = 0x1p-10;
+    static constexpr int most_failed_cuts = 3;
     // Where symmetric input has no points in which an edge touches a generator: a seam there would run along the edge
     // as far as doubles tell.
     static constexpr double off_middle = 0.48643;
@@ -941,8 +966,7 @@ private:
                 finer.push_back(all.sectors[i]);
                 continue;
             }
-            if (to - from < narrowest_sector)
-                throw InternalError("lift: no patches hold face " + std::to_string(face.value));
+            if (to - from < narrowest_sector) throw undecided(face);
             const double inside = std::lerp(from, to, off_middle);
             finer.push_back(sector(face, from, inside));
             finer.push_back(sector(face, inside, to));
@@ -1089,9 +1113,15 @@ private:
         roundings_[face] = 0;
         all.is_too_wide.assign(all.sectors.size(), false);
         const std::uint32_t first_seam = seams_;
-        std::vector<CutPart> parts = cut_face(boundary_runs(face), reaches, seams_);
-        match_seams(all, parts, first_seam);
-        for (CutPart& part : parts) {
+        std::optional<std::vector<CutPart>> parts = cut_face(boundary_runs(face), reaches, seams_);
+        if (!parts) {  // elsewhere the seams may be clear of its edges
+            require_proofs(face);
+            if (++all.failed_cuts > most_failed_cuts) throw undecided(face);
+            all.is_too_wide.assign(all.sectors.size(), true);
+            return false;
+        }
+        match_seams(all, *parts, first_seam);
+        for (CutPart& part : *parts) {
             Rectangle box{no_range, no_range};
             for (const TrimCurve& trim : part.loops.front())
                 extend_by_rectangle(box, curve_bounds(trim.curve));

@@ -673,6 +673,7 @@ private:
         return true;
     }
     void append(const Fit& fit) {
+        if (!fit.tube.is_proved() && !error_.unproved) error_.unproved = point(fit.points, 0.5).head<3>();
         error_.curve = std::max(error_.curve, fit.tube.curve);
         error_.trims = std::max(error_.trims, fit.tube.trims);
         if (fit.is_chord)

@@ -136,6 +136,7 @@ struct SpaceFitError {
     double curve = 0;
     /// Of the patches' points at the trims from the space curve at the same parameter.
     double trims = 0;
+    std::optional<Vec3> unproved = {};  ///< canonical, where one of them is infinite
 };
 
 /// The point in which three sites are met, from one within `near.error` of it, and a bound of the distance
