@@ -23,7 +23,7 @@ constexpr double rounding = 32 * u;
 // Of a product of four vectors, and of one with what a plane carries.
 constexpr double of_product = 5 * u, of_plane = 12 * u;
 
-constexpr int most_halvings = 4;  // of a span for its proof
+constexpr int deepest = 40, most_halvings = 200;  // of a span, and of an edge's spans, for their proof
 
 struct Controls {
     std::array<Vector4d, 3> X;  // times the weights
@@ -36,8 +36,14 @@ double product(const Vector4d& a, const Vector4d& b, bool is_sphere) {
     return a.x() * b.x() + (is_sphere ? a.y() * b.y() : 0) + a.z() * b.z() - a.w() * b.w();
 }
 
-double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner,
-                     double sine2, bool is_sphere, int halvings) {
+// What of an edge is proved to be near the conic, and the size of what is not.
+struct Proved {
+    double distance = 0, rest = 0;
+    int halvings = most_halvings;
+};
+
+void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner, double sine2,
+              bool is_sphere, int depth, Proved& proved) {
     const Controls c(span);
     double far = 0, near = infinity;
     for (int i = 0; i < 3; ++i) {
@@ -50,6 +56,7 @@ double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& 
             r[j] = std::max(r[j], std::abs(planes[j].normal.dot(c.X[i]) - c.w[i] * planes[j].k) / c.w[i]);
         r[j] += of_plane * (far + std::abs(planes[j].k));
     }
+    // NaN where the planes do not tell A: nothing is proved then.
     const double e = std::sqrt((r[0] * r[0] + 2 * std::abs(inner) * r[0] * r[1] + r[1] * r[1]) / sine2);
     // The cone's residual times w^2, whose coefficients are 1, w, (1 + 2 w^2) / 3, w, 1.
     const double w = c.w[1], w2 = (1 + 2 * w * w) / 3;
@@ -82,12 +89,17 @@ double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& 
         m2 = std::min(m2, (a * share - across * across - rounding * a_size * (1 + std::abs(share))) / sine2);
     }
     m2 -= 8 * phi / near * (std::sqrt(std::max(m2, 0.0)) + phi / near);
-    if (near > 0 && m2 > 0 && 2.5 * phi <= near * m2) return e + 2 * phi / std::sqrt(m2);
-    if (halvings == 0) return infinity;
-    const auto halves = span.halves();
-    const double first = span_distance(halves[0], planes, inner, sine2, is_sphere, halvings - 1);
-    if (first == infinity) return infinity;
-    return std::max(first, span_distance(halves[1], planes, inner, sine2, is_sphere, halvings - 1));
+    if (near > 0 && m2 > 0 && 2.5 * phi <= near * m2) {
+        proved.distance = std::max(proved.distance, e + 2 * phi / std::sqrt(m2));
+        return;
+    }
+    if (depth == 0 || proved.halvings == 0) {
+        for (int i = 1; i < 3; ++i) proved.rest += (c.X[i] / c.w[i] - c.X[i - 1] / c.w[i - 1]).norm();
+        return;
+    }
+    --proved.halvings;
+    for (const ConicSpan& half : span.halves())
+        add_span(half, planes, inner, sine2, is_sphere, depth - 1, proved);
 }
 
 struct Trimmed {
@@ -155,11 +167,9 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
     const Vector4d &a = planes[0].normal, &b = planes[1].normal;
     const double sine2 =
         0.25 * (a - b).squaredNorm() * (a + b).squaredNorm() - rounding * (a - b).norm() * (a + b).norm();
-    if (!(sine2 > 0)) return infinity;
-    double most = 0;
-    for (const ConicSpan& span : spans)
-        most = std::max(most, span_distance(span, planes, a.dot(b), sine2, is_sphere, most_halvings));
-    return most;
+    Proved proved;
+    for (const ConicSpan& span : spans) add_span(span, planes, a.dot(b), sine2, is_sphere, deepest, proved);
+    return proved.distance + 4 * proved.rest;
 }
 
 // Along a ray of direction u (w) n.(p, t) has the slope (k - n_y y) / t =: s, over a sphere k / t. Where the

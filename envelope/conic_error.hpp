@@ -46,7 +46,8 @@ struct DistancePlane {
     double power;
 };
 
-/// The distance of the spans' points from the conic of two planes; infinite where that is not proved.
+/// The distance of the spans' points from the conic of two planes. Where parts are not proved (the cone's
+/// tip, planes that touch it) the arc goes on between those that are: four times their size.
 double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
                       bool is_sphere);
 

@@ -27,6 +27,19 @@ Exact apex_offset(const ExactCylinder& f, const SectionPlane& s) {
            (f.rho + f.pz) * (s.nx * f.ax + s.ny * f.ay);
 }
 
+// The plane as far as doubles tell it.
+SectionSurface surface(const SectionPlane& s) {
+    const auto rounded = [](const Exact& x) { return x.enclosure().mid(); };
+    if (s.nz.sign() == Sign::Zero) return WallLine{rounded(s.nx), rounded(s.ny), -rounded(s.k)};
+    const double turn = s.nz.sign() == Sign::Positive ? 1 : -1;
+    CircularForm f;
+    f.a = -turn * rounded(s.nx);
+    f.b = -turn * rounded(s.ny);
+    f.e = turn * rounded(s.k);
+    f.w = turn * rounded(s.nz);
+    return f;
+}
+
 // A section that does not pass through the apex, of a cylinder whose axis lies so to the base.
 CurveKind section_kind(ExactCylinder f, AxisToBase axis, const SectionPlane& s) {
     if (axis == AxisToBase::Parallel) f.az = Exact();
@@ -222,9 +235,10 @@ void MixedArcs::add_edge(const PlaneBaseProblem& problem, EdgeId e, double toler
 
 // The plane that the arc of an edge lies in, if there is one with rational coefficients.
 //
-// Where height_planes() finds two, f = g is contained in their union. Where the gradient of f - g does not vanish
-// along an edge, it is an analytic curve and lies in one of them: not in that in which one of its points certainly
-// is not. An edge that leaves both runs through a point where they cross, and so the gradient vanishes there.
+// Where height_planes() finds two, f = g is contained in their union. Where the gradient of f - g does not
+// vanish along an edge, it is an analytic curve and lies in one of them: not in that in which one of its
+// points certainly is not. An edge that leaves both runs through a point where they cross, and so the
+// gradient vanishes there.
 std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem, EdgeId e) const {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     if (edge.on_rim()) return wall(problem.region[edge.side]);
@@ -282,17 +296,8 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const std::size_t first = spans_.size();
     SectionSpans(sections, spans_)
         .add({from.point.x(), from.point.y(), from.height}, {to.point.x(), to.point.y(), to.height});
-    std::optional<WallLine> line;
-    if (edge.on_rim()) {
-        const RegionSide& side = problem.region[edge.side];
-        line = {side.a, side.b, side.c};
-    }
     const std::array sides{arc_side(e, edge.left, 0), edge.on_rim() ? ArcSide{} : arc_side(e, edge.right, 1)};
-    for (std::size_t i = first; i < spans_.size(); ++i) {
-        const FitError part = conic_error(sides, line ? &*line : nullptr, spans_[i], diagram_.pieces(e));
-        arc.error.chart = std::max(arc.error.chart, part.chart);
-        arc.error.space = std::max(arc.error.space, part.space);
-    }
+    arc.error = conic_error(sides, surface(*plane), std::span(spans_).subspan(first));
     add_end_errors(e);
     return true;
 }

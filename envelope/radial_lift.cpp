@@ -1304,8 +1304,10 @@ private:
         std::vector<ConicSpan> segment;
         std::span<const ConicSpan> along = spans(e);
         if (is_line(e)) {
+            // The rays' slopes are those of one generator, best told far from the axis.
             const Vector4d &from = points_[start(e)], &to = points_[end(e)];
-            segment.push_back({from, 0.5 * (from + to), to, 1});
+            const Vector4d& far = from.w() > to.w() ? from : to;
+            segment.push_back({far, far, far, 1});
             along = segment;
         }
         std::optional<std::array<DistancePlane, 2>> planes;

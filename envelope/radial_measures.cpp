@@ -121,7 +121,7 @@ private:
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
             const double least = least_distance(faces_.back());
-            add_distance(least, least, 8 * u * (least + problem_.radius));
+            add_distance(least, least, 8 * u * (least + problem_.radius + reach(problem_.objects[form])));
         }
     }
 
@@ -169,6 +169,14 @@ private:
             box_area_.add(std::abs(sum.end_area.value), sum.end_area.error);
         }
         add_position_error(positions_[e], left, right, sum, is_smooth(e));
+    }
+
+    // Of the point that an axis or a plane runs through: projections of it are rounded. A ball's power is
+    // not.
+    static double reach(const Object& object) {
+        if (const auto* plane = std::get_if<Plane>(&object)) return plane->point.norm();
+        const auto* cylinder = std::get_if<Cylinder>(&object);
+        return cylinder != nullptr ? cylinder->point.norm() : 0;
     }
 
     // A range of distances, known within an error.

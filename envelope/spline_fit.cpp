@@ -446,26 +446,32 @@ public:
     using Points = std::array<Eigen::Vector4d, 3>;  // homogeneous
     using Trim = std::array<Vector3d, 4>;
 
-    ConicError(const std::array<ArcSide, 2>& sides, const WallLine* wall) : sides_(sides), wall_(wall) {}
+    ConicError(const std::array<ArcSide, 2>& sides, const SectionSurface& plane)
+        : sides_(sides), plane_(plane) {}
 
-    // None where nothing is proved within a few halvings.
-    std::optional<FitError> operator()(const Points& points, const std::array<Trim, 2>& trims,
-                                       int halvings) const {
-        if (const auto whole = whole_error(points, trims)) return whole;
-        if (halvings == 0) return std::nullopt;
+    void add(const Points& points, const std::array<Trim, 2>& trims, int depth = 40) {
+        if (const auto whole = whole_error(points, trims)) {
+            proved_.chart = std::max(proved_.chart, whole->chart);
+            proved_.space = std::max(proved_.space, whole->space);
+            return;
+        }
+        if (depth == 0 || halvings_ == 0) {
+            for (int i = 1; i < 3; ++i) {
+                const Vector3d step =
+                    points[i].head<3>() / points[i].w() - points[i - 1].head<3>() / points[i - 1].w();
+                rest_.chart += step.head<2>().norm();
+                rest_.space += step.norm();
+            }
+            return;
+        }
+        --halvings_;
         std::array<Points, 2> p;
         std::array<std::array<Trim, 2>, 2> t{trims, trims};
         divide(points, p[0], p[1]);
         for (int side = 0; side < 2; ++side) divide(trims[side], t[0][side], t[1][side]);
-        FitError error;
-        for (const int half : {0, 1}) {
-            const auto part = (*this)(p[half], t[half], halvings - 1);
-            if (!part) return std::nullopt;
-            error.chart = std::max(error.chart, part->chart);
-            error.space = std::max(error.space, part->space);
-        }
-        return error;
+        for (const int half : {0, 1}) add(p[half], t[half], depth - 1);
     }
+    FitError error() const { return {proved_.chart + 4 * rest_.chart, proved_.space + 4 * rest_.space}; }
 
 private:
     template <class Control>
@@ -493,6 +499,8 @@ private:
         const auto row = [&](int i) { return Bernstein<2>::from([&](int k) { return points[k][i]; }); };
         const Homogeneous<2> P{row(0), row(1), row(2), row(3)};
         std::array<double, 2> error{}, slope{};
+        // The first cylinder's height, less that of the plane.
+        const int first = sides_[0].cylinder ? 0 : 1;
         Vector2d difference = Vector2d::Zero();
         double change = 0;
         for (const int i : {0, 1}) {
@@ -502,20 +510,24 @@ private:
             const double curvature = side.curvature_bound(jet, radius);
             error[i] = side.height_error(P);
             slope[i] = jet.gradient.norm() + jet.gradient_error + radius * curvature;
-            difference += i == 0 ? jet.gradient : Vector2d(-jet.gradient);
-            change += jet.gradient_error + radius * curvature;
+            if (i == first) {
+                difference = jet.gradient;
+                change = jet.gradient_error + radius * curvature;
+            }
         }
         FitError result;
-        if (wall_) {
-            const double norm = std::hypot(wall_->a, wall_->b), most = P.W.largest();
-            const double size = std::abs(wall_->a) * P.X.largest() + std::abs(wall_->b) * P.Y.largest() +
-                                std::abs(wall_->c) * most;
-            result.chart = ((wall_->a * P.X + wall_->b * P.Y + wall_->c * P.W).largest() + rounding * size) /
+        if (const auto* wall = std::get_if<WallLine>(&plane_)) {
+            const double norm = std::hypot(wall->a, wall->b), most = P.W.largest();
+            const double size = std::abs(wall->a) * P.X.largest() + std::abs(wall->b) * P.Y.largest() +
+                                std::abs(wall->c) * most;
+            result.chart = ((wall->a * P.X + wall->b * P.Y + wall->c * P.W).largest() + rounding * size) /
                            (norm * P.W.smallest_coefficient());
         } else {
-            const double least = difference.norm() - change;
+            const Side graph(ArcSide{&std::get<CircularForm>(plane_), nullptr});
+            const HeightJet2 jet = graph(middle);
+            const double least = (difference - jet.gradient).norm() - change - jet.gradient_error;
             if (!(least > 0)) return std::nullopt;
-            result.chart = (error[0] + error[1]) / least;
+            result.chart = (error[first] + graph.height_error(P)) / least;
         }
         if (!(result.chart <= room)) return std::nullopt;
         double arc_height = std::numeric_limits<double>::infinity(), worst = 0;
@@ -555,51 +567,38 @@ private:
     }
 
     const std::array<ArcSide, 2> sides_;
-    const WallLine* wall_;
+    const SectionSurface& plane_;
+    FitError proved_, rest_;
+    int halvings_ = 400;
 };
 
 }  // namespace
 
-FitError conic_error(const std::array<ArcSide, 2>& sides, const WallLine* wall, const MixedSpan& span,
-                     std::span<const MinimizationDiagram::ArcPiece> pieces) {
-    constexpr int halvings = 6;
-    const auto homogeneous = [&](int k) {
-        const Eigen::Vector4d& p = span.points[k];
-        return Eigen::Vector4d(p.w() * p.x(), p.w() * p.y(), p.w() * p.z(), p.w());
-    };
-    ConicError::Points points{homogeneous(0), homogeneous(1), homogeneous(span.degree)};
-    if (span.degree == 1) points[1] = 0.5 * (points[0] + points[2]);
-    std::array<ConicError::Trim, 2> trims;
-    for (const int side : {0, 1}) {
-        const MixedSpan::Trim& trim = span.trims[side];
-        const auto at = [&](int k) {
-            const Vector3d& q = trim.points[k];
-            return Vector3d(q.z() * q.x(), q.z() * q.y(), q.z());
+FitError conic_error(const std::array<ArcSide, 2>& sides, const SectionSurface& plane,
+                     std::span<const MixedSpan> spans) {
+    ConicError error(sides, plane);
+    for (const MixedSpan& span : spans) {
+        const auto homogeneous = [&](int k) {
+            const Eigen::Vector4d& p = span.points[k];
+            return Eigen::Vector4d(p.w() * p.x(), p.w() * p.y(), p.w() * p.z(), p.w());
         };
-        ConicError::Trim& t = trims[side];
-        t = {at(0), at(1), at(2), at(3)};
-        if (trim.degree == 1) t = {at(0), (2 * at(0) + at(1)) / 3, (at(0) + 2 * at(1)) / 3, at(1)};
-        if (trim.degree == 2) t = {at(0), (at(0) + 2 * at(1)) / 3, (2 * at(1) + at(2)) / 3, at(2)};
-    }
-    if (const auto error = ConicError(sides, wall)(points, trims, halvings)) return *error;
-    Eigen::Array3d low = points[0].head<3>() / points[0].w(), high = low;
-    const auto hold = [&](const Eigen::Array3d& p) {
-        low = low.min(p);
-        high = high.max(p);
-    };
-    for (const Eigen::Vector4d& q : points) hold(q.head<3>().array() / q.w());
-    for (const MinimizationDiagram::ArcPiece& piece : pieces)
-        for (const int k : {0, 1}) hold({piece.box[k], piece.box[2 + k], low.z()});
-    const double chart = (high - low).head<2>().matrix().norm();
-    // The height over the pieces, by the slope of one side.
-    double slope = std::numeric_limits<double>::infinity();
-    const Vector2d middle = 0.5 * (low + high).head<2>().matrix();
-    for (const ArcSide& side : sides)
-        if (side.circular || side.cylinder) {
-            const HeightJet2 jet = Side(side)(middle);
-            slope = std::min(slope, jet.gradient.norm() + chart * Side(side).curvature_bound(jet, chart));
+        ConicError::Points points{homogeneous(0), homogeneous(1), homogeneous(span.degree)};
+        if (span.degree == 1) points[1] = 0.5 * (points[0] + points[2]);
+        std::array<ConicError::Trim, 2> trims;
+        for (const int side : {0, 1}) {
+            const MixedSpan::Trim& trim = span.trims[side];
+            const auto at = [&](int k) {
+                const Vector3d& q = trim.points[k];
+                return Vector3d(q.z() * q.x(), q.z() * q.y(), q.z());
+            };
+            ConicError::Trim& t = trims[side];
+            t = {at(0), at(1), at(2), at(3)};
+            if (trim.degree == 1) t = {at(0), (2 * at(0) + at(1)) / 3, (at(0) + 2 * at(1)) / 3, at(1)};
+            if (trim.degree == 2) t = {at(0), (at(0) + 2 * at(1)) / 3, (2 * at(1) + at(2)) / 3, at(2)};
         }
-    return {chart, std::hypot(chart, (high - low).z() + slope * chart)};
+        error.add(points, trims);
+    }
+    return error.error();
 }
 
 FitError fit_spline(const std::array<ArcSide, 2>& sides, const ArcEnd* start, const ArcEnd* end,

@@ -31,6 +31,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "cylinder_patch.hpp"
@@ -84,10 +85,13 @@ struct WallLine {
     double a, b, c;
 };
 
-/// The errors of a rational quadratic (or linear) span and its trims, by steps 1, 2 and 4 for rational
-/// curves. `wall`: on the right there is no height, and the arc lies over this line. Where nothing can be
-/// proved, the diameter of the span with the pieces' boxes.
-FitError conic_error(const std::array<ArcSide, 2>& sides, const WallLine* wall, const MixedSpan& span,
-                     std::span<const MinimizationDiagram::ArcPiece> pieces);
+/// The plane that a section lies in: over a line of the chart, or the graph of a linear height.
+using SectionSurface = std::variant<WallLine, CircularForm>;
+
+/// The errors of rational quadratic (or linear) spans in a plane and of their trims, by steps 1, 2 and 4 for
+/// rational curves, of the plane and the first cylinder's height. No height on the right: a rim. Where parts
+/// cannot be proved, the arc goes on between those that are: four times their size.
+FitError conic_error(const std::array<ArcSide, 2>& sides, const SectionSurface& plane,
+                     std::span<const MixedSpan> spans);
 
 }  // namespace vcell
