@@ -17,7 +17,7 @@
 // mean_us and max_us, over the pairs, of each pair's least CPU time; spans (mean); the signs, summed up over
 // the pairs.
 //
-// Cells are checked by check_cell(), trisectors at points of their splines; a wrong one is an error and the
+// Cells are checked by certify(), trisectors at points of their splines; a wrong one is an error and the
 // exit status 1.
 #include <algorithm>
 #include <ctime>
@@ -29,9 +29,9 @@
 
 #include "../envelope/mixed_arc.hpp"
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/check/check.hpp"
 #include "../io/scene_file.hpp"
 #include "bench_main.hpp"
+#include "cell_check.hpp"
 #include "mixed_scene.hpp"
 
 namespace vcell::bench {
@@ -69,10 +69,8 @@ void measure_cell(benchmark::State& state, CellCase& at) {
         cell = voronoi_cell(*at.scene);
     }
     if (!at.checked) {
-        CheckOptions options;
-        options.samples = 200;
-        const std::vector<Finding> findings = check_cell(*cell, options);
-        if (!findings.empty()) return fail(state, findings[0].where + ": " + findings[0].what);
+        const std::string fault = find_refuted(*cell, 200);
+        if (!fault.empty()) return fail(state, fault);
         at.checked = true;
     }
     const std::size_t n = at.scene->objects.size();

@@ -21,7 +21,7 @@
 // rung of the ladder decided, summed up, `assumed` ones by none of them; warnings; the paper's own time,
 // where it has one.
 //
-// Cells of up to 2000 objects are checked by check_cell(), of larger ones a hundred vertices against all
+// Cells of up to 2000 objects are checked by certify(), of larger ones a hundred vertices against all
 // objects; a wrong one is an error and the exit status 1.
 #include <algorithm>
 #include <array>
@@ -40,9 +40,9 @@
 #include <vector>
 
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/check/check.hpp"
 #include "../io/scene_file.hpp"
 #include "bench_main.hpp"
+#include "cell_check.hpp"
 #include "median.hpp"
 #include "mixed_scene.hpp"
 
@@ -65,12 +65,7 @@ double distance(const Object& object, const Vec3& p) {
 
 std::string find_fault(const Cell& cell) {
     const Scene& scene = cell.scene;
-    if (scene.objects.size() <= 2000) {
-        CheckOptions options;
-        options.samples = 50;
-        const std::vector<Finding> findings = check_cell(cell, options);
-        return findings.empty() ? "" : findings[0].where + ": " + findings[0].what;
-    }
+    if (scene.objects.size() <= 2000) return find_refuted(cell, 50);
     const std::size_t step = std::max<std::size_t>(1, cell.vertices.size() / 100);
     for (std::size_t v = 0; v < cell.vertices.size(); v += step) {
         const CellVertex& vertex = cell.vertices[v];
