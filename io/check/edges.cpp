@@ -30,11 +30,13 @@ private:
     void judge(std::size_t i) {
         const CellEdge& e = cell_.edges[i];
         const std::string where = edge_path(i);
-        if (e.sites[0] == e.sites[1])
+        if (e.sites[0] == e.sites[1] && !rim_[i])
             return certificate_.refute(where + ".sites", fmt::format("are {} twice", title(e.sites[0])));
         if (!check_ends(i)) return;
         conditions_.clear();
         for (const Site& s : label(i)) conditions_.push_back({s, geometry_.is_plane() && rim_[i] == s});
+        // A side of the box may lean out of its own rim: it meets the boundary there.
+        if (e.sites[0] == e.sites[1]) conditions_.push_back({e.sites[0]});
         const auto is_first = [&](const Condition& c) { return contains(e.sites, c.site); };
         std::ranges::stable_partition(conditions_, is_first);
 

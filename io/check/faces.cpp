@@ -10,6 +10,7 @@
 
 #include "excess.hpp"
 #include "trim_curves.hpp"
+#include "turns.hpp"
 
 namespace vcell::check {
 namespace {
@@ -21,8 +22,12 @@ struct Tile {
     std::vector<Condition> rivals;
 
     std::array<Tile, 2> halves() const {
-        const Vector<Interval> along = net.derivative(0), across = net.derivative(1);
-        const int axis = square(along).upper() >= square(across).upper() ? 0 : 1;
+        // Across the longer way; any choice will do.
+        const Vec3 origin = middle(net.corner(0, 0)), end = middle(net.corner(1, 1));
+        const Vec3 along = middle(net.corner(1, 0)), across = middle(net.corner(0, 1));
+        const int axis =
+            (along - origin).norm() + (end - across).norm() >= (across - origin).norm() + (end - along).norm() ? 0
+                                                                                                              : 1;
         auto nets = net.halves(axis);
         std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals}, Tile{std::move(nets[1]), lo, hi, rivals}};
         h[0].hi[axis] = h[1].lo[axis] = std::midpoint(lo[axis], hi[axis]);
@@ -52,7 +57,6 @@ private:
 
     void judge(const Patch& patch) {
         const std::string where = patch_path(patch.face, patch.index);
-        const auto boundary = check_boundary(patch);
         const CellFace& face = cell_.faces[patch.face];
         own_.clear();
         own_.push_back({face.site});
@@ -62,15 +66,18 @@ private:
         Vec3 center = Vec3::Zero();
         for (const auto& c : patch.part.points) center += c.head<3>() / static_cast<double>(patch.part.points.size());
         const Tile whole{net_over(*patch.surface, patch.lo, patch.hi, center), patch.lo, patch.hi, {}};
+        const auto boundary = check_boundary(patch, whole.net);
         const auto distance = follow_bisector(where, patch, whole);
-        if (!distance || !exclude_others(where, patch, whole) || !boundary) return;
+        if (!distance) return;
+        margin_ = std::max(width_, *distance);
+        if (!exclude_others(where, patch, whole) || !boundary) return;
         prove(where, std::max(*distance, *boundary));
     }
 
     /// How far points between the trimming curves and the true arcs are from the true boundary; none where a
     /// curve or its edge is not proved. The excess of the site across the edge may be negative there, but no
     /// more than on the trimming curve, and it grows towards the base.
-    std::optional<double> check_boundary(const Patch& patch) {
+    std::optional<double> check_boundary(const Patch& patch, const Net& net) {
         double most = 0;
         bool proved = true;
         for (std::size_t l = 0; l < patch.loops.size(); ++l)
@@ -78,7 +85,7 @@ private:
                 const Trim& trim = patch.loops[l][t];
                 if (!trim.curve->edge) continue;
                 const TrimPlace place{l, t};
-                const double gap = certify_trim(patch, place, subject_, options_, certificate_);
+                const double gap = certify_trim(patch, net, place, subject_, options_, certificate_);
                 const EdgeBound& edge = edge_bounds_[*trim.curve->edge];
                 proved = proved && gap < HUGE_VAL && edge.growth > 0;
                 most = std::max({most, gap, (edge.excess + 2 * gap) / edge.growth});
@@ -121,7 +128,7 @@ private:
     }
     /// Rounding of the patch's numbers is no difference.
     double allowed(double distance, double size) const { return size <= width_ ? distance : 0; }
-    std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
+    std::size_t tiles_allowed() const { return std::size_t{1} << std::clamp(options_.effort, 0, 40); }
 
     /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
@@ -157,7 +164,7 @@ private:
         while (!tiles.empty()) {
             Tile tile = std::move(tiles.back());
             tiles.pop_back();
-            std::erase_if(tile.rivals, [this, t = Test(*this, tile.net)](const Condition& c) { return t(c); });
+            std::erase_if(tile.rivals, [t = Test(*this, tile.net, count > kFew)](const Condition& c) { return t(c); });
             if (tile.rivals.empty() || is_outside(patch, tile)) continue;
             const Vec2 uv = 0.5 * (tile.lo + tile.hi);
             const SurfacePoint s = lift(patch, uv);
@@ -179,6 +186,9 @@ private:
         return true;
     }
 
+    /// Tiles after which the patch is taken to have places where bisectors touch.
+    static constexpr std::size_t kFew = 64;
+
     std::vector<Condition> rivals(const Net& net) const {
         const Vector<Interval> box = net.box();
         return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(), own_);
@@ -196,36 +206,57 @@ private:
     /// there on the bisector.
     class Test {
     public:
-        Test(const Faces& faces, const Net& net)
-            : faces_(faces), space_(faces.space()), net_(net), box_(net.box()) {
-            const Interval m(-faces.width_, faces.width_);
-            near_ = {box_[0] + m, box_[1] + m, box_[2] + m};
+        Test(const Faces& faces, const Net& net, bool is_small)
+            : faces_(faces), scene_(faces.scene_), net_(net), box_(net.box()), is_small_(is_small) {
             center_ = middle(box_);
-            reach_ = (space_.clearance(to_vector<Interval>(center_)) + 2 * Interval(radius(near_))).upper();
-            own_gradient_ = space_.gradient(faces.own_[0], near_);
+            radius_ = radius(box_) + faces.margin_;  // the bisector itself, too
+            base_ = slope_within(scene_.base, center_, radius_, true);
+            own_ = slope(faces.own_[0]);
         }
 
         bool operator()(const Condition& c) const {
-            // Both distances change by no more than the way.
-            if (c.site.is_object() && space_.is_beyond(c.site.index, center_, reach_)) return true;
-            if (space_.excess(c, box_).lower() >= 0) return true;
-            const Vector<Interval> gradient = space_.gradient(c, near_);
-            const Vector<Interval> sine = cross(own_gradient_, gradient);
-            for (const Interval& s : sine)
-                if (s.lower() > 0 || s.upper() < 0) return true;
-            const Interval change =
-                magnitude(dot(gradient, net_.derivative(0))) + magnitude(dot(gradient, net_.derivative(1)));
-            const Interval at_corner = space_.excess(c, net_.corner(0, 0));
-            return (at_corner - change).lower() >= -faces_.tie_width(c.site);
+            if (c.site.is_object() &&
+                faces_.space().is_beyond(c.site.index, center_, base_.distance + base_.rounding + 2 * radius_))
+                return true;
+            const Slope rival = slope(c);
+            const double rounding = rival.rounding + (c.site.is_object() ? base_.rounding : 0);
+            const double steepest = rival.direction.norm() + rival.turn + kRough;
+            if (rival.distance - rounding >= (1 + kRough) * steepest * radius_) return true;
+            // Within the tile g + a and h + b, |a| and |b| bounded by their turns, are not parallel.
+            const Vec3 &g = own_.direction, &h = rival.direction;
+            const double change = g.norm() * rival.turn + h.norm() * own_.turn + own_.turn * rival.turn;
+            if (g.cross(h).norm() > (1 + kRough) * change + 4 * kRough) return true;
+            return is_small_ && is_farther(c);
         }
 
     private:
+        /// The excess and its gradient.
+        Slope slope(const Condition& c) const {
+            if (!c.site.is_object()) {
+                const Interval e = faces_.space().excess(c, to_vector<Interval>(center_));
+                return {e.mid(), e.radius(), middle(faces_.space().gradient(c, box_)), kRough};
+            }
+            const Slope s = slope_within(scene_.objects[c.site.index], center_, radius_, false);
+            return {s.distance - base_.distance, s.rounding, s.direction - base_.direction, s.turn + base_.turn};
+        }
+
+        /// Where bisectors touch, the excess changes slowly on the patch.
+        bool is_farther(const Condition& c) const {
+            const Space<Interval>& space = faces_.space();
+            const Vector<Interval> gradient = space.gradient(c, box_);
+            const Interval change =
+                magnitude(dot(gradient, net_.derivative(0))) + magnitude(dot(gradient, net_.derivative(1)));
+            return (space.excess(c, net_.corner(0, 0)) - change).lower() >= -faces_.tie_width(c.site);
+        }
+
         const Faces& faces_;
-        const Space<Interval>& space_;
+        const Scene& scene_;
         const Net& net_;
-        Vector<Interval> box_, near_, own_gradient_;
+        Vector<Interval> box_;
         Vec3 center_;
-        double reach_;
+        double radius_;
+        Slope base_, own_;
+        bool is_small_;
     };
 
     // --- Inside the trims ---------------------------------------------------------------------------
@@ -255,7 +286,8 @@ private:
 
     std::span<const EdgeBound> edge_bounds_;
     std::vector<Condition> own_;
-    double width_ = 0;  // what rounding of the patch's numbers makes of an excess
+    double margin_ = 0;  // how far the patch is from its bisector
+    double width_ = 0;   // what rounding of the patch's numbers makes of an excess
 };
 
 }  // namespace

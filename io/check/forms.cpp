@@ -7,7 +7,7 @@ namespace vcell::check {
 
 namespace {
 
-constexpr int kRows = 128;
+constexpr int kRows = kMaxBinomial + 1;
 
 /// Pascal's triangle. Numbers beyond 2^53 are rounded, each row a little more: below 2^-45 in all, which the
 /// ranges below allow for.

@@ -12,6 +12,8 @@
 
 namespace vcell::check {
 
+/// Pre: n <= kMaxBinomial.
+inline constexpr int kMaxBinomial = 127;
 double binomial(int n, int k);
 
 class Form {
@@ -38,7 +40,7 @@ public:
 
 private:
     int m_ = 0, n_ = 0;
-    SmallVector<Interval, 15> c_;
+    SmallVector<Interval, 25> c_;
 };
 
 }  // namespace vcell::check

@@ -131,6 +131,7 @@ public:
 
 private:
     Vector<Interval> position(const Point& p) const {
+        if (p[3].lower() == 1 && p[3].upper() == 1) return {p[0] + origin_[0], p[1] + origin_[1], p[2] + origin_[2]};
         return {p[0] / p[3] + origin_[0], p[1] / p[3] + origin_[1], p[2] / p[3] + origin_[2]};
     }
 

@@ -328,8 +328,10 @@ std::vector<std::string> SceneGeometry::names_about_plane(const Object& o) const
     if (std::holds_alternative<Plane>(o)) return {"plane"};
     if (std::holds_alternative<Sphere>(o)) return {"paraboloid"};
     // The points whose distance from a line equals that from the plane shifted by the radius.
-    const bool parallel = std::abs(normal_.dot(std::get<Cylinder>(o).axis.normalized())) <= kRounding;
-    return {parallel ? "parabolic cylinder" : "elliptic cone"};
+    const Vec3 axis = std::get<Cylinder>(o).axis.normalized();
+    if (std::abs(normal_.dot(axis)) <= kRounding) return {"parabolic cylinder"};
+    if (normal_.cross(axis).norm() <= kRounding) return {"circular cone", "elliptic cone"};
+    return {"elliptic cone"};
 }
 
 std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) const {

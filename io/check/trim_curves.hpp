@@ -1,6 +1,7 @@
 /// Trimming curves: lifted to their patch they run along their edges at the same parameters.
 #pragma once
 
+#include "nets.hpp"
 #include "room.hpp"
 
 namespace vcell::check {
@@ -10,8 +11,9 @@ struct TrimPlace {
 };
 
 /// How far the lifted curve is from its edge at most, where that is within what the edge's error allows;
-/// otherwise the certificate says what is wrong, and the bound is infinite.
-double certify_trim(const Patch& patch, const TrimPlace& place, const Subject& subject,
+/// otherwise the certificate says what is wrong, and the bound is infinite. `net`: the patch over the rectangle of its
+/// loops.
+double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, const Subject& subject,
                     const CheckOptions& options, Certificate& certificate);
 
 }  // namespace vcell::check

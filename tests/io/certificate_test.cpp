@@ -1,0 +1,299 @@
+/// certify(): what is proved is true, what is damaged is refuted; the parts it is made of.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <sstream>
+
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/check.hpp"
+#include "../../io/check/excess.hpp"
+#include "../../io/check/forms.hpp"
+#include "../../io/check/krawczyk.hpp"
+#include "../../io/check/site_tree.hpp"
+#include "../../io/check/turns.hpp"
+#include "../../io/scene_file.hpp"
+#include "../test_support.hpp"
+
+namespace vcell {
+namespace {
+
+std::string listing(const Certificate& certificate) {
+    std::string s;
+    for (const Element& e : certificate.elements)
+        if (e.verdict != Verdict::proved) s += e.where + ": " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
+    return s;
+}
+
+Scene scene_named(const std::string& name) { return read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json"); }
+
+void expect_refuted(const Cell& good, const std::string& where, const std::function<void(Cell&)>& damage) {
+    Cell bad = good;
+    damage(bad);
+    const Certificate c = certify(bad);
+    CHECK_FALSE(c.holds());
+    const bool named = std::ranges::any_of(c.elements, [&](const Element& e) {
+        return e.verdict == Verdict::refuted && e.where.starts_with(where);
+    });
+    CHECK_MESSAGE(named, "expected ", where, ", found\n", listing(c));
+}
+
+/// Scales a scene's lengths.
+Scene scaled(Scene s, double unit) {
+    const auto scale = [unit](Object& o) {
+        if (auto* p = std::get_if<Plane>(&o)) p->point *= unit;
+        if (auto* b = std::get_if<Sphere>(&o)) {
+            b->center *= unit;
+            b->radius *= unit;
+        }
+        if (auto* c = std::get_if<Cylinder>(&o)) {
+            c->point *= unit;
+            c->radius *= unit;
+        }
+    };
+    scale(s.base);
+    for (Object& o : s.objects) scale(o);
+    s.box.min *= unit;
+    s.box.max *= unit;
+    if (s.tolerance) *s.tolerance *= unit;
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("certify: proves a cell within a small distance, whatever its unit") {
+    for (const std::string name : {"figure2", "figure6", "icosahedron", "parallel"})
+        for (const double unit : {1.0, 1e-40, 0x1p60}) {
+            CAPTURE(name);
+            CAPTURE(unit);
+            const Scene scene = scaled(scene_named(name), unit);
+            const Certificate c = certify(voronoi_cell(scene));
+            CHECK_MESSAGE(c.holds(), listing(c));
+            CHECK(c.distance > 0);
+            CHECK(c.distance < 1e-6 * scene.box.diagonal());
+        }
+}
+
+TEST_CASE("certify: a vertical tube's cone is circular") {
+    Scene scene;
+    scene.base = Plane{};
+    scene.objects = {Cylinder{{-0.41, -1.1, 2.8}, {0, 0, 1}, 0.036}};
+    scene.box = {{-1, -1, 0}, {1, 1, 2.5}};
+    const Certificate c = certify(voronoi_cell(scene));
+    CHECK_MESSAGE(c.holds(), listing(c));
+}
+
+TEST_CASE("certify: does not believe stated errors") {
+    const Cell good = voronoi_cell(scene_named("figure6"));
+    REQUIRE(certify(good).holds());
+    const auto spline = static_cast<std::size_t>(
+        std::ranges::find(good.edges, CurveKind::Spline, &CellEdge::kind) - good.edges.begin());
+    REQUIRE(spline < good.edges.size());
+    const std::string edge = "edges[" + std::to_string(spline) + "]";
+    expect_refuted(good, "edges[0].error", [](Cell& c) { c.edges[0].error = 1e6; });
+    expect_refuted(good, "vertices[1].error", [](Cell& c) { c.vertices[1].error = 1e6; });
+    expect_refuted(good, edge, [&](Cell& c) { c.edges[spline].error = 0; });
+    expect_refuted(good, "vertices", [](Cell& c) {
+        for (CellVertex& v : c.vertices) {
+            v.error = 0;
+            v.point[2] = std::nextafter(v.point[2], 10);
+        }
+    });
+    expect_refuted(good, "", [](Cell& c) {
+        for (CellVertex& v : c.vertices) v.error = 1e6;
+        for (CellEdge& e : c.edges) e.error = 1e6;
+        for (CellFace& f : c.faces)
+            for (TrimmedPatch& p : f.patches)
+                for (auto& x : p.surface.points) x[2] *= 1.25;
+        c.measures.volume = 12345;
+    });
+}
+
+TEST_CASE("certify: refutes a bump between sampled points of a spline") {
+    Cell cell = voronoi_cell(scene_named("figure6"));
+    for (std::size_t i = 0; i < cell.edges.size(); ++i) {
+        CellEdge& e = cell.edges[i];
+        if (e.kind != CurveKind::Spline) continue;
+        // A knot span of a thousandth of the curve with a control point moved: an inner one of a span of its own.
+        const std::size_t inner = e.curve.points.size() / 2;
+        expect_refuted(cell, "edges[" + std::to_string(i) + "]",
+                       [&](Cell& c) { c.edges[i].curve.points[inner][2] += 1e-3; });
+        break;
+    }
+}
+
+TEST_CASE("certify: an edge has two sites, a degenerate vertex lists all") {
+    const Cell good = voronoi_cell(scene_named("lattice"));
+    REQUIRE(certify(good).holds());
+    const auto v = static_cast<std::size_t>(
+        std::ranges::find_if(good.vertices, [](const CellVertex& x) {
+            return x.sites.size() == 4 && std::ranges::all_of(x.sites, &Site::is_object);
+        }) - good.vertices.begin());
+    REQUIRE(v < good.vertices.size());
+    expect_refuted(good, "vertices[" + std::to_string(v) + "].sites", [&](Cell& c) {
+        auto& sites = c.vertices[v].sites;
+        sites = {sites[0], sites[1], sites[2]};
+    });
+    const auto e = static_cast<std::size_t>(std::ranges::find_if(good.edges, [](const CellEdge& x) {
+                                                return x.sites[0].is_object() && x.sites[1].is_object();
+                                            }) - good.edges.begin());
+    expect_refuted(good, "edges[" + std::to_string(e) + "]",
+                   [&](Cell& c) { c.edges[e].sites[1] = c.edges[e].sites[0]; });
+    const Certificate c = certify(good);
+    const auto tie = std::ranges::find(c.elements, "vertices[" + std::to_string(v) + "]", &Element::where);
+    REQUIRE(tie != c.elements.end());
+    CHECK(tie->what.find("a tie of 4 sites") != std::string::npos);
+}
+
+TEST_CASE("certify: a vertex of nearly parallel bisectors is not moved unseen") {
+    Scene scene;  // three balls almost in a row: their bisectors meet at flat angles
+    scene.base = Plane{};
+    scene.objects = {Sphere{{-0.5, 0, 1}, 0.25}, Sphere{{0, 1e-4, 1}, 0.25}, Sphere{{0.5, 0, 1}, 0.25}};
+    scene.box = {{-1, -2000, 0}, {1, 2000, 2e7}};
+    const Cell good = voronoi_cell(scene);
+    REQUIRE(certify(good).holds());
+    for (std::size_t v = 0; v < good.vertices.size(); ++v) {
+        const CellVertex& x = good.vertices[v];
+        if (!std::ranges::all_of(x.sites, &Site::is_object)) continue;
+        expect_refuted(good, "vertices[" + std::to_string(v) + "]", [&](Cell& c) {
+            c.vertices[v].point.y() += 4 * c.vertices[v].error;
+        });
+    }
+}
+
+TEST_CASE("certify: the certificate as JSON names every element") {
+    Cell cell = voronoi_cell(scene_named("figure2"));
+    cell.vertices[3].point.x() += 1e-3;
+    const Certificate c = certify(cell);
+    std::stringstream out;
+    write_certificate(out, c);
+    const std::string text = out.str();
+    CHECK(text.find("\"holds\":false") != std::string::npos);
+    CHECK(text.find("\"where\":\"vertices[3]\",\"verdict\":\"refuted\"") != std::string::npos);
+    CHECK(static_cast<std::size_t>(std::ranges::count(text, '\n')) >= c.elements.size());
+}
+
+TEST_CASE("forms: products and ranges enclose the values") {
+    using namespace check;
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    Form a(2, 1), b(1, 2);
+    for (int i = 0; i <= 2; ++i)
+        for (int j = 0; j <= 1; ++j) a.at(i, j) = unit(rng), b.at(j, i) = unit(rng);
+    const auto value = [](const Form& f, double s, double t) {
+        double sum = 0;
+        for (int i = 0; i <= f.degree_s(); ++i)
+            for (int j = 0; j <= f.degree_t(); ++j)
+                sum += f.at(i, j).mid() * std::pow(s, i) * std::pow(1 - s, f.degree_s() - i) * std::pow(t, j) *
+                       std::pow(1 - t, f.degree_t() - j);
+        return sum;
+    };
+    const Form product = a * b, squared = square(a);
+    for (int k = 0; k < 100; ++k) {
+        const double s = 0.5 + 0.5 * unit(rng), t = 0.5 + 0.5 * unit(rng);
+        const double x = value(a, s, t), y = value(b, s, t);
+        CHECK(std::abs(value(product, s, t) - x * y) < 1e-14);
+        CHECK(std::abs(value(squared, s, t) - x * x) < 1e-14);
+        CHECK(product.range().lower() <= x * y);
+        CHECK(product.range().upper() >= x * y);
+    }
+}
+
+TEST_CASE("excess: bounds along a curve enclose those of its points") {
+    using namespace check;
+    for (const std::string name : {"figure6", "figure8", "figure10", "figure9"}) {
+        const Cell cell = voronoi_cell(scene_named(name));
+        const Space<Interval> space(cell.scene);
+        for (const CellEdge& e : cell.edges)
+            for (const auto& span : spans<3>(e.curve, Vec3(Vec3::Zero()))) {
+                const Net net(span, Vec3::Zero());
+                const ExcessAlong along(space, net);
+                for (std::uint32_t i = 0; i < cell.scene.objects.size(); ++i) {
+                    const Interval bound = along.excess({Site::object(i)});
+                    for (const double s : {0.0, 0.125, 0.5, 0.75, 1.0}) {
+                        const Vec3 p = e.curve.evaluate(std::lerp(span.begin, span.end, s));
+                        const double x = space.excess({Site::object(i)}, to_vector<Interval>(p)).mid();
+                        CHECK(x >= bound.lower() - 1e-13);
+                        CHECK(x <= bound.upper() + 1e-13);
+                    }
+                }
+            }
+    }
+}
+
+TEST_CASE("space: slopes within a ball enclose those of its points") {
+    using namespace check;
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const auto vector = [&] { return Vec3(unit(rng), unit(rng), unit(rng)); };
+    for (int k = 0; k < 300; ++k) {
+        const std::array<Object, 3> objects{Plane{vector(), vector()}, Sphere{vector(), 0.25},
+                                            Cylinder{vector(), vector(), 0.25}};
+        const Object& object = objects[static_cast<std::size_t>(k % 3)];
+        const Vec3 center = 2 * vector();
+        const double radius = 0.5 * std::abs(unit(rng));
+        const Slope slope = slope_within(object, center, radius, false);
+        Scene scene;
+        scene.base = Plane{};
+        scene.objects = {object};
+        const Space<Interval> space(scene);
+        for (int i = 0; i < 20; ++i) {
+            const Vec3 p = center + radius * std::abs(unit(rng)) * vector().normalized();
+            const Vec3 n = middle(space.object_gradient(0, to_vector<Interval>(p)));
+            CHECK((n - slope.direction).norm() <= slope.turn + 1e-12);
+        }
+    }
+}
+
+TEST_CASE("site tree: finds what is near") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    Scene scene;
+    scene.base = Plane{};
+    for (int i = 0; i < 300; ++i)
+        scene.objects.push_back(Sphere{{unit(rng), unit(rng), unit(rng)}, 0.2 * std::abs(unit(rng))});
+    const check::SiteTree tree(scene);
+    for (int k = 0; k < 100; ++k) {
+        const Vec3 p(unit(rng), unit(rng), unit(rng));
+        const double reach = unit(rng);
+        std::vector<std::uint32_t> found;
+        tree.near(p, reach, found);
+        std::ranges::sort(found);
+        for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+            const auto& s = std::get<Sphere>(scene.objects[i]);
+            const bool is_near = (p - s.center).norm() - s.radius < reach;
+            if (is_near) CHECK(std::ranges::binary_search(found, i));
+        }
+        CHECK(found.size() <= scene.objects.size());
+    }
+}
+
+TEST_CASE("krawczyk: encloses the common point of bisectors in either arithmetic") {
+    using namespace check;
+    Scene scene;
+    scene.base = Plane{};
+    scene.objects = {Sphere{{-0.5, 0, 1}, 0.25}, Sphere{{0.5, 0.125, 1}, 0.25}, Sphere{{0, 1, 1}, 0.25}};
+    scene.box = {{-1, -1, 0}, {1, 1, 2}};
+    const std::array<Condition, 3> three{Condition{Site::object(0)}, {Site::object(1)}, {Site::object(2)}};
+    const Space<Interval> space(scene);
+    const Space<Wide> wide(scene);
+    // Equal heights: the foot is the centers' circumcenter. |f - a|^2 = |f - b|^2 gives x + y / 8 = 1 / 128, and
+    // |f - a|^2 = |f - c|^2 gives x + 2 y = 3 / 4.
+    const double y = (0.75 - 1.0 / 128) / 1.875, x = 0.75 - 2 * y;
+    const double z = ((x + 0.5) * (x + 0.5) + y * y + 0.9375) / 2.5;
+    const auto coarse = enclose(space, three, Vec3(x + 1e-5, y, z - 1e-5), 0.1, 4);
+    const auto fine = enclose(wide, three, Vec3(x + 1e-5, y, z - 1e-5), 0.1, 8);
+    REQUIRE(coarse);
+    REQUIRE(fine);
+    CHECK(coarse->distance({x, y, z}).upper() < 1e-8);
+    CHECK(upper_bound(fine->offset[0]) - lower_bound(fine->offset[0]) < 1e-60);
+    const Vector<Wide> point = fine->box();
+    const Vector<Interval> rounded{point[0].enclosure(), point[1].enclosure(), point[2].enclosure()};
+    for (const Condition& c : three) CHECK(space.excess(c, rounded).contains(0.0));
+    // Two conditions twice do not fix a point.
+    CHECK_FALSE(enclose(space, {three[0], three[1], three[1]}, Vec3(x, y, z), 0.1, 4));
+}
+
+}  // namespace vcell
