@@ -17,6 +17,9 @@
 //   pole is where f is lowest, and a form that others have beaten is mostly flatter than f.
 // A small diagram is looked through for vertices, a large one has a tree of them.
 //
+// A form that doubles cannot tell from a vertex is compared with it by the kernel of circles, exactly. The edges
+// that this leaves may be too short to have a direction in doubles: they lie in a ball about their ends.
+//
 // Bounds on rounding. Where k operations of relative error u = 2^-53 follow each other, k < 128, their product is
 // within k u (1 + 2^-45) of 1 [Higham02, Lemma 3.1]: a constant that is a tenth above its count of roundings covers all
 // orders. Of a circle n.p = o with radius R the coefficients are off by dn and do, |dn| + |do| <= error (the
@@ -32,6 +35,7 @@
 #include <limits>
 #include <utility>
 
+#include "../arrangement/circle_kernel.hpp"
 #include "../core/small_vector.hpp"
 #include "sphere_trees.hpp"
 
@@ -291,7 +295,7 @@ private:
         // Certainly less than half a turn?
         if (!(edge.normal.dot(p.p.cross(q.p)) >
               edge.length * (2 * (p.error + q.error) + slack) + 4 * edge.error))
-            return;
+            return set_short_arc(e);
         const Vector3d center = edge.offset / edge.square * edge.normal,
                        middle = 0.5 * (p.p + q.p) - center;  // of the chord
         const double depth2 = middle.squaredNorm();
@@ -302,6 +306,25 @@ private:
         if (!(radius2 < 4 * depth2) || !(p.error + q.error < 0x1p-7)) return;
         edge.apex.p = center + radius2 / depth2 * middle;
         edge.apex.error = edge.apex_blur + 32 * (p.error + q.error);
+        edge.apex.height = f(edge.apex.p);
+        edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
+        edge.apex.set_level(steepest_);
+    }
+
+    // Of an arc whose ends are too near to each other to tell how it runs, unless it seems to be the rest of the circle:
+    // the point opposite to its ends would be on it. Otherwise it lies in a ball about its ends.
+    void set_short_arc(Index e) {
+        constexpr double near = 0x1p-20;
+        Edge& edge = edges_[e];
+        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
+        const double chord = (p.p - q.p).norm() + p.error + q.error;
+        if (!(chord < near * std::sqrt(1 - edge.offset * edge.offset / edge.square))) return;
+        const Index face = left(2 * e);
+        const double blur = p.error + 64 * edge.error / edge.length + slack;
+        if (!is_beaten_at(face, 2 * edge.offset / edge.square * edge.normal - p.p, blur)) return;
+        const Linear &f = forms_[face], &g = forms_[right(2 * e)];
+        edge.apex.p = 0.5 * (p.p + q.p);
+        edge.apex.error = 2 * chord + slack;
         edge.apex.height = f(edge.apex.p);
         edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
         edge.apex.set_level(steepest_);
@@ -407,10 +430,15 @@ private:
     bool is_outside(Index face, const Vector3d& p) const {
         const Face& f = faces_[face];
         if ((p - f.ball.center).squaredNorm() > f.ball.radius * f.ball.radius * (1 + slack)) return true;
+        return is_beaten_at(face, p, 0);
+    }
+    // Is another form certainly lower than the face's all over a ball about the point of the sphere?
+    bool is_beaten_at(Index face, const Vector3d& p, double radius) const {
+        const Face& f = faces_[face];
         const Linear& form = forms_[face];
         const double value = form(p);
         const auto is_lower = [&](const Linear& other) {
-            return value - other(p) > form.error + other.error;
+            return value - other(p) > form.error + other.error + radius * (form.slope + other.slope);
         };
         Index h = f.start;
         do {
@@ -628,13 +656,34 @@ private:
         return is_outside(face, form.b.normalized());
     }
 
-    // Compares form and diagram at the vertex. False where doubles do not tell.
+    // Compares form and diagram at the vertex. False where they tie, and where a form that is not the family's is
+    // too near.
     bool decide(Vertex& v, const Linear& form) {
         v.stamp = stamp_;
         ++decisions_.by_double;
         if (v.is_below(form)) return true;
         v.taken = stamp_;
-        return v.is_above(form);
+        if (v.is_above(form)) return true;
+        --decisions_.by_double;
+        const auto sign = exact_sign(v, static_cast<Index>(&form - forms_.data()));
+        if (sign == Sign::Positive) v.taken = 0;
+        return sign && *sign != Sign::Zero;
+    }
+    // Of the challenger less the forms that tie in the vertex: that is one of two points where they do, told apart by
+    // the turn of their gradients. The chart shows the sphere as it is seen from outside.
+    std::optional<Sign> exact_sign(const Vertex& v, Index challenger) {
+        if (std::max(challenger, std::ranges::max(v.forms)) >= family_.size()) return std::nullopt;
+        kernel_.reset(&family_);
+        const auto add = [&](Index f) { return kernel_.add_form(FormId{f}); };
+        const FormId f = add(v.forms[0]), g = add(v.forms[1]), h = add(v.forms[2]), c = add(challenger);
+        const double above = std::max(1 + v.p.z(), 0x1p-20);  // the pole
+        const auto point = kernel_.intersection({f, g}, {f, h}, Sign::Positive, v.p.head<2>() / above);
+        if (!point) return std::nullopt;
+        const KernelPoint& at = kernel_.point(*point);
+        const double W = 1 + at.x * at.x + at.y * at.y;
+        const Vector3d place(2 * at.x / W, 2 * at.y / W, 2 / W - 1);
+        if (!((place - v.p).norm() <= 2 * v.error + 4 * at.error + slack)) return std::nullopt;
+        return kernel_.sign_at(*point, c, f);
     }
     // Without a tree all vertices have been compared.
     bool is_decided(Vertex& v, const Linear& form) {
@@ -877,6 +926,7 @@ private:
             out.face_forms.push_back(FormId{f});
         }
         out.decisions = decisions_;
+        out.decisions += kernel_.decisions();
         return out;
     }
 
@@ -927,6 +977,7 @@ private:
     std::optional<FaceTree> face_tree_;
     SomeIndices new_faces_;  // not in the tree yet
     Decisions decisions_;
+    CircleKernel kernel_;  // decides what doubles cannot
     Index stamp_ = 0;
     std::size_t inserted_ = 0;
     // Working space of insert().
