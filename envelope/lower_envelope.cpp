@@ -356,7 +356,8 @@ private:
                 return patchwork_.add(*resolved);
             }
         }
-        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > std::min(most_small_pieces, small_pieces_of_form * family_.size())))
+        const std::size_t enough = std::min(most_small_pieces, small_pieces_of_form * family_.size());
+        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > enough))
             throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);
         if (!halves) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));

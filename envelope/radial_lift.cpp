@@ -729,7 +729,7 @@ private:
         const Vec3 place = errors_[e].unproved.value_or(Vec3::Zero());
         throw UndecidedError("objects " + to_string(left) + ", " + to_string(right) +
                              ": no curve is proved to be the one between them around " +
-                             to_text(problem_.frame.to_world(place)));
+                             to_text(Vec3(problem_.unit * problem_.frame.to_world(place))));
     }
     void require_proofs(FaceId face) const {
         for (const CcbId ccb : loops_[face]) around(ccb, [&](EdgeId e, bool) { require_proof(e); });
