@@ -539,6 +539,7 @@ private:
             worst = std::max(worst, std::hypot(trim, error[i] + slope[i] * trim));
         }
         result.space = std::max(worst, std::hypot(result.chart, arc_height));
+        if (!std::isfinite(result.space)) return std::nullopt;
         return result;
     }
 
