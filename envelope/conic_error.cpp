@@ -60,7 +60,11 @@ void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
     const double e = std::sqrt((r[0] * r[0] + 2 * std::abs(inner) * r[0] * r[1] + r[1] * r[1]) / sine2);
     // The cone's residual times w^2, whose coefficients are 1, w, (1 + 2 w^2) / 3, w, 1.
     const double w = c.w[1], w2 = (1 + 2 * w * w) / 3;
-    const std::array<double, 3> length{c.X[0].norm(), c.X[1].norm(), c.X[2].norm()};
+    // Over a cylinder the coordinate along the axis takes no part: small where the cone's tip is near.
+    const auto size = [&](const Vector4d& X) {
+        return is_sphere ? X.norm() : std::hypot(X.x(), X.z(), X.w());
+    };
+    const std::array<double, 3> length{size(c.X[0]), size(c.X[1]), size(c.X[2])};
     const auto q = [&](int i, int k) { return product(c.X[i], c.X[k], is_sphere); };
     const double largest = std::max({std::abs(q(0, 0)) + of_product * length[0] * length[0],
                                      (std::abs(q(0, 1)) + of_product * length[0] * length[1]) / w,
