@@ -16,14 +16,15 @@ std::string_view to_string(Verdict verdict);
 
 /// One statement about one place of the cell.
 struct Element {
-    std::string where;  ///< as the cell file names it: "vertices[3]", "faces[2].patches[0]", "measures.volume"
+    std::string
+        where;  ///< as the cell file names it: "vertices[3]", "faces[2].patches[0]", "measures.volume"
     Verdict verdict = Verdict::open;
     /// Refuted: what is wrong. Open: why nothing could be proved. Proved: empty, or what the proof took for
     /// granted or has found worth saying (a tie, with the width to which it was verified).
     std::string what;
     /// Length, or for a measure its own unit. Proved: how far from the true one what is written lies at most.
-    /// Refuted: by how much it is wrong at least; 0 where that is no number. Open: the bound that was reached,
-    /// infinite if none was.
+    /// Refuted: by how much it is wrong at least; 0 where that is no number. Open: the bound that was
+    /// reached, infinite if none was.
     double amount = 0;
 };
 

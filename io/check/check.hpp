@@ -27,7 +27,8 @@ struct CheckOptions {
     int effort = 10;
 };
 
-/// Geometry is judged only where the structure allows. What is not_measured (CellOptions::measure) is refuted.
+/// Geometry is judged only where the structure allows. What is not_measured (CellOptions::measure) is
+/// refuted.
 Certificate certify(const Cell& cell, const CheckOptions& options = {});
 
 /// What is refuted or open.

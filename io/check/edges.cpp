@@ -49,10 +49,10 @@ private:
         nearer_ = 0;
         if (!exclude_others(where, parts)) return;
         if (e.error > most_stated(bound.distance))
-            return certificate_.refute(where + ".error",
-                                       fmt::format("is {:.3g}, the curve is within {:.3g} of the true one", e.error,
-                                                   bound.distance),
-                                       e.error);
+            return certificate_.refute(
+                where + ".error",
+                fmt::format("is {:.3g}, the curve is within {:.3g} of the true one", e.error, bound.distance),
+                e.error);
         bounds_[i] = bound;
         prove(where, std::max(bound.distance, nearer_));
     }
@@ -65,17 +65,18 @@ private:
         if (e.vertices.empty()) {
             const double gap = (ends[0] - ends[1]).norm();
             if (gap <= 2 * e.error + rounding()) return true;
-            certificate_.refute(edge_path(i) + ".curve", fmt::format("is closed, but its ends are {:.3g} apart", gap),
-                                gap);
+            certificate_.refute(edge_path(i) + ".curve",
+                                fmt::format("is closed, but its ends are {:.3g} apart", gap), gap);
             return false;
         }
         for (int k = 0; k < 2; ++k) {
             const CellVertex& v = cell_.vertices[e.vertices[k]];
             const double gap = (ends[k] - v.point).norm();
             if (gap <= e.error + v.error + rounding()) continue;
-            certificate_.refute(
-                edge_path(i) + ".vertices",
-                fmt::format("the curve {} {:.3g} away from vertex {}", k ? "ends" : "starts", gap, e.vertices[k]), gap);
+            certificate_.refute(edge_path(i) + ".vertices",
+                                fmt::format("the curve {} {:.3g} away from vertex {}", k ? "ends" : "starts",
+                                            gap, e.vertices[k]),
+                                gap);
             return false;
         }
         return true;
@@ -86,18 +87,19 @@ private:
     struct Reach {
         double distance, slope;  ///< the least singular value that far around
     };
-    /// What a bound on the excesses says about the distance from the arc, or nothing where gradients are parallel
-    /// in the box.
+    /// What a bound on the excesses says about the distance from the arc, or nothing where gradients are
+    /// parallel in the box.
     std::optional<Reach> distance(const Vector<Interval>& box, double size) const {
         double margin = size;
         for (int tries = 0; tries < 4; ++tries) {
             const Interval m(-margin, margin);
             const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
-            const Vector<Interval> g = space().gradient(conditions_[0], x), h = space().gradient(conditions_[1], x);
+            const Vector<Interval> g = space().gradient(conditions_[0], x),
+                                   h = space().gradient(conditions_[1], x);
             const Interval sine = square(cross(g, h)), sum = square(g) + square(h);
             if (!(sine.lower() > 0)) return std::nullopt;
-            // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of which
-            // the greater is below the sum of squares.
+            // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of
+            // which the greater is below the sum of squares.
             const double slope = sqrt(sine / sum).lower();
             const double reach = (Interval(size) / slope).upper();
             if (reach <= margin) return Reach{reach, slope};
@@ -126,7 +128,8 @@ private:
             const Vector<Interval> box = part.net.box();
             const auto found = distance(box, size);
             const double allowed = found ? error_ + width / found->slope : 0;
-            const double growth = std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
+            const double growth =
+                std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
             const bool follows = found && found->distance <= allowed;
             // Where the bisectors touch no place on either is much nearer to the arc than the others.
             const bool touches = !found && part.depth >= kTouching && size <= width && growth > 0;
@@ -140,7 +143,8 @@ private:
             if (++count > parts_allowed()) {
                 certificate_.leave_open(
                     where + ".curve",
-                    found ? fmt::format("its sites' excesses are below {:.3g}, its error is {:.3g}", size, error_)
+                    found ? fmt::format("its sites' excesses are below {:.3g}, its error is {:.3g}", size,
+                                        error_)
                           : "its sites' bisectors are too nearly parallel",
                     found ? found->distance : HUGE_VAL);
                 return false;
@@ -196,9 +200,10 @@ private:
                 for (const Condition& c : task.rivals) {
                     const Interval e = space().excess(c, task.net.corner(end, 0));
                     if (!(e.upper() < -allowance(c))) continue;
-                    certificate_.refute(where + ".curve",
-                                        fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
-                                        -e.upper());
+                    certificate_.refute(
+                        where + ".curve",
+                        fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
+                        -e.upper());
                     return false;
                 }
             if (++count > parts_allowed()) {
@@ -217,19 +222,21 @@ private:
     /// Sites beside the edge's own that may be nearer than the base somewhere on the curve.
     std::vector<Condition> rivals(const Net& net) const {
         const Vector<Interval> box = net.box();
-        return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(), conditions_);
+        return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(),
+                            conditions_);
     }
 
     double allowance(const Condition& c) const { return 2 * error_ + tie_width(c.site); }
 
-    /// Is a site nowhere on a curve nearer than the base by more than the allowance? Along the curve the excess
-    /// changes by its gradient times the curve's derivative.
+    /// Is a site nowhere on a curve nearer than the base by more than the allowance? Along the curve the
+    /// excess changes by its gradient times the curve's derivative.
     struct Farther {
         Edges& edges;
         const Net& net;
         Vector<Interval> box = net.box(), slope = net.derivative(0);
         Vec3 center = middle(box);
-        double reach = (edges.space().clearance(to_vector<Interval>(center)) + 2 * Interval(radius(box))).upper();
+        double reach =
+            (edges.space().clearance(to_vector<Interval>(center)) + 2 * Interval(radius(box))).upper();
 
         bool operator()(const Condition& c) {
             const Space<Interval>& space = edges.space();
@@ -238,10 +245,10 @@ private:
             if (c.site.is_object() && space.is_beyond(c.site.index, center, reach)) return true;
             if (space.excess(c, box).lower() >= 0) return true;
             const Interval change = dot(space.gradient(c, box), slope);
-            const Interval at_begin = space.excess(c, net.corner(0, 0)), at_end = space.excess(c, net.corner(1, 0));
-            const double least =
-                std::max((at_begin + Interval(std::min(0.0, change.lower()))).lower(),
-                         (at_end - Interval(std::max(0.0, change.upper()))).lower());
+            const Interval at_begin = space.excess(c, net.corner(0, 0)),
+                           at_end = space.excess(c, net.corner(1, 0));
+            const double least = std::max((at_begin + Interval(std::min(0.0, change.lower()))).lower(),
+                                          (at_end - Interval(std::max(0.0, change.upper()))).lower());
             if (least >= 0) return true;
             if (!(least >= -allowed)) return false;
             const double growth = edges.growth(c, box);

@@ -76,7 +76,8 @@ Interval ExcessAlong::above_plane(const Surface& object) const {
     return intersection(g.range() / square(w_) / sum, plain);
 }
 
-/// A plane's distance l / w and the base's squared distance q^2 = B / w^2: the excess times (l / w + R + q) is
+/// A plane's distance l / w and the base's squared distance q^2 = B / w^2: the excess times (l / w + R + q)
+/// is
 /// ((l + R w)^2 - B) / w^2.
 Interval ExcessAlong::of_plane(const Surface& object) const {
     Form l = signed_distance(object);
@@ -93,9 +94,9 @@ Interval ExcessAlong::of_plane(const Surface& object) const {
     return intersection((square(reach) - base_).range() / square(w_) / sum, plain);
 }
 
-/// Squared distances A / w^2 of the object and B / w^2 = q^2 of the base, and the difference D of their radii:
-/// the excess times (sqrt A / w + q + D) is L / w^2 - 2 D q with L = A - B - D^2 w^2. Where D is not zero that
-/// times (L / w^2 + 2 D q) is (L^2 - 4 D^2 B w^2) / w^4.
+/// Squared distances A / w^2 of the object and B / w^2 = q^2 of the base, and the difference D of their
+/// radii: the excess times (sqrt A / w + q + D) is L / w^2 - 2 D q with L = A - B - D^2 w^2. Where D is not
+/// zero that times (L / w^2 + 2 D q) is (L^2 - 4 D^2 B w^2) / w^4.
 Interval ExcessAlong::of_round(const Surface& object) const {
     const Surface& base = space_.base();
     const Form a = squared_distance(object);
@@ -109,8 +110,8 @@ Interval ExcessAlong::of_round(const Surface& object) const {
     Interval difference = linear - twice;
     const Interval with = linear + twice;
     if (!with.contains(0))
-        difference = intersection(difference, (square(l) - (4 * square(d)) * (base_ * w2)).range() /
-                                                  square(square(w_)) / with);
+        difference = intersection(
+            difference, (square(l) - (4 * square(d)) * (base_ * w2)).range() / square(square(w_)) / with);
     return intersection(difference / sum, plain);
 }
 

@@ -1,8 +1,8 @@
 /// The excess of sites (space.hpp) all over a curve or a patch.
 ///
 /// With homogeneous coordinates every squared distance is a polynomial, and so are the equations of all
-/// bisectors: where a curve lies on one, the equation's coefficients vanish up to rounding, and the bound is as
-/// small as that without any subdivision.
+/// bisectors: where a curve lies on one, the equation's coefficients vanish up to rounding, and the bound is
+/// as small as that without any subdivision.
 #pragma once
 
 #include "nets.hpp"
@@ -34,8 +34,8 @@ private:
     Vector<Form> position_;  // about the net's origin
     Form weight_;
     Interval w_;
-    // Of the base: the signed distance times the weight from a plane, the squared distance from a centre or an
-    // axis times the squared weight.
+    // Of the base: the signed distance times the weight from a plane, the squared distance from a centre or
+    // an axis times the squared weight.
     Form base_;
     Interval clearance_;
 };

@@ -26,10 +26,12 @@ struct Tile {
         const Vec3 origin = middle(net.corner(0, 0)), end = middle(net.corner(1, 1));
         const Vec3 along = middle(net.corner(1, 0)), across = middle(net.corner(0, 1));
         const int axis =
-            (along - origin).norm() + (end - across).norm() >= (across - origin).norm() + (end - along).norm() ? 0
-                                                                                                              : 1;
+            (along - origin).norm() + (end - across).norm() >= (across - origin).norm() + (end - along).norm()
+                ? 0
+                : 1;
         auto nets = net.halves(axis);
-        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals}, Tile{std::move(nets[1]), lo, hi, rivals}};
+        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals},
+                              Tile{std::move(nets[1]), lo, hi, rivals}};
         h[0].hi[axis] = h[1].lo[axis] = std::midpoint(lo[axis], hi[axis]);
         return h;
     }
@@ -51,8 +53,8 @@ private:
         const CellFace& face = cell_.faces[f];
         const auto names = geometry_.bisector_names(face.site);
         if (std::ranges::find(names, face.bisector) == names.end())
-            note(face_path(f) + ".bisector", fmt::format("is \"{}\", of the base and {} it is \"{}\"", face.bisector,
-                                                         title(face.site), names[0]));
+            note(face_path(f) + ".bisector", fmt::format("is \"{}\", of the base and {} it is \"{}\"",
+                                                         face.bisector, title(face.site), names[0]));
     }
 
     void judge(const Patch& patch) {
@@ -64,7 +66,8 @@ private:
         width_ = std::max(tie_width(face.site), kRounding * patch.control_size);
 
         Vec3 center = Vec3::Zero();
-        for (const auto& c : patch.part.points) center += c.head<3>() / static_cast<double>(patch.part.points.size());
+        for (const auto& c : patch.part.points)
+            center += c.head<3>() / static_cast<double>(patch.part.points.size());
         const Tile whole{net_over(*patch.surface, patch.lo, patch.hi, center), patch.lo, patch.hi, {}};
         const auto boundary = check_boundary(patch, whole.net);
         const auto distance = follow_bisector(where, patch, whole);
@@ -112,8 +115,9 @@ private:
             }
             if (is_outside(patch, tile)) continue;
             if (const auto e = off_bisector(tile.net)) {
-                certificate_.refute(where, fmt::format("{} is {:.3g} {} than the base", title(own_[0].site), std::abs(*e),
-                                                       *e < 0 ? "nearer" : "farther"),
+                certificate_.refute(where,
+                                    fmt::format("{} is {:.3g} {} than the base", title(own_[0].site),
+                                                std::abs(*e), *e < 0 ? "nearer" : "farther"),
                                     0.5 * std::abs(*e));
                 return std::nullopt;
             }
@@ -128,7 +132,7 @@ private:
     }
     /// Rounding of the patch's numbers is no difference.
     double allowed(double distance, double size) const { return size <= width_ ? distance : 0; }
-    std::size_t tiles_allowed() const { return std::size_t{1} << std::clamp(options_.effort, 0, 40); }
+    std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
 
     /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
@@ -164,21 +168,22 @@ private:
         while (!tiles.empty()) {
             Tile tile = std::move(tiles.back());
             tiles.pop_back();
-            std::erase_if(tile.rivals, [t = Test(*this, tile.net, count > kFew)](const Condition& c) { return t(c); });
+            std::erase_if(tile.rivals,
+                          [t = Test(*this, tile.net, count > kFew)](const Condition& c) { return t(c); });
             if (tile.rivals.empty() || is_outside(patch, tile)) continue;
             const Vec2 uv = 0.5 * (tile.lo + tile.hi);
             const SurfacePoint s = lift(patch, uv);
             if (const auto nearer = nearer_at(s.p, tile.rivals);
                 nearer && inside(patch, uv, rounding()).value_or(false)) {
-                certificate_.refute(where, fmt::format("{} is {:.3g} nearer than the base", title(nearer->first.site),
-                                                       nearer->second),
+                certificate_.refute(where,
+                                    fmt::format("{} is {:.3g} nearer than the base",
+                                                title(nearer->first.site), nearer->second),
                                     nearer->second);
                 return false;
             }
             if (++count > tiles_allowed()) {
-                certificate_.leave_open(where,
-                                        fmt::format("{} may be nearer somewhere", title(tile.rivals[0].site)),
-                                        HUGE_VAL);
+                certificate_.leave_open(
+                    where, fmt::format("{} may be nearer somewhere", title(tile.rivals[0].site)), HUGE_VAL);
                 return false;
             }
             for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
@@ -195,9 +200,11 @@ private:
     }
 
     /// A rival that is nearer at p by more than rounding.
-    std::optional<std::pair<Condition, double>> nearer_at(const Vec3& p, std::span<const Condition> rivals) const {
+    std::optional<std::pair<Condition, double>> nearer_at(const Vec3& p,
+                                                          std::span<const Condition> rivals) const {
         for (const Condition& c : rivals)
-            if (const Interval e = space().excess(c, to_vector<Interval>(p)); e.upper() < -2 * width_ - tie_width(c.site))
+            if (const Interval e = space().excess(c, to_vector<Interval>(p));
+                e.upper() < -2 * width_ - tie_width(c.site))
                 return std::pair(c, -e.upper());
         return std::nullopt;
     }
@@ -215,8 +222,8 @@ private:
         }
 
         bool operator()(const Condition& c) const {
-            if (c.site.is_object() &&
-                faces_.space().is_beyond(c.site.index, center_, base_.distance + base_.rounding + 2 * radius_))
+            if (c.site.is_object() && faces_.space().is_beyond(c.site.index, center_,
+                                                               base_.distance + base_.rounding + 2 * radius_))
                 return true;
             const Slope rival = slope(c);
             const double rounding = rival.rounding + (c.site.is_object() ? base_.rounding : 0);
@@ -237,7 +244,8 @@ private:
                 return {e.mid(), e.radius(), middle(faces_.space().gradient(c, box_)), kRough};
             }
             const Slope s = slope_within(scene_.objects[c.site.index], center_, radius_, false);
-            return {s.distance - base_.distance, s.rounding, s.direction - base_.direction, s.turn + base_.turn};
+            return {s.distance - base_.distance, s.rounding, s.direction - base_.direction,
+                    s.turn + base_.turn};
         }
 
         /// Where bisectors touch, the excess changes slowly on the patch.
@@ -278,7 +286,8 @@ private:
         }
         if ((least.array() > hi.array()).any() || (most.array() < lo.array()).any()) return false;
         if (((most - least).array() < 0.25 * (hi - lo).array()).all()) return true;
-        if (!((most - least).array() > kNearEdge * most.cwiseAbs().cwiseMax(least.cwiseAbs()).array()).any()) return true;
+        if (!((most - least).array() > kNearEdge * most.cwiseAbs().cwiseMax(least.cwiseAbs()).array()).any())
+            return true;
         for (const auto& half : piece.halves())
             if (meets(half, lo, hi)) return true;
         return false;

@@ -19,9 +19,7 @@ double binomial(int n, int k);
 class Form {
 public:
     Form() = default;
-    Form(int m, int n) : m_(m), n_(n) {
-        c_.resize(static_cast<std::size_t>((m + 1) * (n + 1)));
-    }
+    Form(int m, int n) : m_(m), n_(n) { c_.resize(static_cast<std::size_t>((m + 1) * (n + 1))); }
 
     int degree_s() const { return m_; }
     int degree_t() const { return n_; }

@@ -15,8 +15,7 @@ Net::Net(const RationalPatch& patch, const Vec3& origin) : Net(patch.degree_u, p
 Form Net::form(int coordinate) const {
     Form f(m_, n_);
     for (int i = 0; i <= m_; ++i)
-        for (int j = 0; j <= n_; ++j)
-            f.at(i, j) = (binomial(m_, i) * binomial(n_, j)) * at(i, j)[coordinate];
+        for (int j = 0; j <= n_; ++j) f.at(i, j) = (binomial(m_, i) * binomial(n_, j)) * at(i, j)[coordinate];
     return f;
 }
 

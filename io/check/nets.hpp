@@ -64,7 +64,7 @@ std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<do
                 for (int i = d; i >= r; --i) {
                     const int knot = k - d + i;
                     const double first = c.knots[knot], last = c.knots[knot + d - r + 1];
-                    const Interval s = t == first ? Interval(0.0)
+                    const Interval s = t == first  ? Interval(0.0)
                                        : t == last ? Interval(1.0)
                                                    : (Interval(t) - first) / (Interval(last) - first);
                     level[i] = blend(level[i - 1], level[i], s);
@@ -131,7 +131,8 @@ public:
 
 private:
     Vector<Interval> position(const Point& p) const {
-        if (p[3].lower() == 1 && p[3].upper() == 1) return {p[0] + origin_[0], p[1] + origin_[1], p[2] + origin_[2]};
+        if (p[3].lower() == 1 && p[3].upper() == 1)
+            return {p[0] + origin_[0], p[1] + origin_[1], p[2] + origin_[2]};
         return {p[0] / p[3] + origin_[0], p[1] / p[3] + origin_[1], p[2] / p[3] + origin_[2]};
     }
 

@@ -6,7 +6,8 @@ namespace vcell::check {
 
 std::vector<Condition> Room::rivals(const Vec3& p, double reach, std::span<const Condition> own) const {
     const auto is_own = [&](const Condition& c) {
-        return std::ranges::any_of(own, [&](const Condition& o) { return o.site == c.site && o.at_rim == c.at_rim; });
+        return std::ranges::any_of(
+            own, [&](const Condition& o) { return o.site == c.site && o.at_rim == c.at_rim; });
     };
     std::vector<std::uint32_t> objects;
     subject_.tree.near(p, reach, objects);
@@ -19,7 +20,8 @@ std::vector<Condition> Room::rivals(const Vec3& p, double reach, std::span<const
     return found;
 }
 
-std::optional<std::string> Room::contradiction(const Vec3& p, double error, std::span<const Site> sites) const {
+std::optional<std::string> Room::contradiction(const Vec3& p, double error,
+                                               std::span<const Site> sites) const {
     const double r = height(p);
     for (const Site& s : sites) {
         const double e = geometry_.excess(s, p, r);
@@ -33,8 +35,7 @@ std::optional<std::string> Room::contradiction(const Vec3& p, double error, std:
     if (const double out = -geometry_.inside_box(p); out > error + rounding())
         return fmt::format("lies {:.3g} outside the box", out);
     if (const auto i = geometry_.nearer(p, r - 2 * error))
-        return fmt::format("object {} is {:.3g} nearer than the base", *i,
-                           r - geometry_.distance_to(*i, p));
+        return fmt::format("object {} is {:.3g} nearer than the base", *i, r - geometry_.distance_to(*i, p));
     return std::nullopt;
 }
 

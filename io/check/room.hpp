@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <optional>
 #include <span>
-#include <vector>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "check.hpp"
 #include "paths.hpp"
@@ -30,9 +30,7 @@ public:
           certificate_(certificate) {}
 
 protected:
-    void note(std::string where, std::string what) {
-        certificate_.refute(std::move(where), std::move(what));
-    }
+    void note(std::string where, std::string what) { certificate_.refute(std::move(where), std::move(what)); }
 
     /// Adds a proof that bounds how far the boundary as written is from the true one.
     void prove(std::string where, double distance, std::string what = {}) {
@@ -43,8 +41,8 @@ protected:
     const Space<Interval>& space() const { return subject_.space; }
     /// Below this an excess is no difference: what rounding of numbers of the scene's size makes of zero.
     double tie_width(const Site& s) const { return geometry_.site_rounding(s); }
-    /// The largest error that may be stated where this much is proved: what the scene tolerates, or a multiple as
-    /// large as bounds found in other ways may differ by.
+    /// The largest error that may be stated where this much is proved: what the scene tolerates, or a
+    /// multiple as large as bounds found in other ways may differ by.
     double most_stated(double proved) const { return std::max(scene_tolerance(), 1024 * proved); }
 
     double rounding() const { return geometry_.rounding(); }
@@ -53,8 +51,8 @@ protected:
     double full_error(std::size_t e) const { return subject_.full_error(e); }
     std::vector<Site> label(std::size_t e) const { return subject_.label(e); }
 
-    /// Sites but the given ones that may be nearer than the base within `reach` of p. Sides of the box that are
-    /// ends of the base cylinder's stretch are no sites beside them.
+    /// Sites but the given ones that may be nearer than the base within `reach` of p. Sides of the box that
+    /// are ends of the base cylinder's stretch are no sites beside them.
     std::vector<Condition> rivals(const Vec3& p, double reach, std::span<const Condition> own) const;
     /// Half the squared gradient of an excess: what it grows by at least per length on the way towards an
     /// object's base, where the other sites' excesses grow, too.

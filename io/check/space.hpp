@@ -142,7 +142,8 @@ private:
 /// A site as a condition on a point: that its excess is zero.
 struct Condition {
     Site site;
-    bool at_rim = false;  ///< a side of the box that bounds the region of a base plane: asked of the base point
+    bool at_rim =
+        false;  ///< a side of the box that bounds the region of a base plane: asked of the base point
 };
 
 template <class T>
@@ -191,7 +192,8 @@ public:
 
     Vector<T> gradient(const Condition& c, const Vector<T>& p) const {
         if (c.site.is_object()) return object_gradient(c.site.index, p) - up(p);
-        if (c.site.kind == Site::Kind::End) return c.site.index == 0 ? base_.direction : negative(base_.direction);
+        if (c.site.kind == Site::Kind::End)
+            return c.site.index == 0 ? base_.direction : negative(base_.direction);
         const Vector<T> m = inwards(c.site.index);
         return c.at_rim ? m - dot(m, base_.direction) * base_.direction : m;
     }
@@ -233,21 +235,25 @@ private:
     }
     static Vector<T> negative(const Vector<T>& v) { return {-v[0], -v[1], -v[2]}; }
 
-    /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very
-    /// small radii count as larger (docs/files.md).
+    /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle.
+    /// Very small radii count as larger (docs/files.md).
     void find_stretch() {
-        const double radius = std::max(std::get<Cylinder>(scene_.base).radius, 0x1p-26 * scene_.box.diagonal());
+        const double radius =
+            std::max(std::get<Cylinder>(scene_.base).radius, 0x1p-26 * scene_.box.diagonal());
         stretch_ = {T(-HUGE_VAL), T(HUGE_VAL)};
         for (std::uint32_t s = 0; s < 6; ++s) {
             const T along = -dot(inwards(s), base_.direction);
-            const T sine = sqrt(square(cross(inwards(s), base_.direction)));  // exactly 0 for axis-parallel ones
+            const T sine =
+                sqrt(square(cross(inwards(s), base_.direction)));  // exactly 0 for axis-parallel ones
             const T room = inside_side(s, base_.point) - T(radius) * sine;
             if (!(along.lower() > 0) && !(along.upper() < 0)) continue;
             const T end = room / along;
             if (along.lower() > 0)
-                stretch_[1] = {std::min(stretch_[1].lower(), end.lower()), std::min(stretch_[1].upper(), end.upper())};
+                stretch_[1] = {std::min(stretch_[1].lower(), end.lower()),
+                               std::min(stretch_[1].upper(), end.upper())};
             else
-                stretch_[0] = {std::max(stretch_[0].lower(), end.lower()), std::max(stretch_[0].upper(), end.upper())};
+                stretch_[0] = {std::max(stretch_[0].lower(), end.lower()),
+                               std::max(stretch_[0].upper(), end.upper())};
         }
     }
 

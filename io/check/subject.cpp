@@ -18,7 +18,7 @@ constexpr int kGrid = 8;
 
 }  // namespace
 
-Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate) 
+Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate)
     : cell(c), geometry(g), space(c.scene), tree(c.scene) {
     for (const CellEdge& e : cell.edges) edge_pieces.push_back(pieces(e.curve));
     uses.resize(cell.edges.size());
@@ -43,7 +43,8 @@ void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certifica
     for (const auto& loop : trimmed.loops) {
         auto& trims = patch.loops.emplace_back();
         for (const TrimCurve& trim : loop) {
-            trims.push_back({&trim, trim.edge ? cell.edges[*trim.edge].error : tolerance(), pieces(trim.curve)});
+            trims.push_back(
+                {&trim, trim.edge ? cell.edges[*trim.edge].error : tolerance(), pieces(trim.curve)});
             for (const auto& piece : trims.back().pieces)
                 for (std::size_t i = 0; i < piece.points.size(); ++i) {
                     patch.lo = patch.lo.cwiseMin(piece.control(i));
@@ -110,8 +111,8 @@ void Subject::join_uses(std::size_t e, Certificate& certificate) {
     sides = std::move(joined);
     for (const Use& use : sides)
         if (use.begin > curve.domain_begin() + near || use.end < curve.domain_end() - near)
-            certificate.refute(edge_path(e),
-                 fmt::format("face {} sides it from {} to {} only", use.face, use.begin, use.end));
+            certificate.refute(edge_path(e), fmt::format("face {} sides it from {} to {} only", use.face,
+                                                         use.begin, use.end));
 }
 
 bool Subject::over_rim(std::size_t e, const Site& site) const {
@@ -124,11 +125,9 @@ bool Subject::over_rim(std::size_t e, const Site& site) const {
     });
 }
 
-
 double Subject::full_error(std::size_t i) const {
     double at_ends = 0;
-    for (const std::uint32_t v : cell.edges[i].vertices)
-        at_ends = std::max(at_ends, cell.vertices[v].error);
+    for (const std::uint32_t v : cell.edges[i].vertices) at_ends = std::max(at_ends, cell.vertices[v].error);
     return cell.edges[i].error + at_ends;
 }
 

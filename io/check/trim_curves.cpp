@@ -41,10 +41,7 @@ std::array<Span<Dim>, 2> halves(const Span<Dim>& span) {
 class TrimJudge {
 public:
     TrimJudge(const Patch& patch, const Net& net, const Trim& trim, const Subject& subject)
-        : patch_(patch),
-          trim_(*trim.curve),
-          edge_(subject.cell.edges[*trim.curve->edge].curve),
-          net_(net) {}
+        : patch_(patch), trim_(*trim.curve), edge_(subject.cell.edges[*trim.curve->edge].curve), net_(net) {}
 
     /// Spans between the knots of both curves, which may differ by rounding.
     std::vector<Pair> pairs() const {
@@ -67,7 +64,8 @@ public:
         cuts.push_back(trims.back().end);
         for (const double k : ends) {
             const double t = edge_parameter(trim_, edge_, k);  // its own inverse
-            const bool is_there = std::ranges::any_of(cuts, [&](double c) { return std::abs(c - t) <= near; });
+            const bool is_there =
+                std::ranges::any_of(cuts, [&](double c) { return std::abs(c - t) <= near; });
             if (!is_there && t > trims.front().begin && t < trims.back().end) cuts.push_back(t);
         }
         std::ranges::sort(cuts);
@@ -92,10 +90,10 @@ public:
     }
 
 private:
-    /// A number that is off by at most n 2^-53 size after n operations, one after the other, which are no more
-    /// than kOperations here: with four degrees of the patch and two of the curves, 3 for (u, v), 6 for each of
-    /// four factors of degree 2 and 5 for each of their sums of products, 9 sums over control points, 6 for the
-    /// edge's weight; and as much as 16 for what a control point has gone through.
+    /// A number that is off by at most n 2^-53 size after n operations, one after the other, which are no
+    /// more than kOperations here: with four degrees of the patch and two of the curves, 3 for (u, v), 6 for
+    /// each of four factors of degree 2 and 5 for each of their sums of products, 9 sums over control points,
+    /// 6 for the edge's weight; and as much as 16 for what a control point has gone through.
     struct Rounded {
         static constexpr double kOperations = 128;
         double value = 0, size = 0;
@@ -110,7 +108,9 @@ private:
         friend Rounded operator-(const Rounded& a, const Rounded& b) {
             return of(a.value - b.value, a.size + b.size);
         }
-        friend Rounded operator*(const Rounded& a, const Rounded& b) { return of(a.value * b.value, a.size * b.size); }
+        friend Rounded operator*(const Rounded& a, const Rounded& b) {
+            return of(a.value * b.value, a.size * b.size);
+        }
         static Rounded of(double value, double size) {
             Rounded r;
             r.value = value;
@@ -226,8 +226,8 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
     std::vector<Pair> pairs = judge.pairs();
     const auto points = [&](double t) {
         const Vec2 uv = evaluate(trim.pieces, t);
-        const Vec3 p = evaluate(subject.edge_pieces[e],
-                                edge_parameter(*trim.curve, subject.cell.edges[e].curve, t));
+        const Vec3 p =
+            evaluate(subject.edge_pieces[e], edge_parameter(*trim.curve, subject.cell.edges[e].curve, t));
         const SurfacePoint s = lift(patch, uv);
         return std::pair((s.p - p).norm(), surface_rounding(patch, s, uv));
     };
@@ -245,14 +245,16 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
         }
         for (const double t : {pair.trim.begin, std::midpoint(pair.trim.begin, pair.trim.end), pair.trim.end})
             if (const auto [distance, width] = points(t); distance > error + 2 * width) {
-                certificate.refute(where(),
-                                   fmt::format("lifts to a curve {:.3g} away from edge {} at the same parameter",
-                                               distance, e),
-                                   distance);
+                certificate.refute(
+                    where(),
+                    fmt::format("lifts to a curve {:.3g} away from edge {} at the same parameter", distance,
+                                e),
+                    distance);
                 return HUGE_VAL;
             }
         if (++count > std::size_t{1} << std::clamp(options.effort, 0, 40)) {
-            certificate.leave_open(where(), fmt::format("lifts to a curve within {:.3g} of edge {}", gap, e), gap);
+            certificate.leave_open(where(), fmt::format("lifts to a curve within {:.3g} of edge {}", gap, e),
+                                   gap);
             return HUGE_VAL;
         }
         auto trims = halves(pair.trim);

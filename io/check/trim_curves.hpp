@@ -11,8 +11,8 @@ struct TrimPlace {
 };
 
 /// How far the lifted curve is from its edge at most, where that is within what the edge's error allows;
-/// otherwise the certificate says what is wrong, and the bound is infinite. `net`: the patch over the rectangle of its
-/// loops.
+/// otherwise the certificate says what is wrong, and the bound is infinite. `net`: the patch over the
+/// rectangle of its loops.
 double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, const Subject& subject,
                     const CheckOptions& options, Certificate& certificate);
 

@@ -1,5 +1,5 @@
-/// Directions of distances all over a ball of points, in doubles with bounds: what is asked most often of most
-/// sites, before intervals.
+/// Directions of distances all over a ball of points, in doubles with bounds: what is asked most often of
+/// most sites, before intervals.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -10,8 +10,8 @@
 
 namespace vcell::check {
 
-/// The distance of a ball's center from an object, and the direction in which it grows, which turns by at most
-/// `turn` within the ball. `rounding` bounds the error of the distance.
+/// The distance of a ball's center from an object, and the direction in which it grows, which turns by at
+/// most `turn` within the ball. `rounding` bounds the error of the distance.
 struct Slope {
     double distance, rounding;
     Vec3 direction;

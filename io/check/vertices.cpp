@@ -58,8 +58,8 @@ private:
         for (const Site& s : v.sites) add_conditions(s, v, conditions);
         const Interval r = space().clearance(to_vector<Interval>(v.point));
         if (const Interval off = magnitude(r - v.radius); off.lower() > v.error + rounding())
-            return certificate_.refute(where + ".radius", fmt::format("is {}, the base is {} away", v.radius, r.mid()),
-                                       off.lower());
+            return certificate_.refute(
+                where + ".radius", fmt::format("is {}, the base is {} away", v.radius, r.mid()), off.lower());
         std::vector<Condition> triple = independent(space(), conditions, v.point);
         if (triple.size() < 3) return judge_touching(i, conditions);
         const std::array<Condition, 3> three{triple[0], triple[1], triple[2]};
@@ -108,8 +108,8 @@ private:
         const std::string where = vertex_path(i);
         const double least = lower_bound(place.distance), most = upper_bound(place.distance);
         if (least > v.error) {
-            certificate_.refute(where, fmt::format("lies {:.3g} from the true point, states {:.3g}", least, v.error),
-                                least);
+            certificate_.refute(
+                where, fmt::format("lies {:.3g} from the true point, states {:.3g}", least, v.error), least);
             return true;
         }
         if (most > v.error && !last) return false;
@@ -118,10 +118,11 @@ private:
             const T e = place.space.excess(c, place.point);
             if (lower_bound(magnitude(e)) > tie_width(c.site)) {
                 // Beside the stated point the sites may all be equally far: three of them meet elsewhere.
-                certificate_.refute(where,
-                                    fmt::format("{} is {:.3g} {} than the base", title(c.site), lower_bound(magnitude(e)),
-                                                upper_bound(e) < 0 ? "nearer" : "farther"),
-                                    lower_bound(magnitude(e)));
+                certificate_.refute(
+                    where,
+                    fmt::format("{} is {:.3g} {} than the base", title(c.site), lower_bound(magnitude(e)),
+                                upper_bound(e) < 0 ? "nearer" : "farther"),
+                    lower_bound(magnitude(e)));
                 return true;
             }
             tie = std::max(tie, upper_bound(magnitude(e)));
@@ -132,13 +133,14 @@ private:
             if (lower_bound(e) > 0) continue;
             if (lower_bound(e) <= 0 && upper_bound(e) >= 0) {
                 if (!last) return false;
-                certificate_.refute(where + ".sites", fmt::format("lack {}, which ties to {:.3g}", title(c.site),
-                                                                  upper_bound(magnitude(e))));
+                certificate_.refute(where + ".sites", fmt::format("lack {}, which ties to {:.3g}",
+                                                                  title(c.site), upper_bound(magnitude(e))));
                 return true;
             }
             if (-upper_bound(e) > tie_width(c.site) + 2 * v.error) {
-                certificate_.refute(where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -upper_bound(e)),
-                                    -upper_bound(e));
+                certificate_.refute(
+                    where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -upper_bound(e)),
+                    -upper_bound(e));
                 return true;
             }
             nearer = std::max(nearer, -lower_bound(e));
@@ -149,7 +151,8 @@ private:
                                 fmt::format("is {:.3g}, the point is within {:.3g}", v.error, most), v.error);
             return true;
         }
-        if (conditions.size() > 3) note += fmt::format("a tie of {} sites, verified to {:.3g}", v.sites.size(), tie);
+        if (conditions.size() > 3)
+            note += fmt::format("a tie of {} sites, verified to {:.3g}", v.sites.size(), tie);
         prove(where, std::max({most, nearer, tie}), note);
         return true;
     }
@@ -157,7 +160,8 @@ private:
     /// Sites that the vertex does not list and that are not far.
     template <class T>
     std::vector<Condition> rivals(const CellVertex& v, const Place<T>& place) const {
-        const double reach = upper_bound(place.space.clearance(place.point)) + 2 * upper_bound(place.distance);
+        const double reach =
+            upper_bound(place.space.clearance(place.point)) + 2 * upper_bound(place.distance);
         std::vector<Condition> found = Room::rivals(v.point, reach + rounding(), {});
         for (std::uint32_t s = 0; geometry_.is_plane() && s < 6; ++s)
             if (!is_parallel(Site::box_side(s))) found.push_back({Site::box_side(s), true});
@@ -170,8 +174,8 @@ private:
         return n[(side.index / 2 + 1) % 3] == 0 && n[(side.index / 2 + 2) % 3] == 0;
     }
 
-    /// Bisectors that touch: no three sites fix the point. It lies on the boundary as far as the excesses tell;
-    /// where along it is not proved.
+    /// Bisectors that touch: no three sites fix the point. It lies on the boundary as far as the excesses
+    /// tell; where along it is not proved.
     void judge_touching(std::size_t i, std::span<const Condition> conditions) {
         const CellVertex& v = cell_.vertices[i];
         const Place<Interval> place{space(), to_vector<Interval>(v.point), Interval(0.0)};
@@ -180,26 +184,30 @@ private:
         for (const Condition& c : conditions) {
             const Interval e = magnitude(space().excess(c, place.point));
             if (e.lower() > 2 * v.error + tie_width(c.site))
-                return certificate_.refute(where, fmt::format("{} and the base differ by {:.3g}", title(c.site), e.lower()),
-                                           0.5 * e.lower());
+                return certificate_.refute(
+                    where, fmt::format("{} and the base differ by {:.3g}", title(c.site), e.lower()),
+                    0.5 * e.lower());
             width = std::max(width, e.upper());
             steepest = std::max(steepest, sqrt(square(space().gradient(c, place.point))).lower());
         }
         for (const Condition& c : rivals(v, place)) {
             const Interval e = space().excess(c, place.point);
             if (e.upper() < -2 * v.error - tie_width(c.site))
-                return certificate_.refute(where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
-                                           -e.upper());
+                return certificate_.refute(
+                    where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
+                    -e.upper());
             if (e.lower() <= 0 && e.upper() >= 0 && conditions.size() < 3)
-                return certificate_.refute(where + ".sites", fmt::format("lack {}, which ties to {:.3g}", title(c.site),
-                                                                         magnitude(e).upper()));
+                return certificate_.refute(
+                    where + ".sites",
+                    fmt::format("lack {}, which ties to {:.3g}", title(c.site), magnitude(e).upper()));
             width = std::max(width, -e.lower());
         }
         if (v.error > most_stated(width))
-            return certificate_.refute(where + ".error", fmt::format("is {:.3g}, all excesses are within {:.3g}", v.error, width),
-                                       v.error);
+            return certificate_.refute(
+                where + ".error", fmt::format("is {:.3g}, all excesses are within {:.3g}", v.error, width),
+                v.error);
         prove(where, steepest > 0 ? width / steepest : width,
-                           fmt::format("bisectors touch: {} sites tie, verified to {:.3g}", v.sites.size(), width));
+              fmt::format("bisectors touch: {} sites tie, verified to {:.3g}", v.sites.size(), width));
     }
 
     Space<Wide> wide_{scene_};

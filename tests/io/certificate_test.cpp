@@ -23,7 +23,8 @@ namespace {
 std::string listing(const Certificate& certificate) {
     std::string s;
     for (const Element& e : certificate.elements)
-        if (e.verdict != Verdict::proved) s += e.where + ": " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
+        if (e.verdict != Verdict::proved)
+            s += e.where + ": " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
     return s;
 }
 
@@ -116,7 +117,8 @@ TEST_CASE("certify: refutes a bump between sampled points of a spline") {
     for (std::size_t i = 0; i < cell.edges.size(); ++i) {
         CellEdge& e = cell.edges[i];
         if (e.kind != CurveKind::Spline) continue;
-        // A knot span of a thousandth of the curve with a control point moved: an inner one of a span of its own.
+        // A knot span of a thousandth of the curve with a control point moved: an inner one of a span of its
+        // own.
         const std::size_t inner = e.curve.points.size() / 2;
         expect_refuted(cell, "edges[" + std::to_string(i) + "]",
                        [&](Cell& c) { c.edges[i].curve.points[inner][2] += 1e-3; });
@@ -128,17 +130,20 @@ TEST_CASE("certify: an edge has two sites, a degenerate vertex lists all") {
     const Cell good = voronoi_cell(scene_named("lattice"));
     REQUIRE(certify(good).holds());
     const auto v = static_cast<std::size_t>(
-        std::ranges::find_if(good.vertices, [](const CellVertex& x) {
-            return x.sites.size() == 4 && std::ranges::all_of(x.sites, &Site::is_object);
-        }) - good.vertices.begin());
+        std::ranges::find_if(good.vertices,
+                             [](const CellVertex& x) {
+                                 return x.sites.size() == 4 && std::ranges::all_of(x.sites, &Site::is_object);
+                             }) -
+        good.vertices.begin());
     REQUIRE(v < good.vertices.size());
     expect_refuted(good, "vertices[" + std::to_string(v) + "].sites", [&](Cell& c) {
         auto& sites = c.vertices[v].sites;
         sites = {sites[0], sites[1], sites[2]};
     });
-    const auto e = static_cast<std::size_t>(std::ranges::find_if(good.edges, [](const CellEdge& x) {
-                                                return x.sites[0].is_object() && x.sites[1].is_object();
-                                            }) - good.edges.begin());
+    const auto e = static_cast<std::size_t>(
+        std::ranges::find_if(
+            good.edges, [](const CellEdge& x) { return x.sites[0].is_object() && x.sites[1].is_object(); }) -
+        good.edges.begin());
     expect_refuted(good, "edges[" + std::to_string(e) + "]",
                    [&](Cell& c) { c.edges[e].sites[1] = c.edges[e].sites[0]; });
     const Certificate c = certify(good);
@@ -157,9 +162,8 @@ TEST_CASE("certify: a vertex of nearly parallel bisectors is not moved unseen") 
     for (std::size_t v = 0; v < good.vertices.size(); ++v) {
         const CellVertex& x = good.vertices[v];
         if (!std::ranges::all_of(x.sites, &Site::is_object)) continue;
-        expect_refuted(good, "vertices[" + std::to_string(v) + "]", [&](Cell& c) {
-            c.vertices[v].point.y() += 4 * c.vertices[v].error;
-        });
+        expect_refuted(good, "vertices[" + std::to_string(v) + "]",
+                       [&](Cell& c) { c.vertices[v].point.y() += 4 * c.vertices[v].error; });
     }
 }
 
@@ -186,8 +190,8 @@ TEST_CASE("forms: products and ranges enclose the values") {
         double sum = 0;
         for (int i = 0; i <= f.degree_s(); ++i)
             for (int j = 0; j <= f.degree_t(); ++j)
-                sum += f.at(i, j).mid() * std::pow(s, i) * std::pow(1 - s, f.degree_s() - i) * std::pow(t, j) *
-                       std::pow(1 - t, f.degree_t() - j);
+                sum += f.at(i, j).mid() * std::pow(s, i) * std::pow(1 - s, f.degree_s() - i) *
+                       std::pow(t, j) * std::pow(1 - t, f.degree_t() - j);
         return sum;
     };
     const Form product = a * b, squared = square(a);
@@ -279,8 +283,8 @@ TEST_CASE("krawczyk: encloses the common point of bisectors in either arithmetic
     const std::array<Condition, 3> three{Condition{Site::object(0)}, {Site::object(1)}, {Site::object(2)}};
     const Space<Interval> space(scene);
     const Space<Wide> wide(scene);
-    // Equal heights: the foot is the centers' circumcenter. |f - a|^2 = |f - b|^2 gives x + y / 8 = 1 / 128, and
-    // |f - a|^2 = |f - c|^2 gives x + 2 y = 3 / 4.
+    // Equal heights: the foot is the centers' circumcenter. |f - a|^2 = |f - b|^2 gives x + y / 8 = 1 / 128,
+    // and |f - a|^2 = |f - c|^2 gives x + 2 y = 3 / 4.
     const double y = (0.75 - 1.0 / 128) / 1.875, x = 0.75 - 2 * y;
     const double z = ((x + 0.5) * (x + 0.5) + y * y + 0.9375) / 2.5;
     const auto coarse = enclose(space, three, Vec3(x + 1e-5, y, z - 1e-5), 0.1, 4);
