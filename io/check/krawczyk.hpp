@@ -88,10 +88,11 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
             for (int r = 0; r < 3; ++r)
                 k[r] = T(std::max(k[r].lower(), d[r].lower()), std::min(k[r].upper(), d[r].upper()));
         found = Enclosure<T>{m, k};
-        if constexpr (std::is_same_v<T, Interval>) return found;
         double width = 0;
         for (const T& x : k) width = std::max(width, upper_bound(x - x.mid()));
-        if (width <= 0x1p-100 * least) return found;
+        // In doubles the center's rounding is the limit.
+        constexpr double kEnough = std::is_same_v<T, Interval> ? 0x1p28 : 0x1p-100;
+        if (width <= kEnough * least) return found;
         for (int r = 0; r < 3; ++r) {
             const T shift = k[r].mid();
             m[r] = (m[r] + shift).mid();
