@@ -69,7 +69,7 @@ private:
             if (decide(i, conditions, place, false)) return;
         }
         // Wide arithmetic: many roundings closer, where doubles leave a question open.
-        const auto finer = enclose(wide_, three, v.point, reach(), 8);
+        const auto finer = enclose(wide_, three, v.point, reach(), 16);
         if (!finer) return judge_touching(i, conditions);
         const Place<Wide> place{wide_, finer->box(), finer->distance(v.point)};
         decide(i, conditions, place, true);

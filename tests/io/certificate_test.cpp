@@ -288,7 +288,7 @@ TEST_CASE("krawczyk: encloses the common point of bisectors in either arithmetic
     const double y = (0.75 - 1.0 / 128) / 1.875, x = 0.75 - 2 * y;
     const double z = ((x + 0.5) * (x + 0.5) + y * y + 0.9375) / 2.5;
     const auto coarse = enclose(space, three, Vec3(x + 1e-5, y, z - 1e-5), 0.1, 4);
-    const auto fine = enclose(wide, three, Vec3(x + 1e-5, y, z - 1e-5), 0.1, 8);
+    const auto fine = enclose(wide, three, Vec3(x + 1e-5, y, z - 1e-5), 0.1, 16);
     REQUIRE(coarse);
     REQUIRE(fine);
     CHECK(coarse->distance({x, y, z}).upper() < 1e-8);
