@@ -1,8 +1,9 @@
 # Compiles HEADER with FLAGS: the compiler must stop with exactly one error, and that one MESSAGE.
+# INCLUDES follow the compiler's own folders: /usr/include before them would leave #include_next without a successor.
 set(includes)
 foreach(folder IN LISTS INCLUDES)
   if(folder)
-    list(APPEND includes -isystem ${folder})
+    list(APPEND includes -idirafter ${folder})
   endif()
 endforeach()
 execute_process(COMMAND ${COMPILER} ${FLAGS} ${includes} -fsyntax-only -x c++ ${HEADER}
