@@ -175,15 +175,20 @@ private:
 
     double difference(const Node& n) const { return n.jets[0].value - n.jets[1].value; }
 
-    // Newton's method along a line, to the level of rounding.
+    // Newton's method along a line, to the level of rounding. Where that is higher than of the numbers at hand, as of
+    // cylinders given by a point far along their axis, steps end to shrink before; the certificate judges the span.
     std::optional<Node> find(Vector2d p, const Vector2d& direction) const {
         constexpr int enough = 12;
+        constexpr double small = 0x1p-36;  // of the size
+        double last = std::numeric_limits<double>::infinity();
         for (int i = 0; i < enough; ++i) {
             const Node n = node(p);
-            const double slope = direction.dot(n.slope()), step = difference(n) / slope;
+            const double slope = direction.dot(n.slope()), step = difference(n) / slope, length = std::abs(step);
             const double heights = std::abs(n.jets[0].value) + std::abs(n.jets[1].value);
-            if (std::abs(step) <= 16 * u * (p.norm() + heights / std::abs(slope))) return n;
+            const double size = p.norm() + heights / std::abs(slope);
+            if (length <= 16 * u * size || (length <= small * size && 2 * length >= last)) return n;
             p -= step * direction;
+            last = length;
         }
         return std::nullopt;
     }
