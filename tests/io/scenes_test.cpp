@@ -95,11 +95,13 @@ TEST_CASE("example scenes: cells without measures differ in nothing else") {
             CHECK(std::isnan(cell.edges[e].length));
             cell.edges[e].length = measured.edges[e].length;
             cell.edges[e].length_error = measured.edges[e].length_error;
+            cell.edges[e].is_estimated = measured.edges[e].is_estimated;  // says what length_error is
         }
         for (std::size_t f = 0; f < cell.faces.size(); ++f) {
             CHECK(std::isnan(cell.faces[f].area));
             cell.faces[f].area = measured.faces[f].area;
             cell.faces[f].area_error = measured.faces[f].area_error;
+            cell.faces[f].is_estimated = measured.faces[f].is_estimated;
         }
         cell.measures = measured.measures;
         cell.neighbors = measured.neighbors;
