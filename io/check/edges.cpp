@@ -96,7 +96,8 @@ private:
             const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
             const Vector<Interval> g = space().gradient(conditions_[0], x),
                                    h = space().gradient(conditions_[1], x);
-            const Interval sine = square(cross(g, h)), sum = square(g) + square(h);
+            const Vector<Interval> difference = space().gradient_difference(conditions_[1], conditions_[0], x);
+            const Interval sine = square(cross(g, difference)), sum = square(g) + square(h);
             if (!(sine.lower() > 0)) return std::nullopt;
             // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of
             // which the greater is below the sum of squares.

@@ -233,6 +233,7 @@ private:
             const Vec3 &g = own_.direction, &h = rival.direction;
             const double change = g.norm() * rival.turn + h.norm() * own_.turn + own_.turn * rival.turn;
             if (g.cross(h).norm() > (1 + kRough) * change + 4 * kRough) return true;
+            if (are_balls(c)) return are_balls_apart(c) || is_farther(c);
             return is_small_ && is_farther(c);
         }
 
@@ -248,13 +249,34 @@ private:
                     s.turn + base_.turn};
         }
 
-        /// Where bisectors touch, the excess changes slowly on the patch.
+        /// Own and rival: their excesses and gradients may differ by little, but the difference is known well.
+        bool are_balls(const Condition& c) const {
+            const auto is_ball = [&](const Condition& x) {
+                return x.site.is_object() && std::holds_alternative<Sphere>(scene_.objects[x.site.index]);
+            };
+            return is_ball(c) && is_ball(faces_.own_[0]);
+        }
+        bool are_balls_apart(const Condition& c) const {
+            const Vector<Interval> around = box_about(center_, radius_);
+            return square(cross(faces_.space().gradient(c, around),
+                                faces_.space().gradient_difference(faces_.own_[0], c, around)))
+                       .lower() > 0;
+        }
+
+        /// Where bisectors touch, the excess changes slowly on the patch. Of two balls the difference of the excesses
+        /// does, and the patch's own is below the width on all of it.
         bool is_farther(const Condition& c) const {
             const Space<Interval>& space = faces_.space();
-            const Vector<Interval> gradient = space.gradient(c, box_);
+            const Condition& own = faces_.own_[0];
+            const bool balls = are_balls(c);
+            const Vector<Interval> gradient =
+                balls ? space.gradient_difference(c, own, box_) : space.gradient(c, box_);
             const Interval change =
                 magnitude(dot(gradient, net_.derivative(0))) + magnitude(dot(gradient, net_.derivative(1)));
-            return (space.excess(c, net_.corner(0, 0)) - change).lower() >= -faces_.tie_width(c.site);
+            const Vector<Interval> corner = net_.corner(0, 0);
+            Interval excess = space.excess(c, corner);
+            if (balls) excess = excess - space.excess(own, corner) - Interval(faces_.width_);
+            return (excess - change).lower() >= -faces_.tie_width(c.site);
         }
 
         const Faces& faces_;

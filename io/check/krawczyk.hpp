@@ -45,19 +45,22 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
             return x.approximation();
     };
     Vector<T> m = to_vector<T>(start);
-    Eigen::Matrix3d j;
-    for (int r = 0; r < 3; ++r) {
-        const Vector<T> g = space.gradient(conditions[r], m);
-        for (int k = 0; k < 3; ++k) j(r, k) = number(g[k]);
-    }
-    const Eigen::Matrix3d inverse = j.inverse();
-    if (!inverse.allFinite()) return std::nullopt;
+    Eigen::Matrix3d inverse;
     const auto y = [&](int r, const Vector<T>& f) {
         return T(inverse(r, 0)) * f[0] + T(inverse(r, 1)) * f[1] + T(inverse(r, 2)) * f[2];
     };
-    const double least = 0x1p-80 * start.cwiseAbs().maxCoeff();
+    const double size = start.cwiseAbs().maxCoeff(), least = 0x1p-80 * size;
+    double last = HUGE_VAL;  // width
     std::optional<Enclosure<T>> found;
     for (int round = 0; round < rounds; ++round) {
+        // Any matrix serves as Y. That of the present m keeps the contraction quadratic up to a double's digits.
+        Eigen::Matrix3d j;
+        for (int r = 0; r < 3; ++r) {
+            const Vector<T> g = space.gradient(conditions[r], m);
+            for (int k = 0; k < 3; ++k) j(r, k) = number(g[k]);
+        }
+        inverse = j.inverse();
+        if (!inverse.allFinite()) return found;
         Vector<T> f, newton, d;
         double step = 0;
         for (int r = 0; r < 3; ++r) f[r] = space.excess(conditions[r], m);
@@ -90,9 +93,10 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
         found = Enclosure<T>{m, k};
         double width = 0;
         for (const T& x : k) width = std::max(width, upper_bound(x - x.mid()));
-        // In doubles the center's rounding is the limit.
+        // In doubles the center's rounding is the limit. Rounds that gain nothing are the last.
         constexpr double kEnough = std::is_same_v<T, Interval> ? 0x1p28 : 0x1p-100;
-        if (width <= kEnough * least) return found;
+        if (width <= kEnough * least || width > 0.5 * last) return found;
+        last = width;
         for (int r = 0; r < 3; ++r) {
             const T shift = k[r].mid();
             m[r] = (m[r] + shift).mid();

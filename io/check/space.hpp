@@ -197,6 +197,22 @@ public:
         const Vector<T> m = inwards(c.site.index);
         return c.at_rim ? m - dot(m, base_.direction) * base_.direction : m;
     }
+    /// The gradient of c's excess less that of d's. Of two balls with centres a and b, |p - a| = s and |p - b| = t,
+    /// it is (b - a - ((s - t) / t) (p - b)) / s with s - t = (b - a) (2 p - a - b) / (s + t): as small as b - a
+    /// is, also over a box of points.
+    Vector<T> gradient_difference(const Condition& c, const Condition& d, const Vector<T>& p) const {
+        const auto ball = [&](const Condition& e) {
+            return e.site.is_object() ? std::get_if<Sphere>(&scene_.objects[e.site.index]) : nullptr;
+        };
+        const Sphere *first = ball(c), *second = ball(d);
+        if (!first || !second) return gradient(c, p) - gradient(d, p);
+        const Vector<T> a = to_vector<T>(first->center), b = to_vector<T>(second->center), way = b - a;
+        const Vector<T> from_a = p - a, from_b = p - b;
+        const T s = sqrt(square(from_a)), t = sqrt(square(from_b));
+        const Vector<T> n = check::direction(from_b, t);
+        const T difference = dot(way, from_a + from_b) / (s + t);
+        return T(1.0) / s * (way - difference * n);
+    }
     /// Of an object's distance.
     Vector<T> object_gradient(std::uint32_t i, const Vector<T>& p) const {
         return with(i, [&](const Surface<T>& s) {

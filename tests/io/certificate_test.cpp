@@ -158,7 +158,8 @@ TEST_CASE("certify: a vertex of nearly parallel bisectors is not moved unseen") 
     scene.objects = {Sphere{{-0.5, 0, 1}, 0.25}, Sphere{{0, 0.01, 1}, 0.25}, Sphere{{0.5, 0, 1}, 0.25}};
     scene.box = {{-1, -20, 0}, {1, 20, 200}};
     const Cell good = voronoi_cell(scene);
-    REQUIRE(certify(good).holds());
+    const Certificate proof = certify(good);
+    REQUIRE_MESSAGE(proof.holds(), listing(proof));
     for (std::size_t v = 0; v < good.vertices.size(); ++v) {
         const CellVertex& x = good.vertices[v];
         if (!std::ranges::all_of(x.sites, &Site::is_object)) continue;
