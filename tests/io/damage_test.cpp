@@ -182,7 +182,8 @@ void bump(RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& by) {
         c.points.clear();
         for (const Control& p : points) c.points.push_back(p);
     };
-    const std::size_t middle = d + (c.knots.size() - 2 * d - 2) / 2;
+    std::size_t middle = d + (c.knots.size() - 2 * d - 2) / 2;
+    while (c.knots[middle] == c.knots[middle + 1]) ++middle;
     const double a = c.knots[middle], b = c.knots[middle + 1];
     REQUIRE(a < b);
     const double t0 = a + 0.5003 * (b - a), t1 = a + 0.5013 * (b - a);
