@@ -91,7 +91,8 @@ private:
         if (!shadows[0] && !shadows[1]) return;
         std::array<Interval, 6> sum{};
         const std::array<double, 6> enough{enough_[0], enough_[1], enough_[1], enough_[0], enough_[1], enough_[1]};
-        Effort effort{effort_};
+        // In one variable parts cost little; a rim that passes close to a cone's apex needs many.
+        Effort effort{4 * effort_};
         sums_.is_complete &= integrate<6>(
             [&]<class T>(const T& s) {
                 const Place<T> p = span.at(s);
