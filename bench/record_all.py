@@ -22,7 +22,9 @@ RADIAL = BENCH / "results/radial.csv"
 
 
 def run(script, *arguments):
-    subprocess.run([sys.executable, BENCH / script, *map(str, arguments)], check=True)
+    status = subprocess.run([sys.executable, BENCH / script, *map(str, arguments)], check=False).returncode
+    if status != 0:
+        sys.exit(f"record_all.py: {script} failed, as told above; what comes after it is not measured")
 
 
 def keep_atoms(old):
