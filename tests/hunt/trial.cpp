@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <csignal>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -23,8 +24,8 @@
 namespace vcell::hunt {
 
 const char* to_string(Outcome outcome) {
-    constexpr std::array<const char*, outcome_count> names{"proved",   "assumed",  "undecided", "wrong",
-                                                           "internal", "too long", "too large", "crash"};
+    constexpr std::array<const char*, outcome_count> names{
+        "proved", "assumed", "open", "undecided", "wrong", "internal", "too long", "too large", "crash"};
     return names[static_cast<std::size_t>(outcome)];
 }
 
@@ -32,8 +33,13 @@ namespace {
 
 Trial judge_here(const Scene& scene) try {
     const Cell cell = voronoi_cell(scene);
-    const auto findings = check_cell(cell);
-    if (!findings.empty()) return {Outcome::Wrong, findings.front().where + ": " + findings.front().what};
+    const Certificate certificate = certify(cell);
+    const auto first = [&](Verdict verdict) -> std::string {
+        const auto at = std::ranges::find(certificate.elements, verdict, &Element::verdict);
+        return at == certificate.elements.end() ? std::string() : at->where + ": " + at->what;
+    };
+    if (certificate.count(Verdict::refuted) > 0) return {Outcome::Wrong, first(Verdict::refuted)};
+    if (certificate.count(Verdict::open) > 0) return {Outcome::Open, first(Verdict::open)};
     if (cell.report.decisions.assumed == 0) return {Outcome::Proved, {}};
     return {Outcome::Assumed, cell.report.warnings.empty() ? "nothing listed" : cell.report.warnings.back()};
 } catch (const UndecidedError& e) {

@@ -9,18 +9,19 @@
 namespace vcell::hunt {
 
 enum class Outcome : std::uint8_t {
-    Proved,     ///< check_cell() has nothing to say against the cell, nothing is assumed
+    Proved,     ///< certify() proves all of the cell, nothing is assumed
     Assumed,    ///< such a cell, with coincidences taken for granted and listed
+    Open,       ///< certify() refutes nothing, but cannot prove all
     Undecided,  ///< UndecidedError, with the place
-    Wrong,      ///< check_cell() objects
+    Wrong,      ///< certify() refutes an element
     Internal,   ///< InternalError, or any other exception
     TooLong,
     TooLarge,  ///< more memory than granted
     Crash,
 };
-inline constexpr std::size_t outcome_count = 8;
+inline constexpr std::size_t outcome_count = 9;
 const char* to_string(Outcome outcome);
-/// Undecided scenes are a pity, these are faults.
+/// What is undecided or open is a pity, these are faults.
 inline bool is_fault(Outcome o) { return o >= Outcome::Wrong; }
 
 struct Trial {
