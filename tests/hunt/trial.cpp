@@ -44,6 +44,8 @@ Trial judge_here(const Scene& scene) try {
     return {Outcome::Assumed, cell.report.warnings.empty() ? "nothing listed" : cell.report.warnings.back()};
 } catch (const UndecidedError& e) {
     return {Outcome::Undecided, e.what()};
+} catch (const InputError& e) {
+    return {Outcome::Illegal, e.what()};
 } catch (const std::bad_alloc&) {
     return {Outcome::TooLarge, "out of memory"};
 } catch (const std::exception& e) {

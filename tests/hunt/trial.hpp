@@ -13,13 +13,14 @@ enum class Outcome : std::uint8_t {
     Assumed,    ///< such a cell, with coincidences taken for granted and listed
     Open,       ///< certify() refutes nothing, but cannot prove all
     Undecided,  ///< UndecidedError, with the place
+    Illegal,    ///< InputError: an object touches the base after all
     Wrong,      ///< certify() refutes an element
     Internal,   ///< InternalError, or any other exception
     TooLong,
     TooLarge,  ///< more memory than granted
     Crash,
 };
-inline constexpr std::size_t outcome_count = 9;
+inline constexpr std::size_t outcome_count = 10;
 const char* to_string(Outcome outcome);
 /// What is undecided or open is a pity, these are faults.
 inline bool is_fault(Outcome o) { return o >= Outcome::Wrong; }
