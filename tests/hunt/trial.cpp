@@ -24,8 +24,9 @@
 namespace vcell::hunt {
 
 const char* to_string(Outcome outcome) {
-    constexpr std::array<const char*, outcome_count> names{
-        "proved", "assumed", "open", "undecided", "wrong", "internal", "too long", "too large", "crash"};
+    constexpr std::array<const char*, outcome_count> names{"proved",    "assumed", "open",     "undecided",
+                                                           "illegal",   "wrong",   "internal", "too long",
+                                                           "too large", "crash"};
     return names[static_cast<std::size_t>(outcome)];
 }
 
