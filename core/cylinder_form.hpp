@@ -31,7 +31,7 @@ struct CylinderNumbers {
     T rho;
 };
 
-/// The same, all of them times `unit` > 0.
+/// A cylinder whose numbers are all multiplied by `unit` > 0, so that they are exact.
 struct ExactCylinder : CylinderNumbers<Exact> {
     Exact unit;
 };
@@ -49,7 +49,7 @@ inline ExactCylinder exact_cylinder(const CylinderForm& f) {
     return f.exact ? *f.exact : ExactCylinder{{f.px, f.py, f.pz, f.ax, f.ay, f.az, f.rho}, 1.0};
 }
 
-/// Of an exact cylinder in another number type that has a division.
+/// Converts an exact cylinder to another number type that has a division.
 template <class T, class Convert>
 CylinderNumbers<T> converted(const ExactCylinder& f, Convert&& convert) {
     const T unit = convert(f.unit);

@@ -35,7 +35,7 @@ struct EnvironmentError : std::runtime_error {
 /// nanoseconds. `who` begins the message: "voronoi_cell()".
 void require_ieee_arithmetic(const char* who);
 
-/// The same, here and where a call of ours ends: something that it calls back may have switched modes.
+/// Asks here and where a call of ours ends: something that it calls back may have switched modes.
 template <class Call>
 auto in_ieee_arithmetic(const char* who, Call&& call) {
     require_ieee_arithmetic(who);

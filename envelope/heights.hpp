@@ -81,7 +81,7 @@ public:
     /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder.
     Sign compare(FormId f, FormId g, double x, double y, Decisions& decisions) const;
-    /// The same by the exact rung alone. Pre: over curved bases w is 1.
+    /// Compares by the exact rung alone. Pre: over curved bases w is 1.
     Sign compare(FormId f, FormId g, const RationalPoint& p, Decisions& decisions) const;
 
 private:
