@@ -56,14 +56,23 @@ private:
             vertex.radius = from.height;
             for (const FormId f : diagram_.label(v))
                 vertex.sites.insert(vertex.sites.end(), problem_.sites[f].begin(), problem_.sites[f].end());
-            for (const std::uint32_t side : diagram_.sides(v))
-                vertex.sites.push_back(problem_.region[side].site);
+            add_rim_sites(diagram_.sides(v), vertex.sites);
             sort_unique(vertex.sites);
             // The motion back: three products and three sums a coordinate, of factors rounded once.
             vertex.error = std::hypot(from.error, from.height_error) +
                            8 * u * (canonical.norm() + problem_.frame.origin.norm());
             cell_.vertices.push_back(std::move(vertex));
         }
+    }
+
+    // The sides of the box over which a vertex lies: at a corner of the region all that run through it.
+    void add_rim_sites(std::span<const std::uint32_t> sides, SmallVector<Site, 4>& sites) const {
+        for (const std::uint32_t side : sides) sites.push_back(problem_.region[side].site);
+        if (sides.size() < 2) return;
+        const std::size_t n = problem_.region.size();
+        const std::size_t corner = sides[1] == (sides[0] + 1) % n ? sides[1] : sides[0];
+        const auto& through = problem_.corner_sites[corner];
+        sites.insert(sites.end(), through.begin(), through.end());
     }
 
     Site main_site(FormId f) const { return problem_.sites[f].front(); }

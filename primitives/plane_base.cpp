@@ -27,6 +27,8 @@ using Kind = InputError::Kind;
 
 // The square of an axis' slope against the base is a coefficient of the height.
 constexpr double smallest_slope = 1e-125;
+// Of its size, from the origin of the scene: from there on a box is far.
+constexpr double far_in_steps = 16;
 
 // ---- Frame ------------------------------------------------------------------------------------------
 
@@ -42,8 +44,13 @@ public:
         is_axis_parallel_ = (n.array() != 0).count() == 1;
         turn_ = rotation_.turn(scaled_axis(n), 2);
         motion_.rotation = rotation_.rounded();
-        // Other coordinates than the k-th keep their digits.
+        // Other coordinates than the k-th keep their digits: a box far from the origin is brought near by a multiple of a
+        // power of two above its size.
         if (is_axis_parallel_) {
+            const double step = std::exp2(std::ceil(std::log2(box.diagonal())));
+            const Vec3 steps = (0.5 / step * box.min + 0.5 / step * box.max).array().round();
+            for (Eigen::Index i = 0; i < 3; ++i)
+                if (std::abs(steps[i]) >= far_in_steps) origin_[i] = step * steps[i];
             origin_[k] = base.point[k];
             motion_.origin = origin_;
         } else {
@@ -249,6 +256,26 @@ std::vector<ExactPoint> region_corners(const std::vector<RegionSide>& region) {
     for (std::size_t i = 0; i < region.size(); ++i)
         corners.push_back(crossing(region[(i + region.size() - 1) % region.size()], region[i]));
     return corners;
+}
+
+// The sides of the box through the point of the base on two of them, exact in world coordinates: the region's own
+// sides are rounded, and where three run through one point no two of them tell of the third.
+std::vector<Site> sides_through(const Plane& base, const Box& box, Site first, Site second) {
+    const auto bound = [&](Site side) {
+        const std::uint32_t axis = side.index / 2;
+        return side.index % 2 == 0 ? box.min[axis] : box.max[axis];
+    };
+    const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
+    std::vector<Site> sides{first, second};
+    if (base.normal[i] == 0 && base.normal[j] == 0) return sides;  // the third one is along the base
+    const Exact across = base.normal[i] * (Exact(bound(first)) - base.point[i]) +
+                         base.normal[j] * (Exact(bound(second)) - base.point[j]);
+    for (const std::uint32_t index : {2 * k, 2 * k + 1}) {
+        const Site third = Site::box_side(index);
+        const Exact height = across + base.normal[k] * (Exact(bound(third)) - base.point[k]);
+        if (height.sign() == Sign::Zero) sides.push_back(third);
+    }
+    return sides;
 }
 
 // ---- Objects against the region ---------------------------------------------------------------------
@@ -457,6 +484,9 @@ public:
         problem.moved = std::max(frame_->moved(), moved_by_lengths(scene_));
         problem.region = sides_;
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
+        for (std::size_t i = 0; i < sides_.size(); ++i)
+            problem.corner_sites.push_back(sides_through(
+                base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         problem.family.forms = std::move(forms_);
         for (const std::uint32_t i : cylinder_objects_) {
             problem.family.cylinders.push_back(form_of(i));

@@ -25,9 +25,9 @@
 namespace vcell {
 
 /// A rigid motion between world and canonical coordinates: canonical = R (world - origin), rounded. Forms are those of
-/// an exact motion: for axis-parallel normals R is a signed permutation and the origin the base's point on that axis;
-/// in general R is a rotation with rational entries (exact_motion.hpp) and the origin a point of the base near the
-/// box. Objects are to each other exactly what they are in the scene. What is rounded, and counted in
+/// an exact motion: for axis-parallel normals R is a signed permutation and the origin the base's point on that axis,
+/// or near a box that is far from the scene's origin; in general R is a rotation with rational entries
+/// (exact_motion.hpp) and the origin a point of the base near the box. Objects are to each other exactly what they are in the scene. What is rounded, and counted in
 /// PlaneBaseProblem::moved: the sides of the box, to doubles in canonical coordinates, and unless the normal's length
 /// is a double the base itself, which turns by a few 2^-53 (planes parallel to it turn with it).
 struct BaseFrame {
@@ -52,6 +52,9 @@ struct PlaneBaseProblem {
     BaseFrame frame;
     std::vector<RegionSide> region;        ///< convex polygon, counter-clockwise
     std::vector<Eigen::Vector2d> corners;  ///< corner i: start of side i, rounded
+    /// Of corner i: the sides of the box that run through it in the scene as it is; three where the base plane runs
+    /// through a corner of the box.
+    std::vector<std::vector<Site>> corner_sites;
     FormFamily family;
     /// A bound on the distance that anything of the scene within the box has moved, in its unit: the base and the sides
     /// of the box with the motion, planes by the rounding of |n|, which scales distances from them.

@@ -1,6 +1,7 @@
 // What is decided about a scene as it comes in: its unit, its motion, and the mode of the processor.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cfenv>
 #include <cmath>
@@ -303,6 +304,55 @@ TEST_CASE("environment: other rounding modes are refused, with what to do") {
     const std::string late = complaint_of([&] { voronoi_cell(scene, options); });
     std::fesetround(FE_TONEAREST);
     CHECK(late.find("voronoi_cell(): this thread does not round to nearest") == 0);
+}
+
+TEST_CASE("cell: where a tilted base runs through a corner of the box, the vertex has all three sides") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {-2, -1, 1}};
+    scene.objects = {Sphere{{-3, 0, 3}, 1}};
+    scene.box = {{-4, -4, -4}, {4, 4, 4}};
+    int corners = 0;
+    for (const CellVertex& v : voronoi_cell(scene).vertices) {
+        const Vec3 p = v.point.cwiseAbs() - Vec3::Constant(4);
+        if (p.cwiseAbs().maxCoeff() > 1e-12) continue;
+        ++corners;
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            const Site side = Site::box_side(2 * axis + (v.point[axis] > 0));
+            CHECK(std::ranges::find(v.sites, side) != v.sites.end());
+        }
+    }
+    CHECK(corners == 2);
+}
+
+TEST_CASE("cell: a scene far from the origin over a plane has the errors of the same scene near it") {
+    const Scene near = scenes_of_all_bases()[0];
+    const Vec3 shift(1 << 20, -(1 << 21), 1 << 19);
+    Scene far = near;
+    const auto move = [&](Object& o) {
+        std::visit(
+            [&](auto& object) {
+                if constexpr (std::is_same_v<std::decay_t<decltype(object)>, Sphere>)
+                    object.center += shift;
+                else
+                    object.point += shift;
+            },
+            o);
+    };
+    move(far.base);
+    for (Object& o : far.objects) move(o);
+    far.box.min += shift;
+    far.box.max += shift;
+    const Cell a = voronoi_cell(near), b = voronoi_cell(far);
+    REQUIRE(a.edges.size() == b.edges.size());
+    CHECK(a.measures.volume == b.measures.volume);
+    CHECK(b.report.moved == a.report.moved);
+    // What is written far away has fewer digits.
+    const double digits = 128 * 0x1p-53 * shift.norm();
+    for (std::size_t i = 0; i < a.edges.size(); ++i) {
+        CAPTURE(i);
+        CHECK(b.edges[i].error <= a.edges[i].error + digits);
+        CHECK(b.edges[i].length == a.edges[i].length);
+    }
 }
 
 #ifdef __SSE2__
