@@ -454,31 +454,62 @@ public:
     ConicError(const std::array<ArcSide, 2>& sides, const SectionSurface& plane)
         : sides_(sides), plane_(plane) {}
 
-    void add(const Points& points, const std::array<Trim, 2>& trims, int depth = 40) {
-        if (const auto whole = whole_error(points, trims)) {
-            proved_.chart = std::max(proved_.chart, whole->chart);
-            proved_.space = std::max(proved_.space, whole->space);
-            return;
-        }
-        if (depth == 0 || halvings_ == 0) {
-            for (int i = 1; i < 3; ++i) {
-                const Vector3d step =
-                    points[i].head<3>() / points[i].w() - points[i - 1].head<3>() / points[i - 1].w();
-                rest_.chart += step.head<2>().norm();
-                rest_.space += step.norm();
-            }
-            return;
-        }
-        --halvings_;
-        std::array<Points, 2> p;
-        std::array<std::array<Trim, 2>, 2> t{trims, trims};
-        divide(points, p[0], p[1]);
-        for (int side = 0; side < 2; ++side) divide(trims[side], t[0][side], t[1][side]);
-        for (const int half : {0, 1}) add(p[half], t[half], depth - 1);
+    void add(const Points& points, const std::array<Trim, 2>& trims) {
+        const Part part{points, trims};
+        bound_ = bound_ + refined(part, bound(part), deepest);
     }
-    FitError error() const { return {proved_.chart + 4 * rest_.chart, proved_.space + 4 * rest_.space}; }
+    FitError error() const {
+        return {bound_.proved.chart + 4 * bound_.rest.chart, bound_.proved.space + 4 * bound_.rest.space};
+    }
 
 private:
+    struct Part {
+        Points points;
+        std::array<Trim, 2> trims;
+
+        double length() const {
+            double sum = 0;
+            for (int i = 1; i < 3; ++i)
+                sum += (points[i].head<3>() / points[i].w() - points[i - 1].head<3>() / points[i - 1].w()).norm();
+            return sum;
+        }
+    };
+    // What is proved of some parts, and the length of the others.
+    struct Bound {
+        FitError proved, rest;
+
+        bool is_proved() const { return rest.space == 0; }
+        friend Bound operator+(const Bound& a, const Bound& b) {
+            return {{std::max(a.proved.chart, b.proved.chart), std::max(a.proved.space, b.proved.space)},
+                    {a.rest.chart + b.rest.chart, a.rest.space + b.rest.space}};
+        }
+    };
+    static constexpr int deepest = 40, most_halvings = 400;
+    static constexpr double sharp = 0x1p-36;  // of a part's length: no reader asks for more
+
+    Bound bound(const Part& part) const {
+        if (const auto whole = whole_error(part.points, part.trims)) return {*whole, {}};
+        const double length = part.length();
+        return {{}, {length, length}};
+    }
+
+    // Slopes and weights vary along a part, and what is proved of all of it at once may be far too much: parts are halved
+    // until there is a proof, and on while that gains a factor of four.
+    Bound refined(const Part& part, const Bound& whole, int depth) {
+        if (depth == 0 || halvings_ == 0) return whole;
+        if (whole.is_proved() && whole.proved.space <= sharp * part.length()) return whole;
+        --halvings_;
+        std::array<Part, 2> half;
+        divide(part.points, half[0].points, half[1].points);
+        for (int side = 0; side < 2; ++side) divide(part.trims[side], half[0].trims[side], half[1].trims[side]);
+        const std::array<Bound, 2> of_half{bound(half[0]), bound(half[1])};
+        if (whole.is_proved()) {
+            const Bound both = of_half[0] + of_half[1];
+            if (!both.is_proved() || both.proved.space > 0.25 * whole.proved.space) return whole;
+        }
+        return refined(half[0], of_half[0], depth - 1) + refined(half[1], of_half[1], depth - 1);
+    }
+
     template <class Control>
     static void divide(const Control& points, Control& first, Control& second) {
         Control work = points;
@@ -574,8 +605,8 @@ private:
 
     const std::array<ArcSide, 2> sides_;
     const SectionSurface& plane_;
-    FitError proved_, rest_;
-    int halvings_ = 400;
+    Bound bound_;
+    int halvings_ = most_halvings;
 };
 
 }  // namespace

@@ -293,6 +293,25 @@ TEST_CASE("errors: conics and splines of all bases stay within what they state")
     }
 }
 
+TEST_CASE("errors: of a conic with uneven weights as of its parts") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.box = {Vec3(-2, -2, -2), Vec3(2, 2, 2)};
+    scene.objects = {Cylinder{{-1.9660563480762456, -1.3128672014052924, 0.8128562680581415},
+                              {-0.6683350326831824, 0.7435200789477416, 0.02249836193845066},
+                              0.2512301518201435},
+                     Cylinder{{1.7493030445418976, -1.6164153193437332, 1.188651342666951},
+                              {0.2989194123125363, -0.050252668578053945, -0.9529542771001724},
+                              0.029111304466082462},
+                     Cylinder{{-0.6696955941466749, 0.951261843026526, -1.7152705870691092},
+                              {0.7911748932529591, 0.4306553782997478, -0.4342559538194841},
+                              0}};
+    const Cell cell = voronoi_cell(scene);
+    check_errors(cell);
+    for (const CellEdge& e : cell.edges)
+        if (e.kind != CurveKind::Spline) CHECK(e.error < 1e-9);
+}
+
 // The cell of the point a next to a ball (c, R) is what a sheet of a hyperboloid holds, clipped here by one
 // side of the box. With z along the axis from a, away from the ball, e = |a - c| - R, k = (e / R) (2 + e / R)
 // and b = e + e^2 / (2 R), the surface is |p| = (1 + e / R) z + b.
