@@ -134,14 +134,6 @@ FaceIntegrals integrals(const Integrand& integrand, const MixedSpan& span) {
     return {sum[0], sum[1], sum[2]};
 }
 
-struct LengthIntegrand {
-    template <class T>
-    std::array<T, 1> operator()(const SpanPoint<T>& p) const {
-        return {sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1)};
-    }
-    std::array<double, 1> sizes(const SpanPoint<double>& p) const { return (*this)(p); }
-};
-
 struct WallIntegrand {
     Vector2d along;
 
@@ -165,9 +157,7 @@ FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span) 
 }
 
 Integral space_length(const MixedSpan& span) {
-    std::array<Integral, 1> sum{};
-    integrate(power_span(span), LengthIntegrand{}, sum);
-    return sum[0];
+    return span_integrals::length(power_span(span));
 }
 
 Integral wall_area(const MixedSpan& span) {

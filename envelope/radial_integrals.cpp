@@ -812,16 +812,17 @@ void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const
                     std::max({sum.distance[1], from.norm(), to.norm()})};
 }
 
-void add_span(std::span<const Vector4d> points, bool is_sphere, const RadialFace& left,
+void add_span(std::span<const Vector4d> points, bool is_conic, bool is_sphere, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum) {
     const PowerSpan span(points);
     std::array<Integral, 6> parts{};
-    integrate_estimated(span, SpanIntegrand{is_sphere, left, right}, parts);
+    // A spline is off its arc by more than the integrals of its spans could be.
+    integrate_estimated(span, SpanIntegrand{is_sphere, left, right}, is_conic ? 1e-9 : 1e-7, parts);
     sum.sides[0].volume += parts[0];
     sum.sides[0].area += parts[1];
     sum.sides[1].volume += parts[2];
     sum.sides[1].area += parts[3];
-    sum.length += parts[4];
+    sum.length += is_conic ? span_integrals::length(span) : parts[4];
     sum.end_area += parts[5];
     extend_by_extreme(sum.distance, span, is_sphere);
     extend_by_gaps(sum.gap, span, is_sphere, left, right);

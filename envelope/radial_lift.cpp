@@ -390,9 +390,15 @@ private:
     }
     double axial_size() const { return std::max(-problem_.stretch[0], problem_.stretch[1]); }
     std::optional<std::array<AxialEquation, 2>> axial_equations(const MinimizationDiagram::Edge& e) const {
-        const auto left = axial_equation(problem_.family.radial_form(e.left));
-        const auto right = e.on_rim() ? axial_equation(problem_.stretch[e.side != 0])
-                                      : axial_equation(problem_.family.radial_form(e.right));
+        const auto of_form = [&](FormId f) {
+            auto equation = axial_equation(problem_.family.radial_form(f));
+            if (equation)
+                equation->is_plane =
+                    !is_wall(problem_, f) && std::holds_alternative<Plane>(problem_.objects[f]);
+            return equation;
+        };
+        const auto left = of_form(e.left);
+        const auto right = e.on_rim() ? axial_equation(problem_.stretch[e.side != 0]) : of_form(e.right);
         if (!left || !right) return std::nullopt;
         return std::array{*left, *right};
     }

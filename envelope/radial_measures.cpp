@@ -143,7 +143,7 @@ private:
         for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
             const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
             if (!is_smooth(e)) {
-                add_span(span, problem_.is_sphere, faces_[left], right_face, sum);
+                add_span(span, edge.kind != CurveKind::Spline, problem_.is_sphere, faces_[left], right_face, sum);
             } else if (curve.degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {
@@ -157,7 +157,7 @@ private:
         add_distance(sum.distance[0], sum.distance[1],
                      positions_[e] + 8 * u * (sum.distance[1] + problem_.radius));
         if (!is_smooth(e)) {
-            edge.is_estimated = true;
+            edge.is_estimated = edge.kind == CurveKind::Spline;
             for (const std::uint32_t f : {left, right})
                 if (f != no_face) cell_.faces[f].is_estimated = true;
         }

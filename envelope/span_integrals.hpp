@@ -137,13 +137,27 @@ void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Int
     integrate(span, integrand, sum, 40, budget);
 }
 
+struct LengthIntegrand {
+    template <class T>
+    std::array<T, 1> operator()(const SpanPoint<T>& p) const {
+        return {sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1)};
+    }
+    std::array<double, 1> sizes(const SpanPoint<double>& p) const { return (*this)(p); }
+};
+
+/// Of the span itself.
+inline Integral length(const PowerSpan& span) {
+    std::array<Integral, 1> sum{};
+    integrate(span, LengthIntegrand{}, sum);
+    return sum[0];
+}
+
 /// The same for integrands that are dear, or cannot be bounded: with seven points, and their difference from
 /// three of them, at which sizes are taken, too. Error: not proven. As both rules converge geometrically, ten
-/// times the square of the difference (as parts of the size); halved until that is next to rounding.
+/// times the square of the difference (as parts of the size); halved until the difference is at most `largest_difference`.
 template <std::size_t N, class Integrand>
-void integrate_estimated(const PowerSpan& span, const Integrand& integrand, std::array<Integral, N>& sum,
-                         int halvings = 12) {
-    constexpr double largest_difference = 1e-7;
+void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_difference,
+                         std::array<Integral, N>& sum, int halvings = 12) {
     constexpr quadrature::NestedRule rule;
     std::array<double, N> fine{}, coarse{}, size{};
     const auto add = [&](double t, double weight, double gauss) {
@@ -164,7 +178,7 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, std:
     for (std::size_t k = 0; k < N; ++k)
         good = good && std::abs(fine[k] - coarse[k]) <= largest_difference * size[k];
     if (!good && halvings > 0) {
-        for (const int side : {0, 1}) integrate_estimated(span.half(side), integrand, sum, halvings - 1);
+        for (const int side : {0, 1}) integrate_estimated(span.half(side), integrand, largest_difference, sum, halvings - 1);
         return;
     }
     for (std::size_t k = 0; k < N; ++k) {

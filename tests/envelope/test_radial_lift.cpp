@@ -705,6 +705,11 @@ TEST_CASE("cylinder cell: planes, sides of the box and tubes along it meet in co
     CHECK(kind(cell, first, second) == CurveKind::Line);
     cell = checked(about_tube(tube, 3, {plane(1, 0, 0), plane(0, 1, 0.25)}));
     CHECK(kind(cell, first, top) == CurveKind::Parabola);
+    // The length of a normal need not be a double for a parabola to be one.
+    cell = checked(about_tube(tube, 3, {plane(1, 1, 0), plane(-1, 0, 0.25)}));
+    CHECK(kind(cell, first, top) == CurveKind::Parabola);
+    cell = checked(about_tube(tube, 3, {plane(1, 1, 0), plane(0, 1, 0.25)}));
+    CHECK(kind(cell, first, second) == CurveKind::Parabola);
     cell = checked(about_tube(tube, 3, {Plane{{0, 0, 4}, {0, 0, 1}}}));
     CHECK(kind(cell, first, top) == CurveKind::Circle);
     cell = checked(about_tube(tube, 3, {Plane{{0, 0, 4}, {0, 0, 1}}, Cylinder{{2, 0, 0}, {0, 0, 1}, 0.25}}));

@@ -306,6 +306,29 @@ TEST_CASE("radial measures: scale with the scene") {
     }
 }
 
+TEST_CASE("radial measures: the length of a conic around a cylinder is within its proven bound") {
+    // A parabola in the end's plane about the base's axis, |p| - r = (x + z + 2) / sqrt 2.
+    const double r = 0.5;
+    const Cell cell = voronoi_cell(over(Cylinder{Vec3::Zero(), {0, 2, 0}, r}, {Plane{{0, -1, -2}, {2, 0, 2}}}, cube(4)));
+    int checked = 0;
+    for (const CellEdge& e : cell.edges) {
+        if (e.kind != CurveKind::Parabola) continue;
+        ++checked;
+        CHECK_FALSE(e.is_estimated);
+        // With s across the axis of the parabola and f its distance from focus to directrix: s^2 / (2 f) + const.
+        const double f = std::sqrt(2) + r;
+        const auto across = [](const Vec3& p) { return (p.x() - p.z()) / std::sqrt(2); };
+        const auto primitive = [f](double s) {
+            return 0.5 * (s * std::hypot(1, s / f) + f * std::asinh(s / f));
+        };
+        const double length = std::abs(primitive(across(e.curve.points.back().head<3>())) -
+                                       primitive(across(e.curve.points.front().head<3>())));
+        CHECK(std::abs(e.length - length) <= e.length_error + 1e-14 * length);
+        CHECK(e.length_error < 1e-10);
+    }
+    CHECK(checked >= 2);
+}
+
 TEST_CASE("radial measures: a ball between two big ones is a solid of revolution") {
     // t = k / (delta + c z), z the cosine of the angle from the axis, by Simpson's rule.
     for (const double rho : {1.0, 2.5, 3.4}) {
