@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 
 namespace vcell {
 
@@ -175,48 +176,92 @@ private:
     double bend_ = 0, stretch_ = 0;  // at least phi'', at most the trisector's length over a unit of s
 };
 
+// meet_nowhere(): along the trisector f = g, a graph n(s) over the box, h - g changes by less than it is in its middle.
+class MeetingSearch {
+public:
+    MeetingSearch(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box)
+        : heights_(heights), h_(h), f_(f), g_(g), at_{Interval(box[0], box[1]), Interval(box[2], box[3])} {
+        // n along the coordinate along which the trisector is thin, with surroundings as wide again; s along the other.
+        const double dx = box[1] - box[0], dy = box[3] - box[2];
+        n_ = dx <= dy ? 0 : 1;
+        margin_ = std::min(dx, dy);
+        at_[n_] = Interval(at_[n_].lower() - margin_, at_[n_].upper() + margin_);
+    }
+
+    bool meet_nowhere() {
+        const std::size_t s = 1 - n_;
+        const Gradient F = heights_.plain_gradient_difference(f_, g_, at_[0], at_[1]);
+        const std::array<Interval, 2> middle{Interval(at_[0].mid()), Interval(at_[1].mid())};
+        if ((difference(f_, g_, middle) + F[0] * (at_[0] - middle[0]) + F[1] * (at_[1] - middle[1])).sign())
+            return true;  // the two are equal nowhere
+        inverse_ = 1 / F[n_].mid();
+        if (!F[n_].sign() || !std::isfinite(inverse_)) return false;
+        slope_ = F[n_];
+        run_ = -F[s] / F[n_];
+        half_ = Interval(at_[s].radius());
+
+        const Gradient H = heights_.plain_gradient_difference(h_, g_, at_[0], at_[1]);
+        across_ = H[n_];
+        const double l = H[n_].mid() * inverse_;
+        change_ = Interval((H[s] - l * F[s] + (H[n_] - l * F[n_]) * run_).magnitude()) * half_;
+        // More digits help where rounding leaves the question open, and nowhere else.
+        if (const auto answer = ask<Interval>(most_double_steps, double_enough)) return *answer;
+        return ask<Wide>(most_steps, enough).value_or(false);
+    }
+
+private:
+    static constexpr int most_steps = 20, enough = -200, most_double_steps = 6, double_enough = -40;
+
+    Interval difference(FormId a, FormId b, const std::array<Interval, 2>& p) const {
+        return heights_.plain_jet(a, p[0], p[1]).v - heights_.plain_jet(b, p[0], p[1]).v;
+    }
+    Wide difference(FormId a, FormId b, const std::array<Wide, 2>& p) const {
+        return heights_.plain_value(a, p[0], p[1]) - heights_.plain_value(b, p[0], p[1]);
+    }
+    static Interval enclosure(const Interval& x) { return x; }
+    static Interval enclosure(const Wide& x) { return x.enclosure(); }
+    static Interval middle(const Interval& x) { return Interval(x.mid()); }
+    static Wide middle(const Wide& x) { return x.mid(); }
+
+    // None: digits were not enough.
+    template <class T>
+    std::optional<bool> ask(int steps, int exponent) const {
+        std::array<T, 2> p{T(at_[0].mid()), T(at_[1].mid())};
+        T residual = difference(f_, g_, p);
+        const double small = std::ldexp(margin_, exponent);
+        for (int i = 0;; ++i) {
+            const T step = T(inverse_) * residual;
+            if (enclosure(step).magnitude() <= small) break;
+            if (i == steps) {
+                if constexpr (std::is_same_v<T, Wide>) return std::nullopt;
+                break;
+            }
+            p[n_] = middle(p[n_] - step);
+            if (!at_[n_].contains(enclosure(p[n_]).mid())) return false;
+            residual = difference(f_, g_, p);
+        }
+        const Interval reach = enclosure(p[n_]) + run_ * Interval(-1.0, 1.0) * half_;
+        if (!at_[n_].contains(reach.lower()) || !at_[n_].contains(reach.upper())) return false;
+        const Interval off = Interval(enclosure(residual).magnitude()) / slope_ * across_;  // of the true trisector
+        const Interval phi = enclosure(difference(h_, g_, p));
+        const double least = std::max(phi.lower(), -phi.upper());
+        if (Interval(least).lower() > (change_ + off.magnitude()).upper()) return true;
+        if (phi.magnitude() + off.magnitude() < change_.lower()) return false;
+        return std::nullopt;
+    }
+
+    const Heights& heights_;
+    const FormId h_, f_, g_;
+    std::array<Interval, 2> at_;  // the box and its surroundings
+    std::size_t n_;
+    double margin_, inverse_ = 0;
+    Interval slope_, run_, half_, across_, change_;
+};
+
 }  // namespace
 
 bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box) {
-    // n along the coordinate along which the trisector is thin, with surroundings as wide again; s along the other.
-    const double dx = box[1] - box[0], dy = box[3] - box[2];
-    const std::size_t n = dx <= dy ? 0 : 1, s = 1 - n;
-    const double margin = n == 0 ? dx : dy;
-    std::array<Interval, 2> at{Interval(box[0], box[1]), Interval(box[2], box[3])};
-    at[n] = Interval(at[n].lower() - margin, at[n].upper() + margin);
-    const auto difference = [&](FormId a, FormId b, const std::array<Wide, 2>& p) {
-        return heights.plain_value(a, p[0], p[1]) - heights.plain_value(b, p[0], p[1]);
-    };
-    std::array<Wide, 2> p{Wide(at[0].mid()), Wide(at[1].mid())};
-    const Gradient F = heights.plain_gradient_difference(f, g, at[0], at[1]);
-    Wide residual = difference(f, g, p);
-    if ((residual.enclosure() + F[0] * (at[0] - Interval(at[0].mid())) + F[1] * (at[1] - Interval(at[1].mid()))).sign())
-        return true;  // the two are equal nowhere
-    const double inverse = 1 / F[n].mid();
-    if (!F[n].sign() || !std::isfinite(inverse)) return false;
-    const Interval run = -F[s] / F[n];
-
-    constexpr int most_steps = 20, enough = -200;
-    const int size = Wide(margin).magnitude_exponent();
-    for (int i = 0;; ++i) {
-        const Wide step = Wide(inverse) * residual;
-        if (step.magnitude_exponent() < size + enough) break;
-        if (i == most_steps) return false;
-        p[n] = (p[n] - step).mid();
-        if (!at[n].contains(p[n].approximation())) return false;
-        residual = difference(f, g, p);
-    }
-    const Interval half(at[s].radius());
-    const Interval reach = p[n].enclosure() + run * Interval(-1.0, 1.0) * half;
-    if (!at[n].contains(reach.lower()) || !at[n].contains(reach.upper())) return false;
-
-    const Gradient H = heights.plain_gradient_difference(h, g, at[0], at[1]);
-    const double l = H[n].mid() * inverse;
-    const Interval change = H[s] - l * F[s] + (H[n] - l * F[n]) * run;
-    const Interval off = Interval(residual.enclosure().magnitude()) / F[n] * H[n];  // of the true trisector
-    const Interval phi = difference(h, g, p).enclosure();
-    const double least = std::max(phi.lower(), -phi.upper());
-    return Interval(least).lower() > (Interval(change.magnitude()) * half + off.magnitude()).upper();
+    return MeetingSearch(heights, h, f, g, box).meet_nowhere();
 }
 
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
