@@ -29,6 +29,9 @@ struct CellVertex {
     double radius = 0;           ///< clearance
     SmallVector<Site, 4> sites;  ///< all that attain it, ascending; the base is not listed
     double error = 0;            ///< bound on the distance of `point` from the true vertex
+    /// No three bisectors are proved to cross in it. Then `error` bounds by how much its sites' distances differ from
+    /// the base's, halved; its place along touching bisectors is not bounded.
+    bool is_touching = false;
 };
 
 /// A trisector arc, maximal between vertices, or an arc of a box side or of the region's rim.

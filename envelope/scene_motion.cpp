@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -22,6 +23,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 struct Direction {
     Vec3 g;
     double distance = infinity;
+    std::optional<Vec3> center{};  // of a ball
 };
 
 Direction from_foot(const Object& object, const Vec3& p) {
@@ -30,7 +32,9 @@ Direction from_foot(const Object& object, const Vec3& p) {
         return {n.dot(p - plane->point) < 0 ? Vec3(-n) : n};
     }
     Vec3 m;
+    std::optional<Vec3> center;
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
+        center = sphere->center;
         m = p - sphere->center;
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
@@ -39,18 +43,39 @@ Direction from_foot(const Object& object, const Vec3& p) {
         m -= d.dot(m) * d;
     }
     const double distance = m.stableNorm();
-    return {distance > 0 ? Vec3(m / distance) : Vec3::UnitZ().eval(), distance};
+    return {distance > 0 ? Vec3(m / distance) : Vec3::UnitZ().eval(), distance, center};
 }
 
-// A row of M, and by how much it may change within a radius.
+// A row of M, and by how much it may change over a length.
 struct Row {
     Vec3 value;
     double nearest = infinity;  // of the distances of its feet's centres and axes
+    double turn = 2;            // of its unit vectors: |dg| <= dp / distance each
+    std::optional<Direction> object{};
+    double shift = 2;  // of its equation, in motions
 
     double variation(double radius) const {
-        return radius < nearest ? 2 * 1.5 * radius / (nearest - radius) : infinity;
+        return radius < nearest ? 1.5 * turn * radius / (nearest - radius) : infinity;
     }
 };
+
+// Of two objects, without the base. From balls at a distance r the unit vectors turn nearly alike where their centres are
+// next to each other: the derivative of m / |m| changes by at most 3 / |m|^2 of their distance.
+Row difference(const Row& b, const Row& a) {
+    Row row{b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};
+    if (a.object && b.object) {
+        row.value = b.object->g - a.object->g;
+        row.turn = row.shift = 2;
+        row.nearest = std::min(a.object->distance, b.object->distance);
+        if (a.object->center && b.object->center) {
+            const double apart = (*b.object->center - *a.object->center).norm();
+            // Within half the distance centres are no nearer than the other half.
+            row.nearest = 0.5 * (row.nearest - apart);
+            row.turn = std::min(row.turn, row.nearest > 0 ? 3 * apart / row.nearest : 2);
+        }
+    }
+    return row;
+}
 
 class Motion {
 public:
@@ -62,7 +87,9 @@ public:
     void run() {
         for (std::size_t i = 0; i < cell_.vertices.size(); ++i) {
             CellVertex& v = cell_.vertices[i];
-            v.error = std::min(most_, v.error + of_vertex(v, equations_[i]));
+            const auto motion = of_vertex(v, equations_[i]);
+            v.is_touching = !motion;
+            v.error = std::min(most_, v.error + motion.value_or(2 * moved_));
         }
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
             CellEdge& e = cell_.edges[i];
@@ -110,27 +137,37 @@ private:
         if (site.kind == Site::Kind::End)
             return {std::get<Cylinder>(cell_.scene.base).axis.stableNormalized()};
         const Direction object = from_foot(cell_.scene.objects[site.index], p);
-        return {object.g - base.g, std::min(object.distance, base.distance)};
+        return {object.g - base.g, std::min(object.distance, base.distance), 2, object};
     }
 
-    // Of the triples the one whose equations tell the point best.
-    double of_vertex(const CellVertex& v, const std::vector<Term>& terms) const {
+    // Of the triples the one whose equations tell the point best; none where no bisectors cross.
+    std::optional<double> of_vertex(const CellVertex& v, const std::vector<Term>& terms) const {
         std::vector<Row> rows;
         for (const Term& t : terms) rows.push_back(row(t, v.point));
         double best = infinity;
         for (std::size_t i = 0; i < rows.size(); ++i)
             for (std::size_t j = i + 1; j < rows.size(); ++j)
                 for (std::size_t k = j + 1; k < rows.size(); ++k) {
-                    Matrix3d M;
-                    M << rows[i].value.transpose(), rows[j].value.transpose(), rows[k].value.transpose();
-                    const double inverse = M.inverse().norm();
-                    const double near =
-                        std::min({rows[i].nearest, rows[j].nearest, rows[k].nearest}) - 2 * v.error;
-                    const double change = 2 * std::sqrt(3.0) * moved_;
-                    if (near > 0 && inverse * inverse * (2 / near) * change <= 0.25)
-                        best = std::min(best, 2 * inverse * change);
+                    const std::array<const Row*, 3> r{&rows[i], &rows[j], &rows[k]};
+                    best = std::min(best, of_rows({*r[0], *r[1], *r[2]}, v.error));
+                    for (int m = 0; m < 3; ++m) {
+                        const Row &a = *r[m], &b = *r[(m + 1) % 3], &c = *r[(m + 2) % 3];
+                        best = std::min(best, of_rows({a, difference(b, a), difference(c, a)}, v.error));
+                    }
                 }
+        if (best == infinity) return std::nullopt;
         return best;
+    }
+
+    // Twice the Newton step, if rows do not turn by more than a quarter on twice that.
+    double of_rows(const std::array<Row, 3>& rows, double error) const {
+        Matrix3d M;
+        for (int i = 0; i < 3; ++i) M.row(i) = rows[i].value.transpose();
+        const Matrix3d inverse = M.inverse();
+        double step = 0, turn = 0;
+        for (int i = 0; i < 3; ++i) step += rows[i].shift * moved_ * inverse.col(i).norm();
+        for (int i = 0; i < 3; ++i) turn += inverse.col(i).norm() * rows[i].variation(2 * error + 2 * step);
+        return turn <= 0.25 ? 2 * step : infinity;
     }
 
     double of_edge(const CellEdge& e, bool is_rim) const {
@@ -160,15 +197,9 @@ private:
         radius += error;
         const Row a = row(terms[0], middle), b = row(terms[1], middle);
         // The motion itself must stay within reach, too.
-        const double room = std::max(radius, std::sqrt(moved_ * most_)), wide = radius + room,
-                     va = a.variation(wide), vb = b.variation(wide);
-        const double size = std::hypot(a.value.norm() + va, b.value.norm() + vb);
-        const double across = a.value.cross(b.value).norm(),
-                     least = across - (a.value.norm() * vb + b.value.norm() * va + va * vb);
-        if (least > 0.5 * across) {
-            const double change = 2 * std::sqrt(2.0) * moved_ * size / least;
-            if (change <= room) return change;
-        }
+        const double room = std::max(radius, std::sqrt(moved_ * most_)), wide = radius + room;
+        const double change = std::min(across(a, b, wide), across(a, difference(b, a), wide));
+        if (change <= room) return change;
         const bool is_end = radius <= error + std::sqrt(moved_ * most_);
         if (is_end) return 4 * wide;
         if (halvings == 0) return infinity;
@@ -181,6 +212,15 @@ private:
         }
         const double of_first = of_span(terms, error, first, halvings);
         return of_first == infinity ? infinity : std::max(of_first, of_span(terms, error, second, halvings));
+    }
+
+    // The motion across two rows, which may be anything they are within a radius.
+    double across(const Row& a, const Row& b, double radius) const {
+        const double va = a.variation(radius), vb = b.variation(radius);
+        const double size = std::hypot(a.value.norm() + va, b.value.norm() + vb);
+        const double product = a.value.cross(b.value).norm(),
+                     least = product - (a.value.norm() * vb + b.value.norm() * va + va * vb);
+        return least > 0.5 * product ? std::hypot(a.shift, b.shift) * moved_ * size / least : infinity;
     }
 
     static constexpr int most_halvings = 1000;  // of an edge

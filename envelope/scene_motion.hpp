@@ -1,14 +1,14 @@
 /// What the motion of a scene when it is decided (its sides, planes and base by a few roundings) does to a
 /// cell's vertices and edges.
 ///
-/// At a vertex three equations d_i(p) - d_0(p) = 0 hold, of objects with the base, or that of a side of the
-/// box. Their gradients are the rows g_i - g_0 of a matrix M, g the unit vectors from the feet, or the side's
-/// normal. Where objects move by m at most, each equation changes by 2 m, so that the vertex moves by 2 m
-/// |M^-1| to first order; by twice that, if the rows do not turn too far on the way: with L = 2 / the least
-/// distance from a centre or axis, which bounds by how much a row changes over a length, |M^-1|^2 L 2 sqrt(3)
-/// m <= 1/4 is enough [Deuflhard04, Thm. 2.1, Newton-Kantorovich]. Otherwise, of nearly parallel bisectors,
-/// nothing is known. An edge is moved across by two rows, likewise, with bounds of what they are all along a
-/// part of it.
+/// At a vertex three equations d_i(p) - d_0(p) = 0 hold, of objects with the base, or that of a side of the box. Their
+/// gradients are the rows g_i - g_0 of a matrix M, g the unit vectors from the feet, or the side's normal; two rows may be
+/// taken for their difference g_i - g_j, which hardly turns where objects are nearly alike. Where objects move by m at
+/// most, each equation changes by 2 m, so that the vertex moves by 2 m times the sum of the lengths of the columns of M^-1
+/// to first order; by twice that, if rows turn so little on the way that M^-1 times their change is 1/4 at most
+/// [Deuflhard04, Thm. 2.1, Newton-Kantorovich]. Where no three rows allow that, bisectors touch: the sites' distances still
+/// agree within what they did and 2 m, but the place along the bisectors is not told (CellVertex::is_touching). An edge is
+/// moved across by two rows, likewise, with bounds of what they are all along a part of it.
 #pragma once
 
 #include "cell.hpp"

@@ -47,6 +47,7 @@ void write_vertex(JsonWriter& out, const CellVertex& v) {
         out.key("radius").value(v.radius);
         write_sites(out.key("sites"), v.sites);
         out.key("error").value(v.error);
+        if (v.is_touching) out.key("touching").value(true);
     });
 }
 
@@ -244,7 +245,8 @@ private:
         in_.object(required_member("point", [&] { v.point = read_vec3(in_); }),
                    required_member("radius", [&] { v.radius = in_.number(); }),
                    required_member("sites", [&] { list(v.sites, [&] { return site(); }); }),
-                   required_member("error", [&] { v.error = in_.number(); }));
+                   required_member("error", [&] { v.error = in_.number(); }),
+                   optional_member("touching", [&] { v.is_touching = in_.boolean(); }));
         return v;
     }
 

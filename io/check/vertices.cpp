@@ -108,6 +108,10 @@ private:
         const std::string where = vertex_path(i);
         const double least = lower_bound(place.distance), most = upper_bound(place.distance);
         if (least > v.error) {
+            if (v.is_touching) {
+                judge_touching(i, conditions);
+                return true;
+            }
             certificate_.refute(
                 where, fmt::format("lies {:.3g} from the true point, states {:.3g}", least, v.error), least);
             return true;
