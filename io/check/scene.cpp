@@ -6,6 +6,8 @@
 #include <numbers>
 #include <variant>
 
+#include "../../core/exact.hpp"
+
 namespace vcell::check {
 
 namespace {
@@ -37,6 +39,18 @@ bool within(const std::vector<Vec2>& polygon, const Vec2& q, double margin) {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
         const Vec2 d = polygon[(i + 1) % polygon.size()] - polygon[i], r = q - polygon[i];
         if (d.x() * r.y() - d.y() * r.x() < margin * d.norm()) return false;
+    }
+    return true;
+}
+
+// Of directions as they are written, exactly.
+bool are_orthogonal(const Vec3& a, const Vec3& b) {
+    return (Exact(a.x()) * b.x() + Exact(a.y()) * b.y() + Exact(a.z()) * b.z()).sign() == Sign::Zero;
+}
+bool are_parallel(const Vec3& a, const Vec3& b) {
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        if ((Exact(a[i]) * b[j] - Exact(a[j]) * b[i]).sign() != Sign::Zero) return false;
     }
     return true;
 }
@@ -328,10 +342,10 @@ std::vector<std::string> SceneGeometry::names_about_plane(const Object& o) const
     if (std::holds_alternative<Plane>(o)) return {"plane"};
     if (std::holds_alternative<Sphere>(o)) return {"paraboloid"};
     // The points whose distance from a line equals that from the plane shifted by the radius.
-    const Vec3 axis = std::get<Cylinder>(o).axis.normalized();
-    if (std::abs(normal_.dot(axis)) <= kRounding) return {"parabolic cylinder"};
-    if (normal_.cross(axis).norm() <= kRounding) return {"circular cone", "elliptic cone"};
-    return {"elliptic cone"};
+    const Vec3 &axis = std::get<Cylinder>(o).axis, &normal = std::get<Plane>(scene_.base).normal;
+    return {are_orthogonal(axis, normal) ? "parabolic cylinder"
+            : are_parallel(axis, normal) ? "circular cone"
+                                         : "elliptic cone"};
 }
 
 std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) const {
@@ -343,9 +357,10 @@ std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) cons
 
 std::vector<std::string> SceneGeometry::names_about_cylinder(const Object& o) const {
     if (const auto* plane = std::get_if<Plane>(&o)) {
-        const double slope = std::abs(normal_.dot(plane->normal.normalized()));
-        if (slope <= kRounding) return {"parabolic cylinder", "elliptic cone"};
-        return {"elliptic cone", "circular cone"};
+        const Vec3& axis = std::get<Cylinder>(scene_.base).axis;
+        return {are_orthogonal(axis, plane->normal) ? "parabolic cylinder"
+                : are_parallel(axis, plane->normal) ? "circular cone"
+                                                    : "elliptic cone"};
     }
     if (const auto* sphere = std::get_if<Sphere>(&o))
         return {sphere->radius == radius_ ? "parabolic cylinder" : "quartic"};

@@ -32,6 +32,18 @@ public:
     }
 
 private:
+    /// Written as one point, and not because its ends are nearer to each other than doubles: then other sites tie in each
+    /// of them, all of which a proved vertex lists.
+    bool is_point(std::size_t e) const {
+        const auto& points = cell_.edges[e].curve.points;
+        const auto& ends = cell_.edges[e].vertices;
+        const auto is_first = [&](const auto& p) {
+            return p.template head<3>() == points.front().template head<3>();
+        };
+        return std::ranges::all_of(points, is_first) &&
+               (ends.empty() || std::ranges::equal(cell_.vertices[ends[0]].sites, cell_.vertices[ends[1]].sites));
+    }
+
     void check_uses() {
         for (std::size_t e = 0; e < uses_.size(); ++e) {
             const auto& uses = uses_[e];
@@ -39,11 +51,7 @@ private:
             const auto& [left, right] = cell_.edges[e].sites;
             // A side of the box that leans over its own rim is met there by the region's rim: a site of both sides.
             if (left == right && !rim_[e]) note(edge_path(e) + ".sites", fmt::format("are {} on both sides", title(left)));
-            const auto& points = cell_.edges[e].curve.points;
-            if (std::ranges::all_of(points, [&](const auto& p) {
-                    return p.template head<3>() == points.front().template head<3>();
-                }))
-                note(edge_path(e) + ".curve", "is a single point");
+            if (is_point(e)) note(edge_path(e) + ".curve", "is a single point");
             if (uses.size() > 2) note(edge_path(e), fmt::format("used {} times", uses.size()));
             if (uses.size() == 2 && uses[0].reversed == uses[1].reversed)
                 note(edge_path(e), fmt::format("used twice in the same sense, by faces {} and {}",
