@@ -119,16 +119,19 @@ Ray SceneGeometry::ray(const Vec3& p) const {
 std::optional<Ray> SceneGeometry::random_ray(std::mt19937_64& rng, double margin) const {
     std::uniform_real_distribution<double> unit(0, 1);
     const double turn = 2 * std::numbers::pi * unit(rng);
+    // As far away as the box is large, in whatever unit.
+    const double reach = scene_.box.diagonal();
     const Vec3 around = std::cos(turn) * across_[0] + std::sin(turn) * across_[1];
     if (sphere_) {
         // Archimedes: a uniform height on the axis gives a uniform point of the sphere.
         const double z = 2 * unit(rng) - 1;
-        return ray(origin_ + z * normal_ + std::sqrt(1 - z * z) * around);
+        return ray(origin_ + reach * (z * normal_ + std::sqrt(1 - z * z) * around));
     }
     if (cylinder_) {
         const double length = stretch_[1] - stretch_[0];
         if (!(length > 2 * margin)) return std::nullopt;
-        return ray(origin_ + (stretch_[0] + margin + unit(rng) * (length - 2 * margin)) * normal_ + around);
+        return ray(origin_ + (stretch_[0] + margin + unit(rng) * (length - 2 * margin)) * normal_ +
+                   reach * around);
     }
     if (region_.size() < 3) return std::nullopt;
     Vec2 lo = region_[0], hi = region_[0];
