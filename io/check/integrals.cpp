@@ -125,9 +125,11 @@ private:
             const bool is_complete = estimate<3>(density, {-1, 0}, {1, 1}, enough, sum, effort);
             sums_.is_complete &= is_complete;
             sums_.is_proved = false;
-            // Where the rules never came near each other their difference tells nothing: beside a pole both miss
+            // Where the rules never came near each other their difference tells little: beside a pole both miss
             // most of it.
-            constexpr double poor = 0x1p-16;
+            constexpr double poor = 0x1p-16, wider = 16;
+            if (!is_complete)
+                for (Interval& x : sum) x = Interval::ball(x.mid(), wider * x.radius());
             const bool is_poor = std::ranges::any_of(
                 sum, [&](const Interval& x) { return !(x.radius() <= poor * x.magnitude()); });
             if (!is_complete && is_poor) sum.fill(Interval(-HUGE_VAL, HUGE_VAL));
