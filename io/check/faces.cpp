@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "excess.hpp"
@@ -20,6 +21,7 @@ struct Tile {
     Net net;
     Vec2 lo, hi;  // in the patch's parameters
     std::vector<Condition> rivals;
+    double excess = HUGE_VAL;  // a bound on its site's in the tile it is a half of
 
     std::array<Tile, 2> halves() const {
         // Across the longer way; any choice will do.
@@ -30,8 +32,8 @@ struct Tile {
                 ? 0
                 : 1;
         auto nets = net.halves(axis);
-        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals},
-                              Tile{std::move(nets[1]), lo, hi, rivals}};
+        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals, excess},
+                              Tile{std::move(nets[1]), lo, hi, rivals, excess}};
         h[0].hi[axis] = h[1].lo[axis] = std::midpoint(lo[axis], hi[axis]);
         return h;
     }
@@ -64,6 +66,10 @@ private:
         own_.push_back({face.site});
         for (const Site& s : face.extra_sites) own_.push_back({s});
         width_ = std::max(tie_width(face.site), kRounding * patch.control_size);
+        stated_ = 0;
+        for (const auto& loop : patch.loops)
+            for (const Trim& trim : loop)
+                if (trim.curve->edge) stated_ = std::max(stated_, full_error(*trim.curve->edge));
 
         Vec3 center = Vec3::Zero();
         for (const auto& c : patch.part.points)
@@ -98,18 +104,21 @@ private:
 
     // --- On the bisector ----------------------------------------------------------------------------
 
+    /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or, where halves are no
+    /// nearer to it, by what its edges state.
     std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole) {
         std::vector<Tile> tiles{whole};
         double most = 0;
         std::size_t count = 0;
         while (!tiles.empty()) {
-            const Tile tile = std::move(tiles.back());
+            Tile tile = std::move(tiles.back());
             tiles.pop_back();
             const ExcessAlong along(space(), tile.net);
             double size = 0;
             for (const Condition& c : own_) size = std::max(size, magnitude(along.excess(c)).upper());
             const auto found = distance(tile.net.box(), size);
-            if (found && *found <= allowed(*found, size)) {
+            const bool is_rounding = 2 * size > std::exchange(tile.excess, size);
+            if (found && (size <= width_ || (is_rounding && size <= stated_))) {
                 most = std::max(most, *found);
                 continue;
             }
@@ -130,8 +139,6 @@ private:
         }
         return most;
     }
-    /// Rounding of the patch's numbers is no difference.
-    double allowed(double distance, double size) const { return size <= width_ ? distance : 0; }
     std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
 
     /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
@@ -319,6 +326,7 @@ private:
     std::vector<Condition> own_;
     double margin_ = 0;  // how far the patch is from its bisector
     double width_ = 0;   // what rounding of the patch's numbers makes of an excess
+    double stated_ = 0;  // the largest error of its edges
 };
 
 }  // namespace
