@@ -53,7 +53,7 @@ private:
             CellVertex vertex;
             const Vec3 canonical(from.point.x(), from.point.y(), from.height);
             vertex.point = problem_.frame.to_world(canonical);
-            vertex.radius = from.height;
+            vertex.radius = std::max(0.0, from.height);
             for (const FormId f : diagram_.label(v))
                 vertex.sites.insert(vertex.sites.end(), problem_.sites[f].begin(), problem_.sites[f].end());
             add_rim_sites(diagram_.sides(v), vertex.sites);

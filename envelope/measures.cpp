@@ -186,14 +186,15 @@ double height_error(const CylinderHeight& f, const CylinderHeight::Jet& jet, con
     return term_rounding / 4 * reach * (1 + jet.gradient.norm());
 }
 
-// The least of values that are known within bounds.
+// The least of heights that are known within bounds.
 struct Least {
     double value = std::numeric_limits<double>::infinity(), lower = value, upper = value;
 
     void add(double v, double error) {
-        value = std::min(value, v);
-        lower = std::min(lower, v - error);
-        upper = std::min(upper, v + error);
+        lower = std::min(lower, std::max(0.0, v - error));
+        if (!(v + error < upper)) return;
+        upper = v + error;
+        value = std::max(0.0, v);
     }
     double error() const { return std::max(value - lower, upper - value); }
 };

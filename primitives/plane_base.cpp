@@ -27,6 +27,8 @@ using Kind = InputError::Kind;
 
 // The square of an axis' slope against the base is a coefficient of the height.
 constexpr double smallest_slope = 1e-125;
+// Of a ball's size with its distance: nearer to the base than that, whether they touch is asked exactly.
+constexpr double near_contact = 0x1p-40;
 // Of its size, from the origin of the scene: from there on a box is far.
 constexpr double far_in_steps = 16;
 
@@ -540,6 +542,20 @@ private:
         const Ball world{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
         const bool is_kept = frame_->keeps(sphere.center);
         const Ball ball = rounded(*frame_, world);
+        // A base that has turned by rounding may part from what touches it in the scene.
+        const double size = std::hypot(ball.cx, ball.cy, ball.cz) + ball.rho;
+        if (!frame_->is_exact() && std::abs(ball.cz) <= ball.rho + near_contact * size) {
+            const ExactVector n(base_.normal);
+            const Exact square = dot(n, n), height = dot(n, ExactVector(sphere.center) - ExactVector(base_.point));
+            const Exact power = square * Exact(sphere.radius) * sphere.radius - height * height;
+            if (power.sign() != Sign::Negative) {
+                const ExactBall exact = placed(*frame_, world);
+                const Sign depth = region_.reach({square * exact.c.x, square * exact.c.y, square * exact.d},
+                                                 power * square * exact.d * exact.d);
+                if (depth != Sign::Negative)
+                    fail_touching(i, depth, region_.nearest_point({ball.cx, ball.cy}));
+            }
+        }
         if (!is_kept || (!(ball.cz > ball.rho) && !(ball.cz < -ball.rho))) {
             const ExactBall exact = placed(*frame_, world);
             if (exact.behind().sign() != Sign::Positive && exact.width().sign() != Sign::Negative) {

@@ -93,7 +93,7 @@ private:
         const auto off = [&](const Condition& c) {
             return magnitude(space().excess(c, to_vector<Interval>(v.point))).lower();
         };
-        const double limit = std::max(std::min(off(rim), off(side)), 2 * v.error + tie_width(s));
+        const double limit = std::max(std::min(off(rim), off(side)), 2 * v.error);
         for (const Condition& c : {rim, side})
             if (off(c) <= limit) conditions.push_back(c);
     }

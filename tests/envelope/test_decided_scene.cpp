@@ -306,6 +306,22 @@ TEST_CASE("environment: other rounding modes are refused, with what to do") {
     CHECK(late.find("voronoi_cell(): this thread does not round to nearest") == 0);
 }
 
+TEST_CASE("cell: what touches a tilted base touches it, although the base has turned by rounding") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {-1, 1, -1}};
+    scene.box = {{-4, -4, -4}, {4, 4, 4}};
+    // Points of the base, within the box and beyond; and one that is a unit in the last place above it.
+    scene.objects = {Sphere{{1, 0, -1}, 0}};
+    CHECK_THROWS_WITH_AS(voronoi_cell(scene), doctest::Contains("objects[0].sphere: touches the base region at (1"),
+                         InputError);
+    scene.objects = {Sphere{{6, 0, -6}, 0}};
+    CHECK(voronoi_cell(scene).neighbors.empty());
+    scene.objects = {Sphere{{1, 0x1p-40, -1}, 0}};
+    const Measures m = voronoi_cell(scene).measures;
+    CHECK(m.min_clearance >= 0);
+    CHECK(m.min_clearance_error < 1e-12);
+}
+
 TEST_CASE("cell: where a tilted base runs through a corner of the box, the vertex has all three sides") {
     Scene scene;
     scene.base = Plane{{0, 0, 0}, {-2, -1, 1}};
