@@ -123,7 +123,7 @@ private:
                 continue;
             }
             if (is_outside(patch, tile)) continue;
-            if (const auto e = off_bisector(tile.net)) {
+            if (const auto e = off_bisector(patch, tile)) {
                 certificate_.refute(where,
                                     fmt::format("{} is {:.3g} {} than the base", title(own_[0].site),
                                                 std::abs(*e), *e < 0 ? "nearer" : "farther"),
@@ -156,12 +156,14 @@ private:
         return std::nullopt;
     }
 
-    std::optional<double> off_bisector(const Net& net) const {
+    std::optional<double> off_bisector(const Patch& patch, const Tile& tile) const {
         for (const int i : {0, 1})
             for (const int j : {0, 1})
                 for (const Condition& c : own_) {
-                    const Interval e = space().excess(c, net.corner(i, j));
-                    if (magnitude(e).lower() > 2 * width_) return e.mid();
+                    const Interval e = space().excess(c, tile.net.corner(i, j));
+                    const Vec2 uv(i == 0 ? tile.lo.x() : tile.hi.x(), j == 0 ? tile.lo.y() : tile.hi.y());
+                    if (magnitude(e).lower() > 2 * width_ && inside(patch, uv, rounding()).value_or(false))
+                        return e.mid();
                 }
         return std::nullopt;
     }
