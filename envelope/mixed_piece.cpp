@@ -279,6 +279,7 @@ struct MixedAnalysis::Work {
     std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
     std::vector<std::uint32_t> knots;            // vertices of the rim in which more forms meet than change there
     double width = 0;
+    bool is_small = false;  // in one direction at least
     mutable std::vector<std::array<FormId, 3>> apart;  // known to tie nowhere, in the order of the rivals
 
     Vector2d middle() const {
@@ -468,9 +469,10 @@ struct MixedAnalysis::Work {
         return rest.lower() > 0 || rest.upper() < 0;
     }
     // Do the three certainly tie nowhere in the piece? Where gradients are on one line all along a trisector, as of tubes
-    // that are nearly parallel over a tube, their turn never tells. Asked of few, when the other questions have failed.
+    // that are nearly parallel over a tube, their turn never tells. Asked of few and in a small piece, when the other
+    // questions have failed.
     bool is_apart(const Spread& a, const Spread& b, const Spread& c) const {
-        if (!a.bend || rivals.size() > most_divided || heights.family().radial.empty() ||
+        if (!a.bend || !is_small || rivals.size() > most_divided || heights.family().radial.empty() ||
             heights.family().chart != RadialChart::HalfAngle)
             return false;
         if (known_apart({a.form, b.form, c.form})) return true;
@@ -557,7 +559,7 @@ struct MixedAnalysis::Work {
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
     Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, heights_, parts_,
-              false, {}, {}, {}, spreads_, {}, {}, {}, 0, {}};
+              false, {}, {}, {}, spreads_, {}, {}, {}, 0, false, {}};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -567,6 +569,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     }
     work.piece.box = {x0, x1, y0, y1};
     work.width = std::max(x1 - x0, y1 - y0);
+    work.is_small = std::min(x1 - x0, y1 - y0) <= tie_width * extent_;
 
     MixedPiece& piece = work.piece;
     const std::size_t sides = boundary.sides.size();

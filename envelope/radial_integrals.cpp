@@ -822,7 +822,13 @@ void add_span(std::span<const Vector4d> points, bool is_conic, bool is_sphere, c
     sum.sides[0].area += parts[1];
     sum.sides[1].volume += parts[2];
     sum.sides[1].area += parts[3];
-    sum.length += is_conic ? span_integrals::length(span) : parts[4];
+    if (points.size() == 2) {
+        const double length = (points[1] - points[0]).head<3>().norm();
+        parts[4] = {length, term_rounding * length};
+    } else if (is_conic) {
+        parts[4] = span_integrals::length(span);
+    }
+    sum.length += parts[4];
     sum.end_area += parts[5];
     extend_by_extreme(sum.distance, span, is_sphere);
     extend_by_gaps(sum.gap, span, is_sphere, left, right);

@@ -26,9 +26,16 @@ struct Direction {
     std::optional<Vec3> center{};  // of a ball
 };
 
-Direction from_foot(const Object& object, const Vec3& p) {
+// Of a plane or a cylinder, from a vector of any length.
+Vec3 unit_direction(const Object& object) {
+    if (const auto* plane = std::get_if<Plane>(&object)) return plane->normal.stableNormalized();
+    if (const auto* cylinder = std::get_if<Cylinder>(&object)) return cylinder->axis.stableNormalized();
+    return Vec3::Zero();
+}
+
+Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     if (const auto* plane = std::get_if<Plane>(&object)) {
-        const Vec3 n = plane->normal.stableNormalized();
+        const Vec3& n = unit;
         return {n.dot(p - plane->point) < 0 ? Vec3(-n) : n};
     }
     Vec3 m;
@@ -38,11 +45,10 @@ Direction from_foot(const Object& object, const Vec3& p) {
         m = p - sphere->center;
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
-        const Vec3 d = cylinder.axis.stableNormalized();
         m = p - cylinder.point;
-        m -= d.dot(m) * d;
+        m -= unit.dot(m) * unit;
     }
-    const double distance = m.stableNorm();
+    const double distance = m.norm();
     return {distance > 0 ? Vec3(m / distance) : Vec3::UnitZ().eval(), distance, center};
 }
 
@@ -81,6 +87,9 @@ class Motion {
 public:
     Motion(Cell& cell, double moved)
         : cell_(cell), moved_(moved), most_(cell.scene.box.diagonal()), equations_(cell.vertices.size()) {
+        base_unit_ = unit_direction(cell.scene.base);
+        units_.reserve(cell.scene.objects.size());
+        for (const Object& object : cell.scene.objects) units_.push_back(unit_direction(object));
         find_equations();
     }
 
@@ -130,13 +139,12 @@ private:
         if (site.kind == Site::Kind::BoxSide) {
             const Vec3 side = Vec3::Unit(site.index / 2);
             if (!term.is_wall) return {side};
-            const Vec3 n = std::get<Plane>(cell_.scene.base).normal.stableNormalized();
-            return {(side - n.dot(side) * n).stableNormalized()};
+            return {(side - base_unit_.dot(side) * base_unit_).normalized()};
         }
-        const Direction base = from_foot(cell_.scene.base, p);
+        const Direction base = from_foot(cell_.scene.base, base_unit_, p);
         if (site.kind == Site::Kind::End)
-            return {std::get<Cylinder>(cell_.scene.base).axis.stableNormalized()};
-        const Direction object = from_foot(cell_.scene.objects[site.index], p);
+            return {base_unit_};
+        const Direction object = from_foot(cell_.scene.objects[site.index], units_[site.index], p);
         return {object.g - base.g, std::min(object.distance, base.distance), 2, object};
     }
 
@@ -197,10 +205,11 @@ private:
         radius += error;
         const Row a = row(terms[0], middle), b = row(terms[1], middle);
         // The motion itself must stay within reach, too.
-        const double room = std::max(radius, std::sqrt(moved_ * most_)), wide = radius + room;
-        const double change = std::min(across(a, b, wide), across(a, difference(b, a), wide));
+        const double room = std::sqrt(moved_ * most_), wide = radius + room;
+        double change = across(a, b, wide);
+        if (!(change <= room)) change = across(a, difference(b, a), wide);
         if (change <= room) return change;
-        const bool is_end = radius <= error + std::sqrt(moved_ * most_);
+        const bool is_end = radius <= error + room;
         if (is_end) return 4 * wide;
         if (halvings == 0) return infinity;
         --halvings;
@@ -220,13 +229,15 @@ private:
         const double size = std::hypot(a.value.norm() + va, b.value.norm() + vb);
         const double product = a.value.cross(b.value).norm(),
                      least = product - (a.value.norm() * vb + b.value.norm() * va + va * vb);
-        return least > 0.5 * product ? std::hypot(a.shift, b.shift) * moved_ * size / least : infinity;
+        return least > 0.125 * product ? std::hypot(a.shift, b.shift) * moved_ * size / least : infinity;
     }
 
     static constexpr int most_halvings = 1000;  // of an edge
 
     Cell& cell_;
     const double moved_, most_;
+    Vec3 base_unit_;
+    std::vector<Vec3> units_;  // of the objects' directions
     std::vector<bool> is_rim_;                  // of the edges
     std::vector<std::vector<Term>> equations_;  // of the vertices
 };

@@ -70,6 +70,7 @@ private:
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop)
                 if (trim.curve->edge) stated_ = std::max(stated_, full_error(*trim.curve->edge));
+        stated_ = std::min(stated_, most_stated(0));  // what is more is refuted at the edge
 
         Vec3 center = Vec3::Zero();
         for (const auto& c : patch.part.points)
@@ -162,7 +163,7 @@ private:
                 for (const Condition& c : own_) {
                     const Interval e = space().excess(c, tile.net.corner(i, j));
                     const Vec2 uv(i == 0 ? tile.lo.x() : tile.hi.x(), j == 0 ? tile.lo.y() : tile.hi.y());
-                    if (magnitude(e).lower() > 2 * width_ && inside(patch, uv, rounding()).value_or(false))
+                    if (magnitude(e).lower() > 2 * width_ && inside(patch, uv, rounding()).value_or(true))
                         return e.mid();
                 }
         return std::nullopt;
