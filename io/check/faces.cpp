@@ -10,17 +10,24 @@
 #include <vector>
 
 #include "excess.hpp"
+#include "least.hpp"
 #include "trim_curves.hpp"
 #include "turns.hpp"
 
 namespace vcell::check {
 namespace {
 
+/// A site that may be nearer than the base somewhere, and the only places for that where they are known.
+struct Rival {
+    Condition condition;
+    std::optional<SmallVector<Spot, 2>> spots;
+};
+
 /// A rectangle of the patch, within the one of its loops.
 struct Tile {
     Net net;
     Vec2 lo, hi;  // in the patch's parameters
-    std::vector<Condition> rivals;
+    std::vector<Rival> rivals;
     double excess = HUGE_VAL;  // a bound on its site's in the tile it is a half of
 
     std::array<Tile, 2> halves() const {
@@ -178,8 +185,7 @@ private:
         while (!tiles.empty()) {
             Tile tile = std::move(tiles.back());
             tiles.pop_back();
-            std::erase_if(tile.rivals,
-                          [t = Test(*this, tile.net, count > kFew)](const Condition& c) { return t(c); });
+            drop(tile, count > kFew);
             if (tile.rivals.empty() || is_outside(patch, tile)) continue;
             const Vec2 uv = 0.5 * (tile.lo + tile.hi);
             const SurfacePoint s = lift(patch, uv);
@@ -193,7 +199,8 @@ private:
             }
             if (++count > tiles_allowed()) {
                 certificate_.leave_open(
-                    where, fmt::format("{} may be nearer somewhere", title(tile.rivals[0].site)), HUGE_VAL);
+                    where, fmt::format("{} may be nearer somewhere", title(tile.rivals[0].condition.site)),
+                    HUGE_VAL);
                 return false;
             }
             for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
@@ -204,15 +211,46 @@ private:
     /// Tiles after which the patch is taken to have places where bisectors touch.
     static constexpr std::size_t kFew = 64;
 
-    std::vector<Condition> rivals(const Net& net) const {
+    std::vector<Rival> rivals(const Net& net) const {
         const Vector<Interval> box = net.box();
-        return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(), own_);
+        const auto ball = [&](const Condition& c) {
+            return c.site.is_object() ? std::get_if<Sphere>(&scene_.objects[c.site.index]) : nullptr;
+        };
+        std::optional<LeastPlaces> least;
+        if (const Sphere* own = ball(own_[0])) least.emplace(scene_.base, *own);
+        std::vector<Rival> found;
+        for (const Condition& c :
+             Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(), own_)) {
+            const Sphere* rival = ball(c);
+            found.push_back({c, rival && least ? least->of(*rival) : std::nullopt});
+        }
+        return found;
+    }
+
+    /// Drops the rivals that need not be looked for in a tile.
+    void drop(Tile& tile, bool is_small) const {
+        const Vector<Interval> box = tile.net.box();
+        const auto is_elsewhere = [&](const Spot& spot) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Interval at = Interval::ball(spot.center[static_cast<Eigen::Index>(k)], spot.radius + margin_);
+                if (at.upper() < box[k].lower() || at.lower() > box[k].upper()) return true;
+            }
+            return false;
+        };
+        std::erase_if(tile.rivals, [&](const Rival& rival) {
+            const Site& site = rival.condition.site;
+            if (site.kind == Site::Kind::BoxSide) return space().inside_side(site.index, box).lower() >= margin_;
+            return rival.spots && std::ranges::all_of(*rival.spots, is_elsewhere);
+        });
+        if (tile.rivals.empty()) return;
+        std::erase_if(tile.rivals,
+                      [test = Test(*this, tile.net, is_small)](const Rival& rival) { return test(rival.condition); });
     }
 
     /// A rival that is nearer at p by more than rounding.
     std::optional<std::pair<Condition, double>> nearer_at(const Vec3& p,
-                                                          std::span<const Condition> rivals) const {
-        for (const Condition& c : rivals)
+                                                          std::span<const Rival> rivals) const {
+        for (const auto& [c, spots] : rivals)
             if (const Interval e = space().excess(c, to_vector<Interval>(p));
                 e.upper() < -2 * width_ - tie_width(c.site))
                 return std::pair(c, -e.upper());

@@ -32,12 +32,7 @@ struct Patch {
     std::vector<std::vector<Trim>> loops;
     Vec2 lo, hi;            ///< of the trimmed region, in (u, v)
     Vec2 foot_lo, foot_hi;  ///< plane base: of its feet, in the chart
-    struct GridPoint {
-        Vec2 uv;
-        SurfacePoint surface;
-    };
-    std::vector<GridPoint> grid;  ///< rows of the rectangle lo, hi
-    RationalPatch part;           ///< the surface over that rectangle
+    RationalPatch part;     ///< the surface over the rectangle lo, hi
 };
 
 /// The same surface over lo, hi of its domain.

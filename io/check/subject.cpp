@@ -11,13 +11,6 @@
 
 namespace vcell::check {
 
-namespace {
-
-/// Points of a patch in either direction, less one (Patch::grid).
-constexpr int kGrid = 8;
-
-}  // namespace
-
 Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate)
     : cell(c), geometry(g), space(c.scene), tree(c.scene) {
     for (const CellEdge& e : cell.edges) edge_pieces.push_back(pieces(e.curve));
@@ -36,8 +29,7 @@ Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate
 void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certificate) {
     const TrimmedPatch& trimmed = cell.faces[f].patches[p];
     const Vec2 infinite = Vec2::Constant(HUGE_VAL);
-    Patch patch{f,  p, &trimmed.surface, geometry.scale(), {}, infinite, -infinite, infinite, -infinite,
-                {}, {}};
+    Patch patch{f, p, &trimmed.surface, geometry.scale(), {}, infinite, -infinite, infinite, -infinite, {}};
     for (const auto& c : trimmed.surface.points)
         patch.control_size = std::max(patch.control_size, c.head<3>().cwiseAbs().maxCoeff());
     for (const auto& loop : trimmed.loops) {
@@ -75,12 +67,6 @@ void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certifica
         patch.lo = domain_lo;
         patch.hi = domain_hi;
     }
-    for (int i = 0; i <= kGrid; ++i)
-        for (int j = 0; j <= kGrid; ++j) {
-            const Vec2 s(i / double(kGrid), j / double(kGrid));
-            const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
-            patch.grid.push_back({uv, lift(patch, uv)});
-        }
     patch.part = part_of(trimmed.surface, patch.lo, patch.hi);
     patches.push_back(std::move(patch));
 }

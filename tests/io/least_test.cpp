@@ -1,0 +1,123 @@
+/// Where another ball's excess may be least on a bisector, against a search on a grid.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "../../io/check/least.hpp"
+#include "../test_support.hpp"
+
+namespace vcell::check {
+namespace {
+
+/// A part of a base, by two parameters in [0, 1]: where the ray starts, and its direction.
+struct Region {
+    Object base;
+    double radius;
+
+    std::array<Vec3, 2> ray(double s, double t) const {
+        if (std::holds_alternative<Plane>(base)) return {Vec3(4 * s - 2, 4 * t - 2, 0), Vec3::UnitZ()};
+        const double angle = 1.5 * (s - 0.5);
+        if (std::holds_alternative<Cylinder>(base))
+            return {Vec3(0, 0, 3 * (t - 0.5)), Vec3(std::cos(angle), std::sin(angle), 0)};
+        const double lift = 1.5 * (t - 0.5);
+        return {Vec3::Zero(), Vec3(std::cos(angle) * std::cos(lift), std::sin(angle) * std::cos(lift), std::sin(lift))};
+    }
+    double first() const { return std::holds_alternative<Plane>(base) ? 0 : radius; }
+
+    /// The point where the ray is as far from the ball as from the base; none within a long way.
+    std::optional<Vec3> meet(const Sphere& ball, double s, double t) const {
+        const auto [start, way] = ray(s, t);
+        const auto excess = [&](double x) { return (start + x * way - ball.center).norm() - ball.radius - (x - first()); };
+        double lo = 0, hi = 64;
+        if (excess(lo) <= 0 || excess(hi) >= 0) return std::nullopt;
+        for (int k = 0; k < 60; ++k) (excess(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
+        return start + lo * way;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("least places: a rival's excess has no negative least value on a bisector elsewhere") {
+    std::mt19937_64 rng(test_seed());
+    const auto uniform = [&](double lo, double hi) { return std::uniform_real_distribution(lo, hi)(rng); };
+    constexpr int n = 60;
+    const std::array<Region, 3> regions{Region{Plane{Vec3::Zero(), Vec3(0, 0, 2)}, 0}, Region{Sphere{Vec3::Zero(), 0.5}, 0.5},
+                                        Region{Cylinder{Vec3(0, 0, 1), Vec3(0, 0, 3), 0.5}, 0.5}};
+    int found = 0, told = 0;
+    for (const Region& region : regions)
+        for (int k = 0; k < 60; ++k) {
+            const auto ball = [&] {
+                const auto [start, way] = region.ray(uniform(0.2, 0.8), uniform(0.2, 0.8));
+                return Sphere{start + (region.first() + uniform(0.35, 1.5)) * way, uniform(0, 0.3)};
+            };
+            const Sphere own = ball(), rival = ball();
+            const auto spots = LeastPlaces(region.base, own).of(rival);
+            if (!spots) continue;
+            ++told;
+            std::vector<std::optional<Vec3>> points;
+            std::vector<double> excess;
+            for (int i = 0; i <= n; ++i)
+                for (int j = 0; j <= n; ++j) {
+                    const double s = i / double(n), t = j / double(n);
+                    points.push_back(region.meet(own, s, t));
+                    const auto& p = points.back();
+                    // On the bisector the clearance is the own ball's distance.
+                    excess.push_back(p ? (*p - rival.center).norm() - rival.radius - (*p - own.center).norm() + own.radius
+                                       : -HUGE_VAL);
+                }
+            for (int i = 1; i < n; ++i)
+                for (int j = 1; j < n; ++j) {
+                    const std::size_t at = static_cast<std::size_t>(i * (n + 1) + j);
+                    if (!(excess[at] < 0) || !points[at]) continue;
+                    double around = HUGE_VAL, spacing = 0;
+                    for (int a = -1; a <= 1; ++a)
+                        for (int b = -1; b <= 1; ++b) {
+                            const std::size_t other = at + static_cast<std::size_t>(a * (n + 1) + b);
+                            if (other == at) continue;
+                            around = std::min(around, excess[other]);
+                            if (points[other]) spacing = std::max(spacing, (*points[other] - *points[at]).norm());
+                        }
+                    if (around < excess[at]) continue;
+                    ++found;
+                    CAPTURE(k);
+                    CAPTURE(points[at]->transpose());
+                    CHECK(std::ranges::any_of(*spots, [&](const Spot& spot) {
+                        return (spot.center - *points[at]).norm() <= 3 * spacing + spot.radius;
+                    }));
+                }
+        }
+    CHECK(told > 100);
+    CHECK(found > 20);
+}
+
+TEST_CASE("least places: where one ball holds the other, or both share a centre, nothing is claimed to be known") {
+    const Object base = Plane{Vec3::Zero(), Vec3::UnitZ()};
+    const Sphere own{Vec3(0, 0, 2), 0.25};
+    const LeastPlaces places(base, own);
+    CHECK_FALSE(places.of({Vec3(0, 0.125, 2), 0.5}).has_value());
+    CHECK_FALSE(places.of({own.center, 0.125}).has_value());
+    CHECK(places.of({Vec3(0, 1, 2), 0.5}).has_value());
+}
+
+TEST_CASE("least places: enclosed to rounding, on the bisector, behind the rival as seen from a focus") {
+    const Sphere base{Vec3(0.1, 0.2, 0.3), 1}, own{Vec3(0, 0, 4), 0.5};
+    for (const Sphere& rival : {Sphere{Vec3(0.2, 0, 2), 0.125}, Sphere{Vec3(0.4, 0, 3), 0.25}}) {
+        const auto spots = LeastPlaces(base, own).of(rival);
+        REQUIRE(spots);
+        REQUIRE(spots->size() == 1);
+        const auto& [p, radius] = spots->front();
+        CHECK(radius < 1e-12);
+        CHECK((p - own.center).norm() - own.radius == doctest::Approx((p - base.center).norm() - base.radius));
+        const Vec3 focus = rival.radius == 0.125 ? base.center : own.center;
+        CHECK((p - focus).normalized().cross((p - rival.center).normalized()).norm() < 1e-12);
+        CHECK((p - focus).dot(p - rival.center) > 0);
+    }
+}
+
+}  // namespace vcell::check
