@@ -13,6 +13,8 @@ Interval intersection(const Interval& a, const Interval& b) {
     return lo <= hi ? Interval(lo, hi) : a;
 }
 
+Form operator*(const Interval& s, const Form& a) { return MidRad(s) * a; }
+
 Form inner(const Vector<Interval>& a, const Vector<Form>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -31,7 +33,7 @@ ExcessAlong::ExcessAlong(const Space<Interval>& space, const Net& net)
 Vector<Form> ExcessAlong::from(const Surface& s) const {
     Vector<Form> way;
     for (std::size_t k = 0; k < 3; ++k)
-        way[k] = position_[k] - (s.point[k] - net_.origin()[static_cast<Eigen::Index>(k)]) * weight_;
+        way[k] = position_[k] - (MidRad(s.point[k]) - net_.origin()[static_cast<Eigen::Index>(k)]) * weight_;
     return way;
 }
 
@@ -84,7 +86,7 @@ Interval ExcessAlong::of_plane(const Surface& object) const {
     const Interval side = l.range();
     const Interval plain = magnitude(side) / w_ - clearance_;
     if (side.upper() < 0)
-        l = Interval(-1.0) * l;
+        l = MidRad(-1.0) * l;
     else if (!(side.lower() > 0))
         return plain;
     const Interval& radius = space_.base().radius;

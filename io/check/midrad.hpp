@@ -26,7 +26,10 @@ public:
     double radius() const { return radius_; }
     double lower() const { return Interval::down(mid_ - radius_); }
     double upper() const { return Interval::up(mid_ + radius_); }
-    Interval enclosure() const { return radius_ < HUGE_VAL ? Interval(lower(), upper()) : Interval::whole(); }
+    Interval enclosure() const {
+        if (radius_ == 0) return mid_;
+        return radius_ < HUGE_VAL ? Interval(lower(), upper()) : Interval::whole();
+    }
     /// Upper bound of all |x|.
     double magnitude() const { return (std::abs(mid_) + radius_) * up; }
 
@@ -42,7 +45,9 @@ public:
         const double rest = std::abs(b.mid_) - b.radius_ * up - slack * std::abs(b.mid_);
         if (!(rest > 0)) return whole();
         const double q = a.mid_ / b.mid_;
-        return rounded(q, (a.radius_ + std::abs(q) * b.radius_) / rest);
+        // What the product may lose below normal numbers is divided, too.
+        constexpr double lost = 2 * std::numeric_limits<double>::denorm_min();
+        return rounded(q, (a.radius_ + std::abs(q) * b.radius_ + lost) / rest);
     }
     MidRad& operator+=(const MidRad& o) { return *this = *this + o; }
 

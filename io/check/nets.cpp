@@ -7,7 +7,7 @@ Net::Net(const RationalPatch& patch, const Vec3& origin) : Net(patch.degree_u, p
         for (int j = 0; j <= n_; ++j) {
             const Eigen::Vector4d& c = patch.point(i, j);
             Point& p = at(i, j);
-            for (int k = 0; k < 3; ++k) p[k] = c[3] * (Interval(c[k]) - origin[k]);
+            for (int k = 0; k < 3; ++k) p[k] = c[3] * (MidRad(c[k]) - origin[k]);
             p[3] = c[3];
         }
 }
@@ -15,8 +15,19 @@ Net::Net(const RationalPatch& patch, const Vec3& origin) : Net(patch.degree_u, p
 Form Net::form(int coordinate) const {
     Form f(m_, n_);
     for (int i = 0; i <= m_; ++i)
-        for (int j = 0; j <= n_; ++j) f.at(i, j) = (binomial(m_, i) * binomial(n_, j)) * at(i, j)[coordinate];
+        for (int j = 0; j <= n_; ++j) f.set(i, j, at(i, j)[coordinate]);
     return f;
+}
+
+Vector<Interval> Net::position(const Point& p) const {
+    Vector<Interval> x;
+    const bool is_whole = is_exactly(p[3], 1);
+    const MidRad share = is_whole ? MidRad(1.0) : MidRad(1.0) / p[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+        const MidRad from_origin = is_whole ? p[k] : share * p[k];
+        x[k] = (from_origin + origin_[static_cast<Eigen::Index>(k)]).enclosure();
+    }
+    return x;
 }
 
 Vector<Interval> Net::box() const {
@@ -33,16 +44,16 @@ Vector<Interval> Net::derivative(int axis) const {
     const auto about = [&](const Point& p) {
         return Point{p[0] - center[0] * p[3], p[1] - center[1] * p[3], p[2] - center[2] * p[3], p[3]};
     };
-    Point slope;
-    Interval weight = at(0, 0)[3];
+    std::array<Interval, 4> slope;
+    Interval weight = at(0, 0)[3].enclosure();
     bool first = true;
     for (int i = 0; i <= m_; ++i)
         for (int j = 0; j <= n_; ++j) {
-            weight = hull(weight, at(i, j)[3]);
+            weight = hull(weight, at(i, j)[3].enclosure());
             if ((axis == 0 ? i : j) == 0) continue;
             const Point to = about(at(i, j)), from = about(axis == 0 ? at(i - 1, j) : at(i, j - 1));
             for (std::size_t k = 0; k < 4; ++k) {
-                const Interval d = static_cast<double>(degree) * (to[k] - from[k]);
+                const Interval d = (static_cast<double>(degree) * (to[k] - from[k])).enclosure();
                 slope[k] = first ? d : hull(slope[k], d);
             }
             first = false;
@@ -73,7 +84,8 @@ std::array<Net, 2> Net::halves(int axis) const {
     return h;
 }
 
-Net Net::part(int axis, const Interval& a, const Interval& b) const {
+Net Net::part(int axis, const MidRad& a, const MidRad& b) const {
+    if (is_exactly(a, 0) && is_exactly(b, 1)) return *this;
     Net result = *this;
     const int n = axis == 0 ? m_ : n_, lines = axis == 0 ? n_ : m_;
     SmallVector<Point, 8> level;
@@ -90,7 +102,7 @@ Net Net::part(int axis, const Interval& a, const Interval& b) const {
 
 Net net_over(const RationalPatch& patch, const Vec2& lo, const Vec2& hi, const Vec3& origin) {
     const auto place = [](double x, const std::array<double, 2>& domain) {
-        return (Interval(x) - domain[0]) / (Interval(domain[1]) - domain[0]);
+        return place_between(x, domain[0], domain[1]);
     };
     return Net(patch, origin)
         .part(0, place(lo.x(), patch.domain_u), place(hi.x(), patch.domain_u))

@@ -1,4 +1,4 @@
-/// Bézier curves and patches as nets of homogeneous control points in interval arithmetic.
+/// Bézier curves and patches as nets of homogeneous control points, each with a bound on its error.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace vcell::check {
 /// One polynomial piece of a rational curve over [begin, end]; control points are (w (p - origin), w).
 template <int Dim>
 struct Span {
-    using Point = std::array<Interval, Dim + 1>;
+    using Point = std::array<MidRad, Dim + 1>;
 
     double begin = 0, end = 1;
     SmallVector<Point, 4> points;
@@ -22,19 +22,24 @@ struct Span {
     int degree() const { return static_cast<int>(points.size()) - 1; }
     Form form(int coordinate) const {
         Form f(degree(), 0);
-        for (int i = 0; i <= degree(); ++i) f.at(i, 0) = binomial(degree(), i) * points[i][coordinate];
+        for (int i = 0; i <= degree(); ++i) f.set(i, 0, points[i][coordinate]);
         return f;
     }
 };
 
+/// Where x is between a and b: exactly 0 or 1 at the ends.
+inline MidRad place_between(double x, double a, double b) {
+    return x == a ? MidRad(0.0) : x == b ? MidRad(1.0) : (MidRad(x) - a) / (MidRad(b) - a);
+}
+inline bool is_exactly(const MidRad& x, double value) { return x.mid() == value && x.radius() == 0; }
+
 /// a + s (b - a), exactly where s is 0 or 1.
 template <std::size_t N>
-std::array<Interval, N> blend(const std::array<Interval, N>& a, const std::array<Interval, N>& b,
-                              const Interval& s) {
-    if (s.lower() == 0 && s.upper() == 0) return a;
-    if (s.lower() == 1 && s.upper() == 1) return b;
-    std::array<Interval, N> r;
-    const Interval rest = Interval(1.0) - s;
+std::array<MidRad, N> blend(const std::array<MidRad, N>& a, const std::array<MidRad, N>& b, const MidRad& s) {
+    if (is_exactly(s, 0)) return a;
+    if (is_exactly(s, 1)) return b;
+    std::array<MidRad, N> r;
+    const MidRad rest = MidRad(1.0) - s;
     for (std::size_t k = 0; k < N; ++k) r[k] = rest * a[k] + s * b[k];
     return r;
 }
@@ -48,7 +53,7 @@ std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<do
     const auto homogeneous = [&](int i) {
         Point p;
         p[Dim] = c.points[i][Dim];
-        for (int k = 0; k < Dim; ++k) p[k] = c.points[i][Dim] * (Interval(c.points[i][k]) - origin[k]);
+        for (int k = 0; k < Dim; ++k) p[k] = c.points[i][Dim] * (MidRad(c.points[i][k]) - origin[k]);
         return p;
     };
     std::vector<Span<Dim>> result;
@@ -63,10 +68,7 @@ std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<do
                 const double t = r <= j ? b : a;
                 for (int i = d; i >= r; --i) {
                     const int knot = k - d + i;
-                    const double first = c.knots[knot], last = c.knots[knot + d - r + 1];
-                    const Interval s = t == first  ? Interval(0.0)
-                                       : t == last ? Interval(1.0)
-                                                   : (Interval(t) - first) / (Interval(last) - first);
+                    const MidRad s = place_between(t, c.knots[knot], c.knots[knot + d - r + 1]);
                     level[i] = blend(level[i - 1], level[i], s);
                 }
             }
@@ -81,11 +83,7 @@ std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<do
 template <int Dim>
 Span<Dim> part_of(const Span<Dim>& span, double begin, double end) {
     if (begin == span.begin && end == span.end) return span;
-    const Interval width = Interval(span.end) - span.begin;
-    const auto place = [&](double t) {
-        return t == span.end ? Interval(1.0) : (Interval(t) - span.begin) / width;
-    };
-    const Interval a = place(begin), b = place(end);
+    const MidRad a = place_between(begin, span.begin, span.end), b = place_between(end, span.begin, span.end);
     const int d = span.degree();
     Span<Dim> result{begin, end, {}};
     for (int j = 0; j <= d; ++j) {
@@ -101,7 +99,7 @@ Span<Dim> part_of(const Span<Dim>& span, double begin, double end) {
 /// digits to lose.
 class Net {
 public:
-    using Point = std::array<Interval, 4>;
+    using Point = std::array<MidRad, 4>;
 
     Net(int m, int n, const Vec3& origin) : m_(m), n_(n), origin_(origin) {
         points_.resize(static_cast<std::size_t>((m + 1) * (n + 1)));
@@ -127,14 +125,10 @@ public:
     Vector<Interval> derivative(int axis) const;
     std::array<Net, 2> halves(int axis) const;
     /// The part over s or t in [a, b], with rounded ends.
-    Net part(int axis, const Interval& a, const Interval& b) const;
+    Net part(int axis, const MidRad& a, const MidRad& b) const;
 
 private:
-    Vector<Interval> position(const Point& p) const {
-        if (p[3].lower() == 1 && p[3].upper() == 1)
-            return {p[0] + origin_[0], p[1] + origin_[1], p[2] + origin_[2]};
-        return {p[0] / p[3] + origin_[0], p[1] / p[3] + origin_[1], p[2] / p[3] + origin_[2]};
-    }
+    Vector<Interval> position(const Point& p) const;
 
     int m_, n_;
     Vec3 origin_;

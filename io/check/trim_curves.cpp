@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "../trims.hpp"
@@ -45,9 +46,14 @@ public:
 
     /// Spans between the knots of both curves, which may differ by rounding.
     std::vector<Pair> pairs() const {
-        const auto trims = spans<2>(trim_.curve, Vec2(Vec2::Zero()));
-        const auto edges = spans<3>(edge_, net_.origin());
+        auto trims = spans<2>(trim_.curve, patch_.lo);
+        auto edges = spans<3>(edge_, net_.origin());
         const double near = kPlaceRounding * (edge_.domain_end() - edge_.domain_begin());
+        if (trims.size() == 1 && edges.size() == 1 && std::abs(trims[0].begin - edges[0].begin) <= near &&
+            std::abs(trims[0].end - edges[0].end) <= near) {
+            if (trim_.reversed) std::ranges::reverse(edges[0].points);
+            return {{std::move(trims[0]), std::move(edges[0])}};
+        }
         std::vector<double> ends;  // of spans, in the edge's parameters
         for (const auto& s : edges) {
             ends.push_back(s.begin);
@@ -82,128 +88,115 @@ public:
     }
 
     /// Bounds |S(c(t)) - C(t)|: S's homogeneous coordinates along c are polynomials in t, and so are those of
-    /// the difference. Doubles with their magnitudes tell first, if the degrees are small.
-    double gap(const Pair& pair, double enough) const {
-        if (net_.degree_s() + net_.degree_t() <= 4 && pair.trim.degree() <= 2 && pair.edge.degree() <= 2)
-            if (const double rough = gap_in<Rounded>(pair); rough <= enough) return rough;
-        return gap_in<Interval>(pair);
-    }
-
-private:
-    /// A number that is off by at most n 2^-53 size after n operations, one after the other, which are no
-    /// more than kOperations here: with four degrees of the patch and two of the curves, 3 for (u, v), 6 for
-    /// each of four factors of degree 2 and 5 for each of their sums of products, 9 sums over control points,
-    /// 6 for the edge's weight; and as much as 16 for what a control point has gone through.
-    struct Rounded {
-        static constexpr double kOperations = 128;
-        double value = 0, size = 0;
-
-        Rounded() = default;
-        explicit Rounded(double v) : value(v), size(std::abs(v)) {}
-        explicit Rounded(const Interval& i)
-            : value(i.mid()), size(std::max(std::abs(value), 0x1p49 * i.radius())) {}
-        friend Rounded operator+(const Rounded& a, const Rounded& b) {
-            return of(a.value + b.value, a.size + b.size);
-        }
-        friend Rounded operator-(const Rounded& a, const Rounded& b) {
-            return of(a.value - b.value, a.size + b.size);
-        }
-        friend Rounded operator*(const Rounded& a, const Rounded& b) {
-            return of(a.value * b.value, a.size * b.size);
-        }
-        static Rounded of(double value, double size) {
-            Rounded r;
-            r.value = value;
-            r.size = size;
-            return r;
-        }
-        Interval enclosure() const {
-            return Interval::ball(value, (1 + 0x1p-40) * kOperations * 0x1p-53 * size + 0x1p-1000);
-        }
-    };
-    static Interval enclosure(const Rounded& x) { return x.enclosure(); }
-    static Interval enclosure(const Interval& x) { return x; }
-
-    /// A polynomial in t, coefficients times binomials.
-    template <class T>
-    struct Line {
-        SmallVector<T, 12> c;
-
-        Line() = default;
-        explicit Line(int degree) { c.assign(static_cast<std::size_t>(degree + 1), T(0.0)); }
-        explicit Line(const Form& form) : Line(form.degree_s()) {
-            for (int i = 0; i <= degree(); ++i) c[i] = T(form.at(i, 0));
-        }
-        int degree() const { return static_cast<int>(c.size()) - 1; }
-
-        friend Line operator*(const T& s, const Line& a) {
-            Line r = a;
-            for (T& x : r.c) x = s * x;
-            return r;
-        }
-        friend Line operator*(const Line& a, const Line& b) {
-            Line r(a.degree() + b.degree());
-            for (int i = 0; i <= a.degree(); ++i)
-                for (int j = 0; j <= b.degree(); ++j) r.c[i + j] = r.c[i + j] + a.c[i] * b.c[j];
-            return r;
-        }
-        friend Line operator-(const Line& a, const Line& b) {
-            Line r = a;
-            for (int i = 0; i <= a.degree(); ++i) r.c[i] = a.c[i] - b.c[i];
-            return r;
-        }
-        void add(const T& s, const Line& a) {
-            for (int i = 0; i <= a.degree(); ++i) c[i] = c[i] + s * a.c[i];
-        }
-        Interval range() const {
-            Interval r = enclosure(c[0]);
-            for (int i = 1; i <= degree(); ++i) {
-                const double b = binomial(degree(), i);
-                // Beyond 2^53 binomials are rounded.
-                r = hull(r, enclosure(c[i]) / (b < 0x1p53 ? Interval(b) : Interval::ball(b, 0x1p-44 * b)));
-            }
-            return r;
-        }
-    };
-
-    template <class T>
-    double gap_in(const Pair& pair) const {
-        using Poly = Line<T>;
+    /// the difference.
+    double gap(const Pair& pair) const {
         const int m = net_.degree_s(), n = net_.degree_t(), d = pair.trim.degree();
         if ((m + n) * d + pair.edge.degree() > kMaxBinomial) return HUGE_VAL;
-        const Poly w(pair.trim.form(2));
-        // s (1 - s) becomes a b / w^2 with a and b homogeneous of the trim's degree.
-        const auto powers = [&](int coordinate, int degree) {
-            const Poly x(pair.trim.form(coordinate));
-            const double lo = patch_.lo[coordinate], hi = patch_.hi[coordinate];
-            const T scale(Interval(1.0) / (Interval(hi) - lo));
-            const Poly a = scale * (x - T(lo) * w), b = scale * (T(hi) * w - x);
-            Poly one(0);
-            one.c[0] = T(1.0);
-            std::vector<Poly> of_a{one}, of_b{one};
-            for (int k = 0; k < degree; ++k) {
-                of_a.push_back(of_a[k] * a);
-                of_b.push_back(of_b[k] * b);
-            }
-            for (int k = 0; k <= degree; ++k) of_a[k] = of_a[k] * of_b[degree - k];
-            return of_a;
-        };
-        const std::vector<Poly> u = powers(0, m), v = powers(1, n);
-        std::array<Poly, 4> lifted;
-        lifted.fill(Poly((m + n) * d));
-        for (int i = 0; i <= m; ++i)
-            for (int j = 0; j <= n; ++j) {
-                const T count(binomial(m, i) * binomial(n, j));
-                const Poly weight = u[i] * v[j];
-                for (std::size_t k = 0; k < 4; ++k) lifted[k].add(count * T(net_.at(i, j)[k]), weight);
-            }
-        const Poly edge_weight(pair.edge.form(3));
+        const std::array<Form, 4> lifted = lift(Powers(pair.trim, 0, extent(0), m), Powers(pair.trim, 1, extent(1), n));
+        const Form edge_weight = pair.edge.form(3);
         const Interval scale = lifted[3].range() * edge_weight.range();
         if (!(scale.lower() > 0)) return HUGE_VAL;
         Interval sum(0.0);
-        for (int k = 0; k < 3; ++k)
-            sum += square((lifted[k] * edge_weight - Poly(pair.edge.form(k)) * lifted[3]).range() / scale);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Form edge = pair.edge.form(static_cast<int>(k));
+            sum += square((lifted[k] * edge_weight - edge * lifted[3]).range() / scale);
+        }
         return sqrt(sum).upper();
+    }
+
+private:
+    MidRad extent(int axis) const { return MidRad(patch_.hi[axis]) - patch_.lo[axis]; }
+
+    /// With s = a / w the place between the patch's sides along a trimming curve and b = w - a: all
+    /// a^i b^(degree - i), as coefficients times binomials.
+    struct Powers {
+        Powers(const Span<2>& trim, int coordinate, const MidRad& extent, int power)
+            : degree(trim.degree() * power), count(power + 1) {
+            const int d = trim.degree();
+            const MidRad scale = MidRad(1.0) / extent;
+            SmallVector<double, 8> a, b;
+            double error = 0;
+            for (int k = 0; k <= d; ++k) {
+                const MidRad x = scale * trim.points[k][coordinate], y = trim.points[k][2] - x;
+                a.push_back(binomial(d, k) * x.mid());
+                b.push_back(binomial(d, k) * y.mid());
+                size = std::max(size, std::abs(x.mid()) + std::abs(y.mid()));
+                error = std::max(error, x.radius() + y.radius());
+            }
+            const auto times = [](std::span<const double> x, std::span<const double> y, std::span<double> product) {
+                std::ranges::fill(product, 0.0);
+                for (std::size_t i = 0; i < x.size(); ++i)
+                    for (std::size_t j = 0; j < y.size(); ++j) product[i + j] += x[i] * y[j];
+            };
+            // Row i: a^i so far, then times b^(power - i).
+            coefficients.assign(static_cast<std::size_t>(count * (degree + 1)), 0.0);
+            SmallVector<double, 16> left, next;
+            left.assign(1, 1.0);
+            for (int i = 0; i <= power; ++i) {
+                SmallVector<double, 16> row = left;
+                for (int k = i; k < power; ++k) {
+                    next.resize(row.size() + b.size() - 1);
+                    times(row, b, next);
+                    row = next;
+                }
+                std::ranges::copy(row, coefficients.begin() + i * (degree + 1));
+                if (i == power) break;
+                next.resize(left.size() + a.size() - 1);
+                times(left, a, next);
+                left = next;
+            }
+            relative_error = power * (error / size) + rounding(power * (degree + 1 + (d > 56 ? 512 : 1)));
+            for (int k = 0; k < power; ++k) whole *= size;
+        }
+        std::span<const double> row(int i) const {
+            const auto length = static_cast<std::size_t>(degree + 1);
+            return std::span<const double>(coefficients).subspan(static_cast<std::size_t>(i) * length, length);
+        }
+
+        int degree, count;
+        double size = 0;  ///< of |a| + |b|, in Bernstein coefficients
+        double whole = 1;  ///< of (|a| + |b|)^power
+        /// All rows together, times binomials, are off by no more than that times `whole`.
+        double relative_error;
+        SmallVector<double, 32> coefficients;
+    };
+
+    /// Relative: of n operations, one after the other.
+    static double rounding(int n) { return n * 0x1p-53; }
+
+    /// The patch's homogeneous coordinates along a trimming curve.
+    ///
+    /// Of N_ij u_i v_j, each times its binomials, the magnitudes add up to less than those of N times the products
+    /// of (|a| + |b|)^m for either variable, all in the Bernstein basis. What each term goes through is off by so many
+    /// roundings: relative to that sum they all count once [Higham02, sec. 3.1].
+    std::array<Form, 4> lift(const Powers& u, const Powers& v) const {
+        const int m = u.count - 1, n = v.count - 1;
+        const std::size_t length = static_cast<std::size_t>(u.degree + v.degree + 1);
+        std::array<Form, 4> lifted;
+        SmallVector<double, 16> sum, inner;
+        const int operations = 3 + (n + 2) + (std::min(u.degree, v.degree) + 2) + (m + 1) + (std::max(m, n) > 56 ? 1024 : 0);
+        for (std::size_t k = 0; k < 4; ++k) {
+            double size = 0, error = 0;
+            sum.assign(length, 0.0);
+            for (int i = 0; i <= m; ++i) {
+                inner.assign(static_cast<std::size_t>(v.degree + 1), 0.0);
+                for (int j = 0; j <= n; ++j) {
+                    const MidRad& c = net_.at(i, j)[k];
+                    const double factor = binomial(m, i) * binomial(n, j) * c.mid();
+                    size = std::max(size, std::abs(c.mid()));
+                    error = std::max(error, c.radius());
+                    const std::span<const double> row = v.row(j);
+                    for (std::size_t l = 0; l < row.size(); ++l) inner[l] += factor * row[l];
+                }
+                const std::span<const double> row = u.row(i);
+                for (std::size_t a = 0; a < row.size(); ++a)
+                    for (std::size_t b = 0; b < inner.size(); ++b) sum[a + b] += row[a] * inner[b];
+            }
+            const double relative = u.relative_error + v.relative_error + rounding(operations);
+            // A hundredth more than first order: relative errors are below that, or say nothing.
+            lifted[k] = Form(sum, relative < 0x1p-10 ? 1.01 * (size * relative + error) * u.whole * v.whole : HUGE_VAL);
+        }
+        return lifted;
     }
 
     const Patch& patch_;
@@ -236,7 +229,7 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
     while (!pairs.empty()) {
         const Pair pair = std::move(pairs.back());
         pairs.pop_back();
-        const double gap = judge.gap(pair, error + kRounding * patch.control_size);
+        const double gap = judge.gap(pair);
         // What rounding of (u, v) makes on the surface is looked at where it may matter.
         if (gap <= error + kRounding * patch.control_size ||
             gap <= error + points(std::midpoint(pair.trim.begin, pair.trim.end)).second) {

@@ -200,12 +200,12 @@ TEST_CASE("forms: products and ranges enclose the values") {
     std::uniform_real_distribution<double> unit(-1, 1);
     Form a(2, 1), b(1, 2);
     for (int i = 0; i <= 2; ++i)
-        for (int j = 0; j <= 1; ++j) a.at(i, j) = unit(rng), b.at(j, i) = unit(rng);
+        for (int j = 0; j <= 1; ++j) a.set(i, j, unit(rng)), b.set(j, i, unit(rng));
     const auto value = [](const Form& f, double s, double t) {
         double sum = 0;
         for (int i = 0; i <= f.degree_s(); ++i)
             for (int j = 0; j <= f.degree_t(); ++j)
-                sum += f.at(i, j).mid() * std::pow(s, i) * std::pow(1 - s, f.degree_s() - i) *
+                sum += f.at(i, j) * std::pow(s, i) * std::pow(1 - s, f.degree_s() - i) *
                        std::pow(t, j) * std::pow(1 - t, f.degree_t() - j);
         return sum;
     };
