@@ -20,7 +20,7 @@
 namespace vcell {
 
 struct CheckOptions {
-    std::uint32_t samples = 500;  ///< base points whose owner is compared
+    std::uint32_t samples = 500;  ///< base points whose owner is compared where something is not proved
     std::uint64_t seed = 1;       ///< of the sampled points
     /// How far a curve or a patch is subdivided before what it says is left open: each step allows twice as
     /// many parts.

@@ -31,7 +31,8 @@ public:
           frame_(cell_.scene),
           size_(geometry_.scale() / frame_.unit()) {}
 
-    void run() {
+    /// False: some integrals are estimates.
+    bool run() {
         integrate_all();
         judge_edges();
         judge_faces();
@@ -39,6 +40,7 @@ public:
         judge_clearances();
         judge_neighbors();
         judge_report();
+        return integrals_.is_proved;
     }
 
 private:
@@ -266,9 +268,9 @@ private:
 
 }  // namespace
 
-void certify_measures(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
+bool certify_measures(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
                       Certificate& certificate) {
-    MeasuresRoom(subject, edges, options, certificate).run();
+    return MeasuresRoom(subject, edges, options, certificate).run();
 }
 
 }  // namespace vcell::check

@@ -27,8 +27,19 @@ public:
         check_loops();
         check_seams();
         check_euler();
-        check_samples();
         if (certificate_.count(Verdict::refuted) == before) certificate_.prove("tiling");
+    }
+
+    void check_samples() {
+        std::mt19937_64 rng(options_.seed);
+        constexpr std::size_t most_tests = 4'000'000;
+        const std::size_t samples =
+            std::min<std::size_t>(options_.samples, most_tests / (scene_.objects.size() + patches_.size() + 1));
+        for (std::size_t k = 0; k < samples; ++k) {
+            const auto ray = geometry_.random_ray(rng, kNearEdge * scene_.box.diagonal());
+            if (!ray) return note("scene.box", "holds none of the base");
+            if (!check_sample(*ray)) return;
+        }
     }
 
 private:
@@ -305,20 +316,6 @@ private:
 
     // --- Completeness -------------------------------------------------------------------------------
 
-    void check_samples() {
-        std::mt19937_64 rng(options_.seed);
-        // That each base point lies under one face is proved by the sum of their shadows (measures.hpp); samples are
-        // a second look, as long as they cost little.
-        constexpr std::size_t most_tests = 4'000'000;
-        const std::size_t samples =
-            std::min<std::size_t>(options_.samples, most_tests / (scene_.objects.size() + patches_.size() + 1));
-        for (std::size_t k = 0; k < samples; ++k) {
-            const auto ray = geometry_.random_ray(rng, kNearEdge * scene_.box.diagonal());
-            if (!ray) return note("scene.box", "holds none of the base");
-            if (!check_sample(*ray)) return;
-        }
-    }
-
     /// False after a finding that would only repeat itself.
     bool check_sample(const Ray& ray) {
         std::vector<const Patch*> found;
@@ -369,6 +366,10 @@ private:
 
 void certify_tiling(const Subject& subject, const CheckOptions& options, Certificate& certificate) {
     Tiling(subject, options, certificate).run();
+}
+
+void sample(const Subject& subject, const CheckOptions& options, Certificate& certificate) {
+    Tiling(subject, options, certificate).check_samples();
 }
 
 }  // namespace vcell::check

@@ -15,4 +15,7 @@ namespace vcell::check {
 
 void certify_tiling(const Subject& subject, const CheckOptions& options, Certificate& certificate);
 
+/// Refutes what base points at random contradict: a look at cells of which something is not proved.
+void sample(const Subject& subject, const CheckOptions& options, Certificate& certificate);
+
 }  // namespace vcell::check

@@ -194,6 +194,16 @@ TEST_CASE("certify: the certificate as JSON names every element") {
     CHECK(static_cast<std::size_t>(std::ranges::count(text, '\n')) >= c.elements.size());
 }
 
+TEST_CASE("certify: balls about balls are proved in units far from one, where samples would miss their faces") {
+    for (const std::string name : {"atom_1crn", "figure8"})
+        for (const int power : {-100, 100}) {
+            CAPTURE(name);
+            CAPTURE(power);
+            const Certificate c = certify(voronoi_cell(scaled(scene_named(name), std::ldexp(1.0, power))));
+            CHECK_MESSAGE(c.holds(), listing(c));
+        }
+}
+
 TEST_CASE("forms: products and ranges enclose the values") {
     using namespace check;
     std::mt19937_64 rng(test_seed());
