@@ -13,8 +13,6 @@ Interval intersection(const Interval& a, const Interval& b) {
     return lo <= hi ? Interval(lo, hi) : a;
 }
 
-Form operator*(const Interval& s, const Form& a) { return MidRad(s) * a; }
-
 Form inner(const Vector<Interval>& a, const Vector<Form>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

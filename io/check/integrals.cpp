@@ -144,12 +144,25 @@ private:
         face.shadow = use.reversed ? face.shadow - shadow : face.shadow + shadow;
     }
 
-    double steepness(const EdgeUse& use, const Span& span, const Interval& s) const {
+    double steepness(const EdgeUse& use, const Span& span, const MidRad& s) const {
         const auto& shadow = shadows_[use.face];
         if (!shadow) return HUGE_VAL;
-        const Place<Interval> p = span.at(s);
+        const Place<MidRad> p = span.at(s);
         const auto* fan = std::get_if<Fan>(&*shadow);
-        return (fan ? densities(*fan, p, Interval(1.0)) : densities(*shadow, p)).steepness.magnitude();
+        return (fan ? densities(*fan, p, MidRad(1.0)) : densities(*shadow, p)).steepness.magnitude();
+    }
+
+    /// The greatest all along a span. Over wide intervals bounds may be far too large: parts tell then.
+    double steepest(const EdgeUse& use, const Span& span) const {
+        const double whole = steepness(use, span, MidRad::ball(0, 1));
+        if (whole <= 4 * steepness(use, span, 0.0)) return whole;
+        constexpr int parts = 8;
+        double most = 0;
+        for (int k = 0; k < parts; ++k) {
+            const double part = steepness(use, span, MidRad::ball((2 * k + 1 - parts) / double(parts), 1.0 / parts));
+            if (!(part <= most)) most = part;
+        }
+        return most;
     }
 
     // In the band beside an edge that is off by e the other face may be the true one: that changes areas by the
@@ -158,7 +171,7 @@ private:
     void add_slack(std::size_t e, const Span& span, Interval length) {
         double steep = 0;
         for (const EdgeUse& use : uses_[e]) {
-            double s = steepness(use, span, Interval(-1, 1));
+            double s = steepest(use, span);
             if (!std::isfinite(s))
                 s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0), steepness(use, span, 1.0)});
             steep += s;
@@ -178,19 +191,20 @@ private:
         Effort effort{effort_};
         if (std::holds_alternative<Plane>(cell_.scene.base)) {
             // The shadow is straight: its length is the way along its chord.
-            const Place<Interval> a = span.at(Interval(-1.0)), b = span.at(Interval(1.0));
-            const Interval x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w, z = span.origin[2];
-            const Interval chord = sqrt(square(x) + square(y));
+            const Place<MidRad> a = span.at(MidRad(-1.0)), b = span.at(MidRad(1.0));
+            const MidRad x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w, z = span.origin[2];
+            const MidRad chord = sqrt(square(x) + square(y));
             if (!(chord.lower() > 0)) {
-                sums_.sides += chord * (z + hull(a.n[2] / a.w, b.n[2] / b.w));
+                const Interval height = z.enclosure() + hull((a.n[2] / a.w).enclosure(), (b.n[2] / b.w).enclosure());
+                sums_.sides += chord.enclosure() * height;
                 return;
             }
+            const MidRad share = MidRad(1.0) / chord;
             sums_.is_complete &= integrate<1>(
                 [&]<class T>(const T& s) {
                     const Place<T> p = span.at(s);
                     const T dx = (p.dn[0] * p.w - p.n[0] * p.dw), dy = (p.dn[1] * p.w - p.n[1] * p.dw);
-                    return std::array<T, 1>{(T(z) + p.n[2] / p.w) * (x * dx + y * dy) * T(Interval(1.0) / chord) /
-                                            square(p.w)};
+                    return std::array<T, 1>{(T(z) + p.n[2] / p.w) * (x * dx + y * dy) * T(share) / square(p.w)};
                 },
                 -1, 1, {enough_[1]}, sum, effort);
             sums_.sides += sum[0];

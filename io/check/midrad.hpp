@@ -18,7 +18,8 @@ class MidRad {
 public:
     constexpr MidRad() = default;
     constexpr MidRad(double value) : mid_(value) {}  // NOLINT: a number is an interval
-    explicit MidRad(const Interval& i) : mid_(i.mid()), radius_(i.lower() == i.upper() ? 0 : i.radius()) {}
+    MidRad(const Interval& i)  // NOLINT: so is an interval
+        : mid_(i.mid()), radius_(i.lower() == i.upper() ? 0 : i.radius()) {}
     static MidRad ball(double mid, double radius) { return {mid, radius}; }
     static MidRad whole() { return {0, std::numeric_limits<double>::infinity()}; }
 

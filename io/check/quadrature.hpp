@@ -1,4 +1,4 @@
-/// Integrals, enclosed: Gauss's rules in interval arithmetic, with a proved bound of what they leave out.
+/// Integrals, enclosed: Gauss's rules in arithmetic by midpoint and radius, with a proved bound of what they leave out.
 ///
 /// Let f be analytic and |f| <= M within the ellipse with foci -1 and 1 whose semi-axes add up to rho. Some
 /// polynomial of degree 2n - 1 is within 2 M rho^(1 - 2n) / (rho - 1) of it on [-1, 1] [Trefethen13, Thm. 8.2];
@@ -21,9 +21,9 @@ namespace vcell::check {
 /// Gauss's nodes on [-1, 1] with their weights, each within a unit or two of its last place.
 struct GaussRule {
     struct Node {
-        Interval at, weight;
+        MidRad at, weight;
     };
-    std::array<Node, 20> nodes;
+    std::array<Node, 30> nodes;
     std::size_t count = 0;
 };
 
@@ -32,17 +32,20 @@ struct Attempt {
     double rho;
     unsigned nodes;
 };
-inline constexpr std::array<Attempt, 4> attempts{{{24, 7}, {8, 10}, {4, 15}, {2.75, 20}}};
+inline constexpr std::array<Attempt, 5> attempts{{{24, 7}, {8, 10}, {4, 15}, {2.75, 20}, {2, 30}}};
+/// Bounds cost more than nodes in one variable, where the first attempts seldom do; the last one's nodes are too many
+/// in two.
+inline constexpr std::size_t first_in_one = 2, last_in_two = 3;
 
 namespace detail {
 
 template <unsigned N>
 GaussRule gauss_rule() {
     using Gauss = boost::math::quadrature::gauss<double, N>;
-    const auto about = [](double x) { return Interval::ball(x, 0x1p-52 * std::abs(x)); };
+    const auto about = [](double x) { return MidRad::ball(x, 0x1p-52 * std::abs(x)); };
     GaussRule rule;
     for (std::size_t i = 0; i < Gauss::abscissa().size(); ++i) {
-        const Interval x = about(Gauss::abscissa()[i]), w = about(Gauss::weights()[i]);
+        const MidRad x = about(Gauss::abscissa()[i]), w = about(Gauss::weights()[i]);
         rule.nodes[rule.count++] = {x, w};
         if (Gauss::abscissa()[i] != 0) rule.nodes[rule.count++] = {-x, w};
     }
@@ -54,7 +57,8 @@ GaussRule gauss_rule() {
 inline const GaussRule& gauss(std::size_t attempt) {
     static const std::array<GaussRule, attempts.size()> rules{
         detail::gauss_rule<attempts[0].nodes>(), detail::gauss_rule<attempts[1].nodes>(),
-        detail::gauss_rule<attempts[2].nodes>(), detail::gauss_rule<attempts[3].nodes>()};
+        detail::gauss_rule<attempts[2].nodes>(), detail::gauss_rule<attempts[3].nodes>(),
+        detail::gauss_rule<attempts[4].nodes>()};
     return rules[attempt];
 }
 
@@ -76,7 +80,7 @@ inline double remainder_factor(std::size_t attempt) {
 /// A disc around the ellipse of an attempt about middle -+ half: its major axis is hardly longer than the other.
 inline Disc around(std::size_t attempt, double middle, double half) {
     const double rho = attempts[attempt].rho;
-    return {middle, 0, half * (0.5 * (rho + 1 / rho)) * (1 + 0x1p-48) + std::abs(middle) * 0x1p-52};
+    return {middle, half * (0.5 * (rho + 1 / rho)) * (1 + 0x1p-48) + std::abs(middle) * 0x1p-52};
 }
 
 /// How far integrals are pursued.
@@ -98,7 +102,7 @@ bool is_below(const Value& value, const std::array<double, N>& most) {
 template <std::size_t N, class F>
 bool is_bounded(const F& f, const Disc& z, const Interval& x, const std::array<double, N>& most, int& left) {
     if (--left < 0) return false;
-    if (is_below(f(z, Disc(x)), most)) return true;
+    if (is_below(f(z, Disc(MidRad(x))), most)) return true;
     const double m = x.mid();
     return is_bounded(f, z, Interval(x.lower(), m), most, left) && is_bounded(f, z, Interval(m, x.upper()), most, left);
 }
@@ -119,7 +123,7 @@ std::array<double, N> allowed(const std::array<double, N>& missing, double facto
 
 }  // namespace detail
 
-/// The integrals over [a, b] of the components of f, which takes an Interval or a Disc and returns an
+/// The integrals over [a, b] of the components of f, which takes a MidRad or a Disc and returns an
 /// array of as many. Of each, the mean over [a, b] may be missed by `enough`, or by what rounds its values.
 /// False: the effort is spent, and the enclosures are as wide as interval arithmetic makes them there, perhaps
 /// infinite.
@@ -127,22 +131,22 @@ template <std::size_t N, class F>
 bool integrate(const F& f, double a, double b, const std::array<double, N>& enough, std::array<Interval, N>& sum,
                Effort& effort) {
     const double middle = 0.5 * (a + b), half = Interval::up(0.5 * (b - a));
-    const Interval width = Interval(b) - Interval(a);
+    const MidRad half_width = 0.5 * (MidRad(b) - a);
     ++effort.parts_used;
     std::array<double, N> missing = enough;
-    const auto value = f(Interval(middle));
+    const auto value = f(MidRad(middle));
     for (std::size_t i = 0; i < N; ++i)
         missing[i] = std::max(missing[i], detail::value_rounding * value[i].magnitude());
-    for (std::size_t k = 0; k < attempts.size(); ++k) {
+    for (std::size_t k = first_in_one; k < attempts.size(); ++k) {
         if (!is_below(f(around(k, middle, half)), detail::allowed(missing, remainder_factor(k)))) continue;
-        std::array<Interval, N> part{};
+        std::array<MidRad, N> part{};
         const GaussRule& rule = gauss(k);
         for (std::size_t n = 0; n < rule.count; ++n) {
-            const auto at_node = f(Interval(middle) + 0.5 * (width * rule.nodes[n].at));
+            const auto at_node = f(MidRad(middle) + half_width * rule.nodes[n].at);
             for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * at_node[i];
         }
         for (std::size_t i = 0; i < N; ++i)
-            sum[i] += 0.5 * (width * (part[i] + Interval(-missing[i], missing[i])));
+            sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
         return true;
     }
     if (effort.parts_used < effort.parts && a < middle && middle < b) {
@@ -150,8 +154,8 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
         const bool right = integrate(f, middle, b, enough, sum, effort);
         return left && right;
     }
-    const auto all = f(Interval(a, b));
-    for (std::size_t i = 0; i < N; ++i) sum[i] += width * all[i];
+    const auto all = f(MidRad(Interval(a, b)));
+    for (std::size_t i = 0; i < N; ++i) sum[i] += (2.0 * (half_width * all[i])).enclosure();
     return false;
 }
 
@@ -162,15 +166,15 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
                std::array<Interval, N>& sum, Effort& effort) {
     const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
     const std::array half{Interval::up(0.5 * (b[0] - a[0])), Interval::up(0.5 * (b[1] - a[1]))};
-    const std::array width{Interval(b[0]) - Interval(a[0]), Interval(b[1]) - Interval(a[1])};
+    const std::array width{MidRad(b[0]) - a[0], MidRad(b[1]) - a[1]};
     ++effort.parts_used;
     std::array<double, N> missing = enough;
-    const auto value = f(Interval(middle[0]), Interval(middle[1]));
+    const auto value = f(MidRad(middle[0]), MidRad(middle[1]));
     for (std::size_t i = 0; i < N; ++i)
         missing[i] = std::max(missing[i], detail::value_rounding * value[i].magnitude());
     std::array<std::size_t, 2> chosen{attempts.size(), attempts.size()};
     for (const std::size_t axis : {0, 1})
-        for (std::size_t k = 0; k < attempts.size() && chosen[axis] == attempts.size(); ++k) {
+        for (std::size_t k = 0; k <= last_in_two && chosen[axis] == attempts.size(); ++k) {
             int left = detail::parts_of_product;
             const auto along = [&](const Disc& z, const Disc& x) {
                 return axis == 0 ? f(z, x) : f(x, z);
@@ -180,19 +184,19 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
                 chosen[axis] = k;
         }
     if (chosen[0] < attempts.size() && chosen[1] < attempts.size()) {
-        std::array<Interval, N> part{};
+        std::array<MidRad, N> part{};
         for (std::size_t m = 0; m < gauss(chosen[0]).count; ++m) {
             const auto& outer = gauss(chosen[0]).nodes[m];
-            const Interval s = Interval(middle[0]) + 0.5 * (width[0] * outer.at);
+            const MidRad s = MidRad(middle[0]) + 0.5 * (width[0] * outer.at);
             for (std::size_t n = 0; n < gauss(chosen[1]).count; ++n) {
                 const auto& inner = gauss(chosen[1]).nodes[n];
-                const auto at_node = f(s, Interval(middle[1]) + 0.5 * (width[1] * inner.at));
-                const Interval weight = outer.weight * inner.weight;
+                const auto at_node = f(s, MidRad(middle[1]) + 0.5 * (width[1] * inner.at));
+                const MidRad weight = outer.weight * inner.weight;
                 for (std::size_t i = 0; i < N; ++i) part[i] += weight * at_node[i];
             }
         }
-        const Interval share = 0.25 * (width[0] * width[1]);
-        for (std::size_t i = 0; i < N; ++i) sum[i] += share * (part[i] + Interval(-missing[i], missing[i]));
+        const MidRad share = 0.25 * (width[0] * width[1]);
+        for (std::size_t i = 0; i < N; ++i) sum[i] += (share * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
         return true;
     }
     // Halves along the direction in which no rule was enough, or the wider one of two.
@@ -205,8 +209,8 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
         const bool second = integrate(f, high, b, enough, sum, effort);
         return first && second;
     }
-    const auto all = f(Interval(a[0], b[0]), Interval(a[1], b[1]));
-    for (std::size_t i = 0; i < N; ++i) sum[i] += width[0] * width[1] * all[i];
+    const auto all = f(MidRad(Interval(a[0], b[0])), MidRad(Interval(a[1], b[1])));
+    for (std::size_t i = 0; i < N; ++i) sum[i] += (width[0] * width[1] * all[i]).enclosure();
     return false;
 }
 
@@ -215,7 +219,7 @@ class Approximate {
 public:
     constexpr Approximate() = default;
     constexpr Approximate(double value) : value_(value) {}       // NOLINT: a number
-    Approximate(Interval enclosure) : value_(enclosure.mid()) {}  // NOLINT: what it encloses, about
+    Approximate(const MidRad& enclosure) : value_(enclosure.mid()) {}  // NOLINT: what it encloses, about
 
     double value() const { return value_; }
 

@@ -11,8 +11,8 @@ namespace vcell::check {
 
 namespace {
 
-double middle(const Interval& x) { return x.mid(); }
-double middle(const Disc& x) { return x.re(); }
+double middle(const MidRad& x) { return x.mid(); }
+double middle(const Disc& x) { return x.center(); }
 double middle(const Approximate& x) { return x.value(); }
 
 template <class S, class T>
@@ -28,20 +28,28 @@ T determinant(const Triad<S>& a, const Triad<T>& b, const Triad<T>& c) {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
-Triad<Interval> scaled(Interval s, const Triad<Interval>& a) { return {s * a[0], s * a[1], s * a[2]}; }
-Triad<Interval> normalized(const Triad<Interval>& a) {
+template <class T>
+Triad<T> scaled(const T& s, const Triad<T>& a) {
+    return {s * a[0], s * a[1], s * a[2]};
+}
+template <class T>
+Triad<T> normalized(const Triad<T>& a) {
     // A component is the whole length: nothing to round.
     for (std::size_t i = 0; i < 3; ++i)
         if (a[(i + 1) % 3].magnitude() == 0 && a[(i + 2) % 3].magnitude() == 0) {
-            Triad<Interval> result{};
+            Triad<T> result{};
             result[i] = a[i].lower() > 0 ? 1.0 : -1.0;
             return result;
         }
-    return scaled(Interval(1.0) / sqrt(squared_norm(a)), a);
+    return scaled(T(1.0) / sqrt(squared_norm(a)), a);
 }
-Triad<Interval> cross(const Triad<Interval>& a, const Triad<Interval>& b) {
+template <class T>
+Triad<T> cross(const Triad<T>& a, const Triad<T>& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+Triad<MidRad> near(const Triad<Interval>& a) { return {a[0], a[1], a[2]}; }
+
+const MidRad third = MidRad(1.0) / 3.0;
 
 /// artanh(x) / x for |x| < 1, which is even.
 Interval artanh_ratio(Interval x) {
@@ -109,7 +117,7 @@ Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
 /// sign in the last, s = sqrt(E + 2 B b). Differences of roots are quotients, so that nothing cancels near the axis.
 template <class T>
 T revolved_area(const Revolved& r, const T& b) {
-    const T b1(r.A + r.B), B(r.B), E(r.E);
+    const T b1(r.b1), B(r.B), E(r.E);
     if constexpr (std::is_same_v<T, Disc>) {
         // The mean of the integrand between b and b1 lies in any disc that holds its values.
         const T all = hull(b, b1);
@@ -125,7 +133,7 @@ T revolved_area(const Revolved& r, const T& b) {
         const T second = B / (2.0 * E) * (s - 2.0 * (B * b) / sum) / (b * b1);
         const T ratio = (s * s1 + E) / (sum * (E * (b + b1) + 2.0 * (B * b * b1)));
         const T x = sqrt(E) * (b1 - b) * ratio;
-        return first + second - square(B) / E * ratio * artanh_ratio(x);
+        return first + second - square(B) / E * ratio * T(artanh_ratio(x.enclosure()));
     }
 }
 
@@ -135,8 +143,8 @@ struct Relative {
 };
 /// A plane's coordinates about a point of it, times w.
 template <class T>
-Relative<T> relative(const Place<T>& p, const std::array<Interval, 2>& about) {
-    const Interval x = about[0] - Interval(p.origin[0]), y = about[1] - Interval(p.origin[1]);
+Relative<T> relative(const Place<T>& p, const std::array<MidRad, 2>& about) {
+    const MidRad x = about[0] - MidRad(p.origin[0]), y = about[1] - MidRad(p.origin[1]);
     return {p.n[0] - x * p.w, p.n[1] - y * p.w, p.dn[0] - x * p.dw, p.dn[1] - y * p.dw};
 }
 
@@ -147,7 +155,7 @@ Densities<T> along(const LinearHeight& h, const Place<T>& p) {
     const T above = (h.gradient[0] * x + h.gradient[1] * y) / p.w;
     const T shadow = 0.5 * turn;
     // The part that grows in proportion to q - a is a third of its boundary's.
-    return {(above * T(Interval(1.0) / 3.0) + T(0.5 * h.at_apex)) * turn, shadow * T(h.steepness), shadow,
+    return {(above * T(third) + T(h.half_at_apex)) * turn, shadow * T(h.steepness), shadow,
             T(h.steepness)};
 }
 
@@ -157,8 +165,8 @@ Densities<T> along(const Paraboloid& h, const Place<T>& p) {
     const auto [x, y, dx, dy] = relative(p, h.axis);
     const T squared_weight = square(p.w);
     const T turn = (x * dy - y * dx) / squared_weight, s2 = (square(x) + square(y)) / squared_weight;
-    const T volume = (0.25 * s2 + T(0.5 * h.e)) * turn * T(Interval(0.5) / h.k);
-    const T r = sqrt(T(1.0) + s2 * T(Interval(1.0) / square(h.k)));
+    const T volume = (0.25 * s2 + T(h.half_of_e)) * turn * T(h.half_by_k);
+    const T r = sqrt(T(1.0) + s2 * T(h.one_by_k2));
     return {volume, (square(r) + r + T(1.0)) / (T(3.0) * (r + T(1.0))) * turn, 0.5 * turn, r};
 }
 
@@ -167,11 +175,11 @@ template <class T>
 Densities<T> along(const Revolved& r, const Place<T>& p) {
     const Triad<T> n = p.whole(), dn = p.whole_derivative();
     const T norm2 = squared_norm(n), z = dot(r.axis, n) / sqrt(norm2);
-    const T b = r.A * z + T(r.B), b1(r.A + r.B);
+    const T b = r.A * z + T(r.B), b1(r.b1);
     const T turn = determinant(r.axis, n, dn) / (norm2 * (T(1.0) + z));
-    const T volume = T(r.K * square(r.K) / (6.0 * square(r.A + r.B))) * (b1 + b) / square(b) * turn;
+    const T volume = T(r.volume) * (b1 + b) / square(b) * turn;
     const T steepness = sqrt(T(r.E) + 2.0 * (r.B * b)) / b;
-    return {volume, T(square(r.K)) * revolved_area(r, b) * turn, turn, steepness};
+    return {volume, T(r.K2) * revolved_area(r, b) * turn, turn, steepness};
 }
 
 template <class T>
@@ -182,7 +190,7 @@ Densities<T> along(const ConeHeight& h, const Place<T>& p) {
         height<T>(h.form, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
                   {T(0.0), T(0.0), T(1.0)});
     const T shadow = 0.5 * turn;
-    return {((t - T(h.at_apex)) * T(Interval(1.0) / 3.0) + T(0.5 * h.at_apex)) * turn, shadow * steepness, shadow,
+    return {((t - T(h.at_apex)) * T(third) + T(0.5 * h.at_apex)) * turn, shadow * steepness, shadow,
             steepness};
 }
 
@@ -214,7 +222,8 @@ Frame::Frame(const Scene& scene) {
     }
     if (up.x() == 0 && up.y() == 0 && up.z() > 0) return;
     const double size = up.cwiseAbs().maxCoeff();
-    const Triad<Interval> n = normalized({Interval(up.x()) / size, Interval(up.y()) / size, Interval(up.z()) / size});
+    const Triad<Interval> n =
+        normalized(Triad<Interval>{Interval(up.x()) / size, Interval(up.y()) / size, Interval(up.z()) / size});
     int least = 0;
     up.cwiseAbs().minCoeff(&least);
     Triad<Interval> aside{};
@@ -251,7 +260,7 @@ Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(
 // --- Curves -------------------------------------------------------------------------------------------------
 
 std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
-    using Homogeneous = std::array<Interval, 4>;
+    using Homogeneous = std::array<MidRad, 4>;
     const std::size_t d = static_cast<std::size_t>(curve.degree);
     std::vector<Homogeneous> points;
     Triad<double> origin;
@@ -260,11 +269,11 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     for (const auto& p : curve.points) {
         const Triad<Interval> x = frame.point(p.head<3>());
         Homogeneous h;
-        for (std::size_t i = 0; i < 3; ++i) h[i] = p[3] * (x[i] - Interval(origin[i]));
+        for (std::size_t i = 0; i < 3; ++i) h[i] = p[3] * (MidRad(x[i]) - origin[i]);
         h[3] = p[3];
         points.push_back(h);
     }
-    const auto between = [](const Homogeneous& a, const Homogeneous& b, Interval s) {
+    const auto between = [](const Homogeneous& a, const Homogeneous& b, const MidRad& s) {
         Homogeneous h;
         for (std::size_t i = 0; i < 4; ++i) h[i] = a[i] + s * (b[i] - a[i]);
         return h;
@@ -287,7 +296,7 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
                 for (std::size_t i = d; i >= r; --i) {
                     const double first = curve.knots[k - d + i], last = curve.knots[k + i + 1 - r];
                     level[i] = between(level[i - 1], level[i],
-                                       (Interval(t) - Interval(first)) / (Interval(last) - Interval(first)));
+                                       (MidRad(t) - first) / (MidRad(last) - first));
                 }
             }
             piece[j] = level[d];
@@ -328,48 +337,48 @@ std::optional<Form> form_of(const Scene& scene, const Frame& frame, const Site& 
         const int axis = static_cast<int>(site.index / 2);
         const bool is_upper = site.index % 2;
         form.kind = Form::Kind::side;
-        form.c = frame.direction(is_upper ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis)));
-        form.offset = dot(form.c, frame.point(is_upper ? scene.box.max : scene.box.min));
+        form.c = near(frame.direction(is_upper ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis))));
+        form.offset = dot(form.c, near(frame.point(is_upper ? scene.box.max : scene.box.min)));
         return form;
     }
     if (!site.is_object()) return std::nullopt;
     const Object& object = scene.objects[site.index];
     if (const auto* ball = std::get_if<Sphere>(&object)) {
         form.kind = Form::Kind::ball;
-        form.c = frame.point(ball->center);
+        form.c = near(frame.point(ball->center));
         const auto* base = std::get_if<Sphere>(&scene.base);
-        form.delta = base && base->radius == ball->radius ? Interval(0.0)
-                                                          : frame.length(ball->radius) - frame.radius();
+        form.delta = base && base->radius == ball->radius ? MidRad(0.0)
+                                                          : MidRad(frame.length(ball->radius)) - frame.radius();
         if (std::holds_alternative<Plane>(scene.base)) form.delta = frame.length(ball->radius);
         return form;
     }
     if (const auto* tube = std::get_if<Cylinder>(&object)) {
         form.kind = Form::Kind::tube;
-        form.c = frame.point(tube->point);
-        form.d = normalized(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff()));
+        form.c = near(frame.point(tube->point));
+        form.d = normalized(near(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff())));
         const Vec3 axis = tube->axis.normalized();
         int least = 0;
         axis.cwiseAbs().minCoeff(&least);
-        const Triad<Interval> aside = frame.direction(Vec3::Unit(least));
+        const Triad<MidRad> aside = near(frame.direction(Vec3::Unit(least)));
         form.across[0] = normalized(cross(aside, form.d));
         form.across[1] = cross(form.d, form.across[0]);
         for (const std::size_t i : {0, 1}) form.across_c[i] = dot(form.across[i], form.c);
-        form.delta = frame.length(tube->radius) - frame.radius();
+        form.delta = MidRad(frame.length(tube->radius)) - frame.radius();
         if (std::holds_alternative<Plane>(scene.base)) form.delta = frame.length(tube->radius);
         return form;
     }
     const auto& plane = std::get<Plane>(object);
     form.kind = Form::Kind::plane;
-    form.c = normalized(frame.direction(plane.normal / plane.normal.cwiseAbs().maxCoeff()));
-    form.offset = -dot(form.c, frame.point(plane.point));
+    form.c = normalized(near(frame.direction(plane.normal / plane.normal.cwiseAbs().maxCoeff())));
+    form.offset = -dot(form.c, near(frame.point(plane.point)));
     // The base lies on one side of it; told at the foot that is farthest away.
     double best = 0;
     for (const auto& p : corners) {
-        Triad<Interval> foot{};
+        Triad<MidRad> foot{};
         if (std::holds_alternative<Plane>(scene.base)) foot = {p[0], p[1], 0.0};
         if (std::holds_alternative<Cylinder>(scene.base)) foot = {0.0, 0.0, p[2]};
-        const Interval value = dot(form.c, foot) + form.offset;
-        if (!value.sign()) continue;
+        const MidRad value = dot(form.c, foot) + form.offset;
+        if (!(std::abs(value.mid()) > value.radius())) continue;
         if (std::abs(value.mid()) > std::abs(best)) best = value.mid();
     }
     if (best == 0) return std::nullopt;
@@ -379,31 +388,31 @@ std::optional<Form> form_of(const Scene& scene, const Frame& frame, const Site& 
 
 Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
     const Triad<double>& corner = corners.front();
-    const auto linear = [&](Interval gx, Interval gy, Interval at_origin) {
-        const Interval x = corner[0], y = corner[1];
+    const auto linear = [&](MidRad gx, MidRad gy, MidRad at_origin) {
+        const MidRad x = corner[0], y = corner[1];
         return LinearHeight{{gx, gy},
                             {x, y},
-                            at_origin + gx * x + gy * y,
+                            0.5 * (at_origin + gx * x + gy * y),
                             sqrt(1.0 + square(gx) + square(gy))};
     };
     switch (form.kind) {
         case Form::Kind::side:
             return linear(-form.c[0] / form.c[2], -form.c[1] / form.c[2], form.offset / form.c[2]);
         case Form::Kind::plane: {
-            const Interval s = form.sign, rise = 1.0 - s * form.c[2];
+            const MidRad s = form.sign, rise = 1.0 - s * form.c[2];
             return linear(s * form.c[0] / rise, s * form.c[1] / rise, s * form.offset / rise);
         }
-        case Form::Kind::ball:
-            return Paraboloid{{form.c[0], form.c[1]},
-                              form.c[2] + form.delta,
-                              (form.c[2] - form.delta) * (form.c[2] + form.delta)};
+        case Form::Kind::ball: {
+            const MidRad k = form.c[2] + form.delta;
+            return Paraboloid{{form.c[0], form.c[1]}, 0.5 * ((form.c[2] - form.delta) * k), MidRad(0.5) / k, MidRad(1.0) / square(k)};
+        }
         default: {
             // Their cone's apex is where the axis comes as far below the plane as the radius. Far away it would
             // cost digits.
             constexpr double least_slope = 0x1p-5;
-            const Interval slope = form.d[2];
+            const MidRad slope = form.d[2];
             if (slope.lower() > least_slope || slope.upper() < -least_slope) {
-                const Interval run = (-form.delta - form.c[2]) / slope;
+                const MidRad run = (-form.delta - form.c[2]) / slope;
                 return ConeHeight{form, {form.c[0] + run * form.d[0], form.c[1] + run * form.d[1]}, -form.delta};
             }
             return Fan{Fan::Base::plane, form, {corner[0], corner[1], 0.0}};
@@ -411,24 +420,39 @@ Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
     }
 }
 
-Shadow about_sphere(const Form& form, Interval radius) {
+}  // namespace
+
+Revolved::Revolved(const Triad<MidRad>& axis_, const MidRad& K, const MidRad& A_, const MidRad& B_, const MidRad& E_,
+                   bool is_paraboloid_)
+    : axis(axis_),
+      A(A_),
+      B(B_),
+      E(E_),
+      is_paraboloid(is_paraboloid_),
+      b1(A + B),
+      K2(square(K)),
+      volume(K * K2 / (6.0 * square(b1))) {}
+
+namespace {
+
+Shadow about_sphere(const Form& form, MidRad radius) {
     switch (form.kind) {
         case Form::Kind::side:
             return Revolved{form.c, form.offset, 1.0, 0.0, 1.0, false};
         case Form::Kind::plane: {
-            const Interval s = form.sign;
+            const MidRad s = form.sign;
             return Revolved{scaled(-s, form.c), radius + s * form.offset, 1.0, 1.0, 0.0, true};
         }
         case Form::Kind::ball: {
-            const Interval distance = sqrt(squared_norm(form.c));
-            const Interval E = (distance - form.delta) * (distance + form.delta);
+            const MidRad distance = sqrt(squared_norm(form.c));
+            const MidRad E = (distance - form.delta) * (distance + form.delta);
             return Revolved{normalized(form.c), 0.5 * E, distance, form.delta, E, false};
         }
         default: {
             // The start is where the tube is nearest: a great circle from there to a direction in which the tube is
             // met meets it all along, for alpha has one sign on it, or beta is positive.
-            const Interval along = dot(form.d, form.c);
-            Triad<Interval> nearest;
+            const MidRad along = dot(form.d, form.c);
+            Triad<MidRad> nearest;
             for (const std::size_t i : {0, 1, 2}) nearest[i] = form.c[i] - along * form.d[i];
             Fan fan{Fan::Base::sphere, form, normalized(nearest)};
             return fan;
@@ -462,7 +486,7 @@ template <class T>
 Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
     switch (fan.base) {
         case Fan::Base::plane: {
-            const Interval x0 = fan.start[0], y0 = fan.start[1];
+            const MidRad x0 = fan.start[0], y0 = fan.start[1];
             const auto [x, y, dx, dy] = relative(p, {x0, y0});
             const T turn = sigma * ((x * dy - y * dx) / square(p.w));
             const auto [t, steepness] = height<T>(
@@ -473,7 +497,7 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
             // Stereographic coordinates about the start a: y = (p - q a) / (|p| + q), q = a p, of which sigma y runs
             // from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle
             // 4 / (1 + |y|^2)^2 of y's area.
-            const Triad<Interval>& a = fan.start;
+            const Triad<MidRad>& a = fan.start;
             const Triad<T> n = p.whole(), dn = p.whole_derivative();
             const T q = dot(a, n), size = sqrt(squared_norm(n)), sum = size + q;
             const T y2 = square(sigma) * ((size - q) / sum), weight = T(1.0) / (T(1.0) + y2);
@@ -483,13 +507,13 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
                 height<T>(fan.form, {T(0.0), T(0.0), T(0.0)},
                           {along * n[0] + a[0] * up, along * n[1] + a[1] * up, along * n[2] + a[2] * up});
             const T t2 = square(t);
-            return {turn * t * t2 * T(Interval(1.0) / 3.0), turn * t2 * steepness, turn, steepness};
+            return {turn * t * t2 * T(third), turn * t2 * steepness, turn, steepness};
         }
         default: {
             // Between the start's height and the edge's, at the edge's angle: the face is on the left.
             const Triad<T> n = p.whole(), dn = p.whole_derivative();
             const T s2 = square(n[0]) + square(n[1]), s = sqrt(s2);
-            const T rise = p.n[2] / p.w + T(Interval(p.origin[2]) - fan.start[2]);
+            const T rise = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
             const T turn = rise * (n[1] * dn[0] - n[0] * dn[1]) / s2;
             const auto [t, steepness] = height<T>(fan.form, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise},
                                                   {n[0] / s, n[1] / s, T(0.0)});
@@ -498,9 +522,9 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
     }
 }
 
-template Densities<Interval> densities(const Shadow&, const Place<Interval>&);
+template Densities<MidRad> densities(const Shadow&, const Place<MidRad>&);
 template Densities<Disc> densities(const Shadow&, const Place<Disc>&);
-template Densities<Interval> densities(const Fan&, const Place<Interval>&, const Interval&);
+template Densities<MidRad> densities(const Fan&, const Place<MidRad>&, const MidRad&);
 template Densities<Disc> densities(const Fan&, const Place<Disc>&, const Disc&);
 template Densities<Approximate> densities(const Fan&, const Place<Approximate>&, const Approximate&);
 

@@ -66,7 +66,7 @@ struct Place {
 
 /// A polynomial piece of a space curve in the frame, by its Taylor coefficients about its middle: s in [-1, 1].
 struct Span {
-    SmallVector<std::array<Interval, 4>, 4> coefficients;
+    SmallVector<std::array<MidRad, 4>, 4> coefficients;
     Triad<double> origin;
 
     template <class T>
@@ -96,44 +96,48 @@ struct Densities {
 
 /// Over a plane: heights h + g (q - a).
 struct LinearHeight {
-    std::array<Interval, 2> gradient, apex;
-    Interval at_apex, steepness;
+    std::array<MidRad, 2> gradient, apex;
+    MidRad half_at_apex, steepness;
 };
 /// Over a plane, a ball's: (s^2 + e) / (2 k), s the distance from its axis.
 struct Paraboloid {
-    std::array<Interval, 2> axis;
-    Interval k, e;
+    std::array<MidRad, 2> axis;
+    MidRad half_of_e, half_by_k, one_by_k2;  ///< e / 2, 1 / (2 k), 1 / k^2
 };
 /// About a sphere: t = K / (A z + B), z the cosine of the angle to an axis; balls, planes and box sides.
 struct Revolved {
-    Triad<Interval> axis;
-    Interval K, A, B, E;  ///< E = A^2 - B^2, 0 for a plane
+    Revolved(const Triad<MidRad>& axis, const MidRad& K, const MidRad& A, const MidRad& B, const MidRad& E,
+             bool is_paraboloid);
+
+    Triad<MidRad> axis;
+    MidRad A, B, E;  ///< E = A^2 - B^2, 0 for a plane
     bool is_paraboloid;
+    MidRad b1, K2, volume;  ///< A + B, K^2, K^3 / (6 (A + B)^2)
 };
 /// The equation of one object, in the frame.
 struct Form {
     enum class Kind { ball, tube, plane, side } kind;
-    Triad<Interval> c;  ///< ball: centre; tube: a point of the axis; plane, side: unit normal
-    Triad<Interval> d;  ///< tube: unit axis
-    std::array<Triad<Interval>, 2> across;  ///< tube: with d an orthonormal frame
-    std::array<Interval, 2> across_c;       ///< tube: the coordinates of c in it
-    Interval delta;     ///< ball, tube
-    Interval offset;    ///< plane: D; side: n p = offset on it
+    Triad<MidRad> c;  ///< ball: centre; tube: a point of the axis; plane, side: unit normal
+    Triad<MidRad> d;  ///< tube: unit axis
+    std::array<Triad<MidRad>, 2> across;  ///< tube: with d an orthonormal frame
+    std::array<MidRad, 2> across_c;       ///< tube: the coordinates of c in it
+    MidRad delta;     ///< ball, tube
+    MidRad offset;    ///< plane: D; side: n p = offset on it
     double sign = 1;    ///< plane: of the side where the base is
-    Interval radius;    ///< plane: R
+    MidRad radius;    ///< plane: R
 };
 /// Over a plane: heights that grow in proportion to the distance from an apex.
 struct ConeHeight {
     Form form;
-    std::array<Interval, 2> apex;
-    Interval at_apex;
+    std::array<MidRad, 2> apex;
+    MidRad at_apex;
 };
 /// Any other: integrated from a point of the base to the edge: along a line of the plane, along a great circle, or on
 /// a cylinder along the generator from a height.
 struct Fan {
     enum class Base { plane, sphere, cylinder } base;
     Form form;
-    Triad<Interval> start;
+    Triad<MidRad> start;
 };
 
 using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, Fan>;
