@@ -16,6 +16,74 @@ struct Part {
     int depth = 0;
 };
 
+/// The clearance along a span as a rational function with the span's weights, within an error.
+struct RationalClearance {
+    SmallVector<double, 4> coefficients;
+    double error;
+    Interval range;
+
+    /// Over a plane it is one. From a centre it is one along conics that two bisectors of balls have in common: then
+    /// the one that agrees with it at three places agrees with it everywhere, which its square tells.
+    static std::optional<RationalClearance> along(const Net& net, const Space<Interval>& space) {
+        const Surface<Interval>& base = space.base();
+        using Kind = Surface<Interval>::Kind;
+        const int n = net.degree_s();
+        if (base.kind == Kind::cylinder || (base.kind == Kind::sphere && n != 2)) return std::nullopt;
+        Vector<MidRad> way;  // from the base's point to the origin
+        for (std::size_t k = 0; k < 3; ++k)
+            way[k] = MidRad(net.origin()[static_cast<Eigen::Index>(k)]) - MidRad(base.point[k]);
+        std::array<SmallVector<MidRad, 4>, 3> from_base;
+        for (std::size_t k = 0; k < 3; ++k)
+            for (int i = 0; i <= n; ++i) from_base[k].push_back(net.at(i, 0)[k] + way[k] * net.at(i, 0)[3]);
+        RationalClearance result{{}, 0, 0.0};
+        if (base.kind == Kind::plane) {
+            double least = HUGE_VAL, most = -HUGE_VAL;
+            for (int i = 0; i <= n; ++i) {
+                const MidRad w = net.at(i, 0)[3];
+                MidRad height = 0.0;
+                for (std::size_t k = 0; k < 3; ++k) height += MidRad(base.direction[k]) * from_base[k][i];
+                result.coefficients.push_back(height.mid());
+                result.error = std::max(result.error, (MidRad::ball(0, height.radius()) / w).magnitude());
+                least = std::min(least, (height / w).lower());
+                most = std::max(most, (height / w).upper());
+            }
+            if (!(most - least < HUGE_VAL)) return std::nullopt;
+            result.range = {least, most};
+            return result;
+        }
+        const double radius = base.radius.mid();
+        const auto homogeneous = [&](double a, double b, double c) {  // the distance from the centre, times the weight
+            double sum = 0;
+            for (const auto& x : from_base) sum += std::pow(a * x[0].mid() + b * x[1].mid() + c * x[2].mid(), 2);
+            return std::sqrt(sum);
+        };
+        const double first = homogeneous(1, 0, 0), last = homogeneous(0, 0, 1),
+                     middle = 2 * homogeneous(0.25, 0.5, 0.25) - 0.5 * (first + last);
+        Form distance(2, 0), weight(2, 0), square_of_way(4, 0);
+        const std::array<double, 3> distances{first, middle, last};
+        double rounding = 0;
+        for (int i = 0; i <= 2; ++i) {
+            const MidRad& w = net.at(i, 0)[3];
+            distance.set(i, 0, distances[static_cast<std::size_t>(i)]);
+            weight.set(i, 0, w);
+            const MidRad clearance = distances[static_cast<std::size_t>(i)] - radius * w;
+            result.coefficients.push_back(clearance.mid());
+            rounding = std::max(rounding, (MidRad::ball(0, clearance.radius()) / w).magnitude());
+        }
+        for (const auto& x : from_base) {
+            Form f(2, 0);
+            for (int i = 0; i <= 2; ++i) f.set(i, 0, x[static_cast<std::size_t>(i)]);
+            square_of_way = square_of_way + square(f);
+        }
+        // |p| - q with q the rational function: (p^2 - q^2) / (|p| + q).
+        const Interval w = weight.range(), q = distance.range() / w, off = (square_of_way - square(distance)).range() / square(w);
+        if (!(q.lower() > 0) || !(off.magnitude() < HUGE_VAL)) return std::nullopt;
+        result.error = Interval::up((off / q).magnitude() + rounding);
+        result.range = q - base.radius + Interval(-result.error, result.error);
+        return result;
+    }
+};
+
 class Edges : public Room {
 public:
     using Room::Room;
@@ -47,6 +115,7 @@ private:
         EdgeBound bound{0, 0, HUGE_VAL};
         if (!follow_arc(where, parts, bound)) return;
         nearer_ = 0;
+        excess_ = bound.excess;
         if (!exclude_others(where, parts)) return;
         if (e.error > most_stated(bound.distance))
             return certificate_.refute(
@@ -190,7 +259,11 @@ private:
             int depth;
         };
         std::vector<Task> tasks;
-        for (const Part& p : whole) tasks.push_back({p.net, rivals(p.net), 0});
+        for (const Part& p : whole) {
+            std::vector<Condition> found = rivals(p.net);
+            drop_balls(p.net, found);
+            if (!found.empty()) tasks.push_back({p.net, std::move(found), 0});
+        }
         std::size_t count = 0;
         while (!tasks.empty()) {
             Task task = std::move(tasks.back());
@@ -227,6 +300,73 @@ private:
                             conditions_);
     }
 
+    /// Drops rival balls that are farther than a ball o of the edge's own all along a span, if the clearance t is
+    /// a rational function of its degree there.
+    ///
+    /// With p from o's centre and d the way to the rival's, |p - d|^2 - (t + rho_r)^2 has the sign of the rival's
+    /// excess. Where o's own is e, |p| = t + rho_o + e, that is
+    ///     d^2 - 2 p d + (rho_o - rho_r) (2 t + rho_o + rho_r) + e (2 t + 2 rho_o + e),
+    /// linear in p and t.
+    void drop_balls(const Net& net, std::vector<Condition>& rivals) const {
+        const auto ball = [&](const Condition& c) {
+            return c.site.is_object() ? std::get_if<Sphere>(&scene_.objects[c.site.index]) : nullptr;
+        };
+        const Sphere* own = nullptr;
+        for (std::size_t k = 0; k < 2 && !own; ++k) own = ball(conditions_[k]);
+        if (!own || std::ranges::none_of(rivals, ball)) return;
+        const auto clearance = RationalClearance::along(net, space());
+        if (!clearance) return;
+        const Interval own_radius(own->radius), t = clearance->range;
+        const Interval e(-excess_, excess_);
+        const Interval rest = e * (2.0 * (t + own_radius) + e);
+        const int n = net.degree_s();
+        SmallVector<Net::Point, 4> from_own;  // homogeneous coordinates about the own centre
+        for (int i = 0; i <= n; ++i) {
+            Net::Point p = net.at(i, 0);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto axis = static_cast<Eigen::Index>(k);
+                p[k] = p[k] + (MidRad(net.origin()[axis]) - own->center[axis]) * p[3];
+            }
+            from_own.push_back(p);
+        }
+        const Vector<Interval> box = net.box();
+        std::erase_if(rivals, [&](const Condition& c) {
+            const Sphere* rival = ball(c);
+            if (!rival) return false;
+            Vector<MidRad> way;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto axis = static_cast<Eigen::Index>(k);
+                way[k] = MidRad(rival->center[axis]) - own->center[axis];
+            }
+            const MidRad difference = MidRad(own->radius) - rival->radius, sum = MidRad(own->radius) + rival->radius;
+            const MidRad constant = square(way) + difference * sum, twice = 2.0 * difference;
+            // The least Bernstein coefficient, over its weight.
+            double least = HUGE_VAL;
+            for (int i = 0; i <= n; ++i) {
+                const Net::Point& p = from_own[i];
+                const MidRad value = constant * p[3] + twice * clearance->coefficients[i] -
+                                     2.0 * (way[0] * p[0] + way[1] * p[1] + way[2] * p[2]);
+                const double quotient = (value / p[3]).lower();
+                if (!(quotient >= least)) least = quotient;
+            }
+            const Interval margin = rest + twice.enclosure() * Interval(-clearance->error, clearance->error);
+            least = (Interval(least) + margin).lower();
+            if (least >= 0) return true;
+            const Interval reach = space().object_excess(c.site.index, box, Interval(0.0)) + 2 * Interval(rival->radius) + t;
+            if (!(reach.lower() > 0)) return false;
+            return is_little(c, box, (Interval(least) / reach.lower()).lower());
+        });
+    }
+    /// Is an excess that is no less than `least`, which is negative, within the allowance? What it means for the
+    /// boundary is noted then.
+    bool is_little(const Condition& c, const Vector<Interval>& box, double least) const {
+        if (!(least >= -allowance(c))) return false;
+        const double growth = this->growth(c, box);
+        if (!(growth > 0)) return false;
+        nearer_ = std::max(nearer_, -least / growth);
+        return true;
+    }
+
     double allowance(const Condition& c) const { return 2 * error_ + tie_width(c.site); }
 
     /// Is a site nowhere on a curve nearer than the base by more than the allowance? Along the curve the
@@ -241,7 +381,6 @@ private:
 
         bool operator()(const Condition& c) {
             const Space<Interval>& space = edges.space();
-            const double allowed = edges.allowance(c);
             // Both distances change by no more than the way.
             if (c.site.is_object() && space.is_beyond(c.site.index, center, reach)) return true;
             if (space.excess(c, box).lower() >= 0) return true;
@@ -251,18 +390,15 @@ private:
             const double least = std::max((at_begin + Interval(std::min(0.0, change.lower()))).lower(),
                                           (at_end - Interval(std::max(0.0, change.upper()))).lower());
             if (least >= 0) return true;
-            if (!(least >= -allowed)) return false;
-            const double growth = edges.growth(c, box);
-            if (!(growth > 0)) return false;
-            edges.nearer_ = std::max(edges.nearer_, -least / growth);
-            return true;
+            return edges.is_little(c, box, least);
         }
     };
 
     std::vector<EdgeBound> bounds_;
     std::vector<Condition> conditions_;  // the two sites' first
     double error_ = 0;                   // of the edge under judgement, those of its ends included
-    double nearer_ = 0;                  // how far from the boundary a site that is a little nearer leaves it
+    double excess_ = 0;                  // of its two sites, at most
+    mutable double nearer_ = 0;          // how far from the boundary a site that is a little nearer leaves it
 };
 
 }  // namespace

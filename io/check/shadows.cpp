@@ -52,24 +52,32 @@ Triad<MidRad> near(const Triad<Interval>& a) { return {a[0], a[1], a[2]}; }
 const MidRad third = MidRad(1.0) / 3.0;
 
 /// artanh(x) / x for |x| < 1, which is even.
-Interval artanh_ratio(Interval x) {
-    const Interval y = square(x);
-    if (y.upper() < 0.0625) {
-        Interval power = 1.0, sum = 0.0;
-        double odd = 1;
-        for (; power.upper() > 0x1p-56; odd += 2, power *= y) sum += power / Interval(odd);
-        // The terms that are left out: less than a geometric series.
-        return sum + power * Interval(0, (Interval(1.0) / (odd * (1.0 - y))).upper());
+MidRad artanh_ratio(const MidRad& x) {
+    const MidRad square_of_x = square(x);
+    const double most = square_of_x.magnitude();
+    if (most < 0.0625) {
+        static const std::array<MidRad, 14> terms = [] {
+            std::array<MidRad, 14> t;
+            for (std::size_t k = 0; k < t.size(); ++k) t[k] = MidRad(1.0) / MidRad(static_cast<double>(2 * k + 1));
+            return t;
+        }();
+        const std::size_t count = most < 0x1p-16 ? 4 : most < 0x1p-8 ? 7 : terms.size();
+        MidRad sum = terms[count - 1];
+        for (std::size_t k = count - 1; k-- > 0;) sum = sum * square_of_x + terms[k];
+        // The terms that are left out: less than a geometric series, which begins below 2^-56.
+        sum += MidRad::ball(0, 0x1p-55 / static_cast<double>(2 * count + 1));
+        return sum;
     }
-    if (!(y.upper() < 1)) return Interval::whole();
+    const Interval y = square(x.enclosure());
+    if (!(y.upper() < 1)) return MidRad::whole();
     // glibc's manual states errors of up to 3 units in the last place.
     const double lo = std::sqrt(y.lower()), hi = std::sqrt(y.upper());
     const Interval a(lo * (1 - 0x1p-50), lo * (1 + 0x1p-50)), b(hi * (1 - 0x1p-50), hi * (1 + 0x1p-50));
     const auto value = [](double t) { return Interval::ball(std::atanh(t), 0x1p-50 * std::atanh(t)); };
-    if (!(b.upper() < 1)) return Interval::whole();
+    if (!(b.upper() < 1)) return MidRad::whole();
     // It grows with |x|.
-    const Interval least = value(a.lower()) / Interval(a.lower()), most = value(b.upper()) / Interval(b.upper());
-    return {std::max(1.0, least.lower()), most.upper()};
+    const Interval least = value(a.lower()) / Interval(a.lower()), greatest = value(b.upper()) / Interval(b.upper());
+    return Interval(std::max(1.0, least.lower()), greatest.upper());
 }
 
 template <class T>
@@ -133,7 +141,7 @@ T revolved_area(const Revolved& r, const T& b) {
         const T second = B / (2.0 * E) * (s - 2.0 * (B * b) / sum) / (b * b1);
         const T ratio = (s * s1 + E) / (sum * (E * (b + b1) + 2.0 * (B * b * b1)));
         const T x = sqrt(E) * (b1 - b) * ratio;
-        return first + second - square(B) / E * ratio * T(artanh_ratio(x.enclosure()));
+        return first + second - square(B) / E * ratio * T(artanh_ratio(x));
     }
 }
 
