@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <random>
 #include <sstream>
 
+#include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
 #include "../../io/check/excess.hpp"
 #include "../../io/check/forms.hpp"
 #include "../../io/check/krawczyk.hpp"
+#include "../../io/check/scene.hpp"
 #include "../../io/check/site_tree.hpp"
 #include "../../io/check/turns.hpp"
 #include "../../io/scene_file.hpp"
@@ -202,6 +205,54 @@ TEST_CASE("certify: balls about balls are proved in units far from one, where sa
             const Certificate c = certify(voronoi_cell(scaled(scene_named(name), std::ldexp(1.0, power))));
             CHECK_MESSAGE(c.holds(), listing(c));
         }
+}
+
+TEST_CASE("certify: one more ball is found if it takes a part of the boundary, and only then") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    int taken = 0, left = 0;
+    for (const std::string name : {"six_spheres", "figure2", "atom_1crn", "octahedron", "figure9"}) {
+        const Cell cell = voronoi_cell(scene_named(name));
+        for (int k = 0; k < 60; ++k) {
+            // About a point of a vertex, an edge or a face, at its clearance but for a small part of it.
+            Vec3 p;
+            if (k % 3 == 0) {
+                p = cell.vertices[rng() % cell.vertices.size()].point;
+            } else if (k % 3 == 1) {
+                const RationalCurve3& curve = cell.edges[rng() % cell.edges.size()].curve;
+                p = curve.evaluate(std::lerp(curve.domain_begin(), curve.domain_end(), 0.5 + 0.4 * unit(rng)));
+            } else {
+                const RationalPatch& s = cell.faces[rng() % cell.faces.size()].patches[0].surface;
+                p = s.evaluate(std::midpoint(s.domain_u[0], s.domain_u[1]), std::midpoint(s.domain_v[0], s.domain_v[1]));
+            }
+            const check::SceneGeometry geometry(cell.scene);
+            const double clearance = geometry.height(p);
+            // Straight away from the base, or to any side.
+            const Vec3 way = (Vec3(unit(rng), unit(rng), unit(rng)) + (k % 4 ? 4.0 : 0.0) * geometry.up(p)).normalized();
+            Sphere more;
+            more.radius = 0.1 * std::abs(unit(rng)) * clearance;
+            more.center = p + (clearance * (1 + unit(rng) * (k % 2 ? 0.1 : 1e-4)) + more.radius) * way;
+            Cell claimed = cell;
+            claimed.scene.objects.push_back(more);
+            const auto last = static_cast<std::uint32_t>(cell.scene.objects.size());
+            bool takes_part = false;
+            try {
+                takes_part = std::ranges::count(voronoi_cell(claimed.scene).neighbors, last) > 0;
+            } catch (const InputError&) {
+                continue;  // it touches the base
+            }
+            ++(takes_part ? taken : left);
+            CAPTURE(name);
+            CAPTURE(k);
+            const Certificate c = certify(claimed);
+            if (takes_part)
+                CHECK(c.count(Verdict::refuted) > 0);
+            else
+                CHECK_MESSAGE(c.holds(), listing(c));
+        }
+    }
+    CHECK(taken > 50);
+    CHECK(left > 20);
 }
 
 TEST_CASE("forms: products and ranges enclose the values") {
