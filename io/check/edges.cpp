@@ -116,6 +116,7 @@ private:
         if (!follow_arc(where, parts, bound)) return;
         nearer_ = 0;
         excess_ = bound.excess;
+        distance_ = bound.distance;
         if (!exclude_others(where, parts)) return;
         if (e.error > most_stated(bound.distance))
             return certificate_.refute(
@@ -354,15 +355,16 @@ private:
             if (least >= 0) return true;
             const Interval reach = space().object_excess(c.site.index, box, Interval(0.0)) + 2 * Interval(rival->radius) + t;
             if (!(reach.lower() > 0)) return false;
-            return is_little(c, box, (Interval(least) / reach.lower()).lower());
+            // No more than the curve itself may be off: else a finer look is worth while.
+            return is_little(c, box, (Interval(least) / reach.lower()).lower(), distance_);
         });
     }
-    /// Is an excess that is no less than `least`, which is negative, within the allowance? What it means for the
-    /// boundary is noted then.
-    bool is_little(const Condition& c, const Vector<Interval>& box, double least) const {
+    /// Is an excess that is no less than `least`, which is negative, within the allowance, and is what that means
+    /// for the boundary no more than `most`? That is noted then.
+    bool is_little(const Condition& c, const Vector<Interval>& box, double least, double most) const {
         if (!(least >= -allowance(c))) return false;
         const double growth = this->growth(c, box);
-        if (!(growth > 0)) return false;
+        if (!(growth > 0) || !(-least / growth <= most)) return false;
         nearer_ = std::max(nearer_, -least / growth);
         return true;
     }
@@ -390,7 +392,7 @@ private:
             const double least = std::max((at_begin + Interval(std::min(0.0, change.lower()))).lower(),
                                           (at_end - Interval(std::max(0.0, change.upper()))).lower());
             if (least >= 0) return true;
-            return edges.is_little(c, box, least);
+            return edges.is_little(c, box, least, HUGE_VAL);
         }
     };
 
@@ -398,6 +400,7 @@ private:
     std::vector<Condition> conditions_;  // the two sites' first
     double error_ = 0;                   // of the edge under judgement, those of its ends included
     double excess_ = 0;                  // of its two sites, at most
+    double distance_ = 0;                // what was proved of it
     mutable double nearer_ = 0;          // how far from the boundary a site that is a little nearer leaves it
 };
 

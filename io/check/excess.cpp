@@ -13,8 +13,20 @@ Interval intersection(const Interval& a, const Interval& b) {
     return lo <= hi ? Interval(lo, hi) : a;
 }
 
-Form inner(const Vector<Interval>& a, const Vector<Form>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/// a b + s w.
+Form inner(const Vector<Interval>& a, const Vector<Form>& b, const MidRad& s, const Form& w) {
+    return Form::combination<4>({{{a[0], &b[0]}, {a[1], &b[1]}, {a[2], &b[2]}, {s, &w}}});
+}
+
+Form difference(const MidRad& s, const Form& a, const MidRad& t, const Form& b) {
+    return Form::combination<2>({{{s, &a}, {-t, &b}}});
+}
+
+Form sum_of_squares(const Vector<Form>& a) {
+    Form sum = square(a[0]);
+    sum.add_product(1, a[1], a[1]);
+    sum.add_product(1, a[2], a[2]);
+    return sum;
 }
 
 }  // namespace
@@ -27,30 +39,36 @@ ExcessAlong::ExcessAlong(const Space<Interval>& space, const Net& net)
     clearance_ = base.kind == Kind::plane ? base_.range() / w_ : sqrt(base_.range()) / w_ - base.radius;
 }
 
-/// The way from the surface's point, times the weight.
-Vector<Form> ExcessAlong::from(const Surface& s) const {
-    Vector<Form> way;
+/// From the surface's point to the net's origin.
+Vector<MidRad> ExcessAlong::way(const Surface& s) const {
+    Vector<MidRad> way;
     for (std::size_t k = 0; k < 3; ++k)
-        way[k] = position_[k] - (MidRad(s.point[k]) - net_.origin()[static_cast<Eigen::Index>(k)]) * weight_;
+        way[k] = MidRad(net_.origin()[static_cast<Eigen::Index>(k)]) - MidRad(s.point[k]);
     return way;
 }
 
-Form ExcessAlong::signed_distance(const Surface& plane) const { return inner(plane.direction, from(plane)); }
+Form ExcessAlong::signed_distance(const Surface& plane) const {
+    const Vector<MidRad> q = way(plane);
+    const MidRad at_origin =
+        MidRad(plane.direction[0]) * q[0] + MidRad(plane.direction[1]) * q[1] + MidRad(plane.direction[2]) * q[2];
+    return inner(plane.direction, position_, at_origin, weight_);
+}
 
 Form ExcessAlong::squared_distance(const Surface& round) const {
-    const Vector<Form> q = from(round);
-    if (round.kind == Kind::sphere) return square(q[0]) + square(q[1]) + square(q[2]);
+    const Vector<MidRad> from = way(round);
+    Vector<Form> q;
+    for (std::size_t k = 0; k < 3; ++k) q[k] = Form::combination<2>({{{1.0, &position_[k]}, {from[k], &weight_}}});
+    if (round.kind == Kind::sphere) return sum_of_squares(q);
     const Vector<Interval>& d = round.direction;
-    return square(d[2] * q[1] - d[1] * q[2]) + square(d[0] * q[2] - d[2] * q[0]) +
-           square(d[1] * q[0] - d[0] * q[1]);
+    return sum_of_squares({difference(d[2], q[1], d[1], q[2]), difference(d[0], q[2], d[2], q[0]),
+                           difference(d[1], q[0], d[0], q[1])});
 }
 
 Interval ExcessAlong::excess(const Condition& c) const {
     if (c.site.is_object()) return object_excess(space_.object(c.site.index));
     // Linear: its value at the origin, and its gradient.
     const Vector<Interval> origin = to_vector<Interval>(net_.origin());
-    const Form at_origin = space_.excess(c, origin) * weight_;
-    return (at_origin + inner(space_.gradient(c, origin), position_)).range() / w_;
+    return inner(space_.gradient(c, origin), position_, space_.excess(c, origin), weight_).range() / w_;
 }
 
 Interval ExcessAlong::object_excess(const Surface& object) const {
@@ -72,7 +90,9 @@ Interval ExcessAlong::above_plane(const Surface& object) const {
     const Interval distance = sqrt(a.range()) / w_, reach = clearance_ + object.radius;
     const Interval plain = distance - reach, sum = distance + reach;
     if (!(sum.lower() > 0)) return plain;
-    const Form g = a - square(base_ + object.radius * weight_);
+    const Form reach_form = Form::combination<2>({{{1.0, &base_}, {object.radius, &weight_}}});
+    Form g = a;
+    g.add_product(-1, reach_form, reach_form);
     return intersection(g.range() / square(w_) / sum, plain);
 }
 

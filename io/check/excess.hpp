@@ -21,7 +21,7 @@ public:
 private:
     using Surface = check::Surface<Interval>;
 
-    Vector<Form> from(const Surface& s) const;
+    Vector<MidRad> way(const Surface& s) const;
     Form signed_distance(const Surface& plane) const;
     Form squared_distance(const Surface& round) const;
     Interval object_excess(const Surface& object) const;

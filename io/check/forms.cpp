@@ -40,16 +40,15 @@ const Triangle& inverses() {
 /// exact, and their inverses rounded once.
 double rounding_of_binomials(int m, int n) { return std::max(m, n) <= 56 ? 0x1p-50 : 0x1p-43; }
 
-constexpr double kUnit = 0x1p-53;
-
 /// Convolution in both variables, of polynomials of degrees (M, N) and (P, Q).
 template <int M, int N, int P, int Q>
-void convolve(const double* a, const double* b, double* r) {
+void add_convolution(double sign, const double* a, const double* b, double* r) {
     for (int i = 0; i <= M; ++i)
         for (int k = 0; k <= P; ++k)
-            for (int j = 0; j <= N; ++j)
-                for (int l = 0; l <= Q; ++l)
-                    r[(i + k) * (N + Q + 1) + j + l] += a[i * (N + 1) + j] * b[k * (Q + 1) + l];
+            for (int j = 0; j <= N; ++j) {
+                const double x = sign * a[i * (N + 1) + j];
+                for (int l = 0; l <= Q; ++l) r[(i + k) * (N + Q + 1) + j + l] += x * b[k * (Q + 1) + l];
+            }
 }
 
 }  // namespace
@@ -64,9 +63,11 @@ void Form::set(int i, int j, const MidRad& coefficient) {
     const double error =
         coefficient.radius() + rounding_of_binomials(m_, n_) * (std::abs(coefficient.mid()) + coefficient.radius());
     if (!(error <= error_)) error_ = error;
+    norm_ = -1;
 }
 
 double Form::norm() const {
+    if (norm_ >= 0) return norm_;
     const auto &rows = inverses()[m_], &columns = inverses()[n_];
     double most = 0;
     const double* c = c_.data();
@@ -75,7 +76,8 @@ double Form::norm() const {
             const double size = std::abs(*c++) * (rows[i] * columns[j]);
             if (!(size <= most)) most = size;
         }
-    return most * (1 + rounding_of_binomials(m_, n_));
+    norm_ = most * (1 + rounding_of_binomials(m_, n_));
+    return norm_;
 }
 
 // Not a number stays none, and is taken for no bound by range(). What is added for subnormal numbers is far above what
@@ -84,52 +86,32 @@ void Form::add_error(double error) {
     error_ = (error_ + error) * (1 + 0x1p-40) + std::numeric_limits<double>::min();
 }
 
-Form operator+(const Form& a, const Form& b) {
-    assert(a.m_ == b.m_ && a.n_ == b.n_);
-    Form r = a;
-    for (std::size_t i = 0; i < r.c_.size(); ++i) r.c_[i] += b.c_[i];
-    r.add_error(b.error_ + kUnit * r.norm());
-    return r;
-}
-
-Form operator-(const Form& a, const Form& b) {
-    assert(a.m_ == b.m_ && a.n_ == b.n_);
-    Form r = a;
-    for (std::size_t i = 0; i < r.c_.size(); ++i) r.c_[i] -= b.c_[i];
-    r.add_error(b.error_ + kUnit * r.norm());
-    return r;
-}
-
-Form operator*(const MidRad& s, const Form& a) {
-    Form r = a;
-    for (double& c : r.c_) c *= s.mid();
-    r.error_ = std::abs(s.mid()) * a.error_;
-    r.add_error(s.radius() * (a.norm() + a.error_) + kUnit * r.norm());
-    return r;
-}
-
 // A sum of n products is off by at most n 2^-53 / (1 - n 2^-53) times the sum of their magnitudes [Higham02, sec. 3.1],
-// which in the Bernstein basis is a mean of products of magnitudes.
-Form operator*(const Form& a, const Form& b) {
-    Form r(a.m_ + b.m_, a.n_ + b.n_);
+// which in the Bernstein basis is a mean of products of magnitudes. What was there before is rounded with each of them.
+void Form::add_product(double sign, const Form& a, const Form& b) {
+    assert(m_ == a.m_ + b.m_ && n_ == a.n_ + b.n_);
+    const double terms = (std::min(a.m_, b.m_) + 1) * (std::min(a.n_, b.n_) + 1);
+    const double size = a.norm(), other = &a == &b ? size : b.norm(), before = norm();
     const auto all = [&](int m, int n) { return a.m_ == m && b.m_ == m && a.n_ == n && b.n_ == n; };
     if (all(2, 2))
-        convolve<2, 2, 2, 2>(a.c_.data(), b.c_.data(), r.c_.data());
+        add_convolution<2, 2, 2, 2>(sign, a.c_.data(), b.c_.data(), c_.data());
     else if (all(2, 0))
-        convolve<2, 0, 2, 0>(a.c_.data(), b.c_.data(), r.c_.data());
+        add_convolution<2, 0, 2, 0>(sign, a.c_.data(), b.c_.data(), c_.data());
+    else if (a.m_ == 8 && a.n_ == 0 && b.m_ == 2)
+        add_convolution<8, 0, 2, 0>(sign, a.c_.data(), b.c_.data(), c_.data());
+    else if (a.m_ == 2 && a.n_ == 0 && b.m_ == 8)
+        add_convolution<8, 0, 2, 0>(sign, b.c_.data(), a.c_.data(), c_.data());
     else
         for (int i = 0; i <= a.m_; ++i)
             for (int k = 0; k <= b.m_; ++k) {
-                double* const row = r.c_.data() + (i + k) * (r.n_ + 1);
+                double* const row = c_.data() + (i + k) * (n_ + 1);
                 for (int j = 0; j <= a.n_; ++j) {
-                    const double x = a.at(i, j);
+                    const double x = sign * a.at(i, j);
                     for (int l = 0; l <= b.n_; ++l) row[j + l] += x * b.at(k, l);
                 }
             }
-    const double terms = (std::min(a.m_, b.m_) + 1) * (std::min(a.n_, b.n_) + 1);
-    const double size = a.norm(), other = &a == &b ? size : b.norm();
-    r.add_error(terms * kUnit * size * other + a.error_ * other + b.error_ * (size + a.error_));
-    return r;
+    norm_ = -1;
+    add_error(terms * 0x1p-53 * (size * other + before) + a.error_ * other + b.error_ * (size + a.error_));
 }
 
 Interval Form::range() const {

@@ -98,8 +98,9 @@ public:
         if (!(scale.lower() > 0)) return HUGE_VAL;
         Interval sum(0.0);
         for (std::size_t k = 0; k < 3; ++k) {
-            const Form edge = pair.edge.form(static_cast<int>(k));
-            sum += square((lifted[k] * edge_weight - edge * lifted[3]).range() / scale);
+            Form difference = lifted[k] * edge_weight;
+            difference.add_product(-1, pair.edge.form(static_cast<int>(k)), lifted[3]);
+            sum += square(difference.range() / scale);
         }
         return sqrt(sum).upper();
     }
@@ -148,11 +149,6 @@ private:
             relative_error = power * (error / size) + rounding(power * (degree + 1 + (d > 56 ? 512 : 1)));
             for (int k = 0; k < power; ++k) whole *= size;
         }
-        std::span<const double> row(int i) const {
-            const auto length = static_cast<std::size_t>(degree + 1);
-            return std::span<const double>(coefficients).subspan(static_cast<std::size_t>(i) * length, length);
-        }
-
         int degree, count;
         double size = 0;  ///< of |a| + |b|, in Bernstein coefficients
         double whole = 1;  ///< of (|a| + |b|)^power
@@ -164,6 +160,31 @@ private:
     /// Relative: of n operations, one after the other.
     static double rounding(int n) { return n * 0x1p-53; }
 
+    /// Of powers: how many, less one, and of which degree; known to the compiler where they are the usual ones.
+    struct Degrees {
+        int power, degree;
+    };
+    template <int Power, int Degree>
+    struct Fixed {
+        static constexpr int power = Power, degree = Degree;
+    };
+    /// Adds all factor_ij u_i v_j.
+    template <class U, class V>
+    static void add_products(U of_u, V of_v, const Powers& u, const Powers& v, const double* factors, double* sum) {
+        std::array<double, kMaxBinomial + 1> inner;
+        for (int i = 0; i <= of_u.power; ++i) {
+            for (int l = 0; l <= of_v.degree; ++l) inner[static_cast<std::size_t>(l)] = 0;
+            for (int j = 0; j <= of_v.power; ++j) {
+                const double* const row = &v.coefficients[static_cast<std::size_t>(j * (of_v.degree + 1))];
+                const double factor = factors[i * (of_v.power + 1) + j];
+                for (int l = 0; l <= of_v.degree; ++l) inner[static_cast<std::size_t>(l)] += factor * row[l];
+            }
+            const double* const row = &u.coefficients[static_cast<std::size_t>(i * (of_u.degree + 1))];
+            for (int a = 0; a <= of_u.degree; ++a)
+                for (int b = 0; b <= of_v.degree; ++b) sum[a + b] += row[a] * inner[static_cast<std::size_t>(b)];
+        }
+    }
+
     /// The patch's homogeneous coordinates along a trimming curve.
     ///
     /// Of N_ij u_i v_j, each times its binomials, the magnitudes add up to less than those of N times the products
@@ -173,25 +194,24 @@ private:
         const int m = u.count - 1, n = v.count - 1;
         const std::size_t length = static_cast<std::size_t>(u.degree + v.degree + 1);
         std::array<Form, 4> lifted;
-        SmallVector<double, 16> sum, inner;
+        SmallVector<double, 16> sum;
+        SmallVector<double, 9> factors;
         const int operations = 3 + (n + 2) + (std::min(u.degree, v.degree) + 2) + (m + 1) + (std::max(m, n) > 56 ? 1024 : 0);
         for (std::size_t k = 0; k < 4; ++k) {
             double size = 0, error = 0;
-            sum.assign(length, 0.0);
-            for (int i = 0; i <= m; ++i) {
-                inner.assign(static_cast<std::size_t>(v.degree + 1), 0.0);
+            factors.clear();
+            for (int i = 0; i <= m; ++i)
                 for (int j = 0; j <= n; ++j) {
                     const MidRad& c = net_.at(i, j)[k];
-                    const double factor = binomial(m, i) * binomial(n, j) * c.mid();
+                    factors.push_back(binomial(m, i) * binomial(n, j) * c.mid());
                     size = std::max(size, std::abs(c.mid()));
                     error = std::max(error, c.radius());
-                    const std::span<const double> row = v.row(j);
-                    for (std::size_t l = 0; l < row.size(); ++l) inner[l] += factor * row[l];
                 }
-                const std::span<const double> row = u.row(i);
-                for (std::size_t a = 0; a < row.size(); ++a)
-                    for (std::size_t b = 0; b < inner.size(); ++b) sum[a + b] += row[a] * inner[b];
-            }
+            sum.assign(length, 0.0);
+            if (m == 2 && n == 2 && u.degree == 4 && v.degree == 4)
+                add_products(Fixed<2, 4>{}, Fixed<2, 4>{}, u, v, factors.data(), sum.data());
+            else
+                add_products(Degrees{m, u.degree}, Degrees{n, v.degree}, u, v, factors.data(), sum.data());
             const double relative = u.relative_error + v.relative_error + rounding(operations);
             // A hundredth more than first order: relative errors are below that, or say nothing.
             lifted[k] = Form(sum, relative < 0x1p-10 ? 1.01 * (size * relative + error) * u.whole * v.whole : HUGE_VAL);
