@@ -15,8 +15,30 @@
 #include <utility>
 
 #include "disc.hpp"
+#include "traced.hpp"
 
 namespace vcell::check {
+
+/// A plain number: for estimates, and where Traced tells of its rounding.
+class Approximate {
+public:
+    constexpr Approximate() = default;
+    constexpr Approximate(double value) : value_(value) {}       // NOLINT: a number
+    Approximate(const MidRad& enclosure) : value_(enclosure.mid()) {}  // NOLINT: what it encloses, about
+
+    double value() const { return value_; }
+
+    friend Approximate operator-(Approximate a) { return -a.value_; }
+    friend Approximate operator+(Approximate a, Approximate b) { return a.value_ + b.value_; }
+    friend Approximate operator-(Approximate a, Approximate b) { return a.value_ - b.value_; }
+    friend Approximate operator*(Approximate a, Approximate b) { return a.value_ * b.value_; }
+    friend Approximate operator/(Approximate a, Approximate b) { return a.value_ / b.value_; }
+    friend Approximate square(Approximate a) { return a.value_ * a.value_; }
+    friend Approximate sqrt(Approximate a) { return std::sqrt(a.value_); }
+
+private:
+    double value_ = 0;
+};
 
 /// Gauss's nodes on [-1, 1] with their weights, each within a unit or two of its last place.
 struct GaussRule {
@@ -123,7 +145,61 @@ std::array<double, N> allowed(const std::array<double, N>& missing, double facto
 
 }  // namespace detail
 
-/// The integrals over [a, b] of the components of f, which takes a MidRad or a Disc and returns an
+namespace detail {
+
+/// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit of width.
+/// In plain doubles, if a look at all of the interval shows that their rounding is not too much more than that.
+template <std::size_t N, class F>
+void add_rule(const F& f, double middle, const MidRad& half_width, std::size_t attempt,
+              const std::array<double, N>& missing, std::array<Interval, N>& sum) {
+    constexpr double poor = 1024;
+    const GaussRule& rule = gauss(attempt);
+    const double half = half_width.mid(), size = std::abs(middle) + half;
+    // Over a wide range too little is known: parts of it may tell.
+    constexpr int most_parts = 4;
+    bool is_enough = false;
+    std::array<double, N> rounding{};
+    for (int parts = 1; parts <= most_parts && !is_enough; parts *= 2) {
+        is_enough = true;
+        rounding.fill(0);
+        for (int k = 0; k < parts && is_enough; ++k) {
+            const double center = middle + half * ((2 * k + 1 - parts) / static_cast<double>(parts));
+            // Nodes are known to 2^-52, and computed with two roundings.
+            const Traced range(MidRad::ball(center, half / parts + 0x1p-50 * size), 0x1p-50 * size);
+            const auto traced = f(range);
+            for (std::size_t i = 0; i < N; ++i) {
+                rounding[i] = std::max(rounding[i], traced[i].error());
+                is_enough = is_enough && traced[i].error() <= poor * missing[i];
+            }
+        }
+    }
+    std::array<MidRad, N> part{};
+    if (is_enough) {
+        std::array<double, N> total{}, sizes{};
+        for (std::size_t n = 0; n < rule.count; ++n) {
+            const auto value = f(Approximate(middle + half * rule.nodes[n].at.mid()));
+            const double weight = rule.nodes[n].weight.mid();
+            for (std::size_t i = 0; i < N; ++i) {
+                const double term = weight * value[i].value();
+                total[i] += term;
+                sizes[i] += std::abs(term);
+            }
+        }
+        // Weights add up to 2. Their own rounding and that of the sum are relative to its terms.
+        for (std::size_t i = 0; i < N; ++i)
+            part[i] = MidRad::ball(total[i], (2 * rounding[i] + 0x1p-46 * sizes[i]) * (1 + 0x1p-40));
+    } else {
+        for (std::size_t n = 0; n < rule.count; ++n) {
+            const auto value = f(MidRad(middle) + half_width * rule.nodes[n].at);
+            for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * value[i];
+        }
+    }
+    for (std::size_t i = 0; i < N; ++i) sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
+}
+
+}  // namespace detail
+
+/// The integrals over [a, b] of the components of f, which takes any of these numbers and returns an
 /// array of as many. Of each, the mean over [a, b] may be missed by `enough`, or by what rounds its values.
 /// False: the effort is spent, and the enclosures are as wide as interval arithmetic makes them there, perhaps
 /// infinite.
@@ -134,19 +210,12 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
     const MidRad half_width = 0.5 * (MidRad(b) - a);
     ++effort.parts_used;
     std::array<double, N> missing = enough;
-    const auto value = f(MidRad(middle));
+    const auto value = f(Approximate(middle));
     for (std::size_t i = 0; i < N; ++i)
-        missing[i] = std::max(missing[i], detail::value_rounding * value[i].magnitude());
+        missing[i] = std::max(missing[i], detail::value_rounding * std::abs(value[i].value()));
     for (std::size_t k = first_in_one; k < attempts.size(); ++k) {
         if (!is_below(f(around(k, middle, half)), detail::allowed(missing, remainder_factor(k)))) continue;
-        std::array<MidRad, N> part{};
-        const GaussRule& rule = gauss(k);
-        for (std::size_t n = 0; n < rule.count; ++n) {
-            const auto at_node = f(MidRad(middle) + half_width * rule.nodes[n].at);
-            for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * at_node[i];
-        }
-        for (std::size_t i = 0; i < N; ++i)
-            sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
+        detail::add_rule(f, middle, half_width, k, missing, sum);
         return true;
     }
     if (effort.parts_used < effort.parts && a < middle && middle < b) {
@@ -213,27 +282,6 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
     for (std::size_t i = 0; i < N; ++i) sum[i] += (width[0] * width[1] * all[i]).enclosure();
     return false;
 }
-
-/// A number whose rounding nobody follows, for estimates.
-class Approximate {
-public:
-    constexpr Approximate() = default;
-    constexpr Approximate(double value) : value_(value) {}       // NOLINT: a number
-    Approximate(const MidRad& enclosure) : value_(enclosure.mid()) {}  // NOLINT: what it encloses, about
-
-    double value() const { return value_; }
-
-    friend Approximate operator-(Approximate a) { return -a.value_; }
-    friend Approximate operator+(Approximate a, Approximate b) { return a.value_ + b.value_; }
-    friend Approximate operator-(Approximate a, Approximate b) { return a.value_ - b.value_; }
-    friend Approximate operator*(Approximate a, Approximate b) { return a.value_ * b.value_; }
-    friend Approximate operator/(Approximate a, Approximate b) { return a.value_ / b.value_; }
-    friend Approximate square(Approximate a) { return a.value_ * a.value_; }
-    friend Approximate sqrt(Approximate a) { return std::sqrt(a.value_); }
-
-private:
-    double value_ = 0;
-};
 
 /// The same integral where a proof would take too long: enclosures are of the product of rules with ten nodes -+ its
 /// difference from rules with seven, which are far less exact. An estimate, if a generous one. False: the effort is

@@ -14,6 +14,7 @@ namespace {
 double middle(const MidRad& x) { return x.mid(); }
 double middle(const Disc& x) { return x.center(); }
 double middle(const Approximate& x) { return x.value(); }
+double middle(const Traced& x) { return x.range().mid(); }
 
 template <class S, class T>
 auto dot(const Triad<S>& a, const Triad<T>& b) {
@@ -80,6 +81,17 @@ MidRad artanh_ratio(const MidRad& x) {
     return Interval(std::max(1.0, least.lower()), greatest.upper());
 }
 
+double artanh_ratio(const Approximate& x) {
+    return std::abs(x.value()) < 0x1p-13 ? 1 + x.value() * x.value() / 3 : std::atanh(x.value()) / x.value();
+}
+/// The ratio grows by less than 1 / (1 - x^2) of x. Below 2^-13 the next term of its series is less than 2^-54.
+Traced artanh_ratio(const Traced& x) {
+    const MidRad ratio = artanh_ratio(x.range());
+    const double most = x.magnitude() + x.error();
+    if (!(most < 1 - 0x1p-20)) return Traced::whole();
+    return {ratio, (x.error() / (1 - most * most)) * (1 + 0x1p-30) + 0x1p-48 * ratio.magnitude()};
+}
+
 template <class T>
 struct Height {
     T t, steepness;
@@ -112,6 +124,8 @@ Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
             const T C = square(m[0]) + square(m[1]) - T(square(form.delta));
             const T beta = T(form.delta) - dot(form.across[0], u) * m[0] - dot(form.across[1], u) * m[1];
             const T root = sqrt(square(beta) + square(alpha) * C);
+            if constexpr (std::is_same_v<T, Traced>)  // single values may take either form
+                if (std::abs(beta.range().mid()) <= beta.range().radius() + beta.error()) return {T::whole(), T::whole()};
             // The other form of the root, where this one would cancel.
             const T t = middle(beta) >= 0 ? C / (beta + root) : (root - beta) / square(alpha);
             return {t, sqrt(2.0 * (t + T(form.delta)) / root)};
@@ -532,6 +546,8 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
 
 template Densities<MidRad> densities(const Shadow&, const Place<MidRad>&);
 template Densities<Disc> densities(const Shadow&, const Place<Disc>&);
+template Densities<Traced> densities(const Shadow&, const Place<Traced>&);
+template Densities<Approximate> densities(const Shadow&, const Place<Approximate>&);
 template Densities<MidRad> densities(const Fan&, const Place<MidRad>&, const MidRad&);
 template Densities<Disc> densities(const Fan&, const Place<Disc>&, const Disc&);
 template Densities<Approximate> densities(const Fan&, const Place<Approximate>&, const Approximate&);

@@ -1,0 +1,85 @@
+/// What Traced says of rounding in doubles, against doubles and enclosures of the true values.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "../../io/check/quadrature.hpp"
+#include "../../io/check/traced.hpp"
+#include "../test_support.hpp"
+
+namespace vcell::check {
+namespace {
+
+/// Sums that cancel, quotients and roots, with a constant that is no double.
+template <class T>
+std::array<T, 4> expressions(const T& x, double a, double b) {
+    const MidRad third = MidRad(1.0) / 3.0;
+    const T y = x * x - T(a) + T(third), z = T(b) / (x + T(3.0)), w = sqrt(T(2.0) + x * y);
+    return {y - z, square(w) - x * y, (w - z) / (T(2.0) + x), -w + 0.1 * (y * z)};
+}
+
+}  // namespace
+
+TEST_CASE("traced: bounds what plain doubles are off by, all over a range") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    double tightest = HUGE_VAL;
+    int known = 0;
+    for (int k = 0; k < 300; ++k) {
+        const double a = unit(rng), b = unit(rng), middle = 0.5 * unit(rng), half = 0.5 * std::abs(unit(rng));
+        const auto traced = expressions(Traced(MidRad::ball(middle, half), 0), a, b);
+        for (int n = 0; n < 20; ++n) {
+            const double x = middle + 0.99 * half * unit(rng);
+            const auto plain = expressions(Approximate(x), a, b);
+            const auto truth = expressions(MidRad(x), a, b);
+            for (std::size_t i = 0; i < traced.size(); ++i) {
+                if (!(traced[i].error() < HUGE_VAL)) continue;
+                ++known;
+                CHECK(std::abs(plain[i].value() - truth[i].mid()) <= traced[i].error() + truth[i].radius());
+                CHECK(std::abs(truth[i].mid() - traced[i].range().mid()) <=
+                      traced[i].range().radius() + truth[i].radius());
+                tightest = std::min(tightest, traced[i].error());
+            }
+        }
+    }
+    CHECK(known > 10'000);
+    CHECK(tightest < 0x1p-48);
+    CHECK(tightest > 0x1p-54);  // a bound of nothing would be none
+}
+
+TEST_CASE("traced: errors of what goes in are carried along") {
+    const Traced x(MidRad::ball(2, 0.5), 0x1p-20), y(MidRad::ball(1, 0.25), 0x1p-21);
+    // At ends of the ranges, with errors at theirs.
+    for (const double s : {1.5, 2.5})
+        for (const double t : {0.75, 1.25})
+            for (const double e : {-0x1p-20, 0x1p-20})
+                for (const double f : {-0x1p-21, 0x1p-21}) {
+                    CHECK(std::abs((s + e) * (t + f) - s * t) <= (x * y).error());
+                    CHECK(std::abs((s + e) / (t + f) - s / t) <= (x / y).error());
+                    CHECK(std::abs((s + e) - (t + f) - (s - t)) <= (x - y).error());
+                    CHECK(std::abs(std::sqrt(s + e) - std::sqrt(s)) <= sqrt(x).error());
+                }
+    CHECK((x * y).error() < 0x1p-17);
+    CHECK_FALSE((x / Traced(MidRad::ball(1, 1), 0)).error() < HUGE_VAL);
+}
+
+TEST_CASE("integrate: encloses integrals whose values cancel to their rounding") {
+    // (x + s)^2 - x^2 - 2 x s is s^2: over [-1, 1] 2 / 3. With x of 2^20 doubles are off by 2^-12 or so.
+    for (const double x : {1.0, 0x1p10, 0x1p20}) {
+        std::array<Interval, 1> sum{};
+        Effort effort{16};
+        const bool is_complete = integrate<1>(
+            [&]<class T>(const T& s) {
+                return std::array<T, 1>{square(T(x) + s) - T(x) * T(x) - 2.0 * (T(x) * s)};
+            },
+            -1, 1, {0x1p-40 * x * x}, sum, effort);
+        CHECK(is_complete);
+        CHECK(sum[0].lower() <= 2.0 / 3);
+        CHECK(sum[0].upper() >= 2.0 / 3);
+        CHECK(sum[0].width() <= 0x1p-35 * x * x);
+    }
+}
+
+}  // namespace vcell::check
