@@ -156,11 +156,12 @@ private:
 
     struct Reach {
         double distance, slope;  ///< the least singular value that far around
+        double growth;           ///< the lesser of both excesses', as growth() has it
     };
     /// What a bound on the excesses says about the distance from the arc, or nothing where gradients are
     /// parallel in the box.
     std::optional<Reach> distance(const Vector<Interval>& box, double size) const {
-        double margin = size;
+        double margin = kFirstMargin * size;
         for (int tries = 0; tries < 4; ++tries) {
             const Interval m(-margin, margin);
             const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
@@ -173,7 +174,8 @@ private:
             // which the greater is below the sum of squares.
             const double slope = sqrt(sine / sum).lower();
             const double reach = (Interval(size) / slope).upper();
-            if (reach <= margin) return Reach{reach, slope};
+            if (reach <= margin)
+                return Reach{reach, slope, std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
             margin = 1.25 * reach;
         }
         return std::nullopt;
@@ -199,8 +201,8 @@ private:
             const Vector<Interval> box = part.net.box();
             const auto found = distance(box, size);
             const double allowed = found ? error_ + width / found->slope : 0;
-            const double growth =
-                std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
+            const double growth = found ? found->growth
+                                        : std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
             const bool follows = found && found->distance <= allowed;
             // Where the bisectors touch no place on either is much nearer to the arc than the others.
             const bool touches = !found && part.depth >= kTouching && size <= width && growth > 0;

@@ -151,7 +151,7 @@ private:
 
     /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
-        double margin = size;
+        double margin = kFirstMargin * size;
         for (int tries = 0; tries < 4; ++tries) {
             const Interval m(-margin, margin);
             const double slope =

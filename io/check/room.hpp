@@ -57,8 +57,14 @@ protected:
     /// Half the squared gradient of an excess: what it grows by at least per length on the way towards an
     /// object's base, where the other sites' excesses grow, too.
     double growth(const Condition& c, const Vector<Interval>& box) const {
-        return c.site.is_object() ? 0.5 * square(space().gradient(c, box)).lower() : 0.5;
+        return c.site.is_object() ? growth_of(c, space().gradient(c, box)) : 0.5;
     }
+    static double growth_of(const Condition& c, const Vector<Interval>& gradient) {
+        return c.site.is_object() ? 0.5 * square(gradient).lower() : 0.5;
+    }
+    /// How far from a curve or a patch its true place is looked for first, for each unit of its excess: gradients of
+    /// excesses are seldom so short that it is farther.
+    static constexpr double kFirstMargin = 8;
 
     /// What contradicts that p, stated with an error, bounds the cell by the given sites; nothing if fine.
     std::optional<std::string> contradiction(const Vec3& p, double error, std::span<const Site> sites) const;
