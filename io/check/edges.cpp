@@ -198,7 +198,7 @@ private:
                     others = hull(others, magnitude(e));
             }
             const double size = sqrt(squares).upper();
-            const Vector<Interval> box = part.net.box();
+            const Vector<Interval>& box = part.net.box();
             const auto found = distance(box, size);
             const double allowed = found ? error_ + width / found->slope : 0;
             const double growth = found ? found->growth
@@ -298,7 +298,7 @@ private:
 
     /// Sites beside the edge's own that may be nearer than the base somewhere on the curve.
     std::vector<Condition> rivals(const Net& net) const {
-        const Vector<Interval> box = net.box();
+        const Vector<Interval>& box = net.box();
         return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(),
                             conditions_);
     }
@@ -332,7 +332,7 @@ private:
             }
             from_own.push_back(p);
         }
-        const Vector<Interval> box = net.box();
+        const Vector<Interval>& box = net.box();
         std::erase_if(rivals, [&](const Condition& c) {
             const Sphere* rival = ball(c);
             if (!rival) return false;

@@ -212,7 +212,7 @@ private:
     static constexpr std::size_t kFew = 64;
 
     std::vector<Rival> rivals(const Net& net) const {
-        const Vector<Interval> box = net.box();
+        const Vector<Interval>& box = net.box();
         const auto ball = [&](const Condition& c) {
             return c.site.is_object() ? std::get_if<Sphere>(&scene_.objects[c.site.index]) : nullptr;
         };
@@ -229,7 +229,7 @@ private:
 
     /// Drops the rivals that need not be looked for in a tile.
     void drop(Tile& tile, bool is_small) const {
-        const Vector<Interval> box = tile.net.box();
+        const Vector<Interval>& box = tile.net.box();
         const auto is_elsewhere = [&](const Spot& spot) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const Interval at = Interval::ball(spot.center[static_cast<Eigen::Index>(k)], spot.radius + margin_);

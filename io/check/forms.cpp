@@ -71,11 +71,11 @@ double Form::norm() const {
     const auto &rows = inverses()[m_], &columns = inverses()[n_];
     double most = 0;
     const double* c = c_.data();
-    for (int i = 0; i <= m_; ++i)
-        for (int j = 0; j <= n_; ++j) {
-            const double size = std::abs(*c++) * (rows[i] * columns[j]);
-            if (!(size <= most)) most = size;
-        }
+    for (int i = 0; i <= m_; ++i) {
+        double row = 0;  // what is not a number is found by range()
+        for (int j = 0; j <= n_; ++j) row = std::max(row, std::abs(*c++) * columns[j]);
+        most = std::max(most, row * rows[i]);
+    }
     norm_ = most * (1 + rounding_of_binomials(m_, n_));
     return norm_;
 }

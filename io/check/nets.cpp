@@ -30,16 +30,18 @@ Vector<Interval> Net::position(const Point& p) const {
     return x;
 }
 
-Vector<Interval> Net::box() const {
-    Vector<Interval> box = position(points_[0]);
-    for (std::size_t i = 1; i < points_.size(); ++i) box = hull(box, position(points_[i]));
-    return box;
+const Vector<Interval>& Net::box() const {
+    if (has_box_) return box_;
+    box_ = position(points_[0]);
+    for (std::size_t i = 1; i < points_.size(); ++i) box_ = hull(box_, position(points_[i]));
+    has_box_ = true;
+    return box_;
 }
 
 // x' = (N' - w' x) / w, with x about the middle of the net, where it is smallest.
 Vector<Interval> Net::derivative(int axis) const {
     const int degree = axis == 0 ? m_ : n_;
-    const Vector<Interval> whole = box();
+    const Vector<Interval>& whole = box();
     const Vec3 center = middle(whole) - origin_;
     const auto about = [&](const Point& p) {
         return Point{p[0] - center[0] * p[3], p[1] - center[1] * p[3], p[2] - center[2] * p[3], p[3]};

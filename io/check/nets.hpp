@@ -112,13 +112,16 @@ public:
     int degree_s() const { return m_; }
     int degree_t() const { return n_; }
     const Vec3& origin() const { return origin_; }
-    Point& at(int i, int j) { return points_[static_cast<std::size_t>(i * (n_ + 1) + j)]; }
+    Point& at(int i, int j) {
+        has_box_ = false;
+        return points_[static_cast<std::size_t>(i * (n_ + 1) + j)];
+    }
     const Point& at(int i, int j) const { return points_[static_cast<std::size_t>(i * (n_ + 1) + j)]; }
 
     /// One homogeneous coordinate as a polynomial.
     Form form(int coordinate) const;
     /// The whole lies in the hull of its control points. Pre: weights are positive.
-    Vector<Interval> box() const;
+    const Vector<Interval>& box() const;
     /// The ends in s and t: 0 is the begin, 1 the end.
     Vector<Interval> corner(int i, int j) const { return position(at(i * m_, j * n_)); }
     /// Derivative with respect to s (axis 0) or t (axis 1), as it runs over [0, 1].
@@ -133,6 +136,8 @@ private:
     int m_, n_;
     Vec3 origin_;
     SmallVector<Point, 9> points_;
+    mutable bool has_box_ = false;  // box_ is that of the points
+    mutable Vector<Interval> box_;
 };
 
 /// The part of a patch over the rectangle lo, hi of its parameters, where the corners of its domain do not
