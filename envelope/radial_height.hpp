@@ -42,12 +42,12 @@ public:
 
     RadialNormals() = default;
     RadialNormals(RadialChart chart, const T& x, const T& y)
-        : chart_(chart), u_(normals(x, y)), y_(y), is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
+        : chart_(chart), u_(normals(x, y)), y_(y), middle_y_(y.mid()), is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
         if (is_point_) return;
-        const T mx = x.mid(), my = y.mid();
-        middle_ = normals(mx, my);
+        const T mx = x.mid();
+        middle_ = normals(mx, middle_y_);
         dx_ = x - mx;
-        dy_ = y - my;
+        dy_ = y - middle_y_;
         if (chart == RadialChart::HalfAngle) return;
         // Mean value forms, and what follows from the sharper numbers.
         const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v, refined(u_[2], middle_[2]).v};
@@ -55,6 +55,8 @@ public:
     }
 
     const T& y() const { return y_; }
+    /// A number in y.
+    const T& middle_y() const { return middle_y_; }
 
     /// The jet of v.u.
     template <int order>
@@ -133,7 +135,7 @@ private:
 
     RadialChart chart_ = RadialChart::Stereographic;
     Jets u_, middle_;
-    T y_, dx_, dy_;  // the last two: the box less its middle
+    T y_, middle_y_, dx_, dy_;  // the last two: the box less its middle
     bool is_point_ = true;
 };
 
@@ -183,7 +185,14 @@ public:
     template <int order>
     RadialJet<T> plain_jet(const RadialNormals<T>& n) const {
         const T zero(0.0), two(2.0);
-        RadialJet<T> B = n.template along<order>(b_), C{c_[0], zero, zero, zero, zero, zero}, f;
+        // B = b.u + slope y a.u, the two parts the larger and the more opposite to each other the farther the box is from
+        // y = 0: they are added up at the box's middle, where b + slope y a are numbers.
+        std::array<T, 3> b = b_;
+        if (is_cylinder_ && has_root_) {
+            const T at_middle = slope_ * n.middle_y();
+            for (const int i : {0, 2}) b[i] += at_middle * a_[i];
+        }
+        RadialJet<T> B = n.template along<order>(b), C{c_[0], zero, zero, zero, zero, zero}, f;
         B.v += b0_;
         if (is_cylinder_) {
             C.y = c_[1] + two * c_[2] * n.y();
@@ -212,7 +221,7 @@ public:
         }
         const RadialJet<T> A = n.template along<order>(a_);
         if (is_cylinder_) {
-            const T s = slope_ * n.y();
+            const T s = slope_ * (n.y() - n.middle_y());
             B.v += s * A.v;
             if constexpr (order > 0) {
                 B.x += s * A.x;
