@@ -50,9 +50,10 @@ constexpr double part_around = 0.3;
 // they are too slender.
 constexpr double much_steeper = 4, most_slender = 0x1p16;
 // A vertex needs some hundred pieces below this part of the region at worst, and a form has two vertices on average. Many
-// more of them follow a curve along which forms tie without crossing: no number of pieces decides that.
+// more of them in all, or within one piece of that size, follow a curve along which forms tie without crossing: no number
+// of pieces decides that.
 constexpr double small_part = 0x1p-16;
-constexpr std::size_t most_small_pieces = 5000, small_pieces_of_form = 200;
+constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 200;
 // Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
 constexpr double split_ratio = 0.48643;
 
@@ -356,8 +357,14 @@ private:
                 return patchwork_.add(*resolved);
             }
         }
-        const std::size_t enough = std::min(most_small_pieces, small_pieces_of_form * family_.size());
-        if (at_floor || (extent(r) < small_part * extent(root_.rect) && ++small_pieces_ > enough))
+        if (size >= small_part) {
+            small_pieces_in_place_ = 0;  // those of the places before are done
+        } else {
+            ++small_pieces_;
+            ++small_pieces_in_place_;
+        }
+        if (at_floor || small_pieces_ > small_pieces_of_form * family_.size() ||
+            small_pieces_in_place_ > most_small_pieces_in_place)
             throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);
         if (!halves) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
@@ -517,7 +524,7 @@ private:
     MixedAnalysis analysis_;
     Sizes sizes_ = region_sizes;
     bool is_sphere_ = false, is_cylinder_ = false;
-    std::size_t small_pieces_ = 0;
+    std::size_t small_pieces_ = 0, small_pieces_in_place_ = 0;
     double done_ = 0;
     // Working space.
     std::vector<CircleKernel::Place> places_;
