@@ -347,8 +347,8 @@ private:
         std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, inherited);
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             return solve(part.piece, candidates, share, 0);
-        const bool at_floor = extent(r) <= MixedAnalysis::floor_width * extent(root_.rect);
-        const double size = extent(r) / extent(root_.rect);
+        const double size = extent(r) / analysis_.extent_at({r.x0, r.x1}, {r.y0, r.y1});
+        const bool at_floor = size <= MixedAnalysis::floor_width;
         if (candidates.size() <= most_competitors ||
             (size <= MixedAnalysis::tie_width && candidates.size() <= most_tied) || size <= MixedAnalysis::node_width) {
             if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {

@@ -106,7 +106,7 @@ SmallVector<MixedAnalysis::Rival, MixedAnalysis::usual_rivals> MixedAnalysis::lo
 
 std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
     normals_.reset();
-    if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]))) {
+    if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]), extent_at({box[0], box[1]}, {box[2], box[3]}))) {
         normals_.emplace(box[0], box[1], box[2], box[3]);
         spreads_.clear();
         for (const Rival& r : lowest_supports(*normals_, candidates)) {
@@ -278,7 +278,7 @@ struct MixedAnalysis::Work {
     SmallVector<Change, 8> changes;
     std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
     std::vector<std::uint32_t> knots;            // vertices of the rim in which more forms meet than change there
-    double width = 0;
+    double width = 0, extent = 0;
     bool is_small = false;  // in one direction at least
     mutable std::vector<std::array<FormId, 3>> apart;  // known to tie nowhere, in the order of the rivals
 
@@ -559,7 +559,7 @@ struct MixedAnalysis::Work {
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
     Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, heights_, parts_,
-              false, {}, {}, {}, spreads_, {}, {}, {}, 0, false, {}};
+              false, {}, {}, {}, spreads_, {}, {}, {}, 0, 0, false, {}};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -569,7 +569,8 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     }
     work.piece.box = {x0, x1, y0, y1};
     work.width = std::max(x1 - x0, y1 - y0);
-    work.is_small = std::min(x1 - x0, y1 - y0) <= tie_width * extent_;
+    work.extent = extent_at({x0, x1}, {y0, y1});
+    work.is_small = std::min(x1 - x0, y1 - y0) <= tie_width * work.extent;
 
     MixedPiece& piece = work.piece;
     const std::size_t sides = boundary.sides.size();
@@ -601,7 +602,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     }
     piece.leaving.resize(piece.vertices.size());
 
-    const bool at_floor = work.width <= floor_width * extent_;
+    const bool at_floor = work.width <= floor_width * work.extent;
     bool plain = is_plain(work);
     if (!plain) {
         // The difference of a circular form and one other is in mean value form already.
@@ -612,10 +613,10 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
             work.directions.clear();
             cull_by_curvature(work);
         }
-        if (work.width < sharp_width * extent_) cull_sharply(work);
+        if (work.width < sharp_width * work.extent) cull_sharply(work);
         plain = bends && is_plain(work);
     }
-    const bool near_tie = !plain && work.rivals.size() > 1 && work.width <= tie_width * extent_;
+    const bool near_tie = !plain && work.rivals.size() > 1 && work.width <= tie_width * work.extent;
     if (!plain && !near_tie && !at_floor) return std::nullopt;
     ++decisions_.by_interval;
 
@@ -811,7 +812,7 @@ bool MixedAnalysis::join_changes(Work& work) {
                 return true;
             }
             // Where the three all but touch, doubles tell them badly apart.
-            if (work.width > node_width * extent_) return false;
+            if (work.width > node_width * work.extent) return false;
             const auto sharp = sharp_vertex(v, forms);
             if (!sharp) return false;
             v.point = {(*sharp)[0].approximation(), (*sharp)[1].approximation()};
@@ -1365,7 +1366,7 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
     const MixedPiece::Vertex& start = work.piece.vertices[arc.from];
     double t = turn(start.point - apex.point, along) / turn(arm.from, along) * (1 + 0x1p-20) + start.error;
     const double scale = std::max(arm.from.norm(), arm.to.norm());
-    const double last = std::max(chord_width * extent_, rounding_width * apex.point.norm()) / scale;
+    const double last = std::max(chord_width * work.extent, rounding_width * apex.point.norm()) / scale;
     std::vector<MinimizationDiagram::ArcPiece> pieces;
     while (t > last) {
         std::optional<MinimizationDiagram::ArcPiece> piece;
@@ -1393,7 +1394,7 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
             piece = {p, Interval::up(error + 4 * std::numeric_limits<double>::epsilon() * p.norm()), d, box};
             break;
         }
-        if (!piece && t * scale > node_width * extent_) return false;
+        if (!piece && t * scale > node_width * work.extent) return false;
         if (!piece) break;
         pieces.push_back(*piece);
         t = next;
@@ -1409,7 +1410,7 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
 // the difference is not zero there, its sign persists along the line through c in which it curves away from
 // zero; that line joins two stretches of the rim and cuts the other two off.
 bool MixedAnalysis::join_at_saddle(Work& work) {
-    if (work.rivals.size() != 2 || work.width > node_width * extent_) return false;
+    if (work.rivals.size() != 2 || work.width > node_width * work.extent) return false;
     const FormId f = work.rivals[0].form, g = work.rivals[1].form;
     const Interval X(work.piece.box[0], work.piece.box[1]), Y(work.piece.box[2], work.piece.box[3]);
     const HeightCurvature<Interval> p = heights_.curvature(f, X, Y), q = heights_.curvature(g, X, Y);

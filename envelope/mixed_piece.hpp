@@ -116,7 +116,7 @@ struct MixedPiece {
 
 class MixedAnalysis {
 public:
-    /// Narrower than this part of the region's extent a piece that is not plain counts as a point. Heights of
+    /// Narrower than this part of extent_at() a piece that is not plain counts as a point. Heights of
     /// competitors in it differ by about its square, beyond the digits of a double.
     static constexpr double floor_width = 0x1p-34;
     /// Pieces narrower than this may be taken for a fan around a point in which all competitors tie.
@@ -132,6 +132,14 @@ public:
     static constexpr double side_floor_width = 0x1p-44;
 
     MixedAnalysis(const FormFamily& family, double extent);
+
+    /// What widths about a place are parts of: the region's extent. Over a sphere, whose chart reaches the farther the
+    /// nearer a vertex is to its pole, not that but the place's distance from the pole in the chart's unit there.
+    double extent_at(const Interval& x, const Interval& y) const {
+        if (!supports_) return extent_;
+        const auto least = [](const Interval& i) { return std::max({0.0, i.lower(), -i.upper()}); };
+        return std::min(extent_, 2 * (1 + least(x) * least(x) + least(y) * least(y)));
+    }
 
     const Heights& heights() const { return heights_; }
     Decisions& decisions() { return decisions_; }
@@ -182,7 +190,7 @@ private:
     struct Line;
 
     // Over a sphere, unless the box is so small that rounding counts.
-    bool compare_by_supports(double width) const { return supports_ && width > supports_width * extent_; }
+    bool compare_by_supports(double width, double extent) const { return supports_ && width > supports_width * extent; }
     void bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const;
     std::vector<Spread> lowest_spreads(const std::array<double, 4>& box, std::span<const FormId> candidates) const;
     struct Rival {

@@ -240,7 +240,8 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
         return guess.slope <= most_steepening * least_slope && is_narrow();
     };
     bool sharp = false, found = false;
-    if (compare_by_supports(s1 - s0) && is_point(near[0]) && is_point(near[1])) {
+    const IntervalPoint stretch = line.at(Interval(s0, s1));
+    if (compare_by_supports(s1 - s0, extent_at(stretch[0], stretch[1])) && is_point(near[0]) && is_point(near[1])) {
         const PointNormal n(near[0].mid(), near[1].mid());
         const Interval residual = Interval::ball(supports_->value(before, n) - supports_->value(after, n),
                                                  supports_->value_error(before) + supports_->value_error(after));
@@ -283,7 +284,8 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
     Rivals out{{}, 0};
     const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
-    if (compare_by_supports(s1 - s0)) {
+    const double extent = extent_at(range[0], range[1]);
+    if (compare_by_supports(s1 - s0, extent)) {
         const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
         const auto rivals = lowest_supports(box, candidates);
         for (const Rival& rival : rivals) out.forms.push_back(rival.form);
@@ -317,7 +319,7 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         if ((difference - reach).lower() > 0) items.erase(items.begin());
         else if ((difference + reach).upper() < 0) items.pop_back();
     }
-    if (items.size() > 1 && out.least_slope == 0 && s1 - s0 < sharp_width * extent_) {
+    if (items.size() > 1 && out.least_slope == 0 && s1 - s0 < sharp_width * extent) {
         const std::size_t before = items.size();
         for (Item& i : items) i.sharp = line.sharp_height(heights_, i.form, m);
         drop_dominated(items, [&](const Item& a, const Item& b) {
@@ -338,6 +340,7 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
                             std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out) {
     const double m = Interval(s0, s1).mid();
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
+    const double extent = extent_at(range[0], range[1]);
     const auto [left, least_slope] = rivals_along(line, s0, s1, candidates);
     decisions_.by_interval += candidates.size() - left.size();
     if (left.size() == 1) return true;
@@ -346,12 +349,12 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         if (l0 != l1) out.push_back(locate(line, s0, s1, l0, l1, least_slope));
         return true;
     }
-    if (!is_seam && s1 - s0 < sharp_width * extent_)
+    if (!is_seam && s1 - s0 < sharp_width * extent)
         if (const auto tie = find_tie(line, s0, l0, s1, l1, left)) {
             out.push_back(*tie);
             return true;
         }
-    if (s1 - s0 <= side_floor_width * extent_ || m <= s0 || m >= s1) {
+    if (s1 - s0 <= side_floor_width * extent || m <= s0 || m >= s1) {
         if (is_seam) {
             obstacle_ = Assumption{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
             return false;
@@ -361,7 +364,7 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         out.push_back(std::move(t));
         return true;
     }
-    if (s1 - s0 < sharp_width * extent_ && short_stretches_-- == 0) {
+    if (s1 - s0 < sharp_width * extent && short_stretches_-- == 0) {
         const Assumption tie{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
         if (!is_seam) throw TieError(tie);
         obstacle_ = tie;
