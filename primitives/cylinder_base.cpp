@@ -353,13 +353,7 @@ private:
         const auto add = [&](Site site, const Object& canonical, const RadialForm& f) {
             // With balls C is quadratic in y and no other rational height's is.
             if (!f.has_root() && !std::holds_alternative<Sphere>(canonical)) {
-                const std::array<Exact, 6> ray{f.c[0], f.c[1], f.c[2], f.b0, f.b[0], f.b[2]};
-                for (std::size_t k = 0; k < rays.size(); ++k) {
-                    if (compare_rays(ray, rays[k]) != 0) continue;
-                    entries[ray_entries[k]].sites.push_back(site);
-                    return;
-                }
-                rays.push_back(ray);
+                rays.push_back({f.c[0], f.c[1], f.c[2], f.b0, f.b[0], f.b[2]});
                 ray_entries.push_back(entries.size());
             }
             entries.push_back({{site}, canonical, f});
@@ -389,6 +383,22 @@ private:
             if (!side.is_across_axis())
                 add(side.site, Plane{canonical.k * canonical.m, canonical.m}, form(side));
         }
+        // What is equally near everywhere is the first one's.
+        const std::vector<std::uint32_t> first = first_equal(rays);
+        std::vector<bool> is_merged(entries.size(), false);
+        for (std::size_t k = 0; k < rays.size(); ++k) {
+            if (first[k] == k) continue;
+            Entry &kept = entries[ray_entries[first[k]]], &other = entries[ray_entries[k]];
+            kept.sites.push_back(other.sites.front());
+            is_merged[ray_entries[k]] = true;
+        }
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < entries.size(); ++i) {
+            if (is_merged[i]) continue;
+            if (kept < i) entries[kept] = std::move(entries[i]);
+            ++kept;
+        }
+        entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(kept), entries.end());
         return entries;
     }
 

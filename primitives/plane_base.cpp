@@ -17,6 +17,7 @@
 #include "exact_motion.hpp"
 #include "exact_space.hpp"
 #include "message.hpp"
+#include "nested_cylinders.hpp"
 #include "solids.hpp"
 
 namespace vcell {
@@ -702,6 +703,7 @@ private:
         }
         const std::vector<CylinderForm> all = cylinders_;
         const std::vector<std::uint32_t> objects = cylinder_objects_;
+        const auto containers = possible_containers(all);
         keep(cylinders_, cylinder_objects_, [&](std::size_t i) {
             for (const auto& [plane, title] : walls) {
                 if (!is_beyond(plane, all[i])) continue;
@@ -709,13 +711,13 @@ private:
                 return true;
             }
             std::size_t first_equal = i;
-            for (std::size_t k = 0; k < all.size(); ++k) {
-                if (k == i || !contains(all[k], all[i])) continue;
+            for (const std::uint32_t k : containers[i]) {
+                if (!contains(all[k], all[i])) continue;
                 if (!contains(all[i], all[k])) {
                     hide(objects[i], " in ", object_title(scene_, objects[k]));
                     return true;
                 }
-                first_equal = std::min(first_equal, k);
+                first_equal = std::min<std::size_t>(first_equal, k);
             }
             if (first_equal < i) equal_.emplace_back(objects[first_equal], objects[i]);
             return first_equal < i;

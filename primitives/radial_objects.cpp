@@ -5,6 +5,7 @@
 
 #include "message.hpp"
 #include "nested_balls.hpp"
+#include "nested_cylinders.hpp"
 #include "solids.hpp"
 
 namespace vcell {
@@ -45,7 +46,8 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
     const std::vector<std::uint32_t> first_plane = first_equal(rays);
     for (std::size_t i = 0; i < planes.size(); ++i)
         if (first_plane[i] < i) merge(planes.objects[i], planes.objects[first_plane[i]]);
-    for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, rays, mirrored);
+    const auto containers = possible_containers(cylinders.items);
+    for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, containers[i], rays, mirrored);
     if (cylinders.size() + mirrored.size() == 0) return;
     for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
 }
@@ -78,7 +80,8 @@ void RadialObjects::hide(std::uint32_t object, const char* how, const std::strin
     hidden_.emplace_back(object, object_title(scene_, object) + how + where);
 }
 
-void RadialObjects::drop_if_hidden(std::size_t i, const std::vector<std::array<Exact, 4>>& half_spaces,
+void RadialObjects::drop_if_hidden(std::size_t i, std::span<const std::uint32_t> possible_containers,
+                                   const std::vector<std::array<Exact, 4>>& half_spaces,
                                    const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
     const CylinderForm& cylinder = cylinders.items[i];
     const std::uint32_t object = cylinders.objects[i];
@@ -89,11 +92,11 @@ void RadialObjects::drop_if_hidden(std::size_t i, const std::vector<std::array<E
         if (contains(image, cylinder) && !contains(cylinder, image))
             return hide(object, " beyond ", "side " + to_string(side));
     std::size_t first = i;
-    for (std::size_t k = 0; k < cylinders.size(); ++k) {
-        if (k == i || !contains(cylinders.items[k], cylinder)) continue;
+    for (const std::uint32_t k : possible_containers) {
+        if (!contains(cylinders.items[k], cylinder)) continue;
         if (!contains(cylinder, cylinders.items[k]))
             return hide(object, " in ", object_title(scene_, cylinders.objects[k]));
-        first = std::min(first, k);
+        first = std::min<std::size_t>(first, k);
     }
     if (first < i) merge(object, cylinders.objects[first]);
 }

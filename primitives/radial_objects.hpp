@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -112,7 +113,8 @@ public:
 
 private:
     void hide(std::uint32_t object, const char* how, const std::string& where);
-    void drop_if_hidden(std::size_t i, const std::vector<std::array<Exact, 4>>& half_spaces,
+    void drop_if_hidden(std::size_t i, std::span<const std::uint32_t> possible_containers,
+                        const std::vector<std::array<Exact, 4>>& half_spaces,
                         const std::vector<std::pair<CylinderForm, Site>>& mirrored);
     void drop_if_in_cylinder(std::size_t i, const std::vector<std::pair<CylinderForm, Site>>& mirrored);
 
