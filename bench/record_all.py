@@ -6,7 +6,7 @@
 
 FOLDER holds 1CRN.xyzr and 1AKI.xyzr, without it atoms keep their old figures; PEER and DATA are those of
 compare_cgal.py, without them that table keeps its old figures. Writes bench/results, and from there README.md and
-docs/pictures/figure11.svg (report.py) and docs/tables.md (examples/tables). About half an hour; --quick takes a
+docs/pictures/figure11.svg (report.py) and docs/tables.md (examples/tables). About an hour; --quick takes a
 few minutes and its figures are for a look only.
 """
 import argparse
@@ -57,6 +57,7 @@ def main():
         *(["--molecules", options.molecules] if options.molecules else []))
     if not options.molecules:
         keep_atoms(old)
+    run("record_growth.py", bench / "bench_growth", *(["--max-n", 1000, "--seeds", 3] if quick else []))
     if options.cgal:
         run("compare_cgal.py", *options.cgal, "--ours", bench / "envelope_of_file")
     tables = subprocess.run([options.build / "examples/tables", RADIAL], check=True, capture_output=True)
