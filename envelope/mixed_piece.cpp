@@ -265,6 +265,7 @@ struct MixedAnalysis::Work {
     const NormalBox* normals;  // these two are null unless rivals compare by supports
     const SphereSupports* supports;
     const Heights& heights;
+    Decisions& decisions;
     std::optional<DividedBox>& parts;  // an earlier piece's until this one is divided
     mutable bool is_divided;
     mutable std::vector<FormId> parted;  // their forms
@@ -477,7 +478,7 @@ struct MixedAnalysis::Work {
             return false;
         if (known_apart({a.form, b.form, c.form})) return true;
         const auto meet_nowhere_of = [&](const Spread& h, const Spread& f, const Spread& g) {
-            return meet_nowhere(heights, h.form, f.form, g.form, piece.box);
+            return meet_nowhere(heights, h.form, f.form, g.form, piece.box, decisions);
         };
         if (!meet_nowhere_of(a, b, c) && !meet_nowhere_of(b, a, c) && !meet_nowhere_of(c, a, b)) return false;
         apart.push_back({a.form, b.form, c.form});
@@ -558,7 +559,7 @@ struct MixedAnalysis::Work {
 };
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
-    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, heights_, parts_,
+    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, heights_, decisions_, parts_,
               false, {}, {}, {}, spreads_, {}, {}, {}, 0, 0, false, {}};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {

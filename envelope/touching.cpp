@@ -188,7 +188,8 @@ public:
         at_[n_] = Interval(at_[n_].lower() - margin_, at_[n_].upper() + margin_);
     }
 
-    bool meet_nowhere() {
+    bool meet_nowhere(Decisions& decisions) {
+        ++decisions.by_interval;
         const std::size_t s = 1 - n_;
         const Gradient F = heights_.plain_gradient_difference(f_, g_, at_[0], at_[1]);
         const std::array<Interval, 2> middle{Interval(at_[0].mid()), Interval(at_[1].mid())};
@@ -206,6 +207,8 @@ public:
         change_ = Interval((H[s] - l * F[s] + (H[n_] - l * F[n_]) * run_).magnitude()) * half_;
         // More digits help where rounding leaves the question open, and nowhere else.
         if (const auto answer = ask<Interval>(most_double_steps, double_enough)) return *answer;
+        --decisions.by_interval;
+        ++decisions.by_multiprecision;
         return ask<Wide>(most_steps, enough).value_or(false);
     }
 
@@ -260,8 +263,9 @@ private:
 
 }  // namespace
 
-bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box) {
-    return MeetingSearch(heights, h, f, g, box).meet_nowhere();
+bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box,
+                  Decisions& decisions) {
+    return MeetingSearch(heights, h, f, g, box).meet_nowhere(decisions);
 }
 
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,

@@ -37,7 +37,8 @@ std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f
 
 /// Do three forms certainly tie nowhere in the box? Where F = f - g grows along one coordinate the trisector is a graph
 /// over the other, s, and phi = h - g along it changes by no more than |D_s + D_n n'| for each unit of s. Pre: the base is
-/// curved.
-bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box);
+/// curved. Counts the answer, whatever it is.
+bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box,
+                  Decisions& decisions);
 
 }  // namespace vcell
