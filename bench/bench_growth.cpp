@@ -6,9 +6,10 @@
 // One CSV row for each scene: base, family of objects, n, seed, the CPU time of voronoi_cell(), its stages' by the clock,
 // V, E, F, and the signs that each rung of the ladder decided. What is illegal or could not be decided is named in the last
 // column, and has no time. Bases and families whose "base/family" does not contain TEXT are left out, as are sizes beyond N
-// (default 10,000), and those of which K scenes (default 20) would take more than S seconds (default 120) if they grew
-// with n^1.25 from the size before: a line on stderr says so. An error of vcell's own ends the program with exit status 1.
-#include <cmath>
+// (default 10,000). Of a size there are K scenes (default 20), or as many as S seconds (default 120) suffice for if times
+// grow with n^1.25 from the size before; where that is not three, larger ones are skipped, and a line on stderr says so.
+// An error of vcell's own ends the program with exit status 1.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -66,16 +67,18 @@ struct Limits {
 
 void measure_family(GrowthBase base, Mix mix, const Limits& limits) {
     constexpr double expected_growth = 17.8;  // 10^1.25
+    constexpr unsigned fewest_seeds = 3;
     const std::string name = name_of(base) + "," + name_of(mix);
     std::vector<double> times;
     for (unsigned n = 10; n <= limits.max_n; n *= 10) {
-        const double expected = times.empty() ? 0 : expected_growth * median(times) * limits.seeds;
-        if (expected > limits.seconds) {
-            std::fprintf(stderr, "%s: n = %u and more are skipped, they would take %.0f s\n", name.c_str(), n, expected);
+        const double expected = times.empty() ? 0 : expected_growth * median(times);
+        if (fewest_seeds * expected > limits.seconds) {
+            std::fprintf(stderr, "%s: n = %u and more are skipped, a scene would take %.0f s\n", name.c_str(), n, expected);
             return;
         }
+        const double seeds = expected > 0 ? std::min<double>(limits.seeds, limits.seconds / expected) : limits.seeds;
         times.clear();
-        for (unsigned seed = 1; seed <= limits.seeds; ++seed) {
+        for (unsigned seed = 1; seed <= seeds; ++seed) {
             std::printf("%s,%u,%u,", name.c_str(), n, seed);
             if (const auto seconds = measure(growth_scene(base, mix, n, seed))) times.push_back(*seconds);
             std::fflush(stdout);

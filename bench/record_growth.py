@@ -53,8 +53,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path, help="bench_growth, built in Release")
     parser.add_argument("--max-n", type=int, default=10000, help="most objects (default 10000)")
-    parser.add_argument("--seeds", type=int, default=20, help="scenes of each size (default 20)")
-    parser.add_argument("--most-seconds", type=float, default=120, help="that a family's size may take (default 120)")
+    parser.add_argument("--seeds", type=int, default=20, help="scenes of each size (default 20), fewer where they take long")
+    parser.add_argument("--most-seconds", type=float, default=60, help="that a family's size may take (default 60)")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=record.SOURCE / "bench/results/growth.csv")
     options = parser.parse_args()
     run = subprocess.run([options.program, f"--max_n={options.max_n}", f"--seeds={options.seeds}",
