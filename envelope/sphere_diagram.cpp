@@ -20,6 +20,12 @@
 // A form that doubles cannot tell from a vertex is compared with it by the kernel of circles, exactly. The edges
 // that this leaves may be too short to have a direction in doubles: they lie in a ball about their ends.
 //
+// Where it ties with the vertex it counts as the higher one. That is the diagram of forms of which each is raised by an
+// infinitesimal that is beyond all multiples of those before: vertices have three edges still, and those in which more
+// forms tie are several, joined by edges without length. Of these it is known exactly that both their ends are one point.
+// In the end they are contracted, and the vertices have all their forms. A face that meets itself in such a point, and an
+// edge that is closed there, are left to the general engine; so are forms that tie along edges, or inside faces.
+//
 // Bounds on rounding. Where k operations of relative error u = 2^-53 follow each other, k < 128, their product is
 // within k u (1 + 2^-45) of 1 [Higham02, Lemma 3.1]: a constant that is a tenth above its count of roundings covers all
 // orders. Of a circle n.p = o with radius R the coefficients are off by dn and do, |dn| + |do| <= error (the
@@ -33,6 +39,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include "../arrangement/circle_kernel.hpp"
@@ -94,6 +102,7 @@ private:
         Index out = none;  // while a form is inserted: the edge of its face that leaves here
         Index stamp = 0;   // current: compared with the challenger
         Index taken = 0;   // current: the challenger is lower
+        Index ties = none;  // the list of forms that tie here and came later
     };
     struct HalfEdge {
         Index next, prev, origin, face;
@@ -109,6 +118,7 @@ private:
         Mark apex;
         Index stamp = 0;
         Index cut = none;  // while a form is inserted that crosses the edge: its vertex there
+        bool is_point = false;  // certainly: both ends are the same point, and all of the edge
     };
     struct Face {            // of the form of the same number
         Index start = none;  // none: the form has no face
@@ -290,6 +300,7 @@ private:
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
         edge.apex = Mark();
         edge.apex.doubt = edge.apex.level = HUGE_VAL;
+        edge.is_point = false;
         const double radius2 = 1 - edge.offset * edge.offset / edge.square;
         if (!(radius2 > least_square) || !is_well_known(edge)) return;
         // Certainly less than half a turn?
@@ -328,6 +339,22 @@ private:
         edge.apex.height = f(edge.apex.p);
         edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
         edge.apex.set_level(steepest_);
+        edge.is_point = are_one_point(p, q).value_or(false);
+    }
+
+    // Are both ends exactly one point? None where there are no exact numbers, of forms that are not the family's. The three
+    // forms of the end P with the larger error tie in two points, 2 det / length apart, which meet() has seen to be more
+    // than 12 times that error; and if all three tie in the other end, too, that is one of them, within 4 errors of P.
+    std::optional<bool> are_one_point(const Vertex& p, const Vertex& q) {
+        if ((p.p - q.p).norm() > p.error + q.error + slack) return false;
+        const bool is_p = p.error >= q.error;
+        const Vertex &blurred = is_p ? p : q, &sharp = is_p ? q : p;
+        for (const Index f : blurred.forms) {
+            if (std::ranges::find(sharp.forms, f) != sharp.forms.end()) continue;
+            const auto sign = exact_sign(sharp, f);
+            return sign ? std::optional(*sign == Sign::Zero) : std::nullopt;
+        }
+        return std::nullopt;
     }
 
     // Where three forms tie; of the two points the one where f, g, h follow each other counter-clockwise.
@@ -518,7 +545,7 @@ private:
 
     bool is_beaten_on_edges(const Linear& form) {
         for (const Edge& edge : edges_)
-            if (!is_beside(edge, false, form) &&
+            if (!edge.is_point && !is_beside(edge, false, form) &&
                 look_between(static_cast<Index>(&edge - edges_.data()), false, form) != Middle::Same)
                 return false;
         return true;
@@ -588,7 +615,7 @@ private:
             const bool is_from_taken = is_taken(vertices_[half_edges_[h].origin]);
             bool is_crossed = is_from_taken != is_taken(to);
             Edge& edge = edges_[h >> 1];
-            if (!is_crossed && !is_beside(edge, is_from_taken, form) && edge.stamp != stamp_) {
+            if (!is_crossed && !edge.is_point && !is_beside(edge, is_from_taken, form) && edge.stamp != stamp_) {
                 edge.stamp = stamp_;
                 const Middle middle = look_between(h >> 1, is_from_taken, form);
                 if (middle == Middle::Unknown) return false;
@@ -656,8 +683,7 @@ private:
         return is_outside(face, form.b.normalized());
     }
 
-    // Compares form and diagram at the vertex. False where they tie, and where a form that is not the family's is
-    // too near.
+    // Compares form and diagram at the vertex. False where a form that is not the family's is too near.
     bool decide(Vertex& v, const Linear& form) {
         v.stamp = stamp_;
         ++decisions_.by_double;
@@ -665,9 +691,17 @@ private:
         v.taken = stamp_;
         if (v.is_above(form)) return true;
         --decisions_.by_double;
-        const auto sign = exact_sign(v, static_cast<Index>(&form - forms_.data()));
-        if (sign == Sign::Positive) v.taken = 0;
-        return sign && *sign != Sign::Zero;
+        const auto challenger = static_cast<Index>(&form - forms_.data());
+        const auto sign = exact_sign(v, challenger);
+        if (sign != Sign::Negative) v.taken = 0;
+        if (sign == Sign::Zero) {
+            if (v.ties == none) {
+                v.ties = static_cast<Index>(ties_.size());
+                ties_.emplace_back();
+            }
+            ties_[v.ties].push_back(challenger);
+        }
+        return sign.has_value();
     }
     // Of the challenger less the forms that tie in the vertex: that is one of two points where they do, told apart by
     // the turn of their gradients. The chart shows the sphere as it is seen from outside.
@@ -884,10 +918,11 @@ private:
     // Faces after the pole's on the path, edges and vertices as they are met around faces: what comes after
     // then finds neighbours near each other in memory.
     std::optional<MinimizationDiagram> diagram(Index pole_face) {
+        if (!unite_vertices()) return std::nullopt;
         std::vector<std::pair<double, Index>> faces;
         faces.reserve(vertices_.size() / 2 + 2);  // Euler: V - E + F = 2, 2 E = 3 V
         for (Index f = 0; f < family_.size(); ++f)
-            if (faces_[f].start != none)
+            if (faces_[f].start != none && !is_point(f))
                 faces.emplace_back(f == pole_face ? -1 : place_on_path(forms_[f]), f);
         std::ranges::sort(faces);
 
@@ -907,7 +942,7 @@ private:
         for (const auto& [place, f] : faces) {
             Index h = faces_[f].start;
             do {
-                if (edge_map[h >> 1] == none && !add_edge(out, h >> 1, vertex_map, edge_map))
+                if (edge_map[h >> 1] == none && !edges_[h >> 1].is_point && !add_edge(out, h >> 1, vertex_map, edge_map))
                     return std::nullopt;
                 h = half_edges_[h].next;
             } while (h != faces_[f].start);
@@ -918,11 +953,18 @@ private:
 
         const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
         for (const auto& [place, f] : faces) {
-            for_cycle(f, [&](Index h) { out.dcel.link(half_edge(h), half_edge(half_edges_[h].next)); });
+            for_cycle(f, [&](Index h) {
+                if (edges_[h >> 1].is_point) return;
+                Index next = half_edges_[h].next;
+                while (edges_[next >> 1].is_point) next = half_edges_[next].next;
+                out.dcel.link(half_edge(h), half_edge(next));
+            });
+            Index start = faces_[f].start;
+            while (edges_[start >> 1].is_point) start = half_edges_[start].next;
             if (f == pole_face)
-                out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(faces_[f].start));
+                out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(start));
             else
-                out.dcel.add_outer_ccb(out.dcel.add_face(), half_edge(faces_[f].start));
+                out.dcel.add_outer_ccb(out.dcel.add_face(), half_edge(start));
             out.face_forms.push_back(FormId{f});
         }
         out.decisions = decisions_;
@@ -930,13 +972,77 @@ private:
         return out;
     }
 
+    bool is_point(Index face) const {
+        bool is = true;
+        for_cycle(face, [&](Index h) { is = is && edges_[h >> 1].is_point; });
+        return is;
+    }
+
+    // The one of the vertices in a vertex's place that stands for all of them.
+    Index place(Index v) {
+        if (places_.empty()) return v;
+        while (places_[v] != v) v = places_[v] = places_[places_[v]];
+        return v;
+    }
+    // Finds the vertices that are one point, and all forms that tie there. False where an edge is closed in one, or a face
+    // meets itself, and where that is not known.
+    bool unite_vertices() {
+        const auto is_alive = [&](Index e) { return !edges_[e].apex.is_gone(); };
+        if (ties_.empty()) return true;
+        for (Index e = 0; e < edges_.size(); ++e) {
+            if (!is_alive(e) || edges_[e].is_point) continue;
+            if (are_one_point(vertices_[half_edges_[2 * e].origin], vertices_[half_edges_[2 * e + 1].origin]) != false)
+                return false;
+        }
+        places_.resize(vertices_.size());
+        std::iota(places_.begin(), places_.end(), Index{0});
+        const auto ends = [&](Index e) {
+            return std::array{place(half_edges_[2 * e].origin), place(half_edges_[2 * e + 1].origin)};
+        };
+        for (Index e = 0; e < edges_.size(); ++e) {
+            if (!is_alive(e) || !edges_[e].is_point) continue;
+            const auto [p, q] = ends(e);
+            places_[p] = q;
+        }
+        for (Index e = 0; e < edges_.size(); ++e) {
+            if (!is_alive(e) || edges_[e].is_point) continue;
+            const auto [p, q] = ends(e);
+            if (p == q) return false;
+        }
+        for (const Face& f : faces_) {
+            if (f.start == none) continue;
+            met_.clear();
+            for_cycle(static_cast<Index>(&f - faces_.data()), [&](Index h) {
+                if (!edges_[h >> 1].is_point) met_.push_back(place(half_edges_[h].origin));
+            });
+            std::ranges::sort(met_);
+            if (std::ranges::adjacent_find(met_) != met_.end()) return false;
+        }
+        for (Index v = 0; v < vertices_.size(); ++v)
+            if (!vertices_[v].is_gone() && (place(v) != v || vertices_[v].ties != none)) tied_[place(v)];
+        for (Index v = 0; v < vertices_.size() && !tied_.empty(); ++v) {
+            if (vertices_[v].is_gone()) continue;
+            const auto here = tied_.find(place(v));
+            if (here == tied_.end()) continue;
+            std::vector<Index>& forms = here->second;
+            forms.insert(forms.end(), vertices_[v].forms.begin(), vertices_[v].forms.end());
+            if (const Index ties = vertices_[v].ties; ties != none)
+                forms.insert(forms.end(), ties_[ties].begin(), ties_[ties].end());
+        }
+        for (auto& [v, forms] : tied_) {
+            std::ranges::sort(forms);
+            forms.erase(std::ranges::unique(forms).begin(), forms.end());
+        }
+        return true;
+    }
+
     bool add_edge(MinimizationDiagram& out, Index e, std::vector<Index>& vertex_map,
-                  std::vector<Index>& edge_map) const {
+                  std::vector<Index>& edge_map) {
         std::array<VertexId, 2> ends;
         for (const Index side : {0u, 1u}) {
-            const Index v = half_edges_[2 * e + side].origin;
+            const Index v = place(half_edges_[2 * e + side].origin);
             if (vertex_map[v] == none) {
-                if (!add_vertex(out, vertices_[v])) return false;
+                if (!add_vertex(out, v)) return false;
                 vertex_map[v] = out.dcel.add_vertex().value;
             }
             ends[side] = {vertex_map[v]};
@@ -949,14 +1055,19 @@ private:
         return true;
     }
 
-    bool add_vertex(MinimizationDiagram& out, const Vertex& v) const {
-        const auto vertex = chart_vertex(v);
+    bool add_vertex(MinimizationDiagram& out, Index v) const {
+        const auto vertex = chart_vertex(vertices_[v]);
         if (!vertex) return false;
         out.vertices.push_back(*vertex);
         out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
-        auto forms = v.forms;
-        std::ranges::sort(forms);
-        for (const Index f : forms) out.vertex_labels_.push_back(FormId{f});
+        const auto add_labels = [&](auto forms) {
+            std::ranges::sort(forms);
+            for (const Index f : forms) out.vertex_labels_.push_back(FormId{f});
+        };
+        if (const auto tied = tied_.find(v); tied != tied_.end())
+            add_labels(tied->second);
+        else
+            add_labels(vertices_[v].forms);
         return true;
     }
 
@@ -985,6 +1096,11 @@ private:
     SomeIndices middles_;  // half-edges that end at a vertex made by split() that is not taken
     SmallVector<Cut, 32> cuts_;
     Vector3d middle_;
+    std::vector<std::vector<Index>> ties_;  // the lists of vertices
+    // Of the result: for each vertex one in the same place; empty where all are apart. And the forms where they are more than
+    // three.
+    std::vector<Index> places_, met_;
+    std::map<Index, std::vector<Index>> tied_;
 };
 
 }  // namespace

@@ -468,6 +468,56 @@ TEST_CASE("cube: eight balls, planes or points leave an octahedron with vertices
     }
 }
 
+TEST_CASE("ties of four and more balls: insertion finds what pieces find") {
+    std::mt19937_64 rng(test_seed());
+    RandomScenes random(rng);
+    const auto both = [&](const Scene& s) {
+        const FormFamily family = radial_base_problem(s).family;
+        EnvelopeOptions by_pieces;
+        by_pieces.incremental = false;
+        const auto discs = disc_diagram_on_sphere(family, {});
+        const MinimizationDiagram pieces = lower_envelope_on_sphere(family, by_pieces);
+        if (!discs) return std::pair(false, std::size_t{0});
+        CHECK(!discs->dcel.find_defect());
+        CHECK(labels_of(*discs) == labels_of(pieces));
+        std::multiset<std::vector<FormId>> labels, expected;
+        std::size_t ties = 0;
+        for (const VertexId v : discs->vertices.ids()) {
+            labels.insert({discs->label(v).begin(), discs->label(v).end()});
+            if (discs->label(v).size() > 3) ++ties;
+        }
+        for (const VertexId v : pieces.vertices.ids())
+            expected.insert({pieces.label(v).begin(), pieces.label(v).end()});
+        CHECK(labels == expected);
+        return std::pair(true, ties);
+    };
+    // A cube's corners before a crowd that they hide: the cell has six vertices of degree four.
+    std::vector<Object> crowd = balls(cube(2), 0.5);
+    for (int i = 0; i < 2000; ++i) {
+        Vec3 p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+        crowd.push_back(Sphere{random.uniform(9, 10) * p.normalized(), random.uniform(0, 0.1)});
+    }
+    const auto [is_crowd_inserted, crowd_ties] = both(around_ball(0.5, crowd, 20));
+    CHECK(is_crowd_inserted);
+    CHECK(crowd_ties == 6);
+    // Points of a lattice within a shell: ties of all kinds, and forms that touch in vertices.
+    int inserted = 0;
+    std::size_t ties = 0;
+    for (int least = 3; least <= 40; ++least) {
+        std::vector<Vec3> points;
+        for (int x = -7; x <= 7; ++x)
+            for (int y = -7; y <= 7; ++y)
+                for (int z = -7; z <= 7; ++z)
+                    if (const int square = x * x + y * y + z * z; square >= least && square <= least + 12)
+                        points.push_back(Vec3(x, y, z));
+        const auto [is_inserted, tied] = both(around_ball(0.25, balls(points, 0.125), 32));
+        inserted += is_inserted;
+        ties += tied;
+    }
+    CHECK(inserted > 30);
+    CHECK(ties > 1000);
+}
+
 TEST_CASE("icosahedron: twelve balls leave twenty vertices of degree three") {
     // Near the golden ratio: its vertices are not degenerate, any ratio near it does.
     const double golden = (1 + std::sqrt(5.0)) / 2;
