@@ -161,7 +161,26 @@ def radial():
                  "lrrrrrr", rows)
 
 
-BLOCKS = {f.__name__: f for f in (cgal, envelope, table3, mixed, parts, radial)}
+def growth():
+    """Of each family over each base: the seconds of 1,000 objects, and the exponent."""
+    bases = {"plane": "over a plane", "tilted_plane": "over a tilted plane", "ball": "around a ball",
+             "tube": "around a tube"}
+    families = {"balls": "balls", "balls_walls": "balls and planes", "balls_rod": "balls and one rod",
+                "balls_walls_rod": "balls, planes and one rod", "balls_rods": "balls and rods",
+                "shell": "balls and rods that touch one surface parallel to the base",
+                "parallel_tubes": "parallel tubes", "skew_tubes": "skew tubes"}
+    cells = {(r["base"], r["family"], int(r["n"])): r for r in read("growth.csv")}
+    rows = []
+    for family, what in families.items():
+        row = [what]
+        for base in bases:
+            r = cells.get((base, family, 1000))
+            row.append(f"{time(r['seconds'])}, n^{r['exponent']}" if r and r["seconds"] else "")
+        rows.append(row)
+    return table(("1,000 objects", *bases.values()), "lrrrr", rows)
+
+
+BLOCKS = {f.__name__: f for f in (cgal, envelope, table3, mixed, parts, radial, growth)}
 
 
 # ---- Fig. 11 ---------------------------------------------------------------------------------------------------
