@@ -22,8 +22,9 @@ struct RationalClearance {
     double error;
     Interval range;
 
-    /// Over a plane it is one. From a centre it is one along conics that two bisectors of balls have in common: then
-    /// the one that agrees with it at three places agrees with it everywhere, which its square tells.
+    /// Over a plane it is one. From a centre it is one along conics that two bisectors of balls have in
+    /// common: then the one that agrees with it at three places agrees with it everywhere, which its square
+    /// tells.
     static std::optional<RationalClearance> along(const Net& net, const Space<Interval>& space) {
         const Surface<Interval>& base = space.base();
         using Kind = Surface<Interval>::Kind;
@@ -52,9 +53,11 @@ struct RationalClearance {
             return result;
         }
         const double radius = base.radius.mid();
-        const auto homogeneous = [&](double a, double b, double c) {  // the distance from the centre, times the weight
+        const auto homogeneous = [&](double a, double b,
+                                     double c) {  // the distance from the centre, times the weight
             double sum = 0;
-            for (const auto& x : from_base) sum += std::pow(a * x[0].mid() + b * x[1].mid() + c * x[2].mid(), 2);
+            for (const auto& x : from_base)
+                sum += std::pow(a * x[0].mid() + b * x[1].mid() + c * x[2].mid(), 2);
             return std::sqrt(sum);
         };
         const double first = homogeneous(1, 0, 0), last = homogeneous(0, 0, 1),
@@ -76,7 +79,8 @@ struct RationalClearance {
             square_of_way = square_of_way + square(f);
         }
         // |p| - q with q the rational function: (p^2 - q^2) / (|p| + q).
-        const Interval w = weight.range(), q = distance.range() / w, off = (square_of_way - square(distance)).range() / square(w);
+        const Interval w = weight.range(), q = distance.range() / w,
+                       off = (square_of_way - square(distance)).range() / square(w);
         if (!(q.lower() > 0) || !(off.magnitude() < HUGE_VAL)) return std::nullopt;
         result.error = Interval::up((off / q).magnitude() + rounding);
         result.range = q - base.radius + Interval(-result.error, result.error);
@@ -175,7 +179,8 @@ private:
             const double slope = sqrt(sine / sum).lower();
             const double reach = (Interval(size) / slope).upper();
             if (reach <= margin)
-                return Reach{reach, slope, std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
+                return Reach{reach, slope,
+                             std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
             margin = 1.25 * reach;
         }
         return std::nullopt;
@@ -201,8 +206,9 @@ private:
             const Vector<Interval>& box = part.net.box();
             const auto found = distance(box, size);
             const double allowed = found ? error_ + width / found->slope : 0;
-            const double growth = found ? found->growth
-                                        : std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
+            const double growth =
+                found ? found->growth
+                      : std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
             const bool follows = found && found->distance <= allowed;
             // Where the bisectors touch no place on either is much nearer to the arc than the others.
             const bool touches = !found && part.depth >= kTouching && size <= width && growth > 0;
@@ -303,11 +309,11 @@ private:
                             conditions_);
     }
 
-    /// Drops rival balls that are farther than a ball o of the edge's own all along a span, if the clearance t is
-    /// a rational function of its degree there.
+    /// Drops rival balls that are farther than a ball o of the edge's own all along a span, if the clearance
+    /// t is a rational function of its degree there.
     ///
-    /// With p from o's centre and d the way to the rival's, |p - d|^2 - (t + rho_r)^2 has the sign of the rival's
-    /// excess. Where o's own is e, |p| = t + rho_o + e, that is
+    /// With p from o's centre and d the way to the rival's, |p - d|^2 - (t + rho_r)^2 has the sign of the
+    /// rival's excess. Where o's own is e, |p| = t + rho_o + e, that is
     ///     d^2 - 2 p d + (rho_o - rho_r) (2 t + rho_o + rho_r) + e (2 t + 2 rho_o + e),
     /// linear in p and t.
     void drop_balls(const Net& net, std::vector<Condition>& rivals) const {
@@ -341,7 +347,8 @@ private:
                 const auto axis = static_cast<Eigen::Index>(k);
                 way[k] = MidRad(rival->center[axis]) - own->center[axis];
             }
-            const MidRad difference = MidRad(own->radius) - rival->radius, sum = MidRad(own->radius) + rival->radius;
+            const MidRad difference = MidRad(own->radius) - rival->radius,
+                         sum = MidRad(own->radius) + rival->radius;
             const MidRad constant = square(way) + difference * sum, twice = 2.0 * difference;
             // The least Bernstein coefficient, over its weight.
             double least = HUGE_VAL;
@@ -355,14 +362,15 @@ private:
             const Interval margin = rest + twice.enclosure() * Interval(-clearance->error, clearance->error);
             least = (Interval(least) + margin).lower();
             if (least >= 0) return true;
-            const Interval reach = space().object_excess(c.site.index, box, Interval(0.0)) + 2 * Interval(rival->radius) + t;
+            const Interval reach =
+                space().object_excess(c.site.index, box, Interval(0.0)) + 2 * Interval(rival->radius) + t;
             if (!(reach.lower() > 0)) return false;
             // No more than the curve itself may be off: else a finer look is worth while.
             return is_little(c, box, (Interval(least) / reach.lower()).lower(), distance_);
         });
     }
-    /// Is an excess that is no less than `least`, which is negative, within the allowance, and is what that means
-    /// for the boundary no more than `most`? That is noted then.
+    /// Is an excess that is no less than `least`, which is negative, within the allowance, and is what that
+    /// means for the boundary no more than `most`? That is noted then.
     bool is_little(const Condition& c, const Vector<Interval>& box, double least, double most) const {
         if (!(least >= -allowance(c))) return false;
         const double growth = this->growth(c, box);

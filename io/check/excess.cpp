@@ -49,15 +49,16 @@ Vector<MidRad> ExcessAlong::way(const Surface& s) const {
 
 Form ExcessAlong::signed_distance(const Surface& plane) const {
     const Vector<MidRad> q = way(plane);
-    const MidRad at_origin =
-        MidRad(plane.direction[0]) * q[0] + MidRad(plane.direction[1]) * q[1] + MidRad(plane.direction[2]) * q[2];
+    const MidRad at_origin = MidRad(plane.direction[0]) * q[0] + MidRad(plane.direction[1]) * q[1] +
+                             MidRad(plane.direction[2]) * q[2];
     return inner(plane.direction, position_, at_origin, weight_);
 }
 
 Form ExcessAlong::squared_distance(const Surface& round) const {
     const Vector<MidRad> from = way(round);
     Vector<Form> q;
-    for (std::size_t k = 0; k < 3; ++k) q[k] = Form::combination<2>({{{1.0, &position_[k]}, {from[k], &weight_}}});
+    for (std::size_t k = 0; k < 3; ++k)
+        q[k] = Form::combination<2>({{{1.0, &position_[k]}, {from[k], &weight_}}});
     if (round.kind == Kind::sphere) return sum_of_squares(q);
     const Vector<Interval>& d = round.direction;
     return sum_of_squares({difference(d[2], q[1], d[1], q[2]), difference(d[0], q[2], d[2], q[0]),

@@ -232,19 +232,22 @@ private:
         const Vector<Interval>& box = tile.net.box();
         const auto is_elsewhere = [&](const Spot& spot) {
             for (std::size_t k = 0; k < 3; ++k) {
-                const Interval at = Interval::ball(spot.center[static_cast<Eigen::Index>(k)], spot.radius + margin_);
+                const Interval at =
+                    Interval::ball(spot.center[static_cast<Eigen::Index>(k)], spot.radius + margin_);
                 if (at.upper() < box[k].lower() || at.lower() > box[k].upper()) return true;
             }
             return false;
         };
         std::erase_if(tile.rivals, [&](const Rival& rival) {
             const Site& site = rival.condition.site;
-            if (site.kind == Site::Kind::BoxSide) return space().inside_side(site.index, box).lower() >= margin_;
+            if (site.kind == Site::Kind::BoxSide)
+                return space().inside_side(site.index, box).lower() >= margin_;
             return rival.spots && std::ranges::all_of(*rival.spots, is_elsewhere);
         });
         if (tile.rivals.empty()) return;
-        std::erase_if(tile.rivals,
-                      [test = Test(*this, tile.net, is_small)](const Rival& rival) { return test(rival.condition); });
+        std::erase_if(tile.rivals, [test = Test(*this, tile.net, is_small)](const Rival& rival) {
+            return test(rival.condition);
+        });
     }
 
     /// A rival that is nearer at p by more than rounding.

@@ -36,8 +36,8 @@ const Triangle& inverses() {
     return rows;
 }
 
-/// Relative: what two binomials, or their inverses, and products with them may be off by. Up to 56 over k they are
-/// exact, and their inverses rounded once.
+/// Relative: what two binomials, or their inverses, and products with them may be off by. Up to 56 over k
+/// they are exact, and their inverses rounded once.
 double rounding_of_binomials(int m, int n) { return std::max(m, n) <= 56 ? 0x1p-50 : 0x1p-43; }
 
 /// Convolution in both variables, of polynomials of degrees (M, N) and (P, Q).
@@ -60,8 +60,8 @@ double binomial(int n, int k) {
 
 void Form::set(int i, int j, const MidRad& coefficient) {
     c_[static_cast<std::size_t>(i * (n_ + 1) + j)] = coefficient.mid() * (binomial(m_, i) * binomial(n_, j));
-    const double error =
-        coefficient.radius() + rounding_of_binomials(m_, n_) * (std::abs(coefficient.mid()) + coefficient.radius());
+    const double error = coefficient.radius() +
+                         rounding_of_binomials(m_, n_) * (std::abs(coefficient.mid()) + coefficient.radius());
     if (!(error <= error_)) error_ = error;
     norm_ = -1;
 }
@@ -80,14 +80,15 @@ double Form::norm() const {
     return norm_;
 }
 
-// Not a number stays none, and is taken for no bound by range(). What is added for subnormal numbers is far above what
-// products lose to them.
+// Not a number stays none, and is taken for no bound by range(). What is added for subnormal numbers is far
+// above what products lose to them.
 void Form::add_error(double error) {
     error_ = (error_ + error) * (1 + 0x1p-40) + std::numeric_limits<double>::min();
 }
 
-// A sum of n products is off by at most n 2^-53 / (1 - n 2^-53) times the sum of their magnitudes [Higham02, sec. 3.1],
-// which in the Bernstein basis is a mean of products of magnitudes. What was there before is rounded with each of them.
+// A sum of n products is off by at most n 2^-53 / (1 - n 2^-53) times the sum of their magnitudes [Higham02,
+// sec. 3.1], which in the Bernstein basis is a mean of products of magnitudes. What was there before is
+// rounded with each of them.
 void Form::add_product(double sign, const Form& a, const Form& b) {
     assert(m_ == a.m_ + b.m_ && n_ == a.n_ + b.n_);
     const double terms = (std::min(a.m_, b.m_) + 1) * (std::min(a.n_, b.n_) + 1);

@@ -1,10 +1,10 @@
-/// Polynomials in Bernstein form in one or two variables on [0, 1], in doubles, each with one bound on the errors of
-/// all its coefficients.
+/// Polynomials in Bernstein form in one or two variables on [0, 1], in doubles, each with one bound on the
+/// errors of all its coefficients.
 ///
 /// Coefficients are stored times their binomials, so that products are convolutions [Farin02, 6.5]:
 /// p(s, t) = sum c_ij s^i (1 - s)^(m - i) t^j (1 - t)^(n - j). A polynomial lies between the least and the
-/// greatest of its Bernstein coefficients. Those of a product are means of products of coefficients: the largest
-/// magnitudes multiply, and bounds on errors with them.
+/// greatest of its Bernstein coefficients. Those of a product are means of products of coefficients: the
+/// largest magnitudes multiply, and bounds on errors with them.
 #pragma once
 
 #include <array>
@@ -70,8 +70,8 @@ private:
     void add_error(double error);
 
     int m_ = 0, n_ = 0;
-    double error_ = 0;           // of the Bernstein coefficients
-    mutable double norm_ = -1;   // less than 0: not known
+    double error_ = 0;          // of the Bernstein coefficients
+    mutable double norm_ = -1;  // less than 0: not known
     SmallVector<double, 25> c_;
 };
 

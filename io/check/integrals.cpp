@@ -159,7 +159,8 @@ private:
         constexpr int parts = 8;
         double most = 0;
         for (int k = 0; k < parts; ++k) {
-            const double part = steepness(use, span, MidRad::ball((2 * k + 1 - parts) / double(parts), 1.0 / parts));
+            const double part =
+                steepness(use, span, MidRad::ball((2 * k + 1 - parts) / double(parts), 1.0 / parts));
             if (!(part <= most)) most = part;
         }
         return most;
@@ -195,7 +196,8 @@ private:
             const MidRad x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w, z = span.origin[2];
             const MidRad chord = sqrt(square(x) + square(y));
             if (!(chord.lower() > 0)) {
-                const Interval height = z.enclosure() + hull((a.n[2] / a.w).enclosure(), (b.n[2] / b.w).enclosure());
+                const Interval height =
+                    z.enclosure() + hull((a.n[2] / a.w).enclosure(), (b.n[2] / b.w).enclosure());
                 sums_.sides += chord.enclosure() * height;
                 return;
             }
@@ -204,7 +206,8 @@ private:
                 [&]<class T>(const T& s) {
                     const Place<T> p = span.at(s);
                     const T dx = (p.dn[0] * p.w - p.n[0] * p.dw), dy = (p.dn[1] * p.w - p.n[1] * p.dw);
-                    return std::array<T, 1>{(T(z) + p.n[2] / p.w) * (x * dx + y * dy) * T(share) / square(p.w)};
+                    return std::array<T, 1>{(T(z) + p.n[2] / p.w) * (x * dx + y * dy) * T(share) /
+                                            square(p.w)};
                 },
                 -1, 1, {enough_[1]}, sum, effort);
             sums_.sides += sum[0];

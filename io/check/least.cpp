@@ -44,8 +44,9 @@ LeastPlaces::Ray LeastPlaces::ray(const V& start, const V& through) {
 
 /// How far along a ray from the own centre its bisector with the base is. Negative: nowhere.
 ///
-/// At s the own ball is s - rho away. Over a plane the clearance is h + s (n w): s = (h + rho) / (1 - n w). With
-/// q the way from the base's centre, or across its axis, and delta = rho - R: |q + s w| = s - delta, that is
+/// At s the own ball is s - rho away. Over a plane the clearance is h + s (n w): s = (h + rho) / (1 - n w).
+/// With q the way from the base's centre, or across its axis, and delta = rho - R: |q + s w| = s - delta,
+/// that is
 ///   (1 - w^2) s^2 - 2 (w q + delta) s = q^2 - delta^2,
 /// w^2 = 1 about a centre. The right-hand side is positive where neither body holds the other.
 MidRad LeastPlaces::along_from_own(const Ray& ray) const {
@@ -76,9 +77,9 @@ LeastPlaces::Ray LeastPlaces::ray_from_base(const V& through) const {
 }
 
 /// How far along such a ray the bisector is. With q the way from the own centre to its start the own ball is
-/// |q + s w| - rho away. Over a plane, where the clearance is s and w q = -h: s = (q^2 - rho^2) / (2 (h + rho)).
-/// Elsewhere it is s - R: s = (q^2 - delta^2) / (2 (delta - w q)). Where that denominator is negative the bisector is
-/// nowhere on the ray.
+/// |q + s w| - rho away. Over a plane, where the clearance is s and w q = -h: s = (q^2 - rho^2) / (2 (h +
+/// rho)). Elsewhere it is s - R: s = (q^2 - delta^2) / (2 (delta - w q)). Where that denominator is negative
+/// the bisector is nowhere on the ray.
 MidRad LeastPlaces::along_from_base(const Ray& ray) const {
     const V q = ray.start - own_;
     if (kind_ == Kind::plane) return (square(q) - square(own_radius_)) / (2.0 * (height_ + own_radius_));

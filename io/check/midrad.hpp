@@ -3,8 +3,8 @@
 /// (core/interval.hpp).
 ///
 /// Midpoints are rounded once by each operation, by at most 2^-53 of themselves or, where they are subnormal,
-/// half the least double. Each radius grows by 2^-52 of the midpoint and by 2^-50 of itself, which is more than
-/// that and what the few operations can have lost that gave the radius [Higham02, Thm. 2.2].
+/// half the least double. Each radius grows by 2^-52 of the midpoint and by 2^-50 of itself, which is more
+/// than that and what the few operations can have lost that gave the radius [Higham02, Thm. 2.2].
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ class MidRad {
 public:
     constexpr MidRad() = default;
     constexpr MidRad(double value) : mid_(value) {}  // NOLINT: a number is an interval
-    MidRad(const Interval& i)  // NOLINT: so is an interval
+    MidRad(const Interval& i)                        // NOLINT: so is an interval
         : mid_(i.mid()), radius_(i.lower() == i.upper() ? 0 : i.radius()) {}
     static MidRad ball(double mid, double radius) { return {mid, radius}; }
     static MidRad whole() { return {0, std::numeric_limits<double>::infinity()}; }
@@ -35,12 +35,19 @@ public:
     double magnitude() const { return (std::abs(mid_) + radius_) * up; }
 
     friend MidRad operator-(const MidRad& a) { return {-a.mid_, a.radius_}; }
-    friend MidRad operator+(const MidRad& a, const MidRad& b) { return rounded(a.mid_ + b.mid_, a.radius_ + b.radius_); }
-    friend MidRad operator-(const MidRad& a, const MidRad& b) { return rounded(a.mid_ - b.mid_, a.radius_ + b.radius_); }
-    friend MidRad operator*(const MidRad& a, const MidRad& b) {
-        return rounded(a.mid_ * b.mid_, std::abs(a.mid_) * b.radius_ + a.radius_ * (std::abs(b.mid_) + b.radius_));
+    friend MidRad operator+(const MidRad& a, const MidRad& b) {
+        return rounded(a.mid_ + b.mid_, a.radius_ + b.radius_);
     }
-    friend MidRad operator*(double s, const MidRad& a) { return rounded(s * a.mid_, std::abs(s) * a.radius_); }
+    friend MidRad operator-(const MidRad& a, const MidRad& b) {
+        return rounded(a.mid_ - b.mid_, a.radius_ + b.radius_);
+    }
+    friend MidRad operator*(const MidRad& a, const MidRad& b) {
+        return rounded(a.mid_ * b.mid_,
+                       std::abs(a.mid_) * b.radius_ + a.radius_ * (std::abs(b.mid_) + b.radius_));
+    }
+    friend MidRad operator*(double s, const MidRad& a) {
+        return rounded(s * a.mid_, std::abs(s) * a.radius_);
+    }
     /// The whole line when b contains zero.
     friend MidRad operator/(const MidRad& a, const MidRad& b) {
         const double rest = std::abs(b.mid_) - b.radius_ * up - slack * std::abs(b.mid_);
@@ -69,7 +76,9 @@ private:
     static constexpr double slack = 0x1p-52, up = 1 + 0x1p-50, least = std::numeric_limits<double>::min();
 
     constexpr MidRad(double mid, double radius) : mid_(mid), radius_(radius) {}
-    static MidRad rounded(double mid, double radius) { return {mid, radius * up + (slack * std::abs(mid) + least)}; }
+    static MidRad rounded(double mid, double radius) {
+        return {mid, radius * up + (slack * std::abs(mid) + least)};
+    }
 
     double mid_ = 0, radius_ = 0;
 };

@@ -1,9 +1,11 @@
-/// Integrals, enclosed: Gauss's rules in arithmetic by midpoint and radius, with a proved bound of what they leave out.
+/// Integrals, enclosed: Gauss's rules in arithmetic by midpoint and radius, with a proved bound of what they
+/// leave out.
 ///
 /// Let f be analytic and |f| <= M within the ellipse with foci -1 and 1 whose semi-axes add up to rho. Some
-/// polynomial of degree 2n - 1 is within 2 M rho^(1 - 2n) / (rho - 1) of it on [-1, 1] [Trefethen13, Thm. 8.2];
-/// Gauss's rule with n nodes is exact for that polynomial, its weights are positive and add up to 2, so it misses
-/// the integral of f by at most four times as much. M is a bound over discs of complex numbers (disc.hpp).
+/// polynomial of degree 2n - 1 is within 2 M rho^(1 - 2n) / (rho - 1) of it on [-1, 1] [Trefethen13,
+/// Thm. 8.2]; Gauss's rule with n nodes is exact for that polynomial, its weights are positive and add up to
+/// 2, so it misses the integral of f by at most four times as much. M is a bound over discs of complex
+/// numbers (disc.hpp).
 #pragma once
 
 #include <algorithm>
@@ -23,7 +25,7 @@ namespace vcell::check {
 class Approximate {
 public:
     constexpr Approximate() = default;
-    constexpr Approximate(double value) : value_(value) {}       // NOLINT: a number
+    constexpr Approximate(double value) : value_(value) {}             // NOLINT: a number
     Approximate(const MidRad& enclosure) : value_(enclosure.mid()) {}  // NOLINT: what it encloses, about
 
     double value() const { return value_; }
@@ -55,8 +57,8 @@ struct Attempt {
     unsigned nodes;
 };
 inline constexpr std::array<Attempt, 5> attempts{{{24, 7}, {8, 10}, {4, 15}, {2.75, 20}, {2, 30}}};
-/// Bounds cost more than nodes in one variable, where the first attempts seldom do; the last one's nodes are too many
-/// in two.
+/// Bounds cost more than nodes in one variable, where the first attempts seldom do; the last one's nodes are
+/// too many in two.
 inline constexpr std::size_t first_in_one = 2, last_in_two = 3;
 
 namespace detail {
@@ -147,8 +149,9 @@ std::array<double, N> allowed(const std::array<double, N>& missing, double facto
 
 namespace detail {
 
-/// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit of width.
-/// In plain doubles, if a look at all of the interval shows that their rounding is not too much more than that.
+/// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit
+/// of width. In plain doubles, if a look at all of the interval shows that their rounding is not too much
+/// more than that.
 template <std::size_t N, class F>
 void add_rule(const F& f, double middle, const MidRad& half_width, std::size_t attempt,
               const std::array<double, N>& missing, std::array<Interval, N>& sum) {
@@ -194,15 +197,16 @@ void add_rule(const F& f, double middle, const MidRad& half_width, std::size_t a
             for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * value[i];
         }
     }
-    for (std::size_t i = 0; i < N; ++i) sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
+    for (std::size_t i = 0; i < N; ++i)
+        sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
 }
 
 }  // namespace detail
 
 /// The integrals over [a, b] of the components of f, which takes any of these numbers and returns an
 /// array of as many. Of each, the mean over [a, b] may be missed by `enough`, or by what rounds its values.
-/// False: the effort is spent, and the enclosures are as wide as interval arithmetic makes them there, perhaps
-/// infinite.
+/// False: the effort is spent, and the enclosures are as wide as interval arithmetic makes them there,
+/// perhaps infinite.
 template <std::size_t N, class F>
 bool integrate(const F& f, double a, double b, const std::array<double, N>& enough, std::array<Interval, N>& sum,
                Effort& effort) {
@@ -265,7 +269,8 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
             }
         }
         const MidRad share = 0.25 * (width[0] * width[1]);
-        for (std::size_t i = 0; i < N; ++i) sum[i] += (share * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
+        for (std::size_t i = 0; i < N; ++i)
+            sum[i] += (share * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
         return true;
     }
     // Halves along the direction in which no rule was enough, or the wider one of two.

@@ -62,8 +62,8 @@ protected:
     static double growth_of(const Condition& c, const Vector<Interval>& gradient) {
         return c.site.is_object() ? 0.5 * square(gradient).lower() : 0.5;
     }
-    /// How far from a curve or a patch its true place is looked for first, for each unit of its excess: gradients of
-    /// excesses are seldom so short that it is farther.
+    /// How far from a curve or a patch its true place is looked for first, for each unit of its excess:
+    /// gradients of excesses are seldom so short that it is farther.
     static constexpr double kFirstMargin = 8;
 
     /// What contradicts that p, stated with an error, bounds the cell by the given sites; nothing if fine.

@@ -59,7 +59,8 @@ MidRad artanh_ratio(const MidRad& x) {
     if (most < 0.0625) {
         static const std::array<MidRad, 14> terms = [] {
             std::array<MidRad, 14> t;
-            for (std::size_t k = 0; k < t.size(); ++k) t[k] = MidRad(1.0) / MidRad(static_cast<double>(2 * k + 1));
+            for (std::size_t k = 0; k < t.size(); ++k)
+                t[k] = MidRad(1.0) / MidRad(static_cast<double>(2 * k + 1));
             return t;
         }();
         const std::size_t count = most < 0x1p-16 ? 4 : most < 0x1p-8 ? 7 : terms.size();
@@ -77,14 +78,16 @@ MidRad artanh_ratio(const MidRad& x) {
     const auto value = [](double t) { return Interval::ball(std::atanh(t), 0x1p-50 * std::atanh(t)); };
     if (!(b.upper() < 1)) return MidRad::whole();
     // It grows with |x|.
-    const Interval least = value(a.lower()) / Interval(a.lower()), greatest = value(b.upper()) / Interval(b.upper());
+    const Interval least = value(a.lower()) / Interval(a.lower()),
+                   greatest = value(b.upper()) / Interval(b.upper());
     return Interval(std::max(1.0, least.lower()), greatest.upper());
 }
 
 double artanh_ratio(const Approximate& x) {
     return std::abs(x.value()) < 0x1p-13 ? 1 + x.value() * x.value() / 3 : std::atanh(x.value()) / x.value();
 }
-/// The ratio grows by less than 1 / (1 - x^2) of x. Below 2^-13 the next term of its series is less than 2^-54.
+/// The ratio grows by less than 1 / (1 - x^2) of x. Below 2^-13 the next term of its series is less than
+/// 2^-54.
 Traced artanh_ratio(const Traced& x) {
     const MidRad ratio = artanh_ratio(x.range());
     const double most = x.magnitude() + x.error();
@@ -125,7 +128,8 @@ Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
             const T beta = T(form.delta) - dot(form.across[0], u) * m[0] - dot(form.across[1], u) * m[1];
             const T root = sqrt(square(beta) + square(alpha) * C);
             if constexpr (std::is_same_v<T, Traced>)  // single values may take either form
-                if (std::abs(beta.range().mid()) <= beta.range().radius() + beta.error()) return {T::whole(), T::whole()};
+                if (std::abs(beta.range().mid()) <= beta.range().radius() + beta.error())
+                    return {T::whole(), T::whole()};
             // The other form of the root, where this one would cancel.
             const T t = middle(beta) >= 0 ? C / (beta + root) : (root - beta) / square(alpha);
             return {t, sqrt(2.0 * (t + T(form.delta)) / root)};
@@ -177,8 +181,7 @@ Densities<T> along(const LinearHeight& h, const Place<T>& p) {
     const T above = (h.gradient[0] * x + h.gradient[1] * y) / p.w;
     const T shadow = 0.5 * turn;
     // The part that grows in proportion to q - a is a third of its boundary's.
-    return {(above * T(third) + T(h.half_at_apex)) * turn, shadow * T(h.steepness), shadow,
-            T(h.steepness)};
+    return {(above * T(third) + T(h.half_at_apex)) * turn, shadow * T(h.steepness), shadow, T(h.steepness)};
 }
 
 // With s^2 = m k^2 and r = sqrt(1 + m): the integral of r from the axis is k^2 (r^3 - 1) / 3.
@@ -244,8 +247,8 @@ Frame::Frame(const Scene& scene) {
     }
     if (up.x() == 0 && up.y() == 0 && up.z() > 0) return;
     const double size = up.cwiseAbs().maxCoeff();
-    const Triad<Interval> n =
-        normalized(Triad<Interval>{Interval(up.x()) / size, Interval(up.y()) / size, Interval(up.z()) / size});
+    const Triad<Interval> n = normalized(
+        Triad<Interval>{Interval(up.x()) / size, Interval(up.y()) / size, Interval(up.z()) / size});
     int least = 0;
     up.cwiseAbs().minCoeff(&least);
     Triad<Interval> aside{};
@@ -317,8 +320,7 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
                 const double t = r <= j ? b : a;
                 for (std::size_t i = d; i >= r; --i) {
                     const double first = curve.knots[k - d + i], last = curve.knots[k + i + 1 - r];
-                    level[i] = between(level[i - 1], level[i],
-                                       (MidRad(t) - first) / (MidRad(last) - first));
+                    level[i] = between(level[i - 1], level[i], (MidRad(t) - first) / (MidRad(last) - first));
                 }
             }
             piece[j] = level[d];
@@ -369,8 +371,9 @@ std::optional<Form> form_of(const Scene& scene, const Frame& frame, const Site& 
         form.kind = Form::Kind::ball;
         form.c = near(frame.point(ball->center));
         const auto* base = std::get_if<Sphere>(&scene.base);
-        form.delta = base && base->radius == ball->radius ? MidRad(0.0)
-                                                          : MidRad(frame.length(ball->radius)) - frame.radius();
+        form.delta = base && base->radius == ball->radius
+                         ? MidRad(0.0)
+                         : MidRad(frame.length(ball->radius)) - frame.radius();
         if (std::holds_alternative<Plane>(scene.base)) form.delta = frame.length(ball->radius);
         return form;
     }
@@ -412,10 +415,8 @@ Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
     const Triad<double>& corner = corners.front();
     const auto linear = [&](MidRad gx, MidRad gy, MidRad at_origin) {
         const MidRad x = corner[0], y = corner[1];
-        return LinearHeight{{gx, gy},
-                            {x, y},
-                            0.5 * (at_origin + gx * x + gy * y),
-                            sqrt(1.0 + square(gx) + square(gy))};
+        return LinearHeight{
+            {gx, gy}, {x, y}, 0.5 * (at_origin + gx * x + gy * y), sqrt(1.0 + square(gx) + square(gy))};
     };
     switch (form.kind) {
         case Form::Kind::side:
@@ -426,7 +427,10 @@ Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
         }
         case Form::Kind::ball: {
             const MidRad k = form.c[2] + form.delta;
-            return Paraboloid{{form.c[0], form.c[1]}, 0.5 * ((form.c[2] - form.delta) * k), MidRad(0.5) / k, MidRad(1.0) / square(k)};
+            return Paraboloid{{form.c[0], form.c[1]},
+                              0.5 * ((form.c[2] - form.delta) * k),
+                              MidRad(0.5) / k,
+                              MidRad(1.0) / square(k)};
         }
         default: {
             // Their cone's apex is where the axis comes as far below the plane as the radius. Far away it would
@@ -444,8 +448,8 @@ Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
 
 }  // namespace
 
-Revolved::Revolved(const Triad<MidRad>& axis_, const MidRad& K, const MidRad& A_, const MidRad& B_, const MidRad& E_,
-                   bool is_paraboloid_)
+Revolved::Revolved(const Triad<MidRad>& axis_, const MidRad& K, const MidRad& A_, const MidRad& B_,
+                   const MidRad& E_, bool is_paraboloid_)
     : axis(axis_),
       A(A_),
       B(B_),

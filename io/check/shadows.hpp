@@ -121,10 +121,10 @@ struct Form {
     Triad<MidRad> d;  ///< tube: unit axis
     std::array<Triad<MidRad>, 2> across;  ///< tube: with d an orthonormal frame
     std::array<MidRad, 2> across_c;       ///< tube: the coordinates of c in it
-    MidRad delta;     ///< ball, tube
-    MidRad offset;    ///< plane: D; side: n p = offset on it
+    MidRad delta;                         ///< ball, tube
+    MidRad offset;                        ///< plane: D; side: n p = offset on it
     double sign = 1;    ///< plane: of the side where the base is
-    MidRad radius;    ///< plane: R
+    MidRad radius;      ///< plane: R
 };
 /// Over a plane: heights that grow in proportion to the distance from an apex.
 struct ConeHeight {

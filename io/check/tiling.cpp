@@ -33,8 +33,8 @@ public:
     void check_samples() {
         std::mt19937_64 rng(options_.seed);
         constexpr std::size_t most_tests = 4'000'000;
-        const std::size_t samples =
-            std::min<std::size_t>(options_.samples, most_tests / (scene_.objects.size() + patches_.size() + 1));
+        const std::size_t samples = std::min<std::size_t>(
+            options_.samples, most_tests / (scene_.objects.size() + patches_.size() + 1));
         for (std::size_t k = 0; k < samples; ++k) {
             const auto ray = geometry_.random_ray(rng, kNearEdge * scene_.box.diagonal());
             if (!ray) return note("scene.box", "holds none of the base");

@@ -1,8 +1,8 @@
 /// How far doubles may stray from what they stand for, all over a range at once.
 ///
-/// An expression evaluated once in this arithmetic, over a range of its variable, says how much rounding its values
-/// in plain doubles may have gathered anywhere in the range. So one evaluation answers for all the nodes of a
-/// quadrature rule.
+/// An expression evaluated once in this arithmetic, over a range of its variable, says how much rounding its
+/// values in plain doubles may have gathered anywhere in the range. So one evaluation answers for all the
+/// nodes of a quadrature rule.
 #pragma once
 
 #include <cmath>
@@ -15,8 +15,9 @@ namespace vcell::check {
 class Traced {
 public:
     Traced() = default;
-    Traced(double value) : range_(value) {}                                // NOLINT: a number, as it is
-    Traced(const MidRad& constant) : range_(constant), error_(constant.radius()) {}  // NOLINT: its midpoint is used
+    Traced(double value) : range_(value) {}  // NOLINT: a number, as it is
+    Traced(const MidRad& constant)
+        : range_(constant), error_(constant.radius()) {}  // NOLINT: its midpoint is used
     Traced(const MidRad& range, double error) : range_(range), error_(error) {}
 
     /// Of the true values.
@@ -27,13 +28,18 @@ public:
     static Traced whole() { return {MidRad::whole(), std::numeric_limits<double>::infinity()}; }
 
     friend Traced operator-(const Traced& a) { return {-a.range_, a.error_}; }
-    friend Traced operator+(const Traced& a, const Traced& b) { return rounded(a.range_ + b.range_, a.error_ + b.error_); }
-    friend Traced operator-(const Traced& a, const Traced& b) { return rounded(a.range_ - b.range_, a.error_ + b.error_); }
-    friend Traced operator*(const Traced& a, const Traced& b) {
-        return rounded(a.range_ * b.range_,
-                       a.magnitude() * b.error_ + a.error_ * (b.magnitude() + b.error_));
+    friend Traced operator+(const Traced& a, const Traced& b) {
+        return rounded(a.range_ + b.range_, a.error_ + b.error_);
     }
-    friend Traced operator*(double s, const Traced& a) { return rounded(s * a.range_, std::abs(s) * a.error_); }
+    friend Traced operator-(const Traced& a, const Traced& b) {
+        return rounded(a.range_ - b.range_, a.error_ + b.error_);
+    }
+    friend Traced operator*(const Traced& a, const Traced& b) {
+        return rounded(a.range_ * b.range_, a.magnitude() * b.error_ + a.error_ * (b.magnitude() + b.error_));
+    }
+    friend Traced operator*(double s, const Traced& a) {
+        return rounded(s * a.range_, std::abs(s) * a.error_);
+    }
     /// |x' / y' - x / y| <= (|x' - x| + |x / y| |y' - y|) / |y'|.
     friend Traced operator/(const Traced& a, const Traced& b) {
         const MidRad quotient = a.range_ / b.range_;

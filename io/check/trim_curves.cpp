@@ -92,7 +92,8 @@ public:
     double gap(const Pair& pair) const {
         const int m = net_.degree_s(), n = net_.degree_t(), d = pair.trim.degree();
         if ((m + n) * d + pair.edge.degree() > kMaxBinomial) return HUGE_VAL;
-        const std::array<Form, 4> lifted = lift(Powers(pair.trim, 0, extent(0), m), Powers(pair.trim, 1, extent(1), n));
+        const std::array<Form, 4> lifted =
+            lift(Powers(pair.trim, 0, extent(0), m), Powers(pair.trim, 1, extent(1), n));
         const Form edge_weight = pair.edge.form(3);
         const Interval scale = lifted[3].range() * edge_weight.range();
         if (!(scale.lower() > 0)) return HUGE_VAL;
@@ -124,7 +125,8 @@ private:
                 size = std::max(size, std::abs(x.mid()) + std::abs(y.mid()));
                 error = std::max(error, x.radius() + y.radius());
             }
-            const auto times = [](std::span<const double> x, std::span<const double> y, std::span<double> product) {
+            const auto times = [](std::span<const double> x, std::span<const double> y,
+                                  std::span<double> product) {
                 std::ranges::fill(product, 0.0);
                 for (std::size_t i = 0; i < x.size(); ++i)
                     for (std::size_t j = 0; j < y.size(); ++j) product[i + j] += x[i] * y[j];
@@ -150,7 +152,7 @@ private:
             for (int k = 0; k < power; ++k) whole *= size;
         }
         int degree, count;
-        double size = 0;  ///< of |a| + |b|, in Bernstein coefficients
+        double size = 0;   ///< of |a| + |b|, in Bernstein coefficients
         double whole = 1;  ///< of (|a| + |b|)^power
         /// All rows together, times binomials, are off by no more than that times `whole`.
         double relative_error;
@@ -160,7 +162,8 @@ private:
     /// Relative: of n operations, one after the other.
     static double rounding(int n) { return n * 0x1p-53; }
 
-    /// Of powers: how many, less one, and of which degree; known to the compiler where they are the usual ones.
+    /// Of powers: how many, less one, and of which degree; known to the compiler where they are the usual
+    /// ones.
     struct Degrees {
         int power, degree;
     };
@@ -170,7 +173,8 @@ private:
     };
     /// Adds all factor_ij u_i v_j.
     template <class U, class V>
-    static void add_products(U of_u, V of_v, const Powers& u, const Powers& v, const double* factors, double* sum) {
+    static void add_products(U of_u, V of_v, const Powers& u, const Powers& v, const double* factors,
+                             double* sum) {
         std::array<double, kMaxBinomial + 1> inner;
         for (int i = 0; i <= of_u.power; ++i) {
             for (int l = 0; l <= of_v.degree; ++l) inner[static_cast<std::size_t>(l)] = 0;
@@ -181,22 +185,24 @@ private:
             }
             const double* const row = &u.coefficients[static_cast<std::size_t>(i * (of_u.degree + 1))];
             for (int a = 0; a <= of_u.degree; ++a)
-                for (int b = 0; b <= of_v.degree; ++b) sum[a + b] += row[a] * inner[static_cast<std::size_t>(b)];
+                for (int b = 0; b <= of_v.degree; ++b)
+                    sum[a + b] += row[a] * inner[static_cast<std::size_t>(b)];
         }
     }
 
     /// The patch's homogeneous coordinates along a trimming curve.
     ///
-    /// Of N_ij u_i v_j, each times its binomials, the magnitudes add up to less than those of N times the products
-    /// of (|a| + |b|)^m for either variable, all in the Bernstein basis. What each term goes through is off by so many
-    /// roundings: relative to that sum they all count once [Higham02, sec. 3.1].
+    /// Of N_ij u_i v_j, each times its binomials, the magnitudes add up to less than those of N times the
+    /// products of (|a| + |b|)^m for either variable, all in the Bernstein basis. What each term goes through
+    /// is off by so many roundings: relative to that sum they all count once [Higham02, sec. 3.1].
     std::array<Form, 4> lift(const Powers& u, const Powers& v) const {
         const int m = u.count - 1, n = v.count - 1;
         const std::size_t length = static_cast<std::size_t>(u.degree + v.degree + 1);
         std::array<Form, 4> lifted;
         SmallVector<double, 16> sum;
         SmallVector<double, 9> factors;
-        const int operations = 3 + (n + 2) + (std::min(u.degree, v.degree) + 2) + (m + 1) + (std::max(m, n) > 56 ? 1024 : 0);
+        const int operations =
+            3 + (n + 2) + (std::min(u.degree, v.degree) + 2) + (m + 1) + (std::max(m, n) > 56 ? 1024 : 0);
         for (std::size_t k = 0; k < 4; ++k) {
             double size = 0, error = 0;
             factors.clear();
@@ -214,7 +220,8 @@ private:
                 add_products(Degrees{m, u.degree}, Degrees{n, v.degree}, u, v, factors.data(), sum.data());
             const double relative = u.relative_error + v.relative_error + rounding(operations);
             // A hundredth more than first order: relative errors are below that, or say nothing.
-            lifted[k] = Form(sum, relative < 0x1p-10 ? 1.01 * (size * relative + error) * u.whole * v.whole : HUGE_VAL);
+            lifted[k] = Form(
+                sum, relative < 0x1p-10 ? 1.01 * (size * relative + error) * u.whole * v.whole : HUGE_VAL);
         }
         return lifted;
     }

@@ -197,7 +197,8 @@ TEST_CASE("certify: the certificate as JSON names every element") {
     CHECK(static_cast<std::size_t>(std::ranges::count(text, '\n')) >= c.elements.size());
 }
 
-TEST_CASE("certify: balls about balls are proved in units far from one, where samples would miss their faces") {
+TEST_CASE(
+    "certify: balls about balls are proved in units far from one, where samples would miss their faces") {
     for (const std::string name : {"atom_1crn", "figure8"})
         for (const int power : {-100, 100}) {
             CAPTURE(name);
@@ -220,15 +221,18 @@ TEST_CASE("certify: one more ball is found if it takes a part of the boundary, a
                 p = cell.vertices[rng() % cell.vertices.size()].point;
             } else if (k % 3 == 1) {
                 const RationalCurve3& curve = cell.edges[rng() % cell.edges.size()].curve;
-                p = curve.evaluate(std::lerp(curve.domain_begin(), curve.domain_end(), 0.5 + 0.4 * unit(rng)));
+                p = curve.evaluate(
+                    std::lerp(curve.domain_begin(), curve.domain_end(), 0.5 + 0.4 * unit(rng)));
             } else {
                 const RationalPatch& s = cell.faces[rng() % cell.faces.size()].patches[0].surface;
-                p = s.evaluate(std::midpoint(s.domain_u[0], s.domain_u[1]), std::midpoint(s.domain_v[0], s.domain_v[1]));
+                p = s.evaluate(std::midpoint(s.domain_u[0], s.domain_u[1]),
+                               std::midpoint(s.domain_v[0], s.domain_v[1]));
             }
             const check::SceneGeometry geometry(cell.scene);
             const double clearance = geometry.height(p);
             // Straight away from the base, or to any side.
-            const Vec3 way = (Vec3(unit(rng), unit(rng), unit(rng)) + (k % 4 ? 4.0 : 0.0) * geometry.up(p)).normalized();
+            const Vec3 way =
+                (Vec3(unit(rng), unit(rng), unit(rng)) + (k % 4 ? 4.0 : 0.0) * geometry.up(p)).normalized();
             Sphere more;
             more.radius = 0.1 * std::abs(unit(rng)) * clearance;
             more.center = p + (clearance * (1 + unit(rng) * (k % 2 ? 0.1 : 1e-4)) + more.radius) * way;
@@ -266,8 +270,8 @@ TEST_CASE("forms: products and ranges enclose the values") {
         double sum = 0;
         for (int i = 0; i <= f.degree_s(); ++i)
             for (int j = 0; j <= f.degree_t(); ++j)
-                sum += f.at(i, j) * std::pow(s, i) * std::pow(1 - s, f.degree_s() - i) *
-                       std::pow(t, j) * std::pow(1 - t, f.degree_t() - j);
+                sum += f.at(i, j) * std::pow(s, i) * std::pow(1 - s, f.degree_s() - i) * std::pow(t, j) *
+                       std::pow(1 - t, f.degree_t() - j);
         return sum;
     };
     const Form product = a * b, squared = square(a);

@@ -26,14 +26,17 @@ struct Region {
         if (std::holds_alternative<Cylinder>(base))
             return {Vec3(0, 0, 3 * (t - 0.5)), Vec3(std::cos(angle), std::sin(angle), 0)};
         const double lift = 1.5 * (t - 0.5);
-        return {Vec3::Zero(), Vec3(std::cos(angle) * std::cos(lift), std::sin(angle) * std::cos(lift), std::sin(lift))};
+        return {Vec3::Zero(),
+                Vec3(std::cos(angle) * std::cos(lift), std::sin(angle) * std::cos(lift), std::sin(lift))};
     }
     double first() const { return std::holds_alternative<Plane>(base) ? 0 : radius; }
 
     /// The point where the ray is as far from the ball as from the base; none within a long way.
     std::optional<Vec3> meet(const Sphere& ball, double s, double t) const {
         const auto [start, way] = ray(s, t);
-        const auto excess = [&](double x) { return (start + x * way - ball.center).norm() - ball.radius - (x - first()); };
+        const auto excess = [&](double x) {
+            return (start + x * way - ball.center).norm() - ball.radius - (x - first());
+        };
         double lo = 0, hi = 64;
         if (excess(lo) <= 0 || excess(hi) >= 0) return std::nullopt;
         for (int k = 0; k < 60; ++k) (excess(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
@@ -47,7 +50,8 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
     std::mt19937_64 rng(test_seed());
     const auto uniform = [&](double lo, double hi) { return std::uniform_real_distribution(lo, hi)(rng); };
     constexpr int n = 60;
-    const std::array<Region, 3> regions{Region{Plane{Vec3::Zero(), Vec3(0, 0, 2)}, 0}, Region{Sphere{Vec3::Zero(), 0.5}, 0.5},
+    const std::array<Region, 3> regions{Region{Plane{Vec3::Zero(), Vec3(0, 0, 2)}, 0},
+                                        Region{Sphere{Vec3::Zero(), 0.5}, 0.5},
                                         Region{Cylinder{Vec3(0, 0, 1), Vec3(0, 0, 3), 0.5}, 0.5}};
     int found = 0, told = 0;
     for (const Region& region : regions)
@@ -68,7 +72,8 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
                     points.push_back(region.meet(own, s, t));
                     const auto& p = points.back();
                     // On the bisector the clearance is the own ball's distance.
-                    excess.push_back(p ? (*p - rival.center).norm() - rival.radius - (*p - own.center).norm() + own.radius
+                    excess.push_back(p ? (*p - rival.center).norm() - rival.radius -
+                                             (*p - own.center).norm() + own.radius
                                        : -HUGE_VAL);
                 }
             for (int i = 1; i < n; ++i)
@@ -81,7 +86,8 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
                             const std::size_t other = at + static_cast<std::size_t>(a * (n + 1) + b);
                             if (other == at) continue;
                             around = std::min(around, excess[other]);
-                            if (points[other]) spacing = std::max(spacing, (*points[other] - *points[at]).norm());
+                            if (points[other])
+                                spacing = std::max(spacing, (*points[other] - *points[at]).norm());
                         }
                     if (around < excess[at]) continue;
                     ++found;
@@ -96,7 +102,8 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
     CHECK(found > 20);
 }
 
-TEST_CASE("least places: where one ball holds the other, or both share a centre, nothing is claimed to be known") {
+TEST_CASE(
+    "least places: where one ball holds the other, or both share a centre, nothing is claimed to be known") {
     const Object base = Plane{Vec3::Zero(), Vec3::UnitZ()};
     const Sphere own{Vec3(0, 0, 2), 0.25};
     const LeastPlaces places(base, own);
@@ -113,7 +120,8 @@ TEST_CASE("least places: enclosed to rounding, on the bisector, behind the rival
         REQUIRE(spots->size() == 1);
         const auto& [p, radius] = spots->front();
         CHECK(radius < 1e-12);
-        CHECK((p - own.center).norm() - own.radius == doctest::Approx((p - base.center).norm() - base.radius));
+        CHECK((p - own.center).norm() - own.radius ==
+              doctest::Approx((p - base.center).norm() - base.radius));
         const Vec3 focus = rival.radius == 0.125 ? base.center : own.center;
         CHECK((p - focus).normalized().cross((p - rival.center).normalized()).norm() < 1e-12);
         CHECK((p - focus).dot(p - rival.center) > 0);

@@ -49,7 +49,8 @@ TEST_CASE("midrad: operations enclose the results of all members") {
         CAPTURE(b.ball.mid());
         CAPTURE(b.ball.radius());
         const MidRad sum = a.ball + b.ball, difference = a.ball - b.ball, product = a.ball * b.ball,
-                     quotient = a.ball / b.ball, squared = square(a.ball), root = sqrt(a.ball), twice = 2.5 * a.ball;
+                     quotient = a.ball / b.ball, squared = square(a.ball), root = sqrt(a.ball),
+                     twice = 2.5 * a.ball;
         for (const Rational& x : a.members) {
             CHECK(holds(squared, x * x));
             CHECK(holds(twice, x * Rational(2.5)));
@@ -114,7 +115,8 @@ TEST_CASE("forms: ranges hold the exact values of what cancels") {
                 CHECK(Rational(range.upper()) >= value);
             }
             CHECK(range.width() <= 2 + 0x1p-40 * far * far * (m + n));
-            // The sum of all its bounds is a bound: what is written as zero holds zero, and is no more exact than it is.
+            // The sum of all its bounds is a bound: what is written as zero holds zero, and is no more exact
+            // than it is.
             const Interval zero = (square(a) - a * a).range();
             CHECK(zero.contains(0));
             const Form shifted = a - MidRad(far) * [&] {
