@@ -94,6 +94,24 @@ void require_numbers(const Cell& cell, bool is_measured) {
         throw UndecidedError("the cell's measures: no bound on their error");
 }
 
+// Where a bisector touches the boundary from above in the middle of a face, the diagram has a vertex, which divides
+// nothing: the boundary has none.
+void drop_isolated_vertices(Cell& cell) {
+    std::vector<std::uint32_t> number(cell.vertices.size(), 0);
+    for (const CellEdge& e : cell.edges)
+        for (const std::uint32_t v : e.vertices) number[v] = 1;
+    if (std::ranges::find(number, 0u) == number.end()) return;
+    std::uint32_t kept = 0;
+    for (std::uint32_t v = 0; v < number.size(); ++v) {
+        if (number[v] == 0) continue;
+        if (kept != v) cell.vertices[kept] = std::move(cell.vertices[v]);
+        number[v] = kept++;
+    }
+    cell.vertices.resize(kept);
+    for (CellEdge& e : cell.edges)
+        for (std::uint32_t& v : e.vertices) v = number[v];
+}
+
 // From the scene's heights, made by make_problem(), to its cell.
 template <class MakeProblem>
 Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem make_problem) {
@@ -122,6 +140,7 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     report("patches", 0);
     Cell cell = lift(problem, diagram,
                      decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options.measure);
+    drop_isolated_vertices(cell);
     cell.report.moved = std::max(problem.moved, decided.moved);
     cell.scene = std::move(decided.scene);
     add_scene_motion(cell, cell.report.moved);

@@ -90,8 +90,12 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
     const Cell node = voronoi_cell(read_scene(test_data("hostile/node_of_tubes.json")));
     const auto touching = std::ranges::count_if(node.vertices, [](const CellVertex& v) { return v.is_touching; });
     CHECK(touching == 1);
-    const Certificate c = certify(node);
-    CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
+    const Cell touched = voronoi_cell(read_scene(test_data("hostile/touching_from_above.json")));
+    CHECK(touched.vertices.size() == 4);
+    for (const Cell* cell : {&node, &touched}) {
+        const Certificate c = certify(*cell);
+        CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
+    }
 }
 
 TEST_CASE("certify: a vertical tube's cone is circular") {
