@@ -71,7 +71,8 @@ Row difference(const Row& b, const Row& a) {
     Row row{b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};
     if (a.object && b.object) {
         row.value = b.object->g - a.object->g;
-        row.turn = row.shift = 2;
+        row.turn = 2;
+        row.shift = std::max(a.shift, b.shift);
         row.nearest = std::min(a.object->distance, b.object->distance);
         if (a.object->center && b.object->center) {
             const double apart = (*b.object->center - *a.object->center).norm();
@@ -134,7 +135,18 @@ private:
         }
     }
 
+    // A base ball, other balls and tubes around it, and the box around all of that stay where they are.
+    bool stays(const Term& term) const {
+        return std::holds_alternative<Sphere>(cell_.scene.base) &&
+               !(term.site.is_object() && std::holds_alternative<Plane>(cell_.scene.objects[term.site.index]));
+    }
+
     Row row(const Term& term, const Vec3& p) const {
+        Row row = row_of(term, p);
+        if (stays(term)) row.shift = 0;
+        return row;
+    }
+    Row row_of(const Term& term, const Vec3& p) const {
         const Site site = term.site;
         if (site.kind == Site::Kind::BoxSide) {
             const Vec3 side = Vec3::Unit(site.index / 2);
@@ -150,6 +162,7 @@ private:
 
     // Of the triples the one whose equations tell the point best; none where no bisectors cross.
     std::optional<double> of_vertex(const CellVertex& v, const std::vector<Term>& terms) const {
+        if (std::ranges::all_of(terms, [&](const Term& t) { return stays(t); })) return 0;
         std::vector<Row> rows;
         for (const Term& t : terms) rows.push_back(row(t, v.point));
         double best = infinity;
@@ -181,6 +194,7 @@ private:
     double of_edge(const CellEdge& e, bool is_rim) const {
         const RationalCurve3& c = e.curve;
         const std::array terms{Term{e.sites[0]}, Term{e.sites[1], is_rim}};
+        if (stays(terms[0]) && stays(terms[1])) return 0;
         double most = 0;
         int halvings = most_halvings;
         std::vector<Vector4d> span(c.degree + 1);
