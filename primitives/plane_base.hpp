@@ -27,9 +27,10 @@ namespace vcell {
 /// A rigid motion between world and canonical coordinates: canonical = R (world - origin), rounded. Forms are those of
 /// an exact motion: for axis-parallel normals R is a signed permutation and the origin the base's point on that axis,
 /// or near a box that is far from the scene's origin; in general R is a rotation with rational entries
-/// (exact_motion.hpp) and the origin a point of the base near the box. Objects are to each other exactly what they are in the scene. What is rounded, and counted in
-/// PlaneBaseProblem::moved: the sides of the box, to doubles in canonical coordinates, and unless the normal's length
-/// is a double the base itself, which turns by a few 2^-53 (planes parallel to it turn with it).
+/// (exact_motion.hpp) and the origin a point of the base near the box. Objects are to each other exactly what they
+/// are in the scene. What is rounded, and counted in PlaneBaseProblem::moved: the sides of the box, to doubles in
+/// canonical coordinates, and unless the normal's length is a double the base itself, which turns by a few 2^-53
+/// (planes parallel to it turn with it).
 struct BaseFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 origin = Vec3::Zero();
