@@ -26,7 +26,7 @@ struct Direction {
     std::optional<Vec3> center{};  // of a ball
 };
 
-// Of a plane or a cylinder, from a vector of any length.
+// The unit vector of a plane's normal or a cylinder's axis, which may have any length.
 Vec3 unit_direction(const Object& object) {
     if (const auto* plane = std::get_if<Plane>(&object)) return plane->normal.stableNormalized();
     if (const auto* cylinder = std::get_if<Cylinder>(&object)) return cylinder->axis.stableNormalized();
@@ -65,7 +65,7 @@ struct Row {
     }
 };
 
-// Of two objects, without the base. From balls at a distance r the unit vectors turn nearly alike where their centres are
+// The row of two objects' difference, in which the base takes no part. From balls at a distance r the unit vectors turn nearly alike where their centres are
 // next to each other: the derivative of m / |m| changes by at most 3 / |m|^2 of their distance.
 Row difference(const Row& b, const Row& a) {
     Row row{b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};

@@ -145,14 +145,14 @@ struct LengthIntegrand {
     std::array<double, 1> sizes(const SpanPoint<double>& p) const { return (*this)(p); }
 };
 
-/// Of the span itself.
+/// The length of a span, with its proven bound.
 inline Integral length(const PowerSpan& span) {
     std::array<Integral, 1> sum{};
     integrate(span, LengthIntegrand{}, sum);
     return sum[0];
 }
 
-/// The same for integrands that are dear, or cannot be bounded: with seven points, and their difference from
+/// What integrate() adds, for integrands that are dear or cannot be bounded: with seven points, and their difference from
 /// three of them, at which sizes are taken, too. Error: not proven. As both rules converge geometrically, ten
 /// times the square of the difference (as parts of the size); halved until the difference is at most `largest_difference`.
 template <std::size_t N, class Integrand>

@@ -28,9 +28,9 @@ using Kind = InputError::Kind;
 
 // The square of an axis' slope against the base is a coefficient of the height.
 constexpr double smallest_slope = 1e-125;
-// Of a ball's size with its distance: nearer to the base than that, whether they touch is asked exactly.
+// A part of a ball's size and distance: of balls nearer to the base than that, contact is asked exactly.
 constexpr double near_contact = 0x1p-40;
-// Of its size, from the origin of the scene: from there on a box is far.
+// A box is far from the scene's origin if it is this many times its size away.
 constexpr double far_in_steps = 16;
 
 // ---- Frame ------------------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ bool within(const std::vector<Vec2>& polygon, const Vec2& q, double margin) {
     return true;
 }
 
-// Of directions as they are written, exactly.
+// Both ask directions as they are written, exactly.
 bool are_orthogonal(const Vec3& a, const Vec3& b) {
     return (Exact(a.x()) * b.x() + Exact(a.y()) * b.y() + Exact(a.z()) * b.z()).sign() == Sign::Zero;
 }
