@@ -17,8 +17,8 @@ namespace vcell::quadrature {
 inline constexpr int points = 16;              ///< of the rule where none is chosen
 inline constexpr double truncation = 4e-21;    ///< error bound over the integrand's bound M
 inline constexpr double required_reach = 2.5;  ///< half lengths
-/// Of one span: some forty for each of many singular points, and thousands of halves alike where a face is steep all along
-/// the span.
+/// A span may be halved so often: some forty times for each of many singular points, and into thousands of parts alike
+/// where a face is steep all along it.
 inline constexpr int most_halvings = 20000;
 
 /// Positive abscissae and their weights; the rule is symmetric.

@@ -35,8 +35,7 @@ Vec3 unit_direction(const Object& object) {
 
 Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     if (const auto* plane = std::get_if<Plane>(&object)) {
-        const Vec3& n = unit;
-        return {n.dot(p - plane->point) < 0 ? Vec3(-n) : n};
+        return {unit.dot(p - plane->point) < 0 ? Vec3(-unit) : unit};
     }
     Vec3 m;
     std::optional<Vec3> center;
@@ -160,7 +159,7 @@ private:
         return {object.g - base.g, std::min(object.distance, base.distance), 2, object};
     }
 
-    // Of the triples the one whose equations tell the point best; none where no bisectors cross.
+    // The motion by the three equations that tell the point best; none where no bisectors cross.
     std::optional<double> of_vertex(const CellVertex& v, const std::vector<Term>& terms) const {
         if (std::ranges::all_of(terms, [&](const Term& t) { return stays(t); })) return 0;
         std::vector<Row> rows;

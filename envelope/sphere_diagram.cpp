@@ -1097,7 +1097,7 @@ private:
     SmallVector<Cut, 32> cuts_;
     Vector3d middle_;
     std::vector<std::vector<Index>> ties_;  // the lists of vertices
-    // Of the result: for each vertex one in the same place; empty where all are apart. And the forms where they are more than
+    // The result has for each vertex one in the same place (none if all are apart), and the forms where they are more than
     // three.
     std::vector<Index> places_, met_;
     std::map<Index, std::vector<Index>> tied_;

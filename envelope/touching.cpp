@@ -188,8 +188,8 @@ public:
         at_[n_] = Interval(at_[n_].lower() - margin_, at_[n_].upper() + margin_);
     }
 
-    bool meet_nowhere(Decisions& decisions) {
-        ++decisions.by_interval;
+    // None where rounding leaves the question open.
+    std::optional<bool> in_doubles() {
         const std::size_t s = 1 - n_;
         const Gradient F = heights_.plain_gradient_difference(f_, g_, at_[0], at_[1]);
         const std::array<Interval, 2> middle{Interval(at_[0].mid()), Interval(at_[1].mid())};
@@ -205,12 +205,10 @@ public:
         across_ = H[n_];
         const double l = H[n_].mid() * inverse_;
         change_ = Interval((H[s] - l * F[s] + (H[n_] - l * F[n_]) * run_).magnitude()) * half_;
-        // More digits help where rounding leaves the question open, and nowhere else.
-        if (const auto answer = ask<Interval>(most_double_steps, double_enough)) return *answer;
-        --decisions.by_interval;
-        ++decisions.by_multiprecision;
-        return ask<Wide>(most_steps, enough).value_or(false);
+        return ask<Interval>(most_double_steps, double_enough);
     }
+    // Pre: in_doubles() had no answer.
+    bool in_many_digits() const { return ask<Wide>(most_steps, enough).value_or(false); }
 
 private:
     static constexpr int most_steps = 20, enough = -200, most_double_steps = 6, double_enough = -40;
@@ -265,7 +263,13 @@ private:
 
 bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box,
                   Decisions& decisions) {
-    return MeetingSearch(heights, h, f, g, box).meet_nowhere(decisions);
+    MeetingSearch search(heights, h, f, g, box);
+    if (const auto answer = search.in_doubles()) {
+        ++decisions.by_interval;
+        return *answer;
+    }
+    ++decisions.by_multiprecision;
+    return search.in_many_digits();
 }
 
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
