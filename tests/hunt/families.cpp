@@ -124,6 +124,13 @@ private:
     Scene scene_;
 };
 
+void transform(Object& object, double factor, const Vec3& shift) {
+    const auto place = [&](Vec3& p) { p = factor * p + shift; };
+    if (auto* s = std::get_if<Sphere>(&object)) place(s->center), s->radius *= factor;
+    if (auto* p = std::get_if<Plane>(&object)) place(p->point);
+    if (auto* c = std::get_if<Cylinder>(&object)) place(c->point), c->radius *= factor;
+}
+
 Scene balls(std::mt19937_64& rng, BaseKind kind) {
     Builder b(rng, kind);
     b.put_base(0.3);
@@ -181,7 +188,7 @@ Scene lattice(std::mt19937_64& rng, BaseKind kind) {
     return b.done();
 }
 
-// Equal tubes, square, hexagonal or woven; turned, and perturbed or not.
+// Equal tubes, square, hexagonal or woven; turned, and perturbed or not. A ball or a tube has the place in the middle.
 Scene bundle(std::mt19937_64& rng, BaseKind kind) {
     Builder b(rng, kind);
     const double radius = b.chance(0.2) ? 0 : 0.2;
@@ -197,6 +204,7 @@ Scene bundle(std::mt19937_64& rng, BaseKind kind) {
     const double shift = b.is_plane() ? 0.5 : 0;  // a plane runs between the tubes
     for (int i = -1; i <= 1; ++i)
         for (int j = -1; j <= 1; ++j) {
+            if (!b.is_plane() && i == 0 && j == 0) continue;
             const double x = type == 1 ? i + 0.5 * j : i, y = type == 1 ? std::sqrt(0.75) * j : j;
             Vec3 p(x + shift, y + shift, 0), axis = Vec3::UnitZ();
             if (type == 2 && (i & 1)) {  // layers across each other
@@ -207,6 +215,23 @@ Scene bundle(std::mt19937_64& rng, BaseKind kind) {
             axis = frame * axis + error * b.direction();
             b.add(Cylinder{p, axis, radius});
         }
+    return b.done();
+}
+
+// Each object twice, apart by next to nothing; often the base, too.
+Scene twins(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    b.put_base(b.chance(0.2) ? 0 : 0.3);
+    const double error = b.small(3, 16);
+    b.add_mix(b.count(0, 2), b.count(0, 1), b.count(0, 2));
+    std::vector<Object> first = b.scene().objects;
+    if (b.chance(0.3)) first.push_back(b.scene().base);
+    for (Object& o : first) {
+        transform(o, 1, error * b.direction());
+        if (auto* c = std::get_if<Cylinder>(&o)) c->axis += error * b.direction();
+        if (auto* p = std::get_if<Plane>(&o)) p->normal += error * b.direction();
+        b.add(o);
+    }
     return b.done();
 }
 
@@ -292,12 +317,6 @@ Scene symmetric(std::mt19937_64& rng, BaseKind kind) {
     return b.done();
 }
 
-void transform(Object& object, double factor, const Vec3& shift) {
-    const auto place = [&](Vec3& p) { p = factor * p + shift; };
-    if (auto* s = std::get_if<Sphere>(&object)) place(s->center), s->radius *= factor;
-    if (auto* p = std::get_if<Plane>(&object)) place(p->point);
-    if (auto* c = std::get_if<Cylinder>(&object)) place(c->point), c->radius *= factor;
-}
 Scene transformed(Scene s, double factor, const Vec3& shift) {
     transform(s.base, factor, shift);
     for (Object& o : s.objects) transform(o, factor, shift);
@@ -345,6 +364,7 @@ constexpr Family all[] = {
     {"integers", "planes, points, lines, balls and tubes of small integers", integers},
     {"lattice", "balls of a lattice, exact or one unit in the last place off", lattice},
     {"bundle", "equal tubes, square, hexagonal or woven, turned and perturbed by 1e-15 to 1e-3", bundle},
+    {"twins", "each object twice, and the base, too, 1e-16 to 1e-3 apart", twins},
     {"contact", "objects 1e-12 to 0.1 from the base", contact},
     {"tangent", "objects that touch each other, or miss by 1e-16 to 1e-3", tangent},
     {"symmetric", "points, balls, lines or tubes in symmetric places", symmetric},
