@@ -113,6 +113,7 @@ RadialJet<Interval> Heights::radial_jet(FormId f, Interval x, Interval y) const 
 
 template <int order>
 RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) const {
+    ++wide_evaluations_;
     std::unique_ptr<RadialHeight<Wide>>& p = wide_radial_[f.value];
     if (!p && family_.is_circular(f)) {
         const ExactForm e = family_.exact(f);
@@ -161,6 +162,7 @@ Interval Heights::value(FormId f, Interval x, Interval y) const {
 }
 
 const Heights::WidePrepared& Heights::wide(FormId f) const {
+    ++wide_evaluations_;
     std::unique_ptr<WidePrepared>& p = wide_[f.value];
     if (p) return *p;
     p = std::make_unique<WidePrepared>();

@@ -68,6 +68,9 @@ public:
     HeightJet<Wide> jet(FormId f, const Wide& x, const Wide& y) const;
     Wide value(FormId f, const Wide& x, const Wide& y) const;
 
+    /// How often heights were asked for with more digits so far: what costs most where forms all but coincide.
+    std::size_t wide_evaluations() const { return wide_evaluations_; }
+
     /// Encloses the second derivatives of f over the box, likewise.
     HeightCurvature<Interval> curvature(FormId f, Interval x, Interval y) const;
 
@@ -119,6 +122,7 @@ private:
     };
     mutable std::array<Place, 2> places_;
     mutable std::size_t newer_ = 0;
+    mutable std::size_t wide_evaluations_ = 0;
     const RadialNormals<Interval>& normals(Interval x, Interval y) const;
 };
 

@@ -54,6 +54,9 @@ constexpr double much_steeper = 4, most_slender = 0x1p16;
 // of pieces decides that.
 constexpr double small_part = 0x1p-16;
 constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 200;
+// Pieces of any size are split fewer than 50 times to a form usually, 200 times where few forms have much to do with each
+// other; forms that all but coincide want it as often as the square of the region's size over their distance.
+constexpr std::size_t most_splits = 5000, splits_of_form = 250;
 // Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
 constexpr double split_ratio = 0.48643;
 
@@ -363,8 +366,8 @@ private:
             ++small_pieces_;
             ++small_pieces_in_place_;
         }
-        if (at_floor || small_pieces_ > small_pieces_of_form * family_.size() ||
-            small_pieces_in_place_ > most_small_pieces_in_place)
+        if (at_floor || ++splits_ > most_splits + splits_of_form * family_.size() || analysis_.is_spent() ||
+            small_pieces_ > small_pieces_of_form * family_.size() || small_pieces_in_place_ > most_small_pieces_in_place)
             throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);
         if (!halves) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
@@ -524,7 +527,7 @@ private:
     MixedAnalysis analysis_;
     Sizes sizes_ = region_sizes;
     bool is_sphere_ = false, is_cylinder_ = false;
-    std::size_t small_pieces_ = 0, small_pieces_in_place_ = 0;
+    std::size_t splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
     double done_ = 0;
     // Working space.
     std::vector<CircleKernel::Place> places_;

@@ -28,6 +28,15 @@ MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent) : heights_
     if (!family.radial.empty() && family.chart == RadialChart::Stereographic) supports_.emplace(family);
 }
 
+bool MixedAnalysis::is_spent() const {
+    // Measured: 80 evaluations and some hundred stretches to a form are usual, a few thousand in all where a tie of some
+    // ten forms is settled.
+    constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 100000, stretches_of_form = 5000;
+    const std::size_t forms = heights_.family().size();
+    return heights_.wide_evaluations() > most_wide + wide_of_form * forms ||
+           stretches_ > most_stretches + stretches_of_form * forms;
+}
+
 // A point of the rim may be met from its side and from inside: it is listed once.
 void MixedAnalysis::assume(const Vector2d& place, double width, std::vector<FormId> forms) {
     std::ranges::sort(forms);

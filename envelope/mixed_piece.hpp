@@ -168,6 +168,10 @@ public:
     FormId label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
                         std::span<const FormId> candidates);
 
+    /// Were sides divided, or heights asked for with many digits, so often that forms all but coincide along a curve or
+    /// an area?
+    bool is_spent() const;
+
     /// The diagram of the forms that the last cull() left over the piece, if it is plain. Pre: that was about its box,
     /// and not asked before.
     std::optional<MixedPiece> resolve(const PieceBoundary& boundary);
@@ -250,7 +254,8 @@ private:
     Decisions decisions_;
     std::vector<Assumption> assumptions_;
     std::optional<Assumption> obstacle_;
-    std::size_t short_stretches_ = 0;   // that the side in work may still be divided into
+    std::size_t stretches_ = 0;         // that sides were divided into
+    std::size_t wide_before_side_ = 0;  // evaluations with many digits before the side in work
     std::vector<Spread> spreads_;       // of the forms that the last cull() left
     std::optional<DividedBox> parts_;   // of the last piece that was divided
     std::optional<NormalBox> normals_;  // over its box, if that is how they compare

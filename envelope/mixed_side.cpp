@@ -331,9 +331,8 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     return out;
 }
 
-// Stretches of a side shorter than sharp_width that are divided at most. Around a change or a tie some ten follow each
-// other; forms with contact of third order, or that rounding blurs, keep any number of them apart before the floor.
-constexpr std::size_t most_short_stretches = 4096, more_for_each_form = 64, most_along_seam = 1024;
+// A seam on which forms tie is given up after so many evaluations with many digits: there are others.
+constexpr std::size_t most_along_seam = 2000;
 
 // From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
 bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
@@ -341,6 +340,7 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     const double m = Interval(s0, s1).mid();
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
     const double extent = extent_at(range[0], range[1]);
+    ++stretches_;
     const auto [left, least_slope] = rivals_along(line, s0, s1, candidates);
     decisions_.by_interval += candidates.size() - left.size();
     if (left.size() == 1) return true;
@@ -364,9 +364,9 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
         out.push_back(std::move(t));
         return true;
     }
-    if (s1 - s0 < sharp_width * extent && short_stretches_-- == 0) {
+    if (is_spent() || (is_seam && heights_.wide_evaluations() - wide_before_side_ > most_along_seam)) {
         const Assumption tie{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
-        if (!is_seam) throw TieError(tie);
+        if (is_spent()) throw TieError(tie);
         obstacle_ = tie;
         return false;
     }
@@ -477,7 +477,7 @@ std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const
     const bool ascending = line.ascends();
     const double s0 = std::min(p.lower(), q.lower()), s1 = std::max(p.upper(), q.upper());
     SideLabels labels{ascending ? first : last, {}};
-    short_stretches_ = (is_seam ? most_along_seam : most_short_stretches) + more_for_each_form * candidates.size();
+    wide_before_side_ = heights_.wide_evaluations();
     if (!descend(line, s0, labels.first, s1, ascending ? last : first, candidates, is_seam, labels.transitions))
         return std::nullopt;
     // What ties in a corner is the corner's.
