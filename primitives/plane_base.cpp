@@ -261,21 +261,35 @@ std::vector<ExactPoint> region_corners(const std::vector<RegionSide>& region) {
     return corners;
 }
 
+double place_of(const Box& box, Site side) {
+    return (side.index % 2 == 0 ? box.min : box.max)[side.index / 2];
+}
+
+// On which side of the plane is the point of the base on two sides of the box? Exact in world coordinates.
+// Pre: the three meet in one point.
+Sign side_of_corner(const Plane& plane, const Plane& base, const Box& box, Site first, Site second) {
+    const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
+    Exact value = plane.normal[k] * (Exact(base.point[k]) - plane.point[k]), across;
+    for (const Site side : {first, second}) {
+        const std::uint32_t axis = side.index / 2;
+        const Exact place(place_of(box, side));
+        value += plane.normal[axis] * (place - plane.point[axis]);
+        across += base.normal[axis] * (place - base.point[axis]);
+    }
+    return (base.normal[k] * value - plane.normal[k] * across).sign() * Exact(base.normal[k]).sign();
+}
+
 // The sides of the box through the point of the base on two of them, exact in world coordinates: the region's own
 // sides are rounded, and where three run through one point no two of them tell of the third.
 std::vector<Site> sides_through(const Plane& base, const Box& box, Site first, Site second) {
-    const auto bound = [&](Site side) {
-        const std::uint32_t axis = side.index / 2;
-        return side.index % 2 == 0 ? box.min[axis] : box.max[axis];
-    };
     const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
     std::vector<Site> sides{first, second};
     if (base.normal[i] == 0 && base.normal[j] == 0) return sides;  // the third one is along the base
-    const Exact across = base.normal[i] * (Exact(bound(first)) - base.point[i]) +
-                         base.normal[j] * (Exact(bound(second)) - base.point[j]);
+    const Exact across = base.normal[i] * (Exact(place_of(box, first)) - base.point[i]) +
+                         base.normal[j] * (Exact(place_of(box, second)) - base.point[j]);
     for (const std::uint32_t index : {2 * k, 2 * k + 1}) {
         const Site third = Site::box_side(index);
-        const Exact height = across + base.normal[k] * (Exact(bound(third)) - base.point[k]);
+        const Exact height = across + base.normal[k] * (Exact(place_of(box, third)) - base.point[k]);
         if (height.sign() == Sign::Zero) sides.push_back(third);
     }
     return sides;
@@ -598,6 +612,12 @@ private:
         const auto& corners = region_.corners();
         std::vector<Sign> signs;
         for (const ExactPoint& c : corners) signs.push_back((h.n.x * c.x + h.n.y * c.y + h.d * c.d).sign());
+        // A base that has turned by rounding may part from what touches it in the scene.
+        for (std::size_t c = 0; c < corners.size() && !frame_->is_exact(); ++c) {
+            const Sign side = side_of_corner(plane, base_, scene_.box,
+                                             sides_[(c + sides_.size() - 1) % sides_.size()].site, sides_[c].site);
+            if (side != signs[c]) signs[c] = Sign::Zero;
+        }
         const auto differs = std::adjacent_find(signs.begin(), signs.end(), std::not_equal_to<>());
         const auto zero = std::find(signs.begin(), signs.end(), Sign::Zero);
         if (differs != signs.end() || zero != signs.end()) {

@@ -347,11 +347,13 @@ private:
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop)
                 for (const auto& piece : trim.pieces)
-                    if (meets(piece, tile.lo, tile.hi)) return false;
+                    if (meets(piece, tile, kNearEdge * (patch.hi - patch.lo))) return false;
         return !inside(patch, 0.5 * (tile.lo + tile.hi), rounding()).value_or(true);
     }
 
-    static bool meets(const Bezier<2>& piece, const Vec2& lo, const Vec2& hi) {
+    /// Unless false, may be met: pieces of less than `least_size` are not told apart from the tile.
+    static bool meets(const Bezier<2>& piece, const Tile& tile, const Vec2& least_size) {
+        const Vec2 &lo = tile.lo, &hi = tile.hi;
         Vec2 least = piece.control(0), most = least;
         for (std::size_t i = 1; i < piece.points.size(); ++i) {
             least = least.cwiseMin(piece.control(i));
@@ -359,10 +361,9 @@ private:
         }
         if ((least.array() > hi.array()).any() || (most.array() < lo.array()).any()) return false;
         if (((most - least).array() < 0.25 * (hi - lo).array()).all()) return true;
-        if (!((most - least).array() > kNearEdge * most.cwiseAbs().cwiseMax(least.cwiseAbs()).array()).any())
-            return true;
+        if (!((most - least).array() > least_size.array()).any()) return true;
         for (const auto& half : piece.halves())
-            if (meets(half, lo, hi)) return true;
+            if (meets(half, tile, least_size)) return true;
         return false;
     }
 
