@@ -789,8 +789,23 @@ private:
         const auto [box_u, box_v] = face_bounds(face);
         std::optional<RationalPatch> surface =
             patches_[face].patch(box_u, box_v, problem_.frame, roundings_[face]);
+        if (surface && roundings_[face] > enough_digits())
+            roundings_[face] = rounding_along(patches_[face], {box_u, box_v}, trimmed(face).loops);
         if (surface) trimmed(face).surface = std::move(*surface);
         return surface.has_value();
+    }
+
+    // Patches that are rounded by less need no closer look.
+    double enough_digits() const { return tolerance_ / 16; }
+    double rounding_along(const RadialPatch& patch, const Rectangle& box,
+                          const std::vector<std::vector<TrimCurve>>& loops) const {
+        double most = 0;
+        for (const std::vector<TrimCurve>& loop : loops)
+            for (const TrimCurve& trim : loop)
+                if (trim.edge)
+                    most = std::max(most, patch.rounding_along(trim.curve, box[0], box[1], problem_.frame,
+                                                               enough_digits()));
+        return most;
     }
 
     // After a patch with a weight that is not positive.
@@ -1132,12 +1147,16 @@ private:
             for (const TrimCurve& trim : part.loops.front())
                 extend_by_rectangle(box, curve_bounds(trim.curve));
             widen(box);
+            const RadialPatch& patch = all.sectors[part.sector].patch;
             double rounding = 0;
-            if (auto surface = all.sectors[part.sector].patch.patch(box[0], box[1], problem_.frame, rounding))
-                all.parts.push_back({std::move(*surface), std::move(part.loops)});
-            else
+            auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);
+            if (!surface) {
                 all.is_too_wide[part.sector] = true;
+                continue;
+            }
+            if (rounding > enough_digits()) rounding = rounding_along(patch, box, part.loops);
             roundings_[face] = std::max(roundings_[face], rounding);
+            all.parts.push_back({std::move(*surface), std::move(part.loops)});
         }
         return std::ranges::find(all.is_too_wide, true) == all.is_too_wide.end();
     }

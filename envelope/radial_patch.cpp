@@ -6,6 +6,7 @@
 
 #include "../core/exact.hpp"
 #include "../primitives/bisector.hpp"
+#include "joined_spans.hpp"
 
 namespace vcell {
 
@@ -28,6 +29,9 @@ Vec3 across_y(const Vec3& p) { return {p.x(), 0, p.z()}; }
 constexpr double singular = 1.0 / 64;
 // And out of reach of a face beyond this many times the distance of the axis beside it.
 constexpr double far = 64;
+
+// Control points are means by weights: some ten operations each, coefficients within a few u.
+constexpr double rounding_each = 16 * std::numeric_limits<double>::epsilon();
 
 // Does the cylinder's axis meet the base's, exactly? Pre: they are not parallel.
 bool is_crossing(const Cylinder& c) {
@@ -251,17 +255,15 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
 }
 
 // Blossoms: x -> (x + x') / 2, x^2 -> x x'.
-std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
-                                                const std::array<double, 2>& v, const BaseFrame& frame,
-                                                double& rounding) const {
+template <class Use>
+void RadialPatch::for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v,
+                                   Use use) const {
     const auto blossom = [](const std::array<double, 2>& range, int i, int n) -> Polynomial {
         const double a = range[n == 1 ? i : i > 1], b = range[n == 1 ? i : i > 0];
         return {1, 0.5 * a + 0.5 * b, a * b};
     };
     // Coefficients beyond the degrees are zero.
     const auto [m, n] = degree_;
-    RationalPatch surface{m, n, u, v, {}};
-    // With the sums of the terms' absolute values.
     std::array<std::array<Vector4d, 3>, 3> along_v, size_v;
     for (int j = 0; j <= n; ++j) {
         const Polynomial g = blossom(v, j, n);
@@ -272,7 +274,6 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
             size_v[j][k] = c0.cwiseAbs() + c1.cwiseAbs() + c2.cwiseAbs();
         }
     }
-    double scale = 1, of_points = 0, of_weights = 0, far = 0;
     for (int i = 0; i <= m; ++i) {
         const Polynomial f = blossom(u, i, m);
         for (int j = 0; j <= n; ++j) {
@@ -280,19 +281,115 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
             const Vector4d h = f[0] * row[0] + f[1] * row[1] + f[2] * row[2];
             const Vector4d size =
                 std::abs(f[0]) * size_v[j][0] + std::abs(f[1]) * size_v[j][1] + std::abs(f[2]) * size_v[j][2];
-            if (!(h.w() > 0)) return std::nullopt;
-            if (i == 0 && j == 0) scale = 1 / h.w();
-            const Vec3 p = h.head<3>() / h.w(), world = frame.to_world(p);
-            surface.points.push_back({world.x(), world.y(), world.z(), scale * h.w()});
-            of_points = std::max(of_points, size.head<3>().sum() / h.w());
-            of_weights = std::max(of_weights, size.w() / h.w());
-            far = std::max(far, p.cwiseAbs().sum());
+            if (!use(h, size)) return;
         }
     }
-    // Control points are means by weights: some ten operations each, coefficients within a few u.
-    constexpr double each = 16 * std::numeric_limits<double>::epsilon();
-    rounding = each * (of_points + far * of_weights + frame.origin.norm());
+}
+
+std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
+                                                const std::array<double, 2>& v, const BaseFrame& frame,
+                                                double& rounding) const {
+    const auto [m, n] = degree_;
+    RationalPatch surface{m, n, u, v, {}};
+    bool is_positive = true;
+    double scale = 1, of_points = 0, of_weights = 0, far = 0;
+    for_each_control(u, v, [&](const Vector4d& h, const Vector4d& size) {
+        is_positive = h.w() > 0;
+        if (!is_positive) return false;
+        if (surface.points.empty()) scale = 1 / h.w();
+        const Vec3 p = h.head<3>() / h.w(), world = frame.to_world(p);
+        surface.points.push_back({world.x(), world.y(), world.z(), scale * h.w()});
+        of_points = std::max(of_points, size.head<3>().sum() / h.w());
+        of_weights = std::max(of_weights, size.w() / h.w());
+        far = std::max(far, p.cwiseAbs().sum());
+        return true;
+    });
+    if (!is_positive) return std::nullopt;
+    rounding = rounding_each * (of_points + far * of_weights + frame.origin.norm());
     return surface;
+}
+
+// Control points P_ij that are off by a_ij, and weights by r_ij of themselves, turn S = sum B_ij w_ij P_ij /
+// sum B_ij w_ij off by no more than sum B_ij w_ij (a_ij + r_ij |P_ij - S|) / sum B_ij w_ij. In terms of h and
+// size, with |S| <= sum B_ij |h_ij| / sum B_ij w_ij, these are quotients of functions in Bernstein form with
+// coefficients that are not negative: over a part of the rectangle each is no more than the greatest quotient
+// of the coefficients there.
+double RadialPatch::rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
+                                   const std::array<double, 2>& v, const BaseFrame& frame,
+                                   double enough) const {
+    // Of points, of weights, |h|, w.
+    std::array<Vector4d, 9> net;
+    std::size_t controls = 0;
+    for_each_control(u, v, [&](const Vector4d& h, const Vector4d& size) {
+        const double length = h.head<3>().cwiseAbs().sum();
+        net[controls++] << size.head<3>().sum() + length / h.w() * size.w(), size.w(), length, h.w();
+        return true;
+    });
+    const auto [m, n] = degree_;
+    const std::array domains{u, v};
+    using Rectangle = std::array<Range, 2>;  // each side from 0 to 1
+    const auto over = [&](const Rectangle& part) {
+        // The blossom of the three or two coefficients c(0), ... in one variable.
+        const auto blossom = [](int degree, const Range& range, int i, const auto& c) -> Vector4d {
+            if (degree == 1) return (1 - range[i]) * c(0) + range[i] * c(1);
+            const double a = range[i > 1], b = range[i > 0];
+            return (1 - a) * (1 - b) * c(0) + ((1 - a) * b + a * (1 - b)) * c(1) + a * b * c(2);
+        };
+        double of_points = 0, of_weights = 0, far = 0;
+        for (int i = 0; i <= m; ++i)
+            for (int j = 0; j <= n; ++j) {
+                const auto row = [&](int k) {
+                    return blossom(n, part[1], j, [&](int l) { return net[k * (n + 1) + l]; });
+                };
+                const Vector4d sum = blossom(m, part[0], i, row);
+                of_points = std::max(of_points, sum[0] / sum[3]);
+                of_weights = std::max(of_weights, sum[1] / sum[3]);
+                far = std::max(far, sum[2] / sum[3]);
+            }
+        return rounding_each * (of_points + far * of_weights + frame.origin.norm());
+    };
+    // Around the first `count` of the control points (u w, v w, w). Those of other weights tell nothing.
+    using Piece = std::array<Eigen::Vector3d, 6>;
+    const auto part_around = [&](const Piece& piece, int count) {
+        Rectangle part{{{0, 1}, {0, 1}}};
+        for (int k = 0; k < count; ++k)
+            if (!(piece[k].z() > 0)) return part;
+        for (int axis = 0; axis < 2; ++axis) {
+            const auto [first, last] = domains[axis];
+            Range range = empty_range;
+            for (int k = 0; k < count; ++k) {
+                const double x = (piece[k][axis] / piece[k].z() - first) / (last - first);
+                range = {std::min(range[0], x), std::max(range[1], x)};
+            }
+            const double off = 8 * std::numeric_limits<double>::epsilon() *
+                               std::max(std::abs(first), std::abs(last)) / (last - first);
+            part[axis] = {std::clamp(range[0] - off, 0.0, 1.0), std::clamp(range[1] + off, 0.0, 1.0)};
+        }
+        return part;
+    };
+    constexpr int most_halvings = 20;
+    const int degree = curve.degree;
+    const auto along = [&](const auto& self, Piece piece, int halvings) -> double {
+        const double bound = over(part_around(piece, degree + 1));
+        const bool is_worth_while = bound > enough && bound > 2 * over(part_around(piece, 1));
+        if (!is_worth_while || halvings == most_halvings) return bound;
+        Piece left;
+        for (int level = 0; level <= degree; ++level) {
+            left[level] = piece[0];
+            for (int k = 0; k < degree - level; ++k) piece[k] = 0.5 * (piece[k] + piece[k + 1]);
+        }
+        return std::max(self(self, left, halvings + 1), self(self, piece, halvings + 1));
+    };
+    double most = 0;
+    for (std::size_t first = 0; first + 1 < curve.points.size(); first += degree) {
+        Piece piece;
+        for (int k = 0; k <= degree; ++k) {
+            const Eigen::Vector3d& p = curve.points[first + k];
+            piece[k] << p.head<2>() * p.z(), p.z();
+        }
+        most = std::max(most, along(along, piece, 0));
+    }
+    return most;
 }
 
 double ball_power(const RadialBaseProblem& problem, FormId form) {

@@ -130,7 +130,17 @@ public:
     std::optional<RationalPatch> patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
                                        const BaseFrame& frame, double& rounding) const;
 
+    /// The same bound for points on a curve in the rectangle. A control point of little weight may lie far
+    /// away in a corner that no trim reaches, and moves the surface no more than by its share there. The curve
+    /// is divided until the bound is below `enough`, or within a factor of two of the best that can be said.
+    double rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
+                          const std::array<double, 2>& v, const BaseFrame& frame, double enough) const;
+
 private:
+    /// Calls use(h, size) for the control points h = (P, w), with i first, and the sums of their terms'
+    /// absolute values.
+    template <class Use>
+    void for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const;
     void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);
     void set_plane(const Vec3& point, const Vec3& normal);
     void set_paraboloid(double distance, const Vec3& normal, double radius);
