@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "../arrangement/circle_kernel.hpp"
+#include "settled_vertices.hpp"
 
 namespace vcell {
 
@@ -27,17 +28,22 @@ Vector2d turned(const Vector2d& p, double angle) {
     return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
 }
 
-// The gradient of f - g at p with a bound on its rounding error, relative to its length.
+// The direction of the gradient of f - g at p with a bound on its rounding error, relative to its length.
 struct Gradient {
     Vector2d value;
     double doubt;
 };
 
-Gradient gradient_of_difference(const CircularForm& f, const CircularForm& g, const Vector2d& p) {
-    const Vector2d df = gradient(f, p), dg = gradient(g, p);
+// Of forms so much alike that this many digits are lost the exact difference is taken.
+constexpr double largest_loss = 0x1p-32;
+
+Gradient gradient_of_difference(const FormFamily& family, FormId f, FormId g, const Vector2d& p) {
+    const Vector2d df = gradient(family.forms[f], p), dg = gradient(family.forms[g], p);
     const Vector2d d = df - dg;
     // Each component carries the 4u of its form's coefficients and a few roundings of its own.
-    return {d, 16 * u * (df.norm() + dg.norm()) / d.norm()};
+    const double doubt = 16 * u * (df.norm() + dg.norm()) / d.norm();
+    if (doubt < largest_loss) return {d, doubt};
+    return {settled_gradient(family, f, g, p), 4 * u};
 }
 
 }  // namespace
@@ -129,8 +135,8 @@ void ChartArcs::add_circular_arc(EdgeId e, double turn) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     const MinimizationDiagram::Vertex& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
     const MinimizationDiagram::Vertex& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
-    const CircularForm &f = diagram_.forms[edge.left], &g = diagram_.forms[edge.right];
-    const Gradient at_p = gradient_of_difference(f, g, p.point), at_q = gradient_of_difference(f, g, q.point);
+    const Gradient at_p = gradient_of_difference(family_, edge.left, edge.right, p.point),
+                   at_q = gradient_of_difference(family_, edge.left, edge.right, q.point);
     const Vector2d chord = q.point - p.point;
     // left - right grows to the right of the edge.
     const Vector2d tp(-at_p.value.y(), at_p.value.x()), tq(-at_q.value.y(), at_q.value.x());

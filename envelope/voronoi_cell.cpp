@@ -17,6 +17,7 @@
 #include "minimization_diagram.hpp"
 #include "radial_lift.hpp"
 #include "scene_motion.hpp"
+#include "settled_vertices.hpp"
 
 namespace vcell {
 
@@ -41,11 +42,17 @@ Vec3 base_point(const RadialBaseProblem& problem, const Vec2& p) { return proble
 MinimizationDiagram diagram_of(const PlaneBaseProblem& problem, const EnvelopeOptions& options) {
     ConvexRegion region;
     for (const RegionSide& side : problem.region) region.sides.push_back({side.a, side.b, side.c});
-    return lower_envelope(problem.family, region, options);
+    MinimizationDiagram diagram = lower_envelope(problem.family, region, options);
+    settle_vertices(problem.family, diagram);
+    return diagram;
 }
 
 MinimizationDiagram diagram_of(const RadialBaseProblem& problem, const EnvelopeOptions& options) {
-    if (problem.is_sphere) return lower_envelope_on_sphere(problem.family, options);
+    if (problem.is_sphere) {
+        MinimizationDiagram diagram = lower_envelope_on_sphere(problem.family, options);
+        settle_vertices(problem.family, diagram);
+        return diagram;
+    }
     return lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1], options);
 }
 

@@ -272,6 +272,16 @@ TEST_CASE("errors: a fit that cannot be proved ends, and says how far it may be 
     check_errors(cell);
 }
 
+TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state rounding") {
+    for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11), {"twins_around_ball", 1e-10},
+                                     {"twins_over_tilted_plane", 1e-4}}) {
+        CAPTURE(name);
+        const Cell cell = hostile(name);
+        for (const CellVertex& v : cell.vertices) CHECK(v.error < most);
+        for (const CellEdge& e : cell.edges) CHECK(e.error < most);
+    }
+}
+
 TEST_CASE("errors: conics and splines of all bases stay within what they state") {
     const std::array bases{
         Object(Plane{{0, 0, -1}, {0, 0, 1}}), Object(Plane{{0.1, 0, -0.9}, {0.1, -0.2, 1}}),

@@ -1,0 +1,18 @@
+/// Vertices of circular forms to the last digits: where forms are much alike, their differences lose in doubles
+/// what tells where three of them meet.
+#pragma once
+
+#include <optional>
+
+#include "minimization_diagram.hpp"
+
+namespace vcell {
+
+/// Finds vertices again that are known by far fewer digits than doubles have, from exact residuals. A vertex at which
+/// no three curves are told apart, or that is not of circular forms alone, stays as it is.
+void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram);
+
+/// (A, B) of f - g = K |p|^2 + A x + B y + ... about p, to rounding, times a positive factor.
+Eigen::Vector2d settled_gradient(const FormFamily& family, FormId f, FormId g, const Eigen::Vector2d& p);
+
+}  // namespace vcell
