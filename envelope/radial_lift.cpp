@@ -1319,7 +1319,31 @@ private:
         const auto equations = axial_equations(edge);
         return AxialConic(problem_, (*equations)[0], (*equations)[1]).planes();
     }
-    double curve_error(EdgeId e) { return conic_distance(spans(e), distance_planes(e), problem_.is_sphere); }
+    double curve_error(EdgeId e) {
+        std::array<DistancePlane, 2> planes = distance_planes(e);
+        // Of forms that are nearly alike the difference tells the edge, which has all its digits.
+        constexpr double nearly_alike = 1 - 0x1p-33;
+        if (problem_.is_sphere && std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike)
+            planes[1] = difference_plane(diagram_.edges[e].left, diagram_.edges[e].right);
+        return conic_distance(spans(e), planes, problem_.is_sphere);
+    }
+
+    // In the chart -1 / t is (K (1 - z) + A x + B y + C (1 + z)) / 2 W at the unit normal (x, y, z). So
+    // A x + B y + (C - K) z + (C + K) t = -2 W at the points (p, t), and two of these leave a plane through 0.
+    DistancePlane difference_plane(FormId f, FormId g) const {
+        const ExactForm F = problem_.family.exact(f), G = problem_.family.exact(g);
+        const Exact A = F.A * G.W - G.A * F.W, B = F.B * G.W - G.B * F.W, C = F.C * G.W - G.C * F.W,
+                    K = F.K * G.W - G.K * F.W;
+        const std::array n{A, B, C - K, C + K};
+        long size = std::numeric_limits<long>::min();
+        for (const Exact& x : n)
+            if (x.sign() != Sign::Zero) size = std::max(size, x.exponent());
+        const auto scaled = [size](const Exact& x, long power) { return x.scaled(-power * size).enclosure().mid(); };
+        Vector4d normal(scaled(n[0], 1), scaled(n[1], 1), scaled(n[2], 1), scaled(n[3], 1));
+        const double length = normal.norm();
+        normal.head<3>() = (problem_.chart * normal.head<3>()).eval();
+        return {normal / length, 0, scaled(A * A + B * B - Exact(4.0) * C * K, 2) / (length * length)};
+    }
 
     // Of lines and conics; off: what their points may be off the bisectors.
     double trims_error(EdgeId e, double off) {
