@@ -217,13 +217,17 @@ private:
         for (const Vector4d& p : span) radius = std::max(radius, (point(p) - middle).norm());
         radius += error;
         const Row a = row(terms[0], middle), b = row(terms[1], middle);
-        // The motion itself must stay within reach, too.
-        const double room = std::sqrt(moved_ * most_), wide = radius + room;
-        double change = across(a, b, wide);
-        if (!(change <= room)) change = across(a, difference(b, a), wide);
+        // The motion itself must stay within reach, too: more than the first guess, where objects are all but alike.
+        const double room = std::sqrt(moved_ * most_);
+        double change = across(a, b, radius + room);
         if (change <= room) return change;
+        const Row apart = difference(b, a);
+        for (double reach = room; reach < most_; reach = 2 * change) {
+            change = across(a, apart, radius + reach);
+            if (change <= reach) return change;
+        }
         const bool is_end = radius <= error + room;
-        if (is_end) return 4 * wide;
+        if (is_end) return 4 * (radius + room);
         if (halvings == 0) return infinity;
         --halvings;
         std::vector<Vector4d> work = span, first(span.size()), second(span.size());
