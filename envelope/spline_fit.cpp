@@ -66,6 +66,26 @@ public:
         return side_.cylinder->height().curvature_bound(1 / at.bend.squaredNorm(), radius);
     }
 
+    // How far the gradient may be from that of `at`, the jet at p, within `room` of the hull of the points. A cylinder's
+    // is (V / s - d) / d_z: it turns with V = V(p) + d_z (q - p) alone, which at q is d_z a / (s + d_z l) beside V(p), a
+    // and l being the parts of q - p across and along it. So it is no farther away than a / (s + d_z l): next to nothing
+    // along the axis, however sharply the height bends across.
+    template <std::size_t N>
+    double variation(const HeightJet2& at, const Vector2d& p, const std::array<Vector2d, N>& points, double room) const {
+        double reach = 0, across = 0, behind = 0;
+        const Vector2d bend = side_.circular ? at.bend : Vector2d(at.bend.normalized()), along(bend.y(), -bend.x());
+        for (const Vector2d& q : points) {
+            reach = std::max(reach, (q - p).norm());
+            across = std::max(across, std::abs(bend.dot(q - p)));
+            behind = std::max(behind, -along.dot(q - p));
+        }
+        reach += room;
+        if (side_.circular) return at.gradient_error + at.round * reach;
+        const double s = 1 / at.bend.squaredNorm(), doubt = at.gradient_error;
+        const double least = s * (1 - doubt) - side_.cylinder->height().axis().z() * (behind + doubt * reach + room);
+        return least > 0 ? doubt + (across + doubt * reach + room) / least : std::numeric_limits<double>::infinity();
+    }
+
     // Step 1 of the certificate: |z - f(p)| along a span; infinite if it cannot tell.
     double height_error(const Bernstein<5>& x, const Bernstein<5>& y, const Bernstein<5>& z) const {
         if (side_.circular) {
@@ -524,35 +544,31 @@ private:
     bool has_height(int side) const { return sides_[side].circular || sides_[side].cylinder; }
 
     std::optional<FitError> whole_error(const Points& points, const std::array<Trim, 2>& trims) const {
+        std::array<Vector2d, 3> chart;
         Eigen::Array2d low = points[0].head<2>() / points[0].w(), high = low;
-        for (const Eigen::Vector4d& q : points) {
-            low = low.min(q.head<2>().array() / q.w());
-            high = high.max(q.head<2>().array() / q.w());
+        for (int k = 0; k < 3; ++k) {
+            chart[k] = points[k].head<2>() / points[k].w();
+            low = low.min(chart[k].array());
+            high = high.max(chart[k].array());
         }
         const Vector2d middle = 0.5 * (low + high).matrix();
-        const double half = 0.5 * (high - low).matrix().norm(), room = 0.25 * half + 64 * u * middle.norm(),
-                     radius = half + room;
         const auto row = [&](int i) { return Bernstein<2>::from([&](int k) { return points[k][i]; }); };
         const Homogeneous<2> P{row(0), row(1), row(2), row(3)};
-        std::array<double, 2> error{}, slope{};
         // The first cylinder's height, less that of the plane.
         const int first = sides_[0].cylinder ? 0 : 1;
-        Vector2d difference = Vector2d::Zero();
-        double change = 0;
+        std::array<double, 2> error{}, trim{};
+        std::array<std::optional<HeightJet2>, 2> jets;
         for (const int i : {0, 1}) {
             if (!has_height(i)) continue;
             const Side side(sides_[i]);
-            const HeightJet2 jet = side(middle);
-            const double curvature = side.curvature_bound(jet, radius);
+            jets[i] = side(middle);
             error[i] = side.height_error(P);
-            slope[i] = jet.gradient.norm() + jet.gradient_error + radius * curvature;
-            if (i == first) {
-                difference = jet.gradient;
-                change = jet.gradient_error + radius * curvature;
-            }
+            if (sides_[i].cylinder) trim[i] = trim_deviation(*sides_[i].cylinder, P, trims[i]);
         }
         FitError result;
-        if (const auto* wall = std::get_if<WallLine>(&plane_)) {
+        const auto* wall = std::get_if<WallLine>(&plane_);
+        double residual = 0, least = 0;
+        if (wall != nullptr) {
             const double norm = std::hypot(wall->a, wall->b), most = P.W.largest();
             const double size = std::abs(wall->a) * P.X.largest() + std::abs(wall->b) * P.Y.largest() +
                                 std::abs(wall->c) * most;
@@ -561,18 +577,27 @@ private:
         } else {
             const Side graph(ArcSide{&std::get<CircularForm>(plane_), nullptr});
             const HeightJet2 jet = graph(middle);
-            const double least = (difference - jet.gradient).norm() - change - jet.gradient_error;
-            if (!(least > 0)) return std::nullopt;
-            result.chart = (error[first] + graph.height_error(P)) / least;
+            residual = error[first] + graph.height_error(P);
+            least = (jets[first]->gradient - jet.gradient).norm() - jet.gradient_error;
+            result.chart = 2 * residual / least;
         }
-        if (!(result.chart <= room)) return std::nullopt;
+        // What is compared is to be within this of the part: with gradients that change by half of what they are.
+        const double room = std::max({result.chart, trim[0], trim[1]}) + 64 * u * middle.norm();
+        const double half = 0.5 * (high - low).matrix().norm();
+        if (!(room <= 0.25 * half + 64 * u * middle.norm())) return std::nullopt;
+        std::array<double, 2> change{};
+        for (const int i : {0, 1})
+            if (has_height(i)) change[i] = Side(sides_[i]).variation(*jets[i], middle, chart, room);
+        if (wall == nullptr) {
+            if (!(least > 2 * change[first])) return std::nullopt;
+            result.chart = residual / (least - change[first]);
+        }
         double arc_height = std::numeric_limits<double>::infinity(), worst = 0;
         for (const int i : {0, 1}) {
             if (!has_height(i)) continue;
-            arc_height = std::min(arc_height, error[i] + slope[i] * result.chart);
-            const double trim = sides_[i].cylinder ? trim_deviation(*sides_[i].cylinder, P, trims[i]) : 0;
-            if (!(trim <= room)) return std::nullopt;
-            worst = std::max(worst, std::hypot(trim, error[i] + slope[i] * trim));
+            const double slope = jets[i]->gradient.norm() + change[i];
+            arc_height = std::min(arc_height, error[i] + slope * result.chart);
+            worst = std::max(worst, std::hypot(trim[i], error[i] + slope * trim[i]));
         }
         result.space = std::max(worst, std::hypot(result.chart, arc_height));
         if (!std::isfinite(result.space)) return std::nullopt;

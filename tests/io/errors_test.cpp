@@ -272,6 +272,13 @@ TEST_CASE("errors: a fit that cannot be proved ends, and says how far it may be 
     check_errors(cell);
 }
 
+TEST_CASE("errors: hostile lines beside a plane: edges along a sharp bend are proved whole") {
+    for (const char* name : {"line_beside_plane", "line_along_plane"}) {
+        CAPTURE(name);
+        CHECK(largest_edge_error(hostile(name)) < 1e-8);
+    }
+}
+
 TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state rounding") {
     for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11), {"twins_around_ball", 1e-10},
                                      {"twins_over_tilted_plane", 1e-4}}) {
