@@ -292,7 +292,20 @@ private:
                 slope = std::max(slope, gradient(diagram_.forms[form], span.points[k].head<2>()).norm());
             return slope;
         }
+        // The gradient (V / s - d) / d_z is longest where V / s, which is nowhere between the control points beyond
+        // all of theirs, is farthest from d: at one of them, unless it turns through -d between them.
         const CylinderHeight& f = mixed_.frame(diagram_.dcel.face(Dcel::half_edge(e, side))).height();
+        const Vector2d d = f.axis().head<2>();
+        bool is_ahead = true, is_left = true, is_right = true;
+        for (int k = 0; k <= span.degree; ++k) {
+            const CylinderHeight::Jet jet = f(span.points[k].head<2>());
+            const double across = cross(d, jet.v);
+            is_ahead = is_ahead && d.dot(jet.v) > 0;
+            is_left = is_left && across > 0;
+            is_right = is_right && across < 0;
+            slope = std::max(slope, jet.gradient.norm());
+        }
+        if (is_ahead || is_left || is_right) return slope;
         for (int k = 0; k < span.degree; ++k) {
             const Vector2d p = span.points[k].head<2>(), q = span.points[k + 1].head<2>();
             slope = std::max(slope, f.slope_bound(f(0.5 * (p + q)), 0.5 * (q - p).norm()));

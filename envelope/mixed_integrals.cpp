@@ -73,13 +73,14 @@ struct CircularIntegrand {
 //     chart:    J (u + eps u^2 / 2),      surface: |D| (u + eps u^2 / 2)
 // where D is the cross product of the patch's derivatives P_u and P_v / mu:
 //     P_u = (1 - eps^2 v^2 / 4, eps v, eps Z),   P_v / mu = (-eps v / 2, 1, z1 + 2 z2 v).
+// A span's points are about the frame's origin and turned into its axes, each rounded by up to u times `far`: along the
+// cylinder's axis y hardly changes, which no bound of the other coordinates would tell.
 struct CylinderIntegrand {
-    Vector2d o, e;
+    double far;
     double eps, f0, z1, z2, rho;
 
-    explicit CylinderIntegrand(const CylinderFrame& f)
-        : o(f.origin()),
-          e(f.direction()),
+    CylinderIntegrand(const CylinderFrame& f, double far)
+        : far(far),
           eps(f.eps()),
           f0(f.f0()),
           z1(f.z1()),
@@ -101,9 +102,7 @@ struct CylinderIntegrand {
 
     template <class T>
     std::array<T, 3> operator()(const SpanPoint<T>& p) const {
-        const T dx = p.x - T(o.x()), dy = p.y - T(o.y());
-        const T x = T(e.x()) * dx + T(e.y()) * dy, y = T(e.x()) * dy - T(e.y()) * dx;
-        const T x1 = T(e.x()) * p.x1 + T(e.y()) * p.y1, y1 = T(e.x()) * p.y1 - T(e.y()) * p.x1;
+        const T &x = p.x, &y = p.y, &x1 = p.x1, &y1 = p.y1;
         // cylinder_patch.cpp: CylinderFrame::parameters
         const T qx = T(1.0) + T(eps) * x, qy = T(eps) * y;
         const T r = sqrt(qx * qx + qy * qy), mu = T(0.5) * (r + qx);
@@ -112,11 +111,10 @@ struct CylinderIntegrand {
         return in_parameters(u, v, v1);
     }
     std::array<double, 3> sizes(const SpanPoint<double>& p) const {
-        const Vector2d at(p.x, p.y), step(p.x1, p.y1), q = at - o;
-        const double x = e.dot(q), y = cross(e, q), qx = 1 + eps * x;
+        const Vector2d step(p.x1, p.y1);
+        const double x = p.x, y = p.y, qx = 1 + eps * x;
         const double mu = 0.5 * (std::hypot(qx, eps * y) + qx);
-        // Also the rounding of p - o.
-        const double noise = u * at.norm() / term_rounding;
+        const double noise = u * far / term_rounding;
         const double v = (std::abs(y) + noise) / mu, U = std::abs(x) + eps * v * v * mu / 4 + noise;
         const double v1 = step.norm() * (1 + eps * v) / mu;
         const double Zr = std::abs(f0) + (std::abs(z1) + z2 * v) * v, eu = eps * U, ev = eps * v;
@@ -128,9 +126,9 @@ struct CylinderIntegrand {
 };
 
 template <class Integrand>
-FaceIntegrals integrals(const Integrand& integrand, const MixedSpan& span) {
+FaceIntegrals integrals(const Integrand& integrand, const PowerSpan& span) {
     std::array<Integral, 3> sum{};
-    integrate(power_span(span), integrand, sum);
+    integrate(span, integrand, sum);
     return {sum[0], sum[1], sum[2]};
 }
 
@@ -149,11 +147,18 @@ struct WallIntegrand {
 }  // namespace
 
 FaceIntegrals face_integrals(const CircularForm& f, const Vector2d& origin, const MixedSpan& span) {
-    return integrals(CircularIntegrand(f, origin), span);
+    return integrals(CircularIntegrand(f, origin), power_span(span));
 }
 
 FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span) {
-    return integrals(CylinderIntegrand(frame), span);
+    MixedSpan turned = span;
+    double far = 0;
+    for (int k = 0; k <= span.degree; ++k) {
+        const Vector2d p = span.points[k].head<2>();
+        far = std::max(far, p.norm() + frame.origin().norm());
+        turned.points[k].head<2>() = frame.turned(p - frame.origin());
+    }
+    return integrals(CylinderIntegrand(frame, 4 * far), power_span(turned));
 }
 
 Integral space_length(const MixedSpan& span) {

@@ -279,6 +279,13 @@ TEST_CASE("errors: hostile lines beside a plane: edges along a sharp bend are pr
     }
 }
 
+TEST_CASE("errors: hostile steep faces: areas along a sharp bend have bounds") {
+    for (const char* name : {"steep_cone", "line_along_plane"}) {
+        CAPTURE(name);
+        for (const CellFace& face : hostile(name).faces) CHECK(face.area_error < 1e-4);
+    }
+}
+
 TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state rounding") {
     for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11), {"twins_around_ball", 1e-10},
                                      {"twins_over_tilted_plane", 1e-4}}) {
