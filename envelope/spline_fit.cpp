@@ -259,7 +259,7 @@ private:
         // Arc and chord lie in the piece's box: where that is small enough the chord will do.
         const Fit chord = straight(from, to, piece);
         if (accept(chord)) return;
-        if (halvings > 0 && halvings_left_ > 0) {
+        if (halvings > 0 && halvings_left_ > 0 && !is_blurred(from, to)) {
             std::optional<Node> middle;
             if (std::isfinite(smooth.error.chart)) {
                 const auto& p = smooth.span.points;  // B(1/2) = sum of binomials / 32
@@ -279,6 +279,22 @@ private:
         }
         const Fit& better = smooth.error.space < chord.error.space ? smooth : chord;
         append(better);
+    }
+
+    // Next to a point in which the gradients agree, rounding of the heights may move the arc by more than the room that a
+    // span has beside it, which shrinks with each halving: then none of its parts can be proved, either.
+    bool is_blurred(const Node& from, const Node& to) const {
+        const auto blur = [&](const Node& n) {
+            double error = 0;
+            for (const Side& side : sides_)
+                error += side.height_error(constant(n.p.x()), constant(n.p.y()), constant(n.z));
+            return error / n.slope().norm();
+        };
+        const double room = 0.25 * (to.p - from.p).norm() + 8 * u * from.p.norm();
+        return std::min(blur(from), blur(to)) > room;
+    }
+    static Bernstein<5> constant(double value) {
+        return Bernstein<5>::from([value](int) { return value; });
     }
 
     bool accept(const Fit& f) {

@@ -286,6 +286,13 @@ TEST_CASE("errors: hostile steep faces: areas along a sharp bend have bounds") {
     }
 }
 
+TEST_CASE("errors: hostile nodes: what rounding blurs takes no halvings from the rest of an edge") {
+    for (const char* name : {"near_node", "ball_on_line"}) {
+        CAPTURE(name);
+        CHECK(largest_edge_error(hostile(name)) < 1e-4);
+    }
+}
+
 TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state rounding") {
     for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11), {"twins_around_ball", 1e-10},
                                      {"twins_over_tilted_plane", 1e-4}}) {
