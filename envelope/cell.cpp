@@ -1,6 +1,19 @@
 #include "cell.hpp"
 
+#include <limits>
+
 namespace vcell {
+
+namespace {
+
+// Below the normal numbers products are rounded: a bound's, and that of what it bounds.
+void scale_bound(double& error, double factor) {
+    if (error == 0) return;
+    error *= factor;
+    if (error < std::numeric_limits<double>::min()) error += 2 * std::numeric_limits<double>::denorm_min();
+}
+
+}  // namespace
 
 std::string to_string(CurveKind kind) {
     switch (kind) {
@@ -33,7 +46,7 @@ void scale(Cell& cell, double factor, bool parameters) {
     }
     for (CellFace& f : cell.faces) {
         f.area *= square;
-        f.area_error *= square;
+        scale_bound(f.area_error, square);
         for (TrimmedPatch& patch : f.patches) {
             for (Eigen::Vector4d& p : patch.surface.points) p.head<3>() *= factor;
             if (!parameters) continue;
@@ -45,9 +58,10 @@ void scale(Cell& cell, double factor, bool parameters) {
         }
     }
     Measures& m = cell.measures;
-    for (double* volume : {&m.volume, &m.volume_error, &m.body_volume, &m.body_volume_error}) *volume *= cube;
-    for (double* area : {&m.area, &m.area_error, &m.box_area, &m.box_area_error, &m.base_area, &m.base_area_error})
-        *area *= square;
+    for (double* volume : {&m.volume, &m.body_volume}) *volume *= cube;
+    for (double* error : {&m.volume_error, &m.body_volume_error}) scale_bound(*error, cube);
+    for (double* area : {&m.area, &m.box_area, &m.base_area}) *area *= square;
+    for (double* error : {&m.area_error, &m.box_area_error, &m.base_area_error}) scale_bound(*error, square);
     for (double* length :
          {&m.min_clearance, &m.min_clearance_error, &m.max_clearance, &m.max_clearance_error})
         *length *= factor;

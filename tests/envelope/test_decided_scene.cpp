@@ -178,6 +178,7 @@ TEST_CASE("hostile: underflow: every vertex lies in the box") {
             CHECK(v.point[i] <= scene.box.max[i] + 1e-75);
         }
     CHECK(cell.report.decisions.assumed == 0);
+    for (const CellFace& face : cell.faces) CHECK(face.area_error > 0);
 }
 
 TEST_CASE("hostile: tilted_lattice has the vertices of flat_lattice, of four balls each") {
