@@ -55,7 +55,11 @@ private:
         const CellVertex& v = cell_.vertices[i];
         const std::string where = vertex_path(i);
         std::vector<Condition> conditions;
-        for (const Site& s : v.sites) add_conditions(s, v, conditions);
+        for (const Site& s : v.sites) add_conditions(s, v, false, conditions);
+        if (conditions.size() < 3) {  // on the base both hold
+            conditions.clear();
+            for (const Site& s : v.sites) add_conditions(s, v, true, conditions);
+        }
         const Interval r = space().clearance(to_vector<Interval>(v.point));
         if (const Interval off = magnitude(r - v.radius); off.lower() > v.error + rounding())
             return certificate_.refute(
@@ -78,9 +82,10 @@ private:
     /// A Newton step may not leave the vertex farther than that behind.
     double reach() const { return 0x1p-6 * scene_.box.diagonal(); }
 
-    /// What a site asks of a vertex. A side of the box is met by the boundary, or over a base plane by the
-    /// region below it: what holds there, or both; the one that is less wrong if neither does.
-    void add_conditions(const Site& s, const CellVertex& v, std::vector<Condition>& conditions) const {
+    /// What a site asks of a vertex. A side of the box is met by the boundary, or over a base plane by the region below
+    /// it: what holds there, or the one that is less wrong if neither does. Where both may hold as far as the vertex is
+    /// told, above the base it is the side if the ways off the base lead out of the box through it, else the rim.
+    void add_conditions(const Site& s, const CellVertex& v, bool both, std::vector<Condition>& conditions) const {
         if (s.kind != Site::Kind::BoxSide || !geometry_.is_plane() || is_parallel(s)) {
             conditions.push_back({s});
             return;
@@ -94,8 +99,17 @@ private:
             return magnitude(space().excess(c, to_vector<Interval>(v.point))).lower();
         };
         const double limit = std::max(std::min(off(rim), off(side)), 2 * v.error);
+        if (!both && off(rim) <= limit && off(side) <= limit) {
+            conditions.push_back(leads_out(s) ? side : rim);
+            return;
+        }
         for (const Condition& c : {rim, side})
             if (off(c) <= limit) conditions.push_back(c);
+    }
+    /// Do the ways off the base lead out of the box through this side?
+    bool leads_out(const Site& side) const {
+        const double along = std::get<Plane>(scene_.base).normal[side.index / 2];
+        return side.index % 2 == 0 ? along < 0 : along > 0;
     }
     bool is_upright(const Site& side) const {
         return std::get<Plane>(scene_.base).normal[side.index / 2] == 0;
