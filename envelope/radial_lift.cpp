@@ -1338,7 +1338,9 @@ private:
         long size = std::numeric_limits<long>::min();
         for (const Exact& x : n)
             if (x.sign() != Sign::Zero) size = std::max(size, x.exponent());
-        const auto scaled = [size](const Exact& x, long power) { return x.scaled(-power * size).enclosure().mid(); };
+        const auto scaled = [size](const Exact& x, long power) {
+            return x.scaled(-power * size).enclosure().mid();
+        };
         Vector4d normal(scaled(n[0], 1), scaled(n[1], 1), scaled(n[2], 1), scaled(n[3], 1));
         const double length = normal.norm();
         normal.head<3>() = (problem_.chart * normal.head<3>()).eval();

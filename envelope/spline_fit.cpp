@@ -66,14 +66,16 @@ public:
         return side_.cylinder->height().curvature_bound(1 / at.bend.squaredNorm(), radius);
     }
 
-    // How far the gradient may be from that of `at`, the jet at p, within `room` of the hull of the points. A cylinder's
-    // is (V / s - d) / d_z: it turns with V = V(p) + d_z (q - p) alone, which at q is d_z a / (s + d_z l) beside V(p), a
-    // and l being the parts of q - p across and along it. So it is no farther away than a / (s + d_z l): next to nothing
-    // along the axis, however sharply the height bends across.
+    // How far the gradient may be from that of `at`, the jet at p, within `room` of the hull of the points. A
+    // cylinder's is (V / s - d) / d_z: it turns with V = V(p) + d_z (q - p) alone, by no more than d_z a / (s +
+    // d_z l) from p to q, a and l being the parts of q - p across and along V(p). So it is no farther away than
+    // a / (s + d_z l): next to nothing along the axis, however sharply the height bends across.
     template <std::size_t N>
-    double variation(const HeightJet2& at, const Vector2d& p, const std::array<Vector2d, N>& points, double room) const {
+    double variation(const HeightJet2& at, const Vector2d& p, const std::array<Vector2d, N>& points,
+                     double room) const {
         double reach = 0, across = 0, behind = 0;
-        const Vector2d bend = side_.circular ? at.bend : Vector2d(at.bend.normalized()), along(bend.y(), -bend.x());
+        const Vector2d bend = side_.circular ? at.bend : Vector2d(at.bend.normalized()),
+                       along(bend.y(), -bend.x());
         for (const Vector2d& q : points) {
             reach = std::max(reach, (q - p).norm());
             across = std::max(across, std::abs(bend.dot(q - p)));
@@ -82,8 +84,10 @@ public:
         reach += room;
         if (side_.circular) return at.gradient_error + at.round * reach;
         const double s = 1 / at.bend.squaredNorm(), doubt = at.gradient_error;
-        const double least = s * (1 - doubt) - side_.cylinder->height().axis().z() * (behind + doubt * reach + room);
-        return least > 0 ? doubt + (across + doubt * reach + room) / least : std::numeric_limits<double>::infinity();
+        const double least =
+            s * (1 - doubt) - side_.cylinder->height().axis().z() * (behind + doubt * reach + room);
+        return least > 0 ? doubt + (across + doubt * reach + room) / least
+                         : std::numeric_limits<double>::infinity();
     }
 
     // Step 1 of the certificate: |z - f(p)| along a span; infinite if it cannot tell.
@@ -281,8 +285,8 @@ private:
         append(better);
     }
 
-    // Next to a point in which the gradients agree, rounding of the heights may move the arc by more than the room that a
-    // span has beside it, which shrinks with each halving: then none of its parts can be proved, either.
+    // Next to a point in which the gradients agree, rounding of the heights may move the arc by more than the
+    // room that a span has beside it, which shrinks with each halving: then none of its parts can be proved.
     bool is_blurred(const Node& from, const Node& to) const {
         const auto blur = [&](const Node& n) {
             double error = 0;
@@ -597,7 +601,7 @@ private:
             least = (jets[first]->gradient - jet.gradient).norm() - jet.gradient_error;
             result.chart = 2 * residual / least;
         }
-        // What is compared is to be within this of the part: with gradients that change by half of what they are.
+        // What is compared is to be within this of the part, if gradients change by half of what they are.
         const double room = std::max({result.chart, trim[0], trim[1]}) + 64 * u * middle.norm();
         const double half = 0.5 * (high - low).matrix().norm();
         if (!(room <= 0.25 * half + 64 * u * middle.norm())) return std::nullopt;

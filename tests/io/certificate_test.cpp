@@ -81,8 +81,8 @@ TEST_CASE("certify: proves a cell within a small distance, whatever its unit") {
 }
 
 TEST_CASE("certify: proves hostile cells, and finds no error in them larger than it need be") {
-    for (const char* name : {"near_twins", "steep_face", "uneven_weights", "leaning_tube", "bundle_of_lines", "scaled_ball",
-                             "far_corners", "line_beside_plane"}) {
+    for (const char* name : {"near_twins", "steep_face", "uneven_weights", "leaning_tube", "bundle_of_lines",
+                             "scaled_ball", "far_corners", "line_beside_plane"}) {
         CAPTURE(name);
         const Certificate c = certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
         CHECK_MESSAGE(c.holds(), listing(c));
