@@ -64,9 +64,10 @@ struct Row {
     }
 };
 
-// The row of two objects' difference, in which the base takes no part. From balls at a distance r the unit vectors turn nearly alike where their centres are
-// next to each other: the derivative of m / |m| changes by at most 3 / |m|^2 of their distance.
-Row difference(const Row& b, const Row& a) {
+// The row of two objects' difference, in which the base takes no part; between balls its equation has the shift
+// given. From balls at a distance r the unit vectors turn nearly alike where their centres are next to each other: the
+// derivative of m / |m| changes by at most 3 / |m|^2 of their distance.
+Row difference(const Row& b, const Row& a, double shift) {
     Row row{b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};
     if (a.object && b.object) {
         row.value = b.object->g - a.object->g;
@@ -74,6 +75,7 @@ Row difference(const Row& b, const Row& a) {
         row.shift = std::max(a.shift, b.shift);
         row.nearest = std::min(a.object->distance, b.object->distance);
         if (a.object->center && b.object->center) {
+            row.shift = shift;
             const double apart = (*b.object->center - *a.object->center).norm();
             // Within half the distance centres are no nearer than the other half.
             row.nearest = 0.5 * (row.nearest - apart);
@@ -85,8 +87,12 @@ Row difference(const Row& b, const Row& a) {
 
 class Motion {
 public:
-    Motion(Cell& cell, double moved)
-        : cell_(cell), moved_(moved), most_(cell.scene.box.diagonal()), equations_(cell.vertices.size()) {
+    Motion(Cell& cell, double moved, double balls_moved)
+        : cell_(cell),
+          moved_(moved),
+          between_balls_(2 * balls_moved / moved),
+          most_(cell.scene.box.diagonal()),
+          equations_(cell.vertices.size()) {
         base_unit_ = unit_direction(cell.scene.base);
         units_.reserve(cell.scene.objects.size());
         for (const Object& object : cell.scene.objects) units_.push_back(unit_direction(object));
@@ -172,7 +178,8 @@ private:
                     best = std::min(best, of_rows({*r[0], *r[1], *r[2]}, v.error));
                     for (int m = 0; m < 3; ++m) {
                         const Row &a = *r[m], &b = *r[(m + 1) % 3], &c = *r[(m + 2) % 3];
-                        best = std::min(best, of_rows({a, difference(b, a), difference(c, a)}, v.error));
+                        const std::array apart{a, difference(b, a, between_balls_), difference(c, a, between_balls_)};
+                        best = std::min(best, of_rows(apart, v.error));
                     }
                 }
         if (best == infinity) return std::nullopt;
@@ -221,7 +228,7 @@ private:
         const double room = std::sqrt(moved_ * most_);
         double change = across(a, b, radius + room);
         if (change <= room) return change;
-        const Row apart = difference(b, a);
+        const Row apart = difference(b, a, between_balls_);
         for (double reach = room; reach < most_; reach = 2 * change) {
             change = across(a, apart, radius + reach);
             if (change <= reach) return change;
@@ -243,16 +250,18 @@ private:
     // The motion across two rows, which may be anything they are within a radius.
     double across(const Row& a, const Row& b, double radius) const {
         const double va = a.variation(radius), vb = b.variation(radius);
-        const double size = std::hypot(a.value.norm() + va, b.value.norm() + vb);
-        const double product = a.value.cross(b.value).norm(),
-                     least = product - (a.value.norm() * vb + b.value.norm() * va + va * vb);
-        return least > 0.125 * product ? std::hypot(a.shift, b.shift) * moved_ * size / least : infinity;
+        const double of_a = a.value.norm(), of_b = b.value.norm(), product = a.value.cross(b.value).norm(),
+                     least = product - (of_a * vb + of_b * va + va * vb);
+        // The vectors across that change one of the equations alone have the other row's length over the product.
+        return least > 0.125 * product ? (a.shift * (of_b + vb) + b.shift * (of_a + va)) * moved_ / least : infinity;
     }
 
     static constexpr int most_halvings = 1000;  // of an edge
 
     Cell& cell_;
-    const double moved_, most_;
+    const double moved_;
+    const double between_balls_;  // the shift of two balls' difference
+    const double most_;
     Vec3 base_unit_;
     std::vector<Vec3> units_;  // of the objects' directions
     std::vector<bool> is_rim_;                  // of the edges
@@ -261,8 +270,8 @@ private:
 
 }  // namespace
 
-void add_scene_motion(Cell& cell, double moved) {
-    if (moved > 0) Motion(cell, moved).run();
+void add_scene_motion(Cell& cell, double moved, double balls_moved) {
+    if (moved > 0) Motion(cell, moved, balls_moved).run();
 }
 
 }  // namespace vcell
