@@ -14,6 +14,10 @@
 #include <numeric>
 #include <optional>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include "sign.hpp"
 
 namespace vcell {
@@ -53,25 +57,21 @@ public:
     }
 
     friend Interval operator-(Interval a) { return {-a.hi_, -a.lo_}; }
-    friend Interval operator+(Interval a, Interval b) {
-        return {down(a.lo_ + b.lo_), up(a.hi_ + b.hi_)};
-    }
-    friend Interval operator-(Interval a, Interval b) {
-        return {down(a.lo_ - b.hi_), up(a.hi_ - b.lo_)};
-    }
+    friend Interval operator+(Interval a, Interval b) { return outward(a.lo_ + b.lo_, a.hi_ + b.hi_); }
+    friend Interval operator-(Interval a, Interval b) { return outward(a.lo_ - b.hi_, a.hi_ - b.lo_); }
     friend Interval operator*(Interval a, Interval b) {
-        const double p = a.lo_ * b.lo_, q = a.lo_ * b.hi_, r = a.hi_ * b.lo_, s = a.hi_ * b.hi_;
-        return from_candidates(p, q, r, s);
+        const Bounds both = bounds(b);
+        return from_candidates(bounds(a.lo_) * both, bounds(a.hi_) * both);
     }
     /// A number as a factor takes two products instead of four.
     friend Interval operator*(double s, Interval a) {
-        return s < 0 ? Interval(down(s * a.hi_), up(s * a.lo_)) : Interval(down(s * a.lo_), up(s * a.hi_));
+        return s < 0 ? outward(s * a.hi_, s * a.lo_) : outward(s * a.lo_, s * a.hi_);
     }
     /// The whole line when b contains zero.
     friend Interval operator/(Interval a, Interval b) {
         if (b.lo_ <= 0 && b.hi_ >= 0) return whole();
-        const double p = a.lo_ / b.lo_, q = a.lo_ / b.hi_, r = a.hi_ / b.lo_, s = a.hi_ / b.hi_;
-        return from_candidates(p, q, r, s);
+        const Bounds both = bounds(b);
+        return from_candidates(bounds(a.lo_) / both, bounds(a.hi_) / both);
     }
     Interval& operator+=(Interval o) { return *this = *this + o; }
     Interval& operator-=(Interval o) { return *this = *this - o; }
@@ -113,15 +113,59 @@ private:
         if (direction < 0) return x > 0 ? largest : x;
         return x < 0 ? -largest : x;
     }
-    static Interval from_candidates(double p, double q, double r, double s) {
+    // Both bounds where neither is infinite or none: then their difference is not, or overflows.
+    static Interval outward(double lo, double hi) {
+        if (std::abs(hi - lo) <= std::numeric_limits<double>::max()) return {lo - slack(lo), hi + slack(hi)};
+        return {down(lo), up(hi)};
+    }
+    static Interval from_any_candidates(double p, double q, double r, double s) {
+        if (p != p || q != q || r != r || s != s) return whole();
+        return {down(std::min(std::min(p, q), std::min(r, s))), up(std::max(std::max(p, q), std::max(r, s)))};
+    }
+
+#if defined(__SSE2__)
+    // Two candidates at once.
+    using Bounds = __m128d;
+    static Bounds bounds(Interval a) { return _mm_set_pd(a.hi_, a.lo_); }
+    static Bounds bounds(double a) { return _mm_set1_pd(a); }
+
+    static Interval from_candidates(Bounds pq, Bounds rs) {
+        const __m128d minus = _mm_set1_pd(-0.0);
+        const __m128d size = _mm_andnot_pd(minus, _mm_add_pd(pq, rs));
+        // Sums are finite: so are all four.
+        if (_mm_movemask_pd(_mm_cmple_pd(size, _mm_set1_pd(std::numeric_limits<double>::max()))) == 3) {
+            const __m128d high = _mm_max_pd(pq, rs), low = _mm_max_pd(_mm_xor_pd(pq, minus), _mm_xor_pd(rs, minus));
+            // (-lo, hi)
+            const __m128d x = _mm_max_pd(_mm_unpacklo_pd(low, high), _mm_unpackhi_pd(low, high));
+            const __m128d slack =
+                _mm_add_pd(_mm_mul_pd(_mm_set1_pd(std::numeric_limits<double>::epsilon()), _mm_andnot_pd(minus, x)),
+                           _mm_set1_pd(std::numeric_limits<double>::denorm_min()));
+            const __m128d moved = _mm_add_pd(x, slack);
+            return {-_mm_cvtsd_f64(moved), _mm_cvtsd_f64(_mm_unpackhi_pd(moved, moved))};
+        }
+        return from_any_candidates(_mm_cvtsd_f64(pq), _mm_cvtsd_f64(_mm_unpackhi_pd(pq, pq)), _mm_cvtsd_f64(rs),
+                                   _mm_cvtsd_f64(_mm_unpackhi_pd(rs, rs)));
+    }
+#else
+    struct Bounds {
+        double lo, hi;
+        friend Bounds operator*(Bounds a, Bounds b) { return {a.lo * b.lo, a.hi * b.hi}; }
+        friend Bounds operator/(Bounds a, Bounds b) { return {a.lo / b.lo, a.hi / b.hi}; }
+    };
+    static Bounds bounds(Interval a) { return {a.lo_, a.hi_}; }
+    static Bounds bounds(double a) { return {a, a}; }
+
+    static Interval from_candidates(Bounds pq, Bounds rs) {
+        const auto [p, q] = pq;
+        const auto [r, s] = rs;
         const double sum = (p + q) + (r + s);
         if (std::abs(sum) <= std::numeric_limits<double>::max()) {  // all four are finite
             const double lo = std::min(std::min(p, q), std::min(r, s)), hi = std::max(std::max(p, q), std::max(r, s));
             return {lo - slack(lo), hi + slack(hi)};
         }
-        if (p != p || q != q || r != r || s != s) return whole();
-        return {down(std::min(std::min(p, q), std::min(r, s))), up(std::max(std::max(p, q), std::max(r, s)))};
+        return from_any_candidates(p, q, r, s);
     }
+#endif
 
     double lo_ = 0;
     double hi_ = 0;

@@ -72,10 +72,10 @@ private:
             const T m = two / (one + square(x) + square(y));
             return stereographic(x * m, y * m, m);
         }
-        if (x.upper() <= 1) return half(x, one);
-        if (x.lower() >= 1) return half(x - two, -one);
-        Jets front = half(T(x.lower(), one.upper()), one);
-        const Jets back = half(T(one.lower(), x.upper()) - two, -one);
+        if (x.upper() <= 1) return half(x, false);
+        if (x.lower() >= 1) return half(x - two, true);
+        Jets front = half(T(x.lower(), one.upper()), false);
+        const Jets back = half(T(one.lower(), x.upper()) - two, true);
         for (const int i : {0, 2})
             for (T RadialJet<T>::*part : {&RadialJet<T>::v, &RadialJet<T>::x, &RadialJet<T>::xx})
                 front[i].*part = hull(front[i].*part, back[i].*part);
@@ -89,11 +89,13 @@ private:
                  {Y, -XY, m - YY, Y * p, X * q, Y * (two * YY - three_m)},
                  {m - T(1.0), -(X * m), -(Y * m), m * p, two * XY * m, m * q}}};
     }
-    static Jets half(const T& x, const T& sign) {
-        const T zero(0.0), two(2.0), m = two / (T(1.0) + square(x)), X = x * m, XX = square(X);
-        return {{{sign * X, sign * (m - XX), zero, sign * (X * (two * XX - T(3.0) * m)), zero, zero},
+    // Of the front, or of the back, where x counts from the opposite direction and both components change signs.
+    static Jets half(const T& x, bool is_back) {
+        const T zero(0.0), m = T(2.0) / (T(1.0) + square(x)), X = x * m, XX = square(X), two_XX = T(2.0) * XX;
+        const auto turned = [&](const T& t) { return is_back ? -t : t; };
+        return {{{turned(X), turned(m - XX), zero, turned(X * (two_XX - T(3.0) * m)), zero, zero},
                  {zero, zero, zero, zero, zero, zero},
-                 {sign * (m - T(1.0)), -sign * (X * m), zero, sign * (m * (two * XX - m)), zero, zero}}};
+                 {turned(m - T(1.0)), turned(-(X * m)), zero, turned(m * (two_XX - m)), zero, zero}}};
     }
 
     // With mean value forms for the value and the first derivatives.
@@ -192,7 +194,7 @@ public:
             const T at_middle = slope_ * n.middle_y();
             for (const int i : {0, 2}) b[i] += at_middle * a_[i];
         }
-        RadialJet<T> B = n.template along<order>(b), C{c_[0], zero, zero, zero, zero, zero}, f;
+        RadialJet<T> B = n.template along<order>(b), C{c_[0], zero, zero, zero, zero, zero}, f;  // C.x is zero
         B.v += b0_;
         if (is_cylinder_) {
             C.y = c_[1] + two * c_[2] * n.y();
@@ -205,9 +207,8 @@ public:
         if (!has_root_) {
             f.v = -two * B.v / C.v;
             if constexpr (order > 0) {
-                const auto first = [&](const T& Bu, const T& Cu) { return -(two * Bu + Cu * f.v) / C.v; };
-                f.x = first(B.x, C.x);
-                f.y = first(B.y, C.y);
+                f.x = -(two * B.x) / C.v;
+                f.y = is_cylinder_ ? -(two * B.y + C.y * f.v) / C.v : -(two * B.y) / C.v;
             }
             if constexpr (order > 1) {
                 const auto second = [&](const T& Buv, const T& Cuv, const T& Cu, const T& Cv, const T& fu, const T& fv) {
@@ -252,9 +253,9 @@ public:
                     B2_low = bottom(B2), B2_high = top(B2);
             const T k = hull(extreme(low, false, B2_low, B2_high), extreme(high, true, B2_low, B2_high)) / root_C;
             const T slope = (T(1.0) + s) / C.v, half_f = T(0.5) * f.v;
-            const auto first = [&](const T& Bu, const T& Cu, const T& Au) { return -(slope * (Bu + Cu * half_f) + k * Au); };
-            f.x = first(B.x, C.x, A.x);
-            f.y = first(B.y, C.y, A.y);
+            // Over a cylinder A is constant along the axis.
+            f.x = -(slope * B.x + k * A.x);
+            f.y = is_cylinder_ ? -(slope * (B.y + C.y * half_f)) : -(slope * B.y + k * A.y);
             if constexpr (order > 1) {
                 const T R = sqrt(hull(B2_low + AC_low, B2_high + AC_high));
                 if (R.sign() != Sign::Positive) {
