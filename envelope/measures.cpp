@@ -29,10 +29,10 @@ double height_size(const CircularForm& f, const Vector2d& p) {
     return (f.k * d * (d + p.norm() / 16) + std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) /
            f.w;
 }
-double gradient_size(const CircularForm& f, const ArcSpan& span) {
-    const Vector2d c(f.cx, f.cy);
-    const double far = std::max(span.from.norm(), span.to.norm()) + span.length();
-    const double d = std::max((span.from - c).norm(), (span.to - c).norm()) + span.length();
+double gradient_size(const CircularForm& f, const quadrature::Part& part) {
+    const Vector2d c(f.cx, f.cy), &p = part.span.from, &q = part.span.to;
+    const double far = std::sqrt(std::max(p.squaredNorm(), q.squaredNorm())) + part.length;
+    const double d = std::sqrt(std::max((p - c).squaredNorm(), (q - c).squaredNorm())) + part.length;
     return (2 * f.k * (d + far / 16) + std::abs(f.a) + std::abs(f.b)) / f.w;
 }
 
@@ -61,10 +61,11 @@ struct LocalHeight {
 
 // One span's share of a face's volume and of its area in the chart.
 void add_span(const LocalHeight& f, const ArcSpan& span, BoundedSum& volume, BoundedSum& chart_area) {
-    const Vector2d q0 = span.from - f.o, d = span.chord();
-    const double length = span.length();
+    const Vector2d q0 = span.from - f.o;
     double reach = std::max(q0.norm(), (span.to - f.o).norm());
     if (span.half_angle == 0) {
+        const Vector2d d = span.chord();
+        const double length = d.norm();
         // q x dq is constant on a segment; its factor is quadratic: the mean of |q|^2 is
         // |q0|^2 + q0.d + |d|^2 / 3, of q it is q0 + d / 2.
         const double turn = cross(q0, d);
@@ -74,8 +75,10 @@ void add_span(const LocalHeight& f, const ArcSpan& span, BoundedSum& volume, Bou
         chart_area.add(0.5 * turn, term_rounding * reach * length);
         return;
     }
+    const quadrature::Part part(span);
+    const double length = part.length;
     double v = 0, a = 0;
-    quadrature::visit_nodes(span, [&](const Vector2d& p, const Vector2d& step) {
+    quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
         const Vector2d q = p - f.o;
         const double turn = cross(q, step);
         v += f.factor(q) * turn;
@@ -108,22 +111,22 @@ void add_span(const LocalHeight& f, const ArcSpan& span, BoundedSum& volume, Bou
 // 0.96 m: |1 + s| lies between 0.04 m and 2 m, its argument within a right angle, and |(1 + s)^(3/2) + 1| is
 // at least 1/sqrt(2) and at least (0.04 m)^(3/2) - 1.
 void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, BoundedSum& area) {
-    const auto reach = [&](const ArcSpan& part) {
-        const Vector2d q = part.half_way() - center, t = part.chord().normalized();
-        const double kappa = std::abs(part.curvature());
+    const auto reach = [&](const quadrature::Part& part) {
+        const Vector2d q = part.half_way - center, t = part.tangent;
+        const double kappa = std::abs(part.curvature);
         const double a = 1.1 * (1 + std::abs(cross(t, q)) * kappa), b = 1.18 * std::abs(q.dot(t));
         const double room = q.squaredNorm() + 0.25 * w * w;
         const double radius = room / (b + std::sqrt(b * b + a * room));
         return kappa > 0 ? std::min(radius, 1 / kappa) : radius;
     };
-    quadrature::visit_parts(span, reach, [&](const ArcSpan& part, bool is_tame) {
+    quadrature::visit_parts(span, reach, [&](const quadrature::Part& part, bool is_tame) {
         double sum = 0;
         quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
             const Vector2d q = p - center;
             const double s = 4 * q.squaredNorm() / (w * w);
             sum += (s * s + 3 * s + 3) / (3 * ((1 + s) * std::sqrt(1 + s) + 1)) * cross(q, step);
         });
-        const double length = part.length(), distance = (part.half_way() - center).norm();
+        const double length = part.length, distance = (part.half_way - center).norm();
         const double m = 1 + 4 * distance * distance / (w * w);
         const double divisor = 3 * std::max(0.7, 0.04 * m * std::sqrt(0.04 * m) - 1);
         // |q| grows by at most 1.8 * 2.4 half lengths on the ellipse, the step is at most 2.8 half lengths.
@@ -146,24 +149,24 @@ void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, 
 // On the ellipse of quadrature.hpp, within 2.4/2.5 of that radius, f' differs from f'(middle) by less than
 // sqrt(1 + f'(middle)^2) =: S, so |f' +- i| < 2 S and |sqrt(1 + f'^2)| < 2 S.
 void add_space_length(const CircularForm& f, const ArcSpan& span, BoundedSum& length) {
-    const auto reach = [&](const ArcSpan& part) {
-        const Vector2d t = part.chord().normalized(), n(-t.y(), t.x());
-        const Vector2d g = gradient(f, part.half_way());
-        const double kappa = part.curvature(), slope = g.dot(t);
+    const auto reach = [&](const quadrature::Part& part) {
+        const Vector2d t = part.tangent, n(-t.y(), t.x());
+        const Vector2d g = gradient(f, part.half_way);
+        const double kappa = part.curvature, slope = g.dot(t);
         const double bend = std::hypot(slope * kappa, 2 * f.k / f.w + kappa * g.dot(n));
         const double radius = std::sqrt(1 + slope * slope) / (1.73 * bend);
         return kappa != 0 ? std::min(radius, 1 / std::abs(kappa)) : radius;
     };
-    quadrature::visit_parts(span, reach, [&](const ArcSpan& part, bool is_tame) {
+    quadrature::visit_parts(span, reach, [&](const quadrature::Part& part, bool is_tame) {
         double sum = 0;
         quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
             const double rise = gradient(f, p).dot(step);
             sum += std::sqrt(step.squaredNorm() + rise * rise);
         });
-        const double slope = gradient(f, part.half_way()).dot(part.chord().normalized());
-        const double rounding = term_rounding * gradient_size(f, part) * part.length();
+        const double slope = gradient(f, part.half_way).dot(part.tangent);
+        const double rounding = term_rounding * gradient_size(f, part) * part.length;
         const double truncation =
-            is_tame ? quadrature::truncation * 4 * std::hypot(1, slope) * part.length() : 2 * sum;
+            is_tame ? quadrature::truncation * 4 * std::sqrt(1 + slope * slope) * part.length : 2 * sum;
         length.add(sum, term_rounding * sum + rounding + truncation);
     });
 }

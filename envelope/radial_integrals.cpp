@@ -502,7 +502,7 @@ constexpr double aim = 0x1p-40;
 
 // Nothing that the integrands divide by or take the root of changes by more than this part over a disk.
 constexpr double tame_part = 0.75;
-constexpr double widest_disk = 16, least_disk = 1.5;  // radii; the span is [-1, 1]
+constexpr double widest_disk = 16, least_disk = 1.375;  // radii; the span is [-1, 1]
 
 constexpr double square(double x) { return x * x; }
 
@@ -523,21 +523,18 @@ using Nodes = Eigen::Array<double, n, 1>;
 // Both halves of a symmetric rule.
 template <int n>
 struct NodeRule {
-    Nodes<n> s, weight;
+    std::array<double, n> s{}, weight{};
 
-    static const NodeRule& get() {
-        static const NodeRule value = [] {
-            const quadrature::RuleOf<n>& half = quadrature::rule<n>();
-            NodeRule r;
-            for (int i = 0; i < n; ++i) {
-                r.s[i] = i < n / 2 ? -half.x[i] : half.x[i - n / 2];
-                r.weight[i] = half.weight[i % (n / 2)];
-            }
-            return r;
-        }();
-        return value;
+    constexpr NodeRule() {
+        const quadrature::RuleOf<n>& half = quadrature::rule<n>();
+        for (int i = 0; i < n; ++i) {
+            s[i] = i < n / 2 ? -half.x[i] : half.x[i - n / 2];
+            weight[i] = half.weight[i % (n / 2)];
+        }
     }
 };
+template <int n>
+constexpr NodeRule<n> node_rule;
 
 class Conic {
 public:
@@ -556,35 +553,34 @@ public:
     }
 
 private:
-    static constexpr int most_points = 14;
+    static constexpr int most_points = 20;
 
     void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,
              int& budget) const {
-        const double r = disk(std::max({0.0, -left.delta, -right.delta}));
+        const double middle_t = t_.c0 / w_.c0;
+        // w (t - middle_t).
+        const Quadratic turned{0, t_.c1 - middle_t * w_.c1, t_.c2 - middle_t * w_.c2};
+        const double r = disk(turned, middle_t - std::max({0.0, -left.delta, -right.delta}));
+        // NaN where there is no disk.
+        if (!(r > 1) && halvings > 0 && budget > 0) return add_halves(left, right, sum, halvings, budget);
         const double rho = r + sqrt(r * r - 1), shrink = 1 / square(rho);
         const double least_w = w_.c0 - w_.deviation(r);
-        const double moment = this->moment(r) / square(least_w);
-        const double needed = aim * this->moment(1) / square(std::max(w_.c0, 1.0));
+        // Bound of |p x dp| w^2 on a disk.
+        const double m0 = x_[0].norm(), m1 = x_[1].norm(), m2 = x_[2].norm(), moment_of_span = m0 + m1 + m2;
+        const double moment = (m0 + r * (m1 + r * m2)) / square(least_w);
+        const double needed = aim * moment_of_span / square(std::max(w_.c0, 1.0));
         double truncation = 64.0 / 15 * moment / (1 - shrink) * square(square(shrink));
         int points = 4;
         for (; points < most_points && !(truncation <= needed); points += 2) truncation *= square(shrink);
-        // NaN where there is no disk.
-        if (!(truncation <= needed) && halvings > 0 && budget > 0) {
-            --budget;
-            for (const double sign : {-1.0, 1.0})
-                Conic(Powers{a_[0] + sign * 0.5 * a_[1] + 0.25 * a_[2], 0.5 * a_[1] + sign * 0.5 * a_[2],
-                             0.25 * a_[2]})
-                    .add(left, right, sum, halvings - 1, budget);
-            return;
-        }
-        const double moment_here = this->moment(1) / square(std::min(w_(-1.0), w_(1.0)));
+        if (!(truncation <= needed) && halvings > 0 && budget > 0)
+            return add_halves(left, right, sum, halvings, budget);
+        const double moment_here = moment_of_span / square(std::min(w_(-1.0), w_(1.0)));
         const double rounding = 2 * term_rounding * moment_here;
         // Where halving ended without a disk, the whole part.
         const bool is_tame = truncation < infinity;
         if (!is_tame) truncation = 4 * moment_here;
-        const double middle_t = t_.c0 / w_.c0,
-                     turned_t = is_tame ? turned().deviation(r) / least_w
-                                        : turned().deviation(1) / std::min({w_(-1.0), w_(0.0), w_(1.0)});
+        const double turned_t = is_tame ? turned.deviation(r) / least_w
+                                        : turned.deviation(1) / std::min({w_(-1.0), w_(0.0), w_(1.0)});
         const double error = truncation + rounding;
         for (const int side : {0, 1}) {
             const auto bounds =
@@ -603,9 +599,23 @@ private:
                 return add_values<10>(left, right, sum);
             case 12:
                 return add_values<12>(left, right, sum);
+            case 14:
+                return add_values<14>(left, right, sum);
+            case 16:
+                return add_values<16>(left, right, sum);
+            case 18:
+                return add_values<18>(left, right, sum);
             default:
                 return add_values<most_points>(left, right, sum);
         }
+    }
+
+    void add_halves(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,
+                    int& budget) const {
+        --budget;
+        for (const double sign : {-1.0, 1.0})
+            Conic(Powers{a_[0] + sign * 0.5 * a_[1] + 0.25 * a_[2], 0.5 * a_[1] + sign * 0.5 * a_[2], 0.25 * a_[2]})
+                .add(left, right, sum, halvings - 1, budget);
     }
 
     explicit Conic(const Powers& a) : a_(a), t_{a[0][3], a[1][3], a[2][3]}, w_{a[0][4], a[1][4], a[2][4]} {
@@ -617,26 +627,17 @@ private:
         speed2_ = {y0.dot(y0), 2 * y0.dot(y1), y1.dot(y1) + 2 * y0.dot(y2), 2 * y1.dot(y2), y2.dot(y2)};
     }
 
-    // Bound of |p x dp| w^2 on the disk.
-    double moment(double r) const { return x_[0].norm() + r * (x_[1].norm() + r * x_[2].norm()); }
-
-    // w (t - its value at 0).
-    Quadratic turned() const {
-        const double middle = t_.c0 / w_.c0;
-        return {0, t_.c1 - middle * w_.c1, t_.c2 - middle * w_.c2};
-    }
-
     // The radius of a disk on which the integrands are analytic; NaN if there is none that helps. On it t
-    // keeps to its side of `edge_of_t`, and so does |dp|^2, which on a circle is a multiple of 1 / w^2.
-    double disk(double edge_of_t) const {
+    // keeps to its side of an edge, and so does |dp|^2, which on a circle is a multiple of 1 / w^2. `turned` is w times
+    // the change of t from its value at 0, which is `to_edge` beyond the edge.
+    double disk(const Quadratic& turned, double to_edge) const {
         const auto reach = [](double linear, double quadratic, double bound) {
             return 2 * bound / (linear + sqrt(square(linear) + 4 * quadratic * bound));
         };
         const double w1 = std::abs(w_.c1), w2 = std::abs(w_.c2), part = tame_part;
-        const double room = part * (t_.c0 / w_.c0 - edge_of_t);
-        const Quadratic t = turned();
+        const double room = part * to_edge;
         double r = std::min({widest_disk, reach(w1, w2, part * w_.c0),
-                             reach(std::abs(t.c1) + room * w1, std::abs(t.c2) + room * w2, room * w_.c0)});
+                             reach(std::abs(turned.c1) + room * w1, std::abs(turned.c2) + room * w2, room * w_.c0)});
         const double mean = speed2_[0] / square(w_.c0);
         const double rest1 = std::abs(speed2_[1] - 2 * mean * w_.c0 * w_.c1),
                      rest2 = std::abs(speed2_[2] - mean * (w_.c1 * w_.c1 + 2 * w_.c0 * w_.c2)),
@@ -652,7 +653,8 @@ private:
 
     template <int n>
     void add_values(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
-        const auto& [s, rule_weight] = NodeRule<n>::get();
+        const Nodes<n> s = Eigen::Map<const Nodes<n>>(node_rule<n>.s.data());
+        const Eigen::Map<const Nodes<n>> rule_weight(node_rule<n>.weight.data());
         const Nodes<n> reciprocal = 1 / w_(s), t = t_(s) * reciprocal;
         const Nodes<n> weight = rule_weight * reciprocal.square();
         const auto& v = speed2_;

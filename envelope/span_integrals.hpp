@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -104,6 +105,13 @@ void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Int
     // The bound may exceed the integrand's size by this factor: 4e-21 of it is next to nothing.
     constexpr double largest_growth = 1e4, ellipse = 2.4;
     const auto bounds = integrand(span.at(ComplexBall(0.0, ellipse)));
+    bool good = std::ranges::all_of(bounds, [](const ComplexBall& b) { return std::isfinite(b.magnitude()); });
+    const bool may_halve = halvings > 0 && budget > 0;
+    const auto integrate_halves = [&] {
+        --budget;
+        for (const int side : {0, 1}) integrate(span.half(side), integrand, sum, halvings - 1, budget);
+    };
+    if (!good && may_halve) return integrate_halves();
     std::array<double, N> value{}, size{};
     const quadrature::Rule& rule = quadrature::rule();
     for (int i = 0; i < quadrature::points / 2; ++i) {
@@ -116,14 +124,9 @@ void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Int
             }
         }
     }
-    bool good = true;
     for (std::size_t k = 0; k < N; ++k)
         good = good && bounds[k].magnitude() <= largest_growth * size[k] + std::numeric_limits<double>::min();
-    if (!good && halvings > 0 && budget > 0) {
-        --budget;
-        for (const int side : {0, 1}) integrate(span.half(side), integrand, sum, halvings - 1, budget);
-        return;
-    }
+    if (!good && may_halve) return integrate_halves();
     for (std::size_t k = 0; k < N; ++k) {
         // Where halving ended without a bound, the whole part.
         const double truncation = good ? 2 * quadrature::truncation * bounds[k].magnitude() : 2 * size[k];
