@@ -32,7 +32,8 @@ struct Controls {
     explicit Controls(const ConicSpan& s) : X{s.from, s.middle, s.to}, w{1, s.weight, 1} {}
 };
 
-double product(const Vector4d& a, const Vector4d& b, bool is_sphere) {
+template <bool is_sphere>
+double product(const Vector4d& a, const Vector4d& b) {
     return a.x() * b.x() + (is_sphere ? a.y() * b.y() : 0) + a.z() * b.z() - a.w() * b.w();
 }
 
@@ -42,46 +43,50 @@ struct Proved {
     int halvings = most_halvings;
 };
 
-void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner, double sine2,
-              bool is_sphere, int depth, Proved& proved) {
-    const Controls c(span);
+template <bool is_sphere>
+void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner, double sine2, int depth,
+              Proved& proved) {
+    const std::array<const Vector4d*, 3> X{&span.from, &span.middle, &span.to};
+    const double w = span.weight, over_w = 1 / w;
+    const std::array<double, 3> weights{1, w, 1}, over{1, over_w, 1};
+    std::array<double, 3> length;
     double far = 0, near = infinity;
     for (int i = 0; i < 3; ++i) {
-        far = std::max(far, c.X[i].norm() / c.w[i]);
-        near = std::min(near, c.X[i].w() / c.w[i]);
+        length[i] = X[i]->norm();
+        far = std::max(far, length[i] * over[i]);
+        near = std::min(near, X[i]->w() * over[i]);
     }
     std::array<double, 2> r{0, 0};
     for (int j = 0; j < 2; ++j) {
         for (int i = 0; i < 3; ++i)
-            r[j] = std::max(r[j], std::abs(planes[j].normal.dot(c.X[i]) - c.w[i] * planes[j].k) / c.w[i]);
+            r[j] = std::max(r[j], std::abs(planes[j].normal.dot(*X[i]) - weights[i] * planes[j].k) * over[i]);
         r[j] += of_plane * (far + std::abs(planes[j].k));
     }
     // NaN where the planes do not tell A: nothing is proved then.
     const double e = std::sqrt((r[0] * r[0] + 2 * std::abs(inner) * r[0] * r[1] + r[1] * r[1]) / sine2);
     // The cone's residual times w^2, whose coefficients are 1, w, (1 + 2 w^2) / 3, w, 1.
-    const double w = c.w[1], w2 = (1 + 2 * w * w) / 3;
+    const double w2 = 1 + 2 * w * w;
     // Over a cylinder the coordinate along the axis takes no part: small where the cone's tip is near.
-    const auto size = [&](const Vector4d& X) {
-        return is_sphere ? X.norm() : std::hypot(X.x(), X.z(), X.w());
-    };
-    const std::array<double, 3> length{size(c.X[0]), size(c.X[1]), size(c.X[2])};
-    const auto q = [&](int i, int k) { return product(c.X[i], c.X[k], is_sphere); };
+    if (!is_sphere)
+        for (int i = 0; i < 3; ++i)
+            length[i] = std::sqrt(X[i]->x() * X[i]->x() + X[i]->z() * X[i]->z() + X[i]->w() * X[i]->w());
+    const auto q = [&](int i, int k) { return product<is_sphere>(*X[i], *X[k]); };
     const double largest = std::max({std::abs(q(0, 0)) + of_product * length[0] * length[0],
-                                     (std::abs(q(0, 1)) + of_product * length[0] * length[1]) / w,
+                                     (std::abs(q(0, 1)) + of_product * length[0] * length[1]) * over_w,
                                      (std::abs(q(0, 2) + 2 * q(1, 1)) +
                                       of_product * (length[0] * length[2] + 2 * length[1] * length[1])) /
-                                         (3 * w2),
-                                     (std::abs(q(1, 2)) + of_product * length[1] * length[2]) / w,
+                                         w2,
+                                     (std::abs(q(1, 2)) + of_product * length[1] * length[2]) * over_w,
                                      std::abs(q(2, 2)) + of_product * length[2] * length[2]});
     // | |p| - t | = | |p|^2 - t^2 | / (|p| + t).
     const double cone = largest < 0.1 * near * near ? largest / (1.9 * near) : infinity, phi = cone + 1.5 * e;
     double m2 = infinity;
     for (int i = 0; i < 3; ++i) {
+        const double over_t = 1 / X[i]->w();
         std::array<double, 2> s, g;
         for (int j = 0; j < 2; ++j) {
             const DistancePlane& p = planes[j];
-            const double k = c.w[i] * p.k - (is_sphere ? 0 : p.normal.y() * c.X[i].y());
-            s[j] = k / c.X[i].w();
+            s[j] = (weights[i] * p.k - (is_sphere ? 0 : p.normal.y() * X[i]->y())) * over_t;
             g[j] = s[j] - 2 * p.normal.w();
         }
         const int n = std::abs(g[0]) > std::abs(g[1]) ? 0 : 1;
@@ -90,20 +95,21 @@ void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
         const double a_size = 2 * std::abs(planes[n].power) + 4 * std::abs(s[n]) + s[n] * s[n];
         const double share = 1 - 2 * product * other / (turn * g[n] + std::numbers::sqrt2);
         const double across = std::abs(std::numbers::sqrt2 * product - other) + rounding;
-        m2 = std::min(m2, (a * share - across * across - rounding * a_size * (1 + std::abs(share))) / sine2);
+        m2 = std::min(m2, a * share - across * across - rounding * a_size * (1 + std::abs(share)));
     }
-    m2 -= 8 * phi / near * (std::sqrt(std::max(m2, 0.0)) + phi / near);
+    m2 /= sine2;
+    const double over_near = phi / near;
+    m2 -= 8 * over_near * (std::sqrt(std::max(m2, 0.0)) + over_near);
     if (near > 0 && m2 > 0 && 2.5 * phi <= near * m2) {
         proved.distance = std::max(proved.distance, e + 2 * phi / std::sqrt(m2));
         return;
     }
     if (depth == 0 || proved.halvings == 0) {
-        for (int i = 1; i < 3; ++i) proved.rest += (c.X[i] / c.w[i] - c.X[i - 1] / c.w[i - 1]).norm();
+        for (int i = 1; i < 3; ++i) proved.rest += (over[i] * *X[i] - over[i - 1] * *X[i - 1]).norm();
         return;
     }
     --proved.halvings;
-    for (const ConicSpan& half : span.halves())
-        add_span(half, planes, inner, sine2, is_sphere, depth - 1, proved);
+    for (const ConicSpan& half : span.halves()) add_span<is_sphere>(half, planes, inner, sine2, depth - 1, proved);
 }
 
 struct Trimmed {
@@ -169,10 +175,16 @@ double trim_distance(const RadialPatch& patch, const Trimmed& part, int halvings
 double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
                       bool is_sphere) {
     const Vector4d &a = planes[0].normal, &b = planes[1].normal;
-    const double sine2 =
-        0.25 * (a - b).squaredNorm() * (a + b).squaredNorm() - rounding * (a - b).norm() * (a + b).norm();
+    const double product = (a - b).squaredNorm() * (a + b).squaredNorm();
+    const double sine2 = 0.25 * product - rounding * std::sqrt(product);
+    const double inner = a.dot(b);
     Proved proved;
-    for (const ConicSpan& span : spans) add_span(span, planes, a.dot(b), sine2, is_sphere, deepest, proved);
+    for (const ConicSpan& span : spans) {
+        if (is_sphere)
+            add_span<true>(span, planes, inner, sine2, deepest, proved);
+        else
+            add_span<false>(span, planes, inner, sine2, deepest, proved);
+    }
     return proved.distance + 4 * proved.rest;
 }
 
@@ -181,14 +193,14 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
 double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, bool is_sphere) {
     double most = 0;
     for (const ConicSpan& span : spans) {
-        const Controls c(span);
-        for (int i = 0; i < 3; ++i) {
-            const double reach = is_sphere ? 0 : plane.normal.y() * c.X[i].y();
-            const double k = c.w[i] * plane.k - reach,
-                         size = rounding * (std::abs(c.w[i] * plane.k) + std::abs(reach));
-            const double first = plane.k - (is_sphere ? 0 : plane.normal.y() * span.from.y());
-            if (!(std::abs(k) > size && (k > 0) == (first > 0))) return infinity;
-            most = std::max(most, c.X[i].w() / (std::abs(k) - size));
+        bool is_turned = false;  // at the first point
+        for (const Vector4d* X : {&span.from, &span.middle, &span.to}) {
+            const double reach = is_sphere ? 0 : plane.normal.y() * X->y(),
+                         at_axis = X == &span.middle ? span.weight * plane.k : plane.k, k = at_axis - reach,
+                         least = std::abs(k) - rounding * (std::abs(at_axis) + std::abs(reach));
+            if (X == &span.from) is_turned = !(k > 0);
+            if (!(least > 0 && (k > 0) != is_turned)) return infinity;
+            most = std::max(most, X->w() / least);
         }
     }
     return 1 + most;

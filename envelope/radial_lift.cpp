@@ -248,7 +248,9 @@ Vector4d moved_to_meet(const Vector4d& x, const std::array<const Hyperplane*, 3>
 class RadialLifter {
 public:
     RadialLifter(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
-        : problem_(problem), diagram_(diagram), tolerance_(tolerance) {}
+        : problem_(problem), diagram_(diagram), tolerance_(tolerance) {
+        if (problem_.is_sphere) hyperplanes_ = decltype(hyperplanes_)(problem_.objects.size());
+    }
 
     Cell lift(bool with_measures) {
         add_vertices();
@@ -304,11 +306,10 @@ private:
     }
 
     const Hyperplane& hyperplane(FormId f) {
-        if (hyperplanes_.empty()) hyperplanes_ = decltype(hyperplanes_)(problem_.objects.size());
-        std::optional<Hyperplane>& plane = hyperplanes_[f];
-        if (!plane) plane.emplace(problem_, f);
-        return *plane;
+        const std::optional<Hyperplane>& plane = hyperplanes_[f];
+        return plane ? *plane : make_hyperplane(f);
     }
+    [[gnu::noinline]] const Hyperplane& make_hyperplane(FormId f) { return hyperplanes_[f].emplace(problem_, f); }
 
     // As met by the first three of its sites and ends.
     std::optional<SpaceEnd> settled(VertexId v, const SpaceEnd& near) const {
@@ -1292,8 +1293,9 @@ private:
     // their errors count twice. The trims are compared with the space curve on patches as computed, whose
     // control points are rounded; and all of it is moved back, as for vertices.
     void set_error(EdgeId e, CellEdge& edge) {
-        double far = problem_.frame.origin.norm(), end_error = 0;
-        for (const Vector4d& p : edge.curve.points) far = std::max(far, p.head<3>().norm());
+        double square = problem_.frame.origin.squaredNorm(), end_error = 0;
+        for (const Vector4d& p : edge.curve.points) square = std::max(square, p.head<3>().squaredNorm());
+        const double far = std::sqrt(square);
         for (const std::uint32_t v : edge.vertices) end_error = std::max(end_error, cell_.vertices[v].error);
         const double rounding = 16 * u * (far + problem_.frame.origin.norm());
         double off, trims;
@@ -1301,8 +1303,10 @@ private:
             off = errors_[e].curve + end_error;
             trims = errors_[e].trims;
         } else {
-            off = is_line(e) ? end_error : curve_error(e) + 2 * end_error;
-            trims = trims_error(e, off + 4 * rounding);
+            std::optional<std::array<DistancePlane, 2>> planes;
+            if (!is_line(e)) planes = distance_planes(e);
+            off = planes ? curve_error(e, *planes) + 2 * end_error : end_error;
+            trims = trims_error(e, off + 4 * rounding, planes);
         }
         // Nothing of the cell is farther away than its box, which holds the base.
         const double most = 4 * far;
@@ -1319,8 +1323,7 @@ private:
         const auto equations = axial_equations(edge);
         return AxialConic(problem_, (*equations)[0], (*equations)[1]).planes();
     }
-    double curve_error(EdgeId e) {
-        std::array<DistancePlane, 2> planes = distance_planes(e);
+    double curve_error(EdgeId e, std::array<DistancePlane, 2> planes) {
         // Of forms that are nearly alike the difference tells the edge, which has all its digits.
         constexpr double nearly_alike = 1 - 0x1p-33;
         if (problem_.is_sphere && std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike)
@@ -1347,8 +1350,9 @@ private:
         return {normal / length, 0, scaled(A * A + B * B - Exact(4.0) * C * K, 2) / (length * length)};
     }
 
-    // Of lines and conics; off: what their points may be off the bisectors.
-    double trims_error(EdgeId e, double off) {
+    // Of lines and conics; off: what their points may be off the bisectors. The edge's planes are found where there are
+    // none yet.
+    double trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         double most = off;
         if (is_line(e) && (problem_.is_sphere || !axial_equations(edge))) return most;
@@ -1361,7 +1365,6 @@ private:
             segment.push_back({far, far, far, 1});
             along = segment;
         }
-        std::optional<std::array<DistancePlane, 2>> planes;
         for (const unsigned side : {0u, 1u}) {
             if (side == 1 && edge.on_rim()) continue;
             const FormId form = side == 0 ? edge.left : edge.right;

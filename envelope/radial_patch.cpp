@@ -254,58 +254,76 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
     add(angle_sin, half_C, vector(axes_[1]));
 }
 
+namespace {
+
 // Blossoms: x -> (x + x') / 2, x^2 -> x x'.
-template <class Use>
-void RadialPatch::for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v,
-                                   Use use) const {
-    const auto blossom = [](const std::array<double, 2>& range, int i, int n) -> Polynomial {
-        const double a = range[n == 1 ? i : i > 1], b = range[n == 1 ? i : i > 0];
-        return {1, 0.5 * a + 0.5 * b, a * b};
-    };
-    // Coefficients beyond the degrees are zero.
-    const auto [m, n] = degree_;
-    std::array<std::array<Vector4d, 3>, 3> along_v, size_v;
+template <int n>
+Polynomial blossom(const std::array<double, 2>& range, int i) {
+    const double a = range[n == 1 ? i : i > 1], b = range[n == 1 ? i : i > 0];
+    return {1, 0.5 * a + 0.5 * b, a * b};
+}
+
+// RadialPatch::for_each_control() of degrees m and n, or of a total degree. Coefficients beyond are zero.
+template <int m, int n, bool is_total, class Use>
+void for_each_control_of(const RadialPatch& from, const std::array<double, 2>& u, const std::array<double, 2>& v, Use& use) {
+    std::array<Polynomial, m + 1> f;
+    for (int i = 0; i <= m; ++i) f[i] = blossom<m>(u, i);
     for (int j = 0; j <= n; ++j) {
-        const Polynomial g = blossom(v, j, n);
-        for (int k = 0; k < 3; ++k) {
-            const Vector4d c0 = g[0] * coefficient(k, 0), c1 = g[1] * coefficient(k, 1),
-                           c2 = g[2] * coefficient(k, 2);
-            along_v[j][k] = c0 + c1 + c2;
-            size_v[j][k] = c0.cwiseAbs() + c1.cwiseAbs() + c2.cwiseAbs();
+        const Polynomial g = blossom<n>(v, j);
+        std::array<Vector4d, m + 1> row, size_of_row;
+        for (int k = 0; k <= m; ++k) {
+            row[k] = from.coefficient(k, 0);
+            size_of_row[k] = row[k].cwiseAbs();
+            for (int l = 1; l <= (is_total ? n - k : n); ++l) {
+                const Vector4d term = g[l] * from.coefficient(k, l);
+                row[k] += term;
+                size_of_row[k] += term.cwiseAbs();
+            }
+        }
+        for (int i = 0; i <= m; ++i) {
+            Vector4d h = row[0], size = size_of_row[0];
+            for (int k = 1; k <= m; ++k) {
+                h += f[i][k] * row[k];
+                size += std::abs(f[i][k]) * size_of_row[k];
+            }
+            if (!use(i * (n + 1) + j, h, size)) return;
         }
     }
-    for (int i = 0; i <= m; ++i) {
-        const Polynomial f = blossom(u, i, m);
-        for (int j = 0; j <= n; ++j) {
-            const auto& row = along_v[j];
-            const Vector4d h = f[0] * row[0] + f[1] * row[1] + f[2] * row[2];
-            const Vector4d size =
-                std::abs(f[0]) * size_v[j][0] + std::abs(f[1]) * size_v[j][1] + std::abs(f[2]) * size_v[j][2];
-            if (!use(h, size)) return;
-        }
-    }
+}
+
+}  // namespace
+
+template <class Use>
+void RadialPatch::for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const {
+    if (degree_[0] == 1) return for_each_control_of<1, 1, true>(*this, u, v, use);
+    if (degree_[1] == 1) return for_each_control_of<2, 1, false>(*this, u, v, use);
+    if (kind_ == Kind::Planar || kind_ == Kind::Stereographic || kind_ == Kind::Confocal)
+        return for_each_control_of<2, 2, true>(*this, u, v, use);
+    for_each_control_of<2, 2, false>(*this, u, v, use);
 }
 
 std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
                                                 const std::array<double, 2>& v, const BaseFrame& frame,
                                                 double& rounding) const {
-    const auto [m, n] = degree_;
-    RationalPatch surface{m, n, u, v, {}};
-    bool is_positive = true;
+    std::optional<RationalPatch> surface(std::in_place, degree_[0], degree_[1], u, v);
+    surface->points.resize(static_cast<std::size_t>((degree_[0] + 1) * (degree_[1] + 1)));
+    // Of a point's coordinates and of its weight the sums of the terms' absolute values, over the weight.
     double scale = 1, of_points = 0, of_weights = 0, far = 0;
-    for_each_control(u, v, [&](const Vector4d& h, const Vector4d& size) {
+    bool is_positive = true;
+    for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {
         is_positive = h.w() > 0;
         if (!is_positive) return false;
-        if (surface.points.empty()) scale = 1 / h.w();
+        const double over_w = 1 / h.w();
+        if (k == 0) scale = over_w;
         const Vec3 p = h.head<3>() / h.w(), world = frame.to_world(p);
-        surface.points.push_back({world.x(), world.y(), world.z(), scale * h.w()});
-        of_points = std::max(of_points, size.head<3>().sum() / h.w());
-        of_weights = std::max(of_weights, size.w() / h.w());
-        far = std::max(far, p.cwiseAbs().sum());
+        surface->points[k] = {world.x(), world.y(), world.z(), scale * h.w()};
+        of_points = std::max(of_points, (size[0] + size[1] + size[2]) * over_w);
+        of_weights = std::max(of_weights, size[3] * over_w);
+        far = std::max(far, std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
         return true;
     });
-    if (!is_positive) return std::nullopt;
     rounding = rounding_each * (of_points + far * of_weights + frame.origin.norm());
+    if (!is_positive) surface.reset();
     return surface;
 }
 
@@ -319,10 +337,9 @@ double RadialPatch::rounding_along(const RationalCurve2& curve, const std::array
                                    double enough) const {
     // Of points, of weights, |h|, w.
     std::array<Vector4d, 9> net;
-    std::size_t controls = 0;
-    for_each_control(u, v, [&](const Vector4d& h, const Vector4d& size) {
+    for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {
         const double length = h.head<3>().cwiseAbs().sum();
-        net[controls++] << size.head<3>().sum() + length / h.w() * size.w(), size.w(), length, h.w();
+        net[k] << size.head<3>().sum() + length / h.w() * size.w(), size.w(), length, h.w();
         return true;
     });
     const auto [m, n] = degree_;

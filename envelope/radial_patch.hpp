@@ -137,8 +137,8 @@ public:
                           const std::array<double, 2>& v, const BaseFrame& frame, double enough) const;
 
 private:
-    /// Calls use(h, size) for the control points h = (P, w), with i first, and the sums of their terms'
-    /// absolute values.
+    /// Calls use(k, h, size) for the control points h = (P, w), k as in RationalPatch, and the sums of their terms'
+    /// absolute values, as long as it returns true.
     template <class Use>
     void for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const;
     void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);
