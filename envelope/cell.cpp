@@ -34,6 +34,7 @@ std::string to_string(CurveKind kind) {
 }
 
 void scale(Cell& cell, double factor, bool parameters) {
+    if (factor == 1) return;
     const double square = factor * factor, cube = square * factor;
     for (CellVertex& v : cell.vertices) {
         v.point *= factor;

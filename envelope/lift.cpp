@@ -205,9 +205,9 @@ private:
 
     // The motion back, as for vertices: of all points at once.
     double motion_back(const RationalCurve3& curve) const {
-        double far = 0;
-        for (const Eigen::Vector4d& p : curve.points) far = std::max(far, p.head<3>().norm());
-        return 8 * u * (far + problem_.frame.origin.norm());
+        double square = 0;
+        for (const Eigen::Vector4d& p : curve.points) square = std::max(square, p.head<3>().squaredNorm());
+        return 8 * u * (std::sqrt(square) + problem_.frame.origin.norm());
     }
 
     // From the chart to space. The lifted curve has the heights of f over its chart curve, but for those of
@@ -217,32 +217,37 @@ private:
     double circular_edge_error(EdgeId e) const {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const double off = arcs_.error(e);
-        const auto slope_and_size = [&](FormId form) {
-            const CircularForm& f = diagram_.forms[form];
-            const double bend = 2 * std::abs(f.k) / f.w;
-            std::array<double, 2> most{0, 0};
-            for (const ArcSpan& span : arcs_.spans(e))
-                for (const Vector2d& p : {span.from, span.middle(), span.to}) {
-                    const double d = (p - Vector2d(f.cx, f.cy)).norm();
-                    const double linear =
-                        (std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) / f.w;
-                    most[0] = std::max(most[0], gradient(f, p).norm() + bend * off);
-                    most[1] = std::max(most[1], bend * d * (d + p.norm()) + linear);
-                }
-            return most;
+        // Of a height along the edge: bounds on the slope next to it, and the magnitudes that enter.
+        struct Height {
+            const CircularForm& f;
+            double bend = 2 * std::abs(f.k) / f.w, over_w = 1 / f.w, slope2 = 0, size = 0;
+
+            void add(const Vector2d& p, double reach) {
+                const double d = (p - Vector2d(f.cx, f.cy)).norm();
+                const double linear = (std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) * over_w;
+                slope2 = std::max(slope2, gradient(f, p).squaredNorm());
+                size = std::max(size, bend * d * (d + reach) + linear);
+            }
+            double slope(double off) const { return std::sqrt(slope2) + bend * off; }
         };
-        const auto left = slope_and_size(edge.left);
-        const auto right = edge.on_rim() ? left : slope_and_size(edge.right);
+        Height left{diagram_.forms[edge.left]}, right{diagram_.forms[edge.on_rim() ? edge.left : edge.right]};
+        for (const ArcSpan& span : arcs_.spans(e))
+            for (const Vector2d& p : {span.from, span.middle(), span.to}) {
+                const double reach = p.norm();
+                left.add(p, reach);
+                if (!edge.on_rim()) right.add(p, reach);
+            }
+        const double left_slope = left.slope(off), right_slope = edge.on_rim() ? 0 : right.slope(off);
         double r = 0;
         for (const VertexId v :
              {diagram_.dcel.origin(Dcel::half_edge(e)), diagram_.dcel.target(Dcel::half_edge(e))}) {
             if (!v.valid()) continue;
             const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
-            r = std::max(r, at.height_error + std::max(left[0], right[0]) * at.error);
+            r = std::max(r, at.height_error + std::max(left_slope, right_slope) * at.error);
         }
-        r += 16 * u * std::max(left[1], right[1]);
-        const double across = edge.on_rim() ? left[0] : left[0] + right[0];
-        return std::hypot(off, r + across * off);
+        r += 16 * u * std::max(left.size, right.size);
+        const double apart = r + (left_slope + right_slope) * off;
+        return std::sqrt(off * off + apart * apart);
     }
 
     void add_edges() {

@@ -305,7 +305,7 @@ void RadialPatch::for_each_control(const std::array<double, 2>& u, const std::ar
 std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
                                                 const std::array<double, 2>& v, const BaseFrame& frame,
                                                 double& rounding) const {
-    std::optional<RationalPatch> surface(std::in_place, degree_[0], degree_[1], u, v);
+    std::optional<RationalPatch> surface(RationalPatch{degree_[0], degree_[1], u, v, {}});
     surface->points.resize(static_cast<std::size_t>((degree_[0] + 1) * (degree_[1] + 1)));
     // Of a point's coordinates and of its weight the sums of the terms' absolute values, over the weight.
     double scale = 1, of_points = 0, of_weights = 0, far = 0;

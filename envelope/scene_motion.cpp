@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "../core/small_vector.hpp"
+
 namespace vcell {
 
 namespace {
@@ -21,9 +23,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // A unit vector from a foot, and how far away a centre or axis is about which it turns.
 struct Direction {
-    Vec3 g;
+    Vec3 g = Vec3::Zero();
     double distance = infinity;
-    std::optional<Vec3> center{};  // of a ball
+    const Vec3* center = nullptr;  // of a ball
 };
 
 // The unit vector of a plane's normal or a cylinder's axis, which may have any length.
@@ -38,9 +40,9 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
         return {unit.dot(p - plane->point) < 0 ? Vec3(-unit) : unit};
     }
     Vec3 m;
-    std::optional<Vec3> center;
+    const Vec3* center = nullptr;
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
-        center = sphere->center;
+        center = &sphere->center;
         m = p - sphere->center;
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
@@ -56,8 +58,9 @@ struct Row {
     Vec3 value;
     double nearest = infinity;  // of the distances of its feet's centres and axes
     double turn = 2;            // of its unit vectors: |dg| <= dp / distance each
-    std::optional<Direction> object{};
-    double shift = 2;  // of its equation, in motions
+    Direction object{};  // of an object that has one
+    double shift = 2;    // of its equation, in motions
+    bool has_object = false;
 
     double variation(double radius) const {
         return radius < nearest ? 1.5 * turn * radius / (nearest - radius) : infinity;
@@ -68,19 +71,15 @@ struct Row {
 // given. From balls at a distance r the unit vectors turn nearly alike where their centres are next to each other: the
 // derivative of m / |m| changes by at most 3 / |m|^2 of their distance.
 Row difference(const Row& b, const Row& a, double shift) {
-    Row row{b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};
-    if (a.object && b.object) {
-        row.value = b.object->g - a.object->g;
-        row.turn = 2;
-        row.shift = std::max(a.shift, b.shift);
-        row.nearest = std::min(a.object->distance, b.object->distance);
-        if (a.object->center && b.object->center) {
-            row.shift = shift;
-            const double apart = (*b.object->center - *a.object->center).norm();
-            // Within half the distance centres are no nearer than the other half.
-            row.nearest = 0.5 * (row.nearest - apart);
-            row.turn = std::min(row.turn, row.nearest > 0 ? 3 * apart / row.nearest : 2);
-        }
+    if (!a.has_object || !b.has_object)
+        return {b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};
+    Row row{b.object.g - a.object.g, std::min(a.object.distance, b.object.distance), 2, {}, std::max(a.shift, b.shift)};
+    if (a.object.center != nullptr && b.object.center != nullptr) {
+        row.shift = shift;
+        const double apart = (*b.object.center - *a.object.center).norm();
+        // Within half the distance centres are no nearer than the other half.
+        row.nearest = 0.5 * (row.nearest - apart);
+        row.turn = std::min(row.turn, row.nearest > 0 ? 3 * apart / row.nearest : 2);
     }
     return row;
 }
@@ -120,19 +119,22 @@ private:
 
         friend bool operator==(const Term&, const Term&) = default;
     };
+    using Terms = SmallVector<Term, 8>;
 
     // Only one face is beside an edge over the rim, and its side of the box comes second.
     void find_equations() {
-        std::vector<int> trims(cell_.edges.size(), 0);
-        for (const CellFace& face : cell_.faces)
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& trim : loop)
-                        if (trim.edge) ++trims[*trim.edge];
-        const bool has_rim = std::holds_alternative<Plane>(cell_.scene.base);
+        is_rim_.assign(cell_.edges.size(), false);
+        if (std::holds_alternative<Plane>(cell_.scene.base)) {
+            std::vector<int> trims(cell_.edges.size(), 0);
+            for (const CellFace& face : cell_.faces)
+                for (const TrimmedPatch& patch : face.patches)
+                    for (const auto& loop : patch.loops)
+                        for (const TrimCurve& trim : loop)
+                            if (trim.edge) ++trims[*trim.edge];
+            for (std::size_t i = 0; i < trims.size(); ++i) is_rim_[i] = trims[i] == 1;
+        }
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
             const CellEdge& e = cell_.edges[i];
-            is_rim_.push_back(has_rim && trims[i] == 1);
             for (const std::uint32_t v : e.vertices)
                 for (const Term term : {Term{e.sites[0]}, Term{e.sites[1], is_rim_[i]}})
                     if (std::ranges::find(equations_[v], term) == equations_[v].end())
@@ -146,40 +148,41 @@ private:
                !(term.site.is_object() && std::holds_alternative<Plane>(cell_.scene.objects[term.site.index]));
     }
 
-    Row row(const Term& term, const Vec3& p) const {
-        Row row = row_of(term, p);
+    Direction base(const Vec3& p) const { return from_foot(cell_.scene.base, base_unit_, p); }
+    // `base`: the base's direction at p.
+    Row row(const Term& term, const Vec3& p, const Direction& base) const {
+        Row row = row_of(term, p, base);
         if (stays(term)) row.shift = 0;
         return row;
     }
-    Row row_of(const Term& term, const Vec3& p) const {
+    Row row_of(const Term& term, const Vec3& p, const Direction& base) const {
         const Site site = term.site;
         if (site.kind == Site::Kind::BoxSide) {
             const Vec3 side = Vec3::Unit(site.index / 2);
             if (!term.is_wall) return {side};
             return {(side - base_unit_.dot(side) * base_unit_).normalized()};
         }
-        const Direction base = from_foot(cell_.scene.base, base_unit_, p);
-        if (site.kind == Site::Kind::End)
-            return {base_unit_};
+        if (site.kind == Site::Kind::End) return {base_unit_};
         const Direction object = from_foot(cell_.scene.objects[site.index], units_[site.index], p);
-        return {object.g - base.g, std::min(object.distance, base.distance), 2, object};
+        return {object.g - base.g, std::min(object.distance, base.distance), 2, object, 2, true};
     }
 
     // The motion by the three equations that tell the point best; none where no bisectors cross.
-    std::optional<double> of_vertex(const CellVertex& v, const std::vector<Term>& terms) const {
+    std::optional<double> of_vertex(const CellVertex& v, const Terms& terms) const {
         if (std::ranges::all_of(terms, [&](const Term& t) { return stays(t); })) return 0;
-        std::vector<Row> rows;
-        for (const Term& t : terms) rows.push_back(row(t, v.point));
+        const Direction base = this->base(v.point);
+        SmallVector<Row, 4> rows;
+        for (const Term& t : terms) rows.push_back(row(t, v.point, base));
         double best = infinity;
         for (std::size_t i = 0; i < rows.size(); ++i)
             for (std::size_t j = i + 1; j < rows.size(); ++j)
                 for (std::size_t k = j + 1; k < rows.size(); ++k) {
                     const std::array<const Row*, 3> r{&rows[i], &rows[j], &rows[k]};
-                    best = std::min(best, of_rows({*r[0], *r[1], *r[2]}, v.error));
+                    best = std::min(best, of_rows(r, v.error));
                     for (int m = 0; m < 3; ++m) {
-                        const Row &a = *r[m], &b = *r[(m + 1) % 3], &c = *r[(m + 2) % 3];
-                        const std::array apart{a, difference(b, a, between_balls_), difference(c, a, between_balls_)};
-                        best = std::min(best, of_rows(apart, v.error));
+                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, between_balls_),
+                                  c = difference(*r[(m + 2) % 3], a, between_balls_);
+                        best = std::min(best, of_rows({&a, &b, &c}, v.error));
                     }
                 }
         if (best == infinity) return std::nullopt;
@@ -187,15 +190,37 @@ private:
     }
 
     // Twice the Newton step, if rows do not turn by more than a quarter on twice that.
-    double of_rows(const std::array<Row, 3>& rows, double error) const {
+    double of_rows(const std::array<const Row*, 3>& rows, double error) const {
         Matrix3d M;
-        for (int i = 0; i < 3; ++i) M.row(i) = rows[i].value.transpose();
+        for (int i = 0; i < 3; ++i) M.row(i) = rows[i]->value.transpose();
         const Matrix3d inverse = M.inverse();
+        std::array<double, 3> length;
+        for (int i = 0; i < 3; ++i) length[i] = inverse.col(i).norm();
         double step = 0, turn = 0;
-        for (int i = 0; i < 3; ++i) step += rows[i].shift * moved_ * inverse.col(i).norm();
-        for (int i = 0; i < 3; ++i) turn += inverse.col(i).norm() * rows[i].variation(2 * error + 2 * step);
+        for (int i = 0; i < 3; ++i) step += rows[i]->shift * moved_ * length[i];
+        for (int i = 0; i < 3; ++i) turn += length[i] * rows[i]->variation(2 * error + 2 * step);
         return turn <= 0.25 ? 2 * step : infinity;
     }
+
+    // Control points (p w, w) of one piece.
+    struct Piece {
+        int degree;
+        std::array<Vector4d, 6> points;
+
+        Vec3 point(int k) const { return points[k].head<3>() / points[k].w(); }
+        // De Casteljau.
+        std::array<Piece, 2> halves() const {
+            std::array<Piece, 2> half;
+            half[0].degree = half[1].degree = degree;
+            std::array<Vector4d, 6>& work = half[1].points;
+            std::copy_n(points.begin(), degree + 1, work.begin());
+            for (int k = 0; k <= degree; ++k) {
+                half[0].points[k] = work[0];
+                for (int i = 0; i < degree - k; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
+            }
+            return half;
+        }
+    };
 
     double of_edge(const CellEdge& e, bool is_rim) const {
         const RationalCurve3& c = e.curve;
@@ -203,27 +228,27 @@ private:
         if (stays(terms[0]) && stays(terms[1])) return 0;
         double most = 0;
         int halvings = most_halvings;
-        std::vector<Vector4d> span(c.degree + 1);
+        Piece piece;
+        piece.degree = c.degree;
         for (std::size_t i = 0; i + c.degree < c.points.size(); i += c.degree) {
             for (int k = 0; k <= c.degree; ++k) {
                 const Vector4d& p = c.points[i + k];
-                span[k] << p.w() * p.head<3>(), p.w();
+                piece.points[k] << p.w() * p.head<3>(), p.w();
             }
-            most = std::max(most, of_span(terms, e.error, span, halvings));
+            most = std::max(most, of_piece(terms, e.error, piece, halvings));
         }
         return most;
     }
 
     // Next to a point where the rows depend on each other (objects that touch, axes that cross) the arc goes
     // on from the part before to its end: it is no farther away than that part's size and motion.
-    double of_span(const std::array<Term, 2>& terms, double error, const std::vector<Vector4d>& span,
-                   int& halvings) const {
-        const auto point = [](const Vector4d& p) -> Vec3 { return p.head<3>() / p.w(); };
-        const Vec3 middle = 0.5 * (point(span.front()) + point(span.back()));
-        double radius = 0;
-        for (const Vector4d& p : span) radius = std::max(radius, (point(p) - middle).norm());
-        radius += error;
-        const Row a = row(terms[0], middle), b = row(terms[1], middle);
+    double of_piece(const std::array<Term, 2>& terms, double error, const Piece& piece, int& halvings) const {
+        const Vec3 first = piece.point(0), last = piece.point(piece.degree), middle = 0.5 * (first + last);
+        double square = std::max((first - middle).squaredNorm(), (last - middle).squaredNorm());
+        for (int k = 1; k < piece.degree; ++k) square = std::max(square, (piece.point(k) - middle).squaredNorm());
+        const double radius = std::sqrt(square) + error;
+        const Direction base = this->base(middle);
+        const Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
         // The motion itself must stay within reach, too: more than the first guess, where objects are all but alike.
         const double room = std::sqrt(moved_ * most_);
         double change = across(a, b, radius + room);
@@ -237,14 +262,12 @@ private:
         if (is_end) return 4 * (radius + room);
         if (halvings == 0) return infinity;
         --halvings;
-        std::vector<Vector4d> work = span, first(span.size()), second(span.size());
-        for (std::size_t k = 0, n = span.size() - 1; k <= n; ++k) {
-            first[k] = work[0];
-            second[n - k] = work[n - k];
-            for (std::size_t i = 0; i < n - k; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
+        double most = 0;
+        for (const Piece& half : piece.halves()) {
+            most = std::max(most, of_piece(terms, error, half, halvings));
+            if (most == infinity) break;
         }
-        const double of_first = of_span(terms, error, first, halvings);
-        return of_first == infinity ? infinity : std::max(of_first, of_span(terms, error, second, halvings));
+        return most;
     }
 
     // The motion across two rows, which may be anything they are within a radius.
@@ -265,7 +288,7 @@ private:
     Vec3 base_unit_;
     std::vector<Vec3> units_;  // of the objects' directions
     std::vector<bool> is_rim_;                  // of the edges
-    std::vector<std::vector<Term>> equations_;  // of the vertices
+    std::vector<Terms> equations_;              // of the vertices
 };
 
 }  // namespace
