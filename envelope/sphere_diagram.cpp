@@ -689,7 +689,9 @@ private:
         ++decisions_.by_double;
         if (v.is_below(form)) return true;
         v.taken = stamp_;
-        if (v.is_above(form)) return true;
+        return v.is_above(form) || decide_exactly(v, form);
+    }
+    [[gnu::noinline]] bool decide_exactly(Vertex& v, const Linear& form) {
         --decisions_.by_double;
         const auto challenger = static_cast<Index>(&form - forms_.data());
         const auto sign = exact_sign(v, challenger);
@@ -784,8 +786,7 @@ private:
         middle.stamp = stamp_;
         middle.taken = is_taken(vertices_[from]) ? 0 : stamp_;
         const Index v = add(vertices_, free_vertices_, middle);
-        const Index e = add(edges_, free_edges_, edges_[h >> 1]);
-        half_edges_.resize(2 * edges_.size());
+        const Index e = add_edge(edges_[h >> 1]);
         // Both parts lie on the old curve in the old direction.
         const Index second = 2 * e + (h & 1u);
         half_edges_[second] = {half_edges_[h].next, h, v, left(h)};
@@ -831,6 +832,12 @@ private:
         return i;
     }
 
+    Index add_edge(const Edge& edge) {
+        const Index e = add(edges_, free_edges_, edge);
+        if (half_edges_.size() < 2 * edges_.size()) half_edges_.resize(2 * edges_.size());
+        return e;
+    }
+
     // Half-edges from `first` up to `last`, which stays, and the vertices they leave.
     void remove(Index first, Index last) {
         Index h = first;
@@ -855,8 +862,7 @@ private:
     // The challenger's half-edge along the cut waits at the point where the boundary returns to the face.
     void cut(Index challenger, const Cut& c) {
         const Index from = edges_[c.leaving >> 1].cut, to = edges_[c.returning >> 1].cut;
-        const Index e = add(edges_, free_edges_, {});
-        half_edges_.resize(2 * edges_.size());
+        const Index e = add_edge({});
         half_edges_[2 * e] = {c.returning, c.leaving, from, c.face};
         half_edges_[2 * e + 1] = {none, none, to, challenger};
         half_edges_[twin(c.leaving)].origin = from;
@@ -1051,7 +1057,8 @@ private:
         const FormId f{left(2 * e)}, g{right(2 * e)};
         out.edges.push_back({f, g});
         out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
-        out.edge_labels_.insert(out.edge_labels_.end(), {std::min(f, g), std::max(f, g)});
+        out.edge_labels_.push_back(std::min(f, g));
+        out.edge_labels_.push_back(std::max(f, g));
         return true;
     }
 
