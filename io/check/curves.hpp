@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../../core/bspline.hpp"
+#include "../../core/small_vector.hpp"
 #include "../../primitives/objects.hpp"
 
 namespace vcell::check {
@@ -26,7 +27,7 @@ struct Bezier {
     using Homogeneous = Eigen::Matrix<double, Dim + 1, 1>;
 
     double begin = 0, end = 1;
-    std::vector<Homogeneous> points;
+    SmallVector<Homogeneous, 5> points;
 
     int degree() const { return static_cast<int>(points.size()) - 1; }
     Point control(std::size_t i) const { return points[i].template head<Dim>() / points[i][Dim]; }
@@ -48,7 +49,7 @@ struct Bezier {
     std::array<Bezier, 2> halves() const {
         std::array<Bezier, 2> h{*this, *this};
         h[0].end = h[1].begin = 0.5 * (begin + end);
-        std::vector<Homogeneous> b = points;
+        SmallVector<Homogeneous, 5> b = points;
         for (int i = 0; i <= degree(); ++i) {
             h[0].points[i] = b[0];
             h[1].points[degree() - i] = b[degree() - i];
@@ -57,6 +58,12 @@ struct Bezier {
         return h;
     }
 };
+
+/// Are the control points of the piece between knots k and k + 1 the curve's own?
+template <int Dim>
+bool is_bezier(const RationalCurve<Dim>& c, int k) {
+    return c.knots[k - c.degree + 1] == c.knots[k] && c.knots[k + c.degree] == c.knots[k + 1];
+}
 
 /// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom
 /// at (a, ..., a, b, ..., b) with j times b.
@@ -69,13 +76,19 @@ std::vector<Bezier<Dim>> pieces(const RationalCurve<Dim>& c) {
         const double a = c.knots[k], b = c.knots[k + 1];
         if (!(a < b)) continue;
         Bezier<Dim> piece{a, b, {}};
+        const auto homogeneous = [&](int i) {
+            Homogeneous h = c.points[i];
+            h.template head<Dim>() *= h[Dim];
+            return h;
+        };
+        if (is_bezier(c, k)) {
+            for (int j = 0; j <= d; ++j) piece.points.push_back(homogeneous(k - d + j));
+            result.push_back(std::move(piece));
+            continue;
+        }
         for (int j = 0; j <= d; ++j) {
             std::vector<Homogeneous> level;
-            for (int i = k - d; i <= k; ++i) {
-                Homogeneous h = c.points[i];
-                h.template head<Dim>() *= h[Dim];
-                level.push_back(h);
-            }
+            for (int i = k - d; i <= k; ++i) level.push_back(homogeneous(i));
             for (int r = 1; r <= d; ++r) {
                 const double t = r <= j ? b : a;
                 for (int i = d; i >= r; --i) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "excess.hpp"
+#include "touching_spheres.hpp"
 
 namespace vcell::check {
 namespace {
@@ -14,78 +15,7 @@ namespace {
 struct Part {
     Net net;
     int depth = 0;
-};
-
-/// The clearance along a span as a rational function with the span's weights, within an error.
-struct RationalClearance {
-    SmallVector<double, 4> coefficients;
-    double error;
-    Interval range;
-
-    /// Over a plane it is one. From a centre it is one along conics that two bisectors of balls have in
-    /// common: then the one that agrees with it at three places agrees with it everywhere, which its square
-    /// tells.
-    static std::optional<RationalClearance> along(const Net& net, const Space<Interval>& space) {
-        const Surface<Interval>& base = space.base();
-        using Kind = Surface<Interval>::Kind;
-        const int n = net.degree_s();
-        if (base.kind == Kind::cylinder || (base.kind == Kind::sphere && n != 2)) return std::nullopt;
-        Vector<MidRad> way;  // from the base's point to the origin
-        for (std::size_t k = 0; k < 3; ++k)
-            way[k] = MidRad(net.origin()[static_cast<Eigen::Index>(k)]) - MidRad(base.point[k]);
-        std::array<SmallVector<MidRad, 4>, 3> from_base;
-        for (std::size_t k = 0; k < 3; ++k)
-            for (int i = 0; i <= n; ++i) from_base[k].push_back(net.at(i, 0)[k] + way[k] * net.at(i, 0)[3]);
-        RationalClearance result{{}, 0, 0.0};
-        if (base.kind == Kind::plane) {
-            double least = HUGE_VAL, most = -HUGE_VAL;
-            for (int i = 0; i <= n; ++i) {
-                const MidRad w = net.at(i, 0)[3];
-                MidRad height = 0.0;
-                for (std::size_t k = 0; k < 3; ++k) height += MidRad(base.direction[k]) * from_base[k][i];
-                result.coefficients.push_back(height.mid());
-                result.error = std::max(result.error, (MidRad::ball(0, height.radius()) / w).magnitude());
-                least = std::min(least, (height / w).lower());
-                most = std::max(most, (height / w).upper());
-            }
-            if (!(most - least < HUGE_VAL)) return std::nullopt;
-            result.range = {least, most};
-            return result;
-        }
-        const double radius = base.radius.mid();
-        const auto homogeneous = [&](double a, double b,
-                                     double c) {  // the distance from the centre, times the weight
-            double sum = 0;
-            for (const auto& x : from_base)
-                sum += std::pow(a * x[0].mid() + b * x[1].mid() + c * x[2].mid(), 2);
-            return std::sqrt(sum);
-        };
-        const double first = homogeneous(1, 0, 0), last = homogeneous(0, 0, 1),
-                     middle = 2 * homogeneous(0.25, 0.5, 0.25) - 0.5 * (first + last);
-        Form distance(2, 0), weight(2, 0), square_of_way(4, 0);
-        const std::array<double, 3> distances{first, middle, last};
-        double rounding = 0;
-        for (int i = 0; i <= 2; ++i) {
-            const MidRad& w = net.at(i, 0)[3];
-            distance.set(i, 0, distances[static_cast<std::size_t>(i)]);
-            weight.set(i, 0, w);
-            const MidRad clearance = distances[static_cast<std::size_t>(i)] - radius * w;
-            result.coefficients.push_back(clearance.mid());
-            rounding = std::max(rounding, (MidRad::ball(0, clearance.radius()) / w).magnitude());
-        }
-        for (const auto& x : from_base) {
-            Form f(2, 0);
-            for (int i = 0; i <= 2; ++i) f.set(i, 0, x[static_cast<std::size_t>(i)]);
-            square_of_way = square_of_way + square(f);
-        }
-        // |p| - q with q the rational function: (p^2 - q^2) / (|p| + q).
-        const Interval w = weight.range(), q = distance.range() / w,
-                       off = (square_of_way - square(distance)).range() / square(w);
-        if (!(q.lower() > 0) || !(off.magnitude() < HUGE_VAL)) return std::nullopt;
-        result.error = Interval::up((off / q).magnitude() + rounding);
-        result.range = q - base.radius + Interval(-result.error, result.error);
-        return result;
-    }
+    std::optional<TouchingSpheres> spheres;
 };
 
 class Edges : public Room {
@@ -114,7 +44,7 @@ private:
 
         const Vec3 origin = e.curve.points.front().head<3>();
         std::vector<Part> parts;
-        for (const auto& span : spans<3>(e.curve, origin)) parts.push_back({Net(span, origin)});
+        for (const auto& span : spans<3>(e.curve, origin)) parts.push_back(part(Net(span, origin), 0));
         error_ = full_error(i);
         EdgeBound bound{0, 0, HUGE_VAL};
         if (!follow_arc(where, parts, bound)) return;
@@ -133,9 +63,8 @@ private:
 
     bool check_ends(std::size_t i) {
         const CellEdge& e = cell_.edges[i];
-        const auto& curve = edge_pieces_[i];
-        const std::array ends{curve.front().evaluate(curve.front().begin)[0],
-                              curve.back().evaluate(curve.back().end)[0]};
+        const auto &first = edge_pieces_[i].front(), &last = edge_pieces_[i].back();
+        const std::array ends{first.control(0), last.control(last.points.size() - 1)};
         if (e.vertices.empty()) {
             const double gap = (ends[0] - ends[1]).norm();
             if (gap <= 2 * e.error + rounding()) return true;
@@ -165,8 +94,7 @@ private:
     /// What a bound on the excesses says about the distance from the arc, or nothing where gradients are
     /// parallel in the box.
     std::optional<Reach> distance(const Vector<Interval>& box, double size) const {
-        double margin = kFirstMargin * size;
-        for (int tries = 0; tries < 4; ++tries) {
+        return reach([&](double margin) -> std::optional<Reach> {
             const Interval m(-margin, margin);
             const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
             const Vector<Interval> g = space().gradient(conditions_[0], x),
@@ -177,13 +105,72 @@ private:
             // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of
             // which the greater is below the sum of squares.
             const double slope = sqrt(sine / sum).lower();
-            const double reach = (Interval(size) / slope).upper();
-            if (reach <= margin)
-                return Reach{reach, slope,
-                             std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
-            margin = 1.25 * reach;
+            return Reach{(Interval(size) / slope).upper(), slope,
+                         std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
+        }, size);
+    }
+    /// The first one that lies within the margin for which it was found.
+    template <class Find>
+    static std::optional<Reach> reach(const Find& find, double size) {
+        double margin = kFirstMargin * size;
+        for (int tries = 0; tries < 4; ++tries) {
+            const std::optional<Reach> found = find(margin);
+            if (!found || found->distance <= margin) return found;
+            margin = 1.25 * found->distance;
         }
         return std::nullopt;
+    }
+
+    Part part(Net net, int depth) const {
+        Part result{std::move(net), depth, {}};
+        result.spheres = TouchingSpheres::along(result.net, space());
+        if (result.spheres)
+            for (std::size_t k = 0; k < 2; ++k)
+                if (result.spheres->refer_to(conditions_[k].site)) break;
+        return result;
+    }
+
+    /// All along a part: how large both excesses are together, and those of other sites of the edge.
+    struct Distances {
+        double size, others;
+        std::optional<Reach> found;
+    };
+    template <class Excess>
+    std::optional<Distances> distances(const Excess& excess) const {
+        Interval squares(0.0), others(0.0);
+        for (std::size_t k = 0; k < conditions_.size(); ++k) {
+            const std::optional<Interval> e = excess(conditions_[k]);
+            if (!e) return std::nullopt;
+            if (k < 2)
+                squares += square(*e);
+            else
+                others = hull(others, magnitude(*e));
+        }
+        return Distances{sqrt(squares).upper(), others.upper(), {}};
+    }
+    Distances by_forms(const Part& part) const {
+        const ExcessAlong along(space(), part.net);
+        Distances result = *distances([&](const Condition& c) { return std::optional(along.excess(c)); });
+        result.found = distance(part.net.box(), result.size);
+        return result;
+    }
+    /// None: it takes forms to tell.
+    std::optional<Distances> by_spheres(const Part& part) const {
+        if (!part.spheres) return std::nullopt;
+        std::optional<Distances> result =
+            distances([&](const Condition& c) { return part.spheres->excess(c); });
+        if (!result) return std::nullopt;
+        if (conditions_[0].site.is_object() && conditions_[1].site.is_object())
+            result->found = reach([&](double margin) -> std::optional<Reach> {
+                const auto found =
+                    part.spheres->slopes(conditions_[0].site, conditions_[1].site, result->size, margin);
+                return found ? std::optional(Reach{(Interval(result->size) / found->both).upper(), found->both,
+                                                   found->growth})
+                             : std::nullopt;
+            }, result->size);
+        else
+            result->found = distance(part.net.box(), result->size);
+        return result;
     }
 
     bool follow_arc(const std::string& where, const std::vector<Part>& whole, EdgeBound& bound) {
@@ -193,26 +180,18 @@ private:
         while (!parts.empty()) {
             const Part part = std::move(parts.back());
             parts.pop_back();
-            const ExcessAlong along(space(), part.net);
-            Interval squares(0.0), others(0.0);
-            for (std::size_t k = 0; k < conditions_.size(); ++k) {
-                const Interval e = along.excess(conditions_[k]);
-                if (k < 2)
-                    squares += square(e);
-                else
-                    others = hull(others, magnitude(e));
-            }
-            const double size = sqrt(squares).upper();
-            const Vector<Interval>& box = part.net.box();
-            const auto found = distance(box, size);
+            std::optional<Distances> known = by_spheres(part);
+            if (!known || !known->found || !(known->found->distance <= error_ + width / known->found->slope))
+                known = by_forms(part);
+            const auto& [size, others, found] = *known;
             const double allowed = found ? error_ + width / found->slope : 0;
-            const double growth =
-                found ? found->growth
-                      : std::min(this->growth(conditions_[0], box), this->growth(conditions_[1], box));
+            const double growth = found ? found->growth
+                                        : std::min(this->growth(conditions_[0], part.net.box()),
+                                                   this->growth(conditions_[1], part.net.box()));
             const bool follows = found && found->distance <= allowed;
             // Where the bisectors touch no place on either is much nearer to the arc than the others.
             const bool touches = !found && part.depth >= kTouching && size <= width && growth > 0;
-            if ((follows || touches) && others.upper() <= 2 * allowed + width) {
+            if ((follows || touches) && others <= 2 * allowed + width) {
                 bound.distance = std::max(bound.distance, follows ? found->distance : size / growth);
                 bound.excess = std::max(bound.excess, size);
                 bound.growth = std::min(bound.growth, growth);
@@ -228,7 +207,7 @@ private:
                     found ? found->distance : HUGE_VAL);
                 return false;
             }
-            for (const Net& half : part.net.halves(0)) parts.push_back({half, part.depth + 1});
+            for (Net& half : part.net.halves(0)) parts.push_back(this->part(std::move(half), part.depth + 1));
         }
         return true;
     }
@@ -263,25 +242,26 @@ private:
 
     bool exclude_others(const std::string& where, const std::vector<Part>& whole) {
         struct Task {
-            Net net;
+            Part part;
             std::vector<Condition> rivals;
-            int depth;
         };
         std::vector<Task> tasks;
         for (const Part& p : whole) {
-            std::vector<Condition> found = rivals(p.net);
-            drop_balls(p.net, found);
-            if (!found.empty()) tasks.push_back({p.net, std::move(found), 0});
+            find_rivals(p);
+            drop_farther(p, rivals_);
+            if (!rivals_.empty()) tasks.push_back({p, rivals_});
         }
         std::size_t count = 0;
         while (!tasks.empty()) {
             Task task = std::move(tasks.back());
             tasks.pop_back();
-            std::erase_if(task.rivals, Farther{*this, task.net});
+            if (task.part.depth > 0) drop_farther(task.part, task.rivals);
+            if (task.rivals.empty()) continue;
+            std::erase_if(task.rivals, Farther{*this, task.part.net});
             if (task.rivals.empty()) continue;
             for (const int end : {0, 1})
                 for (const Condition& c : task.rivals) {
-                    const Interval e = space().excess(c, task.net.corner(end, 0));
+                    const Interval e = space().excess(c, task.part.net.corner(end, 0));
                     if (!(e.upper() < -allowance(c))) continue;
                     certificate_.refute(
                         where + ".curve",
@@ -295,78 +275,32 @@ private:
                                         HUGE_VAL);
                 return false;
             }
-            auto halves = task.net.halves(0);
-            tasks.push_back({std::move(halves[0]), task.rivals, task.depth + 1});
-            tasks.push_back({std::move(halves[1]), std::move(task.rivals), task.depth + 1});
+            for (Net& half : task.part.net.halves(0))
+                tasks.push_back({part(std::move(half), task.part.depth + 1), task.rivals});
         }
         return true;
     }
 
     /// Sites beside the edge's own that may be nearer than the base somewhere on the curve.
-    std::vector<Condition> rivals(const Net& net) const {
-        const Vector<Interval>& box = net.box();
-        return Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(),
-                            conditions_);
+    void find_rivals(const Part& part) {
+        const Vector<Interval>& box = part.net.box();
+        const Interval clearance = part.spheres ? part.spheres->clearance() : space().clearance(box);
+        Room::rivals(middle(box), (clearance + Interval(radius(box))).upper(), conditions_, rivals_);
     }
 
-    /// Drops rival balls that are farther than a ball o of the edge's own all along a span, if the clearance
-    /// t is a rational function of its degree there.
-    ///
-    /// With p from o's centre and d the way to the rival's, |p - d|^2 - (t + rho_r)^2 has the sign of the
-    /// rival's excess. Where o's own is e, |p| = t + rho_o + e, that is
-    ///     d^2 - 2 p d + (rho_o - rho_r) (2 t + rho_o + rho_r) + e (2 t + 2 rho_o + e),
-    /// linear in p and t.
-    void drop_balls(const Net& net, std::vector<Condition>& rivals) const {
-        const auto ball = [&](const Condition& c) {
-            return c.site.is_object() ? std::get_if<Sphere>(&scene_.objects[c.site.index]) : nullptr;
-        };
-        const Sphere* own = nullptr;
-        for (std::size_t k = 0; k < 2 && !own; ++k) own = ball(conditions_[k]);
-        if (!own || std::ranges::none_of(rivals, ball)) return;
-        const auto clearance = RationalClearance::along(net, space());
-        if (!clearance) return;
-        const Interval own_radius(own->radius), t = clearance->range;
-        const Interval e(-excess_, excess_);
-        const Interval rest = e * (2.0 * (t + own_radius) + e);
-        const int n = net.degree_s();
-        SmallVector<Net::Point, 4> from_own;  // homogeneous coordinates about the own centre
-        for (int i = 0; i <= n; ++i) {
-            Net::Point p = net.at(i, 0);
-            for (std::size_t k = 0; k < 3; ++k) {
-                const auto axis = static_cast<Eigen::Index>(k);
-                p[k] = p[k] + (MidRad(net.origin()[axis]) - own->center[axis]) * p[3];
-            }
-            from_own.push_back(p);
-        }
-        const Vector<Interval>& box = net.box();
+    /// Drops rivals that are farther all along a span.
+    void drop_farther(const Part& part, std::vector<Condition>& rivals) const {
+        const Vector<Interval>& box = part.net.box();
         std::erase_if(rivals, [&](const Condition& c) {
-            const Sphere* rival = ball(c);
-            if (!rival) return false;
-            Vector<MidRad> way;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const auto axis = static_cast<Eigen::Index>(k);
-                way[k] = MidRad(rival->center[axis]) - own->center[axis];
-            }
-            const MidRad difference = MidRad(own->radius) - rival->radius,
-                         sum = MidRad(own->radius) + rival->radius;
-            const MidRad constant = square(way) + difference * sum, twice = 2.0 * difference;
-            // The least Bernstein coefficient, over its weight.
-            double least = HUGE_VAL;
-            for (int i = 0; i <= n; ++i) {
-                const Net::Point& p = from_own[i];
-                const MidRad value = constant * p[3] + twice * clearance->coefficients[i] -
-                                     2.0 * (way[0] * p[0] + way[1] * p[1] + way[2] * p[2]);
-                const double quotient = (value / p[3]).lower();
-                if (!(quotient >= least)) least = quotient;
-            }
-            const Interval margin = rest + twice.enclosure() * Interval(-clearance->error, clearance->error);
-            least = (Interval(least) + margin).lower();
-            if (least >= 0) return true;
-            const Interval reach =
-                space().object_excess(c.site.index, box, Interval(0.0)) + 2 * Interval(rival->radius) + t;
-            if (!(reach.lower() > 0)) return false;
-            // No more than the curve itself may be off: else a finer look is worth while.
-            return is_little(c, box, (Interval(least) / reach.lower()).lower(), distance_);
+            if (c.site.kind == Site::Kind::BoxSide) return space().inside_side(c.site.index, box).lower() >= 0;
+            if (!part.spheres || !c.site.is_object()) return false;
+            const auto least = part.spheres->least(c.site);
+            if (!least) return false;
+            if (*least >= 0) return true;
+            const auto excess = part.spheres->excess(c);
+            // Hardly more than the curve itself may be off: else a finer look is worth while.
+            constexpr double hardly = 4;
+            return excess && is_little(c, box, excess->lower(), hardly * distance_);
         });
     }
     /// Is an excess that is no less than `least`, which is negative, within the allowance, and is what that
@@ -411,6 +345,7 @@ private:
     double error_ = 0;                   // of the edge under judgement, those of its ends included
     double excess_ = 0;                  // of its two sites, at most
     double distance_ = 0;                // what was proved of it
+    std::vector<Condition> rivals_;      // of the part under judgement
     mutable double nearer_ = 0;          // how far from the boundary a site that is a little nearer leaves it
 };
 

@@ -11,6 +11,7 @@
 
 #include "excess.hpp"
 #include "least.hpp"
+#include "touching_spheres.hpp"
 #include "trim_curves.hpp"
 #include "turns.hpp"
 
@@ -83,6 +84,8 @@ private:
         for (const auto& c : patch.part.points)
             center += c.head<3>() / static_cast<double>(patch.part.points.size());
         const Tile whole{net_over(*patch.surface, patch.lo, patch.hi, center), patch.lo, patch.hi, {}};
+        spheres_ = TouchingSpheres::on(whole.net, face.site, space());
+        if (spheres_) spheres_->refer_to(face.site);
         const auto boundary = check_boundary(patch, whole.net);
         const auto distance = follow_bisector(where, patch, whole);
         if (!distance) return;
@@ -115,6 +118,7 @@ private:
     /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or, where halves are no
     /// nearer to it, by what its edges state.
     std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole) {
+        if (const auto most = distance_by_spheres()) return most;
         std::vector<Tile> tiles{whole};
         double most = 0;
         std::size_t count = 0;
@@ -146,6 +150,22 @@ private:
             for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
         }
         return most;
+    }
+    /// The same of a whole patch of a ball or a plane; none: it takes a closer look.
+    std::optional<double> distance_by_spheres() const {
+        if (!spheres_) return std::nullopt;
+        double size = 0;
+        for (const Condition& c : own_) {
+            const auto e = spheres_->excess(c);
+            if (!e) return std::nullopt;
+            size = std::max(size, magnitude(*e).upper());
+        }
+        if (!(size <= width_)) return std::nullopt;
+        const double margin = kFirstMargin * size;
+        const auto growth = spheres_->growth(own_[0].site, size, margin);
+        if (!growth) return std::nullopt;
+        const double reach = (Interval(size) / sqrt(Interval(2.0) * *growth)).upper();
+        return reach <= margin ? std::optional(reach) : std::nullopt;
     }
     std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
 
@@ -216,15 +236,27 @@ private:
         const auto ball = [&](const Condition& c) {
             return c.site.is_object() ? std::get_if<Sphere>(&scene_.objects[c.site.index]) : nullptr;
         };
+        const Sphere* own = ball(own_[0]);
         std::optional<LeastPlaces> least;
-        if (const Sphere* own = ball(own_[0])) least.emplace(scene_.base, *own);
         std::vector<Rival> found;
-        for (const Condition& c :
-             Room::rivals(middle(box), (space().clearance(box) + Interval(radius(box))).upper(), own_)) {
+        const Interval clearance = spheres_ ? spheres_->clearance() : space().clearance(box);
+        Room::rivals(middle(box), (clearance + Interval(radius(box))).upper() + margin_, own_, conditions_);
+        for (const Condition& c : conditions_) {
+            if (is_beside(c, box)) continue;
             const Sphere* rival = ball(c);
+            if (spheres_ && spheres_->is_farther(c.site, margin_)) continue;
+            if (rival && own) {
+                if (spheres_ && !spheres_->may_be_least(*own, *rival, margin_)) continue;
+                if (!least) least.emplace(scene_.base, *own);
+            }
             found.push_back({c, rival && least ? least->of(*rival) : std::nullopt});
         }
         return found;
+    }
+
+    /// Is it a side of the box that a tile lies inside of?
+    bool is_beside(const Condition& c, const Vector<Interval>& box) const {
+        return c.site.kind == Site::Kind::BoxSide && space().inside_side(c.site.index, box).lower() >= margin_;
     }
 
     /// Drops the rivals that need not be looked for in a tile.
@@ -239,10 +271,8 @@ private:
             return false;
         };
         std::erase_if(tile.rivals, [&](const Rival& rival) {
-            const Site& site = rival.condition.site;
-            if (site.kind == Site::Kind::BoxSide)
-                return space().inside_side(site.index, box).lower() >= margin_;
-            return rival.spots && std::ranges::all_of(*rival.spots, is_elsewhere);
+            return is_beside(rival.condition, box) ||
+                   (rival.spots && std::ranges::all_of(*rival.spots, is_elsewhere));
         });
         if (tile.rivals.empty()) return;
         std::erase_if(tile.rivals, [test = Test(*this, tile.net, is_small)](const Rival& rival) {
@@ -369,6 +399,8 @@ private:
 
     std::span<const EdgeBound> edge_bounds_;
     std::vector<Condition> own_;
+    std::optional<TouchingSpheres> spheres_;     // about the patch
+    mutable std::vector<Condition> conditions_;  // of rivals
     double margin_ = 0;  // how far the patch is from its bisector
     double width_ = 0;   // what rounding of the patch's numbers makes of an excess
     double stated_ = 0;  // the largest error of its edges

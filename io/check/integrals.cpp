@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "quadrature.hpp"
+#include "conics.hpp"
 
 namespace vcell::check {
 
@@ -34,8 +34,8 @@ T speed(const Place<T>& p) {
 class Summation {
 public:
     Summation(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
-              const std::vector<double>& errors, const std::array<double, 3>& enough, int effort, bool prove_all)
-        : cell_(cell), frame_(frame), uses_(uses), errors_(errors), effort_(effort), prove_all_(prove_all) {
+              const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort, bool prove_all)
+        : cell_(cell), frame_(frame), uses_(uses), bands_(bands), effort_(effort), prove_all_(prove_all) {
         sums_.faces.resize(cell.faces.size());
         sums_.slack.resize(cell.faces.size());
         sums_.lengths.resize(cell.edges.size());
@@ -60,7 +60,6 @@ public:
 private:
     void add_edge(std::size_t e) {
         for (const Span& span : spans(cell_.edges[e].curve, frame_)) {
-            const Interval length = add_length(e, span);
             std::array<const Shadow*, 2> direct{};
             for (std::size_t k = 0; k < uses_[e].size(); ++k) {
                 const auto& shadow = shadows_[uses_[e][k].face];
@@ -70,33 +69,45 @@ private:
                 else if (k < 2)
                     direct[k] = &*shadow;
             }
-            add_direct(e, direct, span);
+            const bool is_direct = direct[0] || direct[1];
+            const Interval length = !is_direct                 ? length_of(span)
+                                    : span.degree() <= 2       ? add_conic(e, direct, span)
+                                                               : add_direct(e, direct, span);
+            sums_.lengths[e] += length;
             add_slack(e, span, length);
             if (uses_[e].size() == 1) add_side(e, span);
         }
     }
 
-    Interval add_length(std::size_t e, const Span& span) {
+    Interval length_of(const Span& span) {
         std::array<Interval, 1> sum{};
         Effort effort{effort_};
         sums_.is_complete &= integrate<1>(
             [&]<class T>(const T& s) { return std::array<T, 1>{speed(span.at(s))}; }, -1, 1, {enough_[2]}, sum,
             effort);
-        sums_.lengths[e] += sum[0];
         return sum[0];
     }
 
-    /// Faces on both sides whose integrands need no start, at one go.
-    void add_direct(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
-        if (!shadows[0] && !shadows[1]) return;
-        std::array<Interval, 6> sum{};
-        const std::array<double, 6> enough{enough_[0], enough_[1], enough_[1], enough_[0], enough_[1], enough_[1]};
+    /// Faces on both sides whose integrands need no start, and the length, at one go. Returns the length.
+    template <class F>
+    Interval add_both(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span, const F& f) {
+        std::array<Interval, 7> sum{};
+        const std::array<double, 7> enough{enough_[0], enough_[1], enough_[1], enough_[0],
+                                           enough_[1], enough_[1], enough_[2]};
         // In one variable parts cost little; a rim that passes close to a cone's apex needs many.
         Effort effort{4 * effort_};
-        sums_.is_complete &= integrate<6>(
-            [&]<class T>(const T& s) {
+        const bool is_complete = integrate<7>(f, -1, 1, enough, sum, effort);
+        sums_.is_complete &= is_complete;
+        for (std::size_t k = 0; k < 2; ++k)
+            if (shadows[k]) add(uses_[e][k], sum[3 * k], sum[3 * k + 1], sum[3 * k + 2]);
+        // The length may be within reach where faces are not.
+        return is_complete ? sum[6] : length_of(span);
+    }
+
+    Interval add_direct(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
+        return add_both(e, shadows, span, [&]<class T>(const T& s) {
                 const Place<T> p = span.at(s);
-                std::array<T, 6> values{};
+                std::array<T, 7> values{};
                 for (std::size_t k = 0; k < 2; ++k) {
                     if (!shadows[k]) continue;
                     const Densities<T> d = densities(*shadows[k], p);
@@ -104,11 +115,27 @@ private:
                     values[3 * k + 1] = d.area;
                     values[3 * k + 2] = d.shadow;
                 }
+                values[6] = speed(p);
                 return values;
-            },
-            -1, 1, enough, sum, effort);
-        for (std::size_t k = 0; k < 2; ++k)
-            if (shadows[k]) add(uses_[e][k], sum[3 * k], sum[3 * k + 1], sum[3 * k + 2]);
+            });
+    }
+
+    Interval add_conic(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
+        const Conic conic(span, std::holds_alternative<Sphere>(cell_.scene.base));
+        std::array<std::optional<Conic::Integrand>, 2> integrands;
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (!shadows[k]) continue;
+            integrands[k] = conic.integrand(*shadows[k]);
+            if (!integrands[k]) return add_direct(e, shadows, span);
+        }
+        return add_both(e, shadows, span, [&]<class T>(const T& s) {
+            const auto p = conic.at(s);
+            std::array<T, 7> values{};
+            for (std::size_t k = 0; k < 2; ++k)
+                if (integrands[k]) std::ranges::copy(densities(*integrands[k], s, p), values.begin() + 3 * k);
+            values[6] = p.speed;
+            return values;
+        });
     }
 
     void add_fan(const EdgeUse& use, const Fan& fan, const Span& span) {
@@ -172,12 +199,13 @@ private:
     void add_slack(std::size_t e, const Span& span, Interval length) {
         double steep = 0;
         for (const EdgeUse& use : uses_[e]) {
-            double s = steepest(use, span);
+            double s = cell_.faces[use.face].site.is_object() ? bands_[e].steepness : HUGE_VAL;
+            if (!std::isfinite(s)) s = steepest(use, span);
             if (!std::isfinite(s))
                 s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0), steepness(use, span, 1.0)});
             steep += s;
         }
-        const double area = errors_[e] * length.upper() * steep, volume = errors_[e] * area;
+        const double area = bands_[e].error * length.upper() * steep, volume = bands_[e].error * area;
         for (const EdgeUse& use : uses_[e]) {
             sums_.slack[use.face].area += area;
             sums_.slack[use.face].volume += volume;
@@ -229,7 +257,7 @@ private:
     const Cell& cell_;
     const Frame& frame_;
     const std::vector<std::vector<EdgeUse>>& uses_;
-    const std::vector<double>& errors_;
+    const std::vector<EdgeBand>& bands_;
     int effort_;
     bool prove_all_;
     std::array<double, 3> enough_;
@@ -240,8 +268,8 @@ private:
 }  // namespace
 
 Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
-                          const std::vector<double>& errors, const std::array<double, 3>& enough, int effort, bool prove_all) {
-    return Summation(cell, frame, uses, errors, enough, effort, prove_all).run();
+                          const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort, bool prove_all) {
+    return Summation(cell, frame, uses, bands, enough, effort, prove_all).run();
 }
 
 }  // namespace vcell::check

@@ -38,11 +38,17 @@ struct EdgeUse {
     bool reversed;
 };
 
-/// In the frame's unit. `errors`: by edge, how far it may be from the true one, in the frame's unit. `enough`:
+/// What is known of an edge.
+struct EdgeBand {
+    double error;      ///< how far it may be from the true one, in the frame's unit
+    double steepness;  ///< at most, of objects' faces beside it (shadows.hpp); infinite where nothing is known
+};
+
+/// In the frame's unit. `bands`: by edge. `enough`:
 /// volume, area and length that need not be known better, of the whole cell. Faces that need integrals in two
 /// variables (of tubes, and on cylinders) are estimated unless `prove_all`, which takes a hundred times as long.
 /// Pre: the structure holds.
 Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
-                          const std::vector<double>& errors, const std::array<double, 3>& enough, int effort, bool prove_all);
+                          const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort, bool prove_all);
 
 }  // namespace vcell::check

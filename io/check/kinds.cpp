@@ -24,14 +24,14 @@ private:
     /// limit (a flat ellipse and a parabola) rounding leaves the control points undecided.
     void check_kind(std::size_t i) {
         const CurveKind kind = cell_.edges[i].kind;
-        const std::string where = edge_path(i) + ".kind";
+        const auto where = [i] { return edge_path(i) + ".kind"; };
         if (const auto kinds = possible_kinds(i);
             !kinds.empty() && std::ranges::find(kinds, kind) == kinds.end())
-            return note(where, fmt::format("is {}, the sites meet in another kind ({})", to_string(kind),
+            return note(where(), fmt::format("is {}, the sites meet in another kind ({})", to_string(kind),
                                            to_string(kinds[0])));
         for (const auto& piece : edge_pieces_[i])
             if (!fits(kind, piece, full_error(i)))
-                return note(where, fmt::format("is {}, the control points disagree", to_string(kind)));
+                return note(where(), fmt::format("is {}, the control points disagree", to_string(kind)));
     }
 
     bool is_linear(const Site& s) const {

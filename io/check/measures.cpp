@@ -57,14 +57,16 @@ private:
 
     void integrate_all() {
         std::vector<std::vector<EdgeUse>> uses(uses_.size());
-        std::vector<double> errors;
+        std::vector<EdgeBand> bands;
         for (std::size_t e = 0; e < uses_.size(); ++e) {
-            errors.push_back(edge_error(e));
+            // Half the squared gradient of an excess is 1 - u n', of which the steepness is sqrt(2 / (1 - u n')).
+            const double growth = edges_[e].growth;
+            bands.push_back({edge_error(e), growth > 0 ? std::sqrt(2 / growth) : HUGE_VAL});
             for (const auto& use : uses_[e]) uses[e].push_back({use.face, use.reversed});
         }
         // As exact as coordinates are.
         const std::array<double, 3> enough{0x1p-44 * std::pow(size_, 3), 0x1p-44 * std::pow(size_, 2), 0x1p-44 * size_};
-        integrals_ = integrate_faces(cell_, frame_, uses, errors, enough, 1 << std::clamp(options_.effort - 4, 0, 20),
+        integrals_ = integrate_faces(cell_, frame_, uses, bands, enough, 1 << std::clamp(options_.effort - 4, 0, 20),
                                      options_.effort >= kEffortOfProofs);
     }
 

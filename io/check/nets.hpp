@@ -6,6 +6,7 @@
 
 #include "../../core/bspline.hpp"
 #include "../../core/small_vector.hpp"
+#include "curves.hpp"
 #include "forms.hpp"
 #include "space.hpp"
 
@@ -62,6 +63,10 @@ std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<do
         if (!(a < b)) continue;
         Span<Dim> span{a, b, {}};
         for (int j = 0; j <= d; ++j) {
+            if (is_bezier(c, k)) {
+                span.points.push_back(homogeneous(k - d + j));
+                continue;
+            }
             SmallVector<Point, 8> level;
             for (int i = k - d; i <= k; ++i) level.push_back(homogeneous(i));
             for (int r = 1; r <= d; ++r) {

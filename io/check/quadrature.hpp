@@ -17,49 +17,33 @@
 #include <utility>
 
 #include "disc.hpp"
+#include "lanes.hpp"
 #include "traced.hpp"
 
 namespace vcell::check {
 
-/// A plain number: for estimates, and where Traced tells of its rounding.
-class Approximate {
-public:
-    constexpr Approximate() = default;
-    constexpr Approximate(double value) : value_(value) {}             // NOLINT: a number
-    Approximate(const MidRad& enclosure) : value_(enclosure.mid()) {}  // NOLINT: what it encloses, about
-
-    double value() const { return value_; }
-
-    friend Approximate operator-(Approximate a) { return -a.value_; }
-    friend Approximate operator+(Approximate a, Approximate b) { return a.value_ + b.value_; }
-    friend Approximate operator-(Approximate a, Approximate b) { return a.value_ - b.value_; }
-    friend Approximate operator*(Approximate a, Approximate b) { return a.value_ * b.value_; }
-    friend Approximate operator/(Approximate a, Approximate b) { return a.value_ / b.value_; }
-    friend Approximate square(Approximate a) { return a.value_ * a.value_; }
-    friend Approximate sqrt(Approximate a) { return std::sqrt(a.value_); }
-
-private:
-    double value_ = 0;
-};
+/// Plain numbers: for estimates, and where Traced tells of their rounding.
+using Approximate = Lanes;
 
 /// Gauss's nodes on [-1, 1] with their weights, each within a unit or two of its last place.
 struct GaussRule {
+    static constexpr std::size_t most = 32;
+
     struct Node {
         MidRad at, weight;
     };
-    std::array<Node, 30> nodes;
+    std::array<Node, most> nodes;
     std::size_t count = 0;
+    /// The same as plain numbers; lanes beyond the count weigh nothing.
+    std::array<Approximate, most / Approximate::lanes> places, weights;
+    std::size_t packs = 0;
 };
 
-/// An ellipse and the rule that goes with it: where f is bounded far away few nodes do.
-struct Attempt {
-    double rho;
-    unsigned nodes;
-};
-inline constexpr std::array<Attempt, 5> attempts{{{24, 7}, {8, 10}, {4, 15}, {2.75, 20}, {2, 30}}};
-/// Bounds cost more than nodes in one variable, where the first attempts seldom do; the last one's nodes are
-/// too many in two.
-inline constexpr std::size_t first_in_one = 2, last_in_two = 3;
+/// How many nodes rules have, and sums of the semi-axes of ellipses: where f is bounded far away few nodes do.
+inline constexpr std::array<unsigned, 5> node_counts{7, 10, 15, 20, 30};
+inline constexpr std::array<double, 5> ellipses{24, 8, 4, 2.75, 2};
+/// In two variables each ellipse goes with one rule; the last one's nodes are too many there.
+inline constexpr std::size_t last_in_two = 3;
 
 namespace detail {
 
@@ -73,37 +57,45 @@ GaussRule gauss_rule() {
         rule.nodes[rule.count++] = {x, w};
         if (Gauss::abscissa()[i] != 0) rule.nodes[rule.count++] = {-x, w};
     }
+    constexpr std::size_t lanes = Approximate::lanes;
+    rule.packs = (rule.count + lanes - 1) / lanes;
+    for (std::size_t k = 0; k < rule.packs; ++k) {
+        rule.places[k] = Approximate::of([&](std::size_t i) { return rule.nodes[k * lanes + i].at.mid(); });
+        rule.weights[k] = Approximate::of([&](std::size_t i) { return rule.nodes[k * lanes + i].weight.mid(); });
+    }
     return rule;
 }
 
 }  // namespace detail
 
-inline const GaussRule& gauss(std::size_t attempt) {
-    static const std::array<GaussRule, attempts.size()> rules{
-        detail::gauss_rule<attempts[0].nodes>(), detail::gauss_rule<attempts[1].nodes>(),
-        detail::gauss_rule<attempts[2].nodes>(), detail::gauss_rule<attempts[3].nodes>(),
-        detail::gauss_rule<attempts[4].nodes>()};
-    return rules[attempt];
+inline const GaussRule& gauss(std::size_t rule) {
+    static const std::array<GaussRule, node_counts.size()> rules{
+        detail::gauss_rule<node_counts[0]>(), detail::gauss_rule<node_counts[1]>(),
+        detail::gauss_rule<node_counts[2]>(), detail::gauss_rule<node_counts[3]>(),
+        detail::gauss_rule<node_counts[4]>()};
+    return rules[rule];
 }
 
-/// What Gauss's rule leaves out at most, for each unit of M: 8 rho^(1 - 2n) / (rho - 1).
-inline double remainder_factor(std::size_t attempt) {
-    static const std::array<double, attempts.size()> factors = [] {
-        std::array<double, attempts.size()> result{};
-        for (std::size_t k = 0; k < attempts.size(); ++k) {
-            const auto [rho, n] = attempts[k];
-            Interval power = 8.0;
-            for (unsigned i = 0; i + 1 < 2 * n; ++i) power = power / Interval(rho);
-            result[k] = (power / (Interval(rho) - 1.0)).upper();
-        }
+/// What a rule with n nodes leaves out at most, for each unit of M on an ellipse: 8 rho^(1 - 2n) / (rho - 1).
+inline double remainder_factor(std::size_t ellipse, std::size_t rule) {
+    using Table = std::array<std::array<double, node_counts.size()>, ellipses.size()>;
+    static const Table factors = [] {
+        Table result{};
+        for (std::size_t k = 0; k < ellipses.size(); ++k)
+            for (std::size_t r = 0; r < node_counts.size(); ++r) {
+                const Interval rho = ellipses[k];
+                Interval power = 8.0;
+                for (unsigned i = 0; i + 1 < 2 * node_counts[r]; ++i) power = power / rho;
+                result[k][r] = (power / (rho - 1.0)).upper();
+            }
         return result;
     }();
-    return factors[attempt];
+    return factors[ellipse][rule];
 }
 
-/// A disc around the ellipse of an attempt about middle -+ half: its major axis is hardly longer than the other.
-inline Disc around(std::size_t attempt, double middle, double half) {
-    const double rho = attempts[attempt].rho;
+/// A disc around an ellipse about middle -+ half: its major axis is hardly longer than the other.
+inline Disc around(std::size_t ellipse, double middle, double half) {
+    const double rho = ellipses[ellipse];
     return {middle, half * (0.5 * (rho + 1 / rho)) * (1 + 0x1p-48) + std::abs(middle) * 0x1p-52};
 }
 
@@ -149,53 +141,59 @@ std::array<double, N> allowed(const std::array<double, N>& missing, double facto
 
 namespace detail {
 
-/// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit
-/// of width. In plain doubles, if a look at all of the interval shows that their rounding is not too much
-/// more than that.
+/// How far rounding may take f's values in plain doubles from its true ones within a disc's real part, which may
+/// be looked at in parts. Nodes are known to 2^-52, and computed with two roundings.
 template <std::size_t N, class F>
-void add_rule(const F& f, double middle, const MidRad& half_width, std::size_t attempt,
-              const std::array<double, N>& missing, std::array<Interval, N>& sum) {
-    constexpr double poor = 1024;
-    const GaussRule& rule = gauss(attempt);
-    const double half = half_width.mid(), size = std::abs(middle) + half;
-    // Over a wide range too little is known: parts of it may tell.
+bool is_rounding_below(const F& f, double middle, double half, const std::array<double, N>& most,
+                       std::array<double, N>& rounding) {
     constexpr int most_parts = 4;
-    bool is_enough = false;
-    std::array<double, N> rounding{};
-    for (int parts = 1; parts <= most_parts && !is_enough; parts *= 2) {
-        is_enough = true;
+    const double node_error = 0x1p-50 * (std::abs(middle) + half);
+    for (int parts = 1; parts <= most_parts; parts *= 2) {
+        bool is_enough = true;
         rounding.fill(0);
         for (int k = 0; k < parts && is_enough; ++k) {
             const double center = middle + half * ((2 * k + 1 - parts) / static_cast<double>(parts));
-            // Nodes are known to 2^-52, and computed with two roundings.
-            const Traced range(MidRad::ball(center, half / parts + 0x1p-50 * size), 0x1p-50 * size);
-            const auto traced = f(range);
+            const auto traced = f(Traced(Disc(center, half / parts + node_error), node_error));
             for (std::size_t i = 0; i < N; ++i) {
                 rounding[i] = std::max(rounding[i], traced[i].error());
-                is_enough = is_enough && traced[i].error() <= poor * missing[i];
+                is_enough = is_enough && traced[i].error() <= most[i];
             }
+        }
+        if (is_enough) return true;
+    }
+    return false;
+}
+
+/// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit
+/// of width; values in plain doubles are off by `rounding`.
+template <std::size_t N, class F>
+void add_plain(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
+               const std::array<double, N>& rounding, const std::array<double, N>& missing,
+               std::array<Interval, N>& sum) {
+    std::array<Approximate, N> totals{}, sizes{};
+    for (std::size_t k = 0; k < rule.packs; ++k) {
+        const std::array<Approximate, N> value = f(Approximate(middle) + half_width.mid() * rule.places[k]);
+        for (std::size_t i = 0; i < N; ++i) {
+            const Approximate term = rule.weights[k] * value[i];
+            totals[i] += term;
+            sizes[i] += abs(term);
         }
     }
+    // Weights add up to 2. Their own rounding and that of the sum are relative to its terms.
+    for (std::size_t i = 0; i < N; ++i) {
+        const MidRad part = MidRad::ball(totals[i].sum(), (2 * rounding[i] + 0x1p-46 * sizes[i].sum()) * (1 + 0x1p-40));
+        sum[i] += (half_width * (part + MidRad::ball(0, missing[i]))).enclosure();
+    }
+}
+
+/// The same by midpoint and radius, where rounding could not be told otherwise.
+template <std::size_t N, class F>
+void add_enclosed(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
+                  const std::array<double, N>& missing, std::array<Interval, N>& sum) {
     std::array<MidRad, N> part{};
-    if (is_enough) {
-        std::array<double, N> total{}, sizes{};
-        for (std::size_t n = 0; n < rule.count; ++n) {
-            const auto value = f(Approximate(middle + half * rule.nodes[n].at.mid()));
-            const double weight = rule.nodes[n].weight.mid();
-            for (std::size_t i = 0; i < N; ++i) {
-                const double term = weight * value[i].value();
-                total[i] += term;
-                sizes[i] += std::abs(term);
-            }
-        }
-        // Weights add up to 2. Their own rounding and that of the sum are relative to its terms.
-        for (std::size_t i = 0; i < N; ++i)
-            part[i] = MidRad::ball(total[i], (2 * rounding[i] + 0x1p-46 * sizes[i]) * (1 + 0x1p-40));
-    } else {
-        for (std::size_t n = 0; n < rule.count; ++n) {
-            const auto value = f(MidRad(middle) + half_width * rule.nodes[n].at);
-            for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * value[i];
-        }
+    for (std::size_t n = 0; n < rule.count; ++n) {
+        const auto value = f(MidRad(middle) + half_width * rule.nodes[n].at);
+        for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * value[i];
     }
     for (std::size_t i = 0; i < N; ++i)
         sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
@@ -207,19 +205,38 @@ void add_rule(const F& f, double middle, const MidRad& half_width, std::size_t a
 /// array of as many. Of each, the mean over [a, b] may be missed by `enough`, or by what rounds its values.
 /// False: the effort is spent, and the enclosures are as wide as interval arithmetic makes them there,
 /// perhaps infinite.
+///
+/// One look at f all about [a, b], in discs that know of rounding, bounds what a rule leaves out and how far
+/// plain doubles are off at its nodes.
 template <std::size_t N, class F>
 bool integrate(const F& f, double a, double b, const std::array<double, N>& enough, std::array<Interval, N>& sum,
                Effort& effort) {
+    // The first ellipse seldom holds no pole, and bounds cost as much as several nodes.
+    constexpr std::size_t first_ellipse = 1, first_rule = 1;
+    // Rounding may be so many times larger than what a rule leaves out.
+    constexpr double poor = 1024;
     const double middle = 0.5 * (a + b), half = Interval::up(0.5 * (b - a));
     const MidRad half_width = 0.5 * (MidRad(b) - a);
     ++effort.parts_used;
-    std::array<double, N> missing = enough;
+    // Of plain values: centers of discs may be far larger.
     const auto value = f(Approximate(middle));
-    for (std::size_t i = 0; i < N; ++i)
-        missing[i] = std::max(missing[i], detail::value_rounding * std::abs(value[i].value()));
-    for (std::size_t k = first_in_one; k < attempts.size(); ++k) {
-        if (!is_below(f(around(k, middle, half)), detail::allowed(missing, remainder_factor(k)))) continue;
-        detail::add_rule(f, middle, half_width, k, missing, sum);
+    std::array<double, N> missing, most, rounding;
+    for (std::size_t i = 0; i < N; ++i) {
+        missing[i] = std::max(enough[i], detail::value_rounding * std::abs(value[i][0]));
+        most[i] = poor * missing[i];
+    }
+    for (std::size_t k = first_ellipse; k < ellipses.size(); ++k) {
+        const auto all = f(Traced(around(k, middle, half), 0x1p-50 * (std::abs(middle) + half)));
+        for (std::size_t i = 0; i < N; ++i) rounding[i] = all[i].error();
+        std::size_t r = first_rule;
+        while (r < node_counts.size() && !is_below(all, detail::allowed(missing, remainder_factor(k, r)))) ++r;
+        if (r == node_counts.size()) continue;
+        bool is_plain = true;
+        for (std::size_t i = 0; i < N; ++i) is_plain = is_plain && rounding[i] <= most[i];
+        if (is_plain || detail::is_rounding_below(f, middle, half, most, rounding))
+            detail::add_plain(f, middle, half_width, gauss(r), rounding, missing, sum);
+        else
+            detail::add_enclosed(f, middle, half_width, gauss(r), missing, sum);
         return true;
     }
     if (effort.parts_used < effort.parts && a < middle && middle < b) {
@@ -245,18 +262,19 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
     const auto value = f(MidRad(middle[0]), MidRad(middle[1]));
     for (std::size_t i = 0; i < N; ++i)
         missing[i] = std::max(missing[i], detail::value_rounding * value[i].magnitude());
-    std::array<std::size_t, 2> chosen{attempts.size(), attempts.size()};
+    constexpr std::size_t none = node_counts.size();
+    std::array<std::size_t, 2> chosen{none, none};
     for (const std::size_t axis : {0, 1})
-        for (std::size_t k = 0; k <= last_in_two && chosen[axis] == attempts.size(); ++k) {
+        for (std::size_t k = 0; k <= last_in_two && chosen[axis] == none; ++k) {
             int left = detail::parts_of_product;
             const auto along = [&](const Disc& z, const Disc& x) {
                 return axis == 0 ? f(z, x) : f(x, z);
             };
             if (is_bounded(along, around(k, middle[axis], half[axis]), Interval(a[1 - axis], b[1 - axis]),
-                           detail::allowed(missing, 4 * remainder_factor(k)), left))
+                           detail::allowed(missing, 4 * remainder_factor(k, k)), left))
                 chosen[axis] = k;
         }
-    if (chosen[0] < attempts.size() && chosen[1] < attempts.size()) {
+    if (chosen[0] < none && chosen[1] < none) {
         std::array<MidRad, N> part{};
         for (std::size_t m = 0; m < gauss(chosen[0]).count; ++m) {
             const auto& outer = gauss(chosen[0]).nodes[m];
@@ -274,7 +292,7 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
         return true;
     }
     // Halves along the direction in which no rule was enough, or the wider one of two.
-    const bool only_first = chosen[1] < attempts.size(), only_second = chosen[0] < attempts.size();
+    const bool only_first = chosen[1] < none, only_second = chosen[0] < none;
     const std::size_t axis = only_first ? 0 : only_second ? 1 : half[1] > half[0] ? 1 : 0;
     if (effort.parts_used < effort.parts && a[axis] < middle[axis] && middle[axis] < b[axis]) {
         auto low = b, high = a;
@@ -299,18 +317,25 @@ bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b, cons
     const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])}, half{0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])};
     const auto product = [&](std::size_t outer, std::size_t inner, std::array<double, N>& size) {
         std::array<double, N> total{};
-        size = {};
-        for (std::size_t m = 0; m < gauss(outer).count; ++m)
-            for (std::size_t n = 0; n < gauss(inner).count; ++n) {
-                const auto &s = gauss(outer).nodes[m], &t = gauss(inner).nodes[n];
+        std::array<Approximate, N> terms{}, sizes{};
+        for (std::size_t m = 0; m < gauss(outer).count; ++m) {
+            const auto& s = gauss(outer).nodes[m];
+            const double share = s.weight.mid() * half[0] * half[1];
+            for (std::size_t n = 0; n < gauss(inner).packs; ++n) {
                 const auto value = f(Approximate(middle[0] + half[0] * s.at.mid()),
-                                     Approximate(middle[1] + half[1] * t.at.mid()));
-                const double weight = s.weight.mid() * t.weight.mid() * half[0] * half[1];
+                                     Approximate(middle[1]) + half[1] * gauss(inner).places[n]);
+                const Approximate weight = share * gauss(inner).weights[n];
                 for (std::size_t i = 0; i < N; ++i) {
-                    total[i] += weight * value[i].value();
-                    size[i] += weight * std::abs(value[i].value());
+                    const Approximate term = weight * value[i];
+                    terms[i] += term;
+                    sizes[i] += abs(term);
                 }
             }
+        }
+        for (std::size_t i = 0; i < N; ++i) {
+            total[i] = terms[i].sum();
+            size[i] = sizes[i].sum();
+        }
         return total;
     };
     std::array<double, N> size, unused;

@@ -4,20 +4,19 @@
 
 namespace vcell::check {
 
-std::vector<Condition> Room::rivals(const Vec3& p, double reach, std::span<const Condition> own) const {
-    const auto is_own = [&](const Condition& c) {
-        return std::ranges::any_of(
-            own, [&](const Condition& o) { return o.site == c.site && o.at_rim == c.at_rim; });
+void Room::rivals(const Vec3& p, double reach, std::span<const Condition> own,
+                  std::vector<Condition>& found) const {
+    found.clear();
+    const auto add = [&](const Site& site) {
+        const auto is_own = [&](const Condition& o) { return o.site == site && !o.at_rim; };
+        if (std::ranges::none_of(own, is_own)) found.push_back({site});
     };
-    std::vector<std::uint32_t> objects;
-    subject_.tree.near(p, reach, objects);
-    std::vector<Condition> found;
-    for (const std::uint32_t k : objects) found.push_back({Site::object(k)});
+    near_.clear();
+    subject_.tree.near(p, reach, near_);
+    for (const std::uint32_t k : near_) add(Site::object(k));
     for (std::uint32_t s = 0; s < 6; ++s)
-        if (!geometry_.is_end(s)) found.push_back({Site::box_side(s)});
-    for (std::uint32_t e = 0; geometry_.is_cylinder() && e < 2; ++e) found.push_back({Site::end(e)});
-    std::erase_if(found, is_own);
-    return found;
+        if (!geometry_.is_end(s)) add(Site::box_side(s));
+    for (std::uint32_t e = 0; geometry_.is_cylinder() && e < 2; ++e) add(Site::end(e));
 }
 
 std::optional<std::string> Room::contradiction(const Vec3& p, double error,

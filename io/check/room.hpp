@@ -51,9 +51,10 @@ protected:
     double full_error(std::size_t e) const { return subject_.full_error(e); }
     std::vector<Site> label(std::size_t e) const { return subject_.label(e); }
 
-    /// Sites but the given ones that may be nearer than the base within `reach` of p. Sides of the box that
+    /// Finds the sites but the given ones that may be nearer than the base within `reach` of p. Sides of the box that
     /// are ends of the base cylinder's stretch are no sites beside them.
-    std::vector<Condition> rivals(const Vec3& p, double reach, std::span<const Condition> own) const;
+    void rivals(const Vec3& p, double reach, std::span<const Condition> own,
+                std::vector<Condition>& found) const;
     /// Half the squared gradient of an excess: what it grows by at least per length on the way towards an
     /// object's base, where the other sites' excesses grow, too.
     double growth(const Condition& c, const Vector<Interval>& box) const {
@@ -79,6 +80,9 @@ protected:
     const std::vector<Patch>& patches_;
     const CheckOptions& options_;
     Certificate& certificate_;
+
+private:
+    mutable std::vector<std::uint32_t> near_;  // as found last, for its room
 };
 
 }  // namespace vcell::check

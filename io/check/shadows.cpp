@@ -5,7 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "quadrature.hpp"
+#include "face_terms.hpp"
 
 namespace vcell::check {
 
@@ -13,8 +13,7 @@ namespace {
 
 double middle(const MidRad& x) { return x.mid(); }
 double middle(const Disc& x) { return x.center(); }
-double middle(const Approximate& x) { return x.value(); }
-double middle(const Traced& x) { return x.range().mid(); }
+double middle(const Traced& x) { return x.range().center(); }
 
 template <class S, class T>
 auto dot(const Triad<S>& a, const Triad<T>& b) {
@@ -50,51 +49,6 @@ Triad<T> cross(const Triad<T>& a, const Triad<T>& b) {
 }
 Triad<MidRad> near(const Triad<Interval>& a) { return {a[0], a[1], a[2]}; }
 
-const MidRad third = MidRad(1.0) / 3.0;
-
-/// artanh(x) / x for |x| < 1, which is even.
-MidRad artanh_ratio(const MidRad& x) {
-    const MidRad square_of_x = square(x);
-    const double most = square_of_x.magnitude();
-    if (most < 0.0625) {
-        static const std::array<MidRad, 14> terms = [] {
-            std::array<MidRad, 14> t;
-            for (std::size_t k = 0; k < t.size(); ++k)
-                t[k] = MidRad(1.0) / MidRad(static_cast<double>(2 * k + 1));
-            return t;
-        }();
-        const std::size_t count = most < 0x1p-16 ? 4 : most < 0x1p-8 ? 7 : terms.size();
-        MidRad sum = terms[count - 1];
-        for (std::size_t k = count - 1; k-- > 0;) sum = sum * square_of_x + terms[k];
-        // The terms that are left out: less than a geometric series, which begins below 2^-56.
-        sum += MidRad::ball(0, 0x1p-55 / static_cast<double>(2 * count + 1));
-        return sum;
-    }
-    const Interval y = square(x.enclosure());
-    if (!(y.upper() < 1)) return MidRad::whole();
-    // glibc's manual states errors of up to 3 units in the last place.
-    const double lo = std::sqrt(y.lower()), hi = std::sqrt(y.upper());
-    const Interval a(lo * (1 - 0x1p-50), lo * (1 + 0x1p-50)), b(hi * (1 - 0x1p-50), hi * (1 + 0x1p-50));
-    const auto value = [](double t) { return Interval::ball(std::atanh(t), 0x1p-50 * std::atanh(t)); };
-    if (!(b.upper() < 1)) return MidRad::whole();
-    // It grows with |x|.
-    const Interval least = value(a.lower()) / Interval(a.lower()),
-                   greatest = value(b.upper()) / Interval(b.upper());
-    return Interval(std::max(1.0, least.lower()), greatest.upper());
-}
-
-double artanh_ratio(const Approximate& x) {
-    return std::abs(x.value()) < 0x1p-13 ? 1 + x.value() * x.value() / 3 : std::atanh(x.value()) / x.value();
-}
-/// The ratio grows by less than 1 / (1 - x^2) of x. Below 2^-13 the next term of its series is less than
-/// 2^-54.
-Traced artanh_ratio(const Traced& x) {
-    const MidRad ratio = artanh_ratio(x.range());
-    const double most = x.magnitude() + x.error();
-    if (!(most < 1 - 0x1p-20)) return Traced::whole();
-    return {ratio, (x.error() / (1 - most * most)) * (1 + 0x1p-30) + 0x1p-48 * ratio.magnitude()};
-}
-
 template <class T>
 struct Height {
     T t, steepness;
@@ -128,38 +82,19 @@ Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
             const T beta = T(form.delta) - dot(form.across[0], u) * m[0] - dot(form.across[1], u) * m[1];
             const T root = sqrt(square(beta) + square(alpha) * C);
             if constexpr (std::is_same_v<T, Traced>)  // single values may take either form
-                if (std::abs(beta.range().mid()) <= beta.range().radius() + beta.error())
+                if (std::abs(beta.range().center()) <= beta.range().radius() + beta.error())
                     return {T::whole(), T::whole()};
             // The other form of the root, where this one would cancel.
-            const T t = middle(beta) >= 0 ? C / (beta + root) : (root - beta) / square(alpha);
+            const T t = [&] {
+                if constexpr (std::is_same_v<T, Approximate>) {
+                    const T first = C / (beta + root), second = (root - beta) / square(alpha);
+                    return T::of([&](std::size_t k) { return beta[k] >= 0 ? first[k] : second[k]; });
+                } else {
+                    return middle(beta) >= 0 ? C / (beta + root) : (root - beta) / square(alpha);
+                }
+            }();
             return {t, sqrt(2.0 * (t + T(form.delta)) / root)};
         }
-    }
-}
-
-/// The area's integral about a sphere from the direction z to the axis, divided by 1 - z and K^2: with b = A z + B,
-///     int sqrt(E + 2 B b) / b^3 db / (b1 - b),
-/// of which the antiderivative is -s / (2 b^2) - B s / (2 E b) - (B^2 / E) artanh(sqrt(E) / s) / sqrt(E) up to a
-/// sign in the last, s = sqrt(E + 2 B b). Differences of roots are quotients, so that nothing cancels near the axis.
-template <class T>
-T revolved_area(const Revolved& r, const T& b) {
-    const T b1(r.b1), B(r.B), E(r.E);
-    if constexpr (std::is_same_v<T, Disc>) {
-        // The mean of the integrand between b and b1 lies in any disc that holds its values.
-        const T all = hull(b, b1);
-        return sqrt(E + 2.0 * (B * all)) / all / all / all;
-    } else {
-        if (r.is_paraboloid) {
-            const T x = sqrt(b), y = sqrt(b1), xy = x * y;
-            return sqrt(2.0 * B) * (2.0 / T(3.0)) * (b + b1 + xy) / ((x + y) * xy * square(xy));
-        }
-        const T s = sqrt(E + 2.0 * (B * b)), s1 = sqrt(E + 2.0 * (B * b1)), sum = s + s1;
-        const T first = (s * (b1 + b) - 2.0 * (B * square(b)) / sum) / (2.0 * square(b * b1));
-        if (r.B.magnitude() == 0) return first;
-        const T second = B / (2.0 * E) * (s - 2.0 * (B * b) / sum) / (b * b1);
-        const T ratio = (s * s1 + E) / (sum * (E * (b + b1) + 2.0 * (B * b * b1)));
-        const T x = sqrt(E) * (b1 - b) * ratio;
-        return first + second - square(B) / E * ratio * T(artanh_ratio(x));
     }
 }
 
@@ -184,15 +119,12 @@ Densities<T> along(const LinearHeight& h, const Place<T>& p) {
     return {(above * T(third) + T(h.half_at_apex)) * turn, shadow * T(h.steepness), shadow, T(h.steepness)};
 }
 
-// With s^2 = m k^2 and r = sqrt(1 + m): the integral of r from the axis is k^2 (r^3 - 1) / 3.
 template <class T>
 Densities<T> along(const Paraboloid& h, const Place<T>& p) {
     const auto [x, y, dx, dy] = relative(p, h.axis);
     const T squared_weight = square(p.w);
     const T turn = (x * dy - y * dx) / squared_weight, s2 = (square(x) + square(y)) / squared_weight;
-    const T volume = (0.25 * s2 + T(h.half_of_e)) * turn * T(h.half_by_k);
-    const T r = sqrt(T(1.0) + s2 * T(h.one_by_k2));
-    return {volume, (square(r) + r + T(1.0)) / (T(3.0) * (r + T(1.0))) * turn, 0.5 * turn, r};
+    return below_paraboloid(h, turn, s2);
 }
 
 // About the axis by phi: an integral over z times dphi, dphi = det(axis, p, dp) / (|p|^2 (1 - z^2)).
@@ -287,10 +219,10 @@ Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(
 std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     using Homogeneous = std::array<MidRad, 4>;
     const std::size_t d = static_cast<std::size_t>(curve.degree);
-    std::vector<Homogeneous> points;
+    SmallVector<Homogeneous, 5> points;
     Triad<double> origin;
-    const auto& middle = curve.points[curve.points.size() / 2];
-    for (std::size_t i = 0; i < 3; ++i) origin[i] = frame.point(middle.head<3>())[i].mid();
+    const Triad<Interval> middle = frame.point(curve.points[curve.points.size() / 2].head<3>());
+    for (std::size_t i = 0; i < 3; ++i) origin[i] = middle[i].mid();
     for (const auto& p : curve.points) {
         const Triad<Interval> x = frame.point(p.head<3>());
         Homogeneous h;
@@ -304,7 +236,9 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         return h;
     };
     std::vector<Span> result;
-    std::vector<Homogeneous> piece(d + 1), level(d + 1);
+    SmallVector<Homogeneous, 5> piece, level, differences;
+    piece.resize(d + 1);
+    level.resize(d + 1);
     for (std::size_t k = d; k + d + 1 < curve.knots.size(); ++k) {
         const double a = curve.knots[k], b = curve.knots[k + 1];
         if (!(a < b)) continue;
@@ -333,7 +267,7 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         level = piece;
         double binomial = 1, half_power = std::ldexp(1.0, -curve.degree);
         for (std::size_t order = d + 1; order-- > 0;) {
-            std::vector<Homogeneous> differences(level.begin(), level.begin() + static_cast<long>(order) + 1);
+            differences.assign(level.begin(), level.begin() + static_cast<long>(order) + 1);
             for (std::size_t r = 0; r < order; ++r)
                 for (std::size_t i = 0; i + r < order; ++i)
                     for (std::size_t c = 0; c < 4; ++c) differences[i][c] = differences[i + 1][c] - differences[i][c];

@@ -69,6 +69,7 @@ struct Span {
     SmallVector<std::array<MidRad, 4>, 4> coefficients;
     Triad<double> origin;
 
+    std::size_t degree() const { return coefficients.size() - 1; }
     template <class T>
     Place<T> at(const T& s) const {
         const std::size_t d = coefficients.size() - 1;

@@ -158,6 +158,7 @@ public:
         if (base_.kind == Surface<T>::Kind::cylinder) find_stretch();
     }
 
+    const Scene& scene() const { return scene_; }
     const Surface<T>& base() const { return base_; }
     Surface<T> object(std::uint32_t i) const {
         if constexpr (std::is_same_v<T, Interval>)

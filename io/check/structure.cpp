@@ -24,22 +24,26 @@ public:
     }
 
 private:
-    void note(std::string where, std::string what) {
-        certificate_.refute(std::move(where), std::move(what));
+    // Paths are functions that compose them: most are never read.
+    template <class Where>
+    void note(const Where& where, std::string what) {
+        certificate_.refute(where(), std::move(what));
     }
 
-    void check_sites_exist(const std::string& where, std::span<const Site> sites) {
+    template <class Where>
+    void check_sites_exist(const Where& where, std::span<const Site> sites) {
         for (const Site& s : sites)
             if (!geometry_.exists(s))
                 note(where, fmt::format("names {}, which is no object, side of the box or end of the stretch",
                                         to_string(s)));
     }
-    void check_amount(const std::string& where, double v) {
+    template <class Where>
+    void check_amount(const Where& where, double v) {
         if (!(v >= 0) || std::isinf(v)) note(where, fmt::format("is {}, must be finite and not negative", v));
     }
 
-    template <int Dim>
-    void check_curve(const std::string& where, const RationalCurve<Dim>& c) {
+    template <int Dim, class Where>
+    void check_curve(const Where& where, const RationalCurve<Dim>& c) {
         if (c.degree < 1 || c.degree > kMaxDegree) return note(where, fmt::format("degree {}", c.degree));
         const std::size_t d = c.degree, n = c.points.size();
         if (n < d + 1) return note(where, fmt::format("{} control points for degree {}", n, d));
@@ -56,8 +60,8 @@ private:
                 return note(where, "an inner knot occurs more often than the degree");
         check_control_points<Dim>(where, c.points);
     }
-    template <int Dim>
-    void check_control_points(const std::string& where,
+    template <int Dim, class Where>
+    void check_control_points(const Where& where,
                               std::span<const Eigen::Matrix<double, Dim + 1, 1>> points) {
         for (const auto& p : points) {
             if (!p.allFinite()) return note(where, "a control point is not finite");
@@ -68,45 +72,46 @@ private:
     void check_vertex_structure() {
         for (std::size_t i = 0; i < cell_.vertices.size(); ++i) {
             const CellVertex& v = cell_.vertices[i];
-            if (!v.point.allFinite()) note(vertex_path(i) + ".point", "is not finite");
-            if (!std::isfinite(v.radius)) note(vertex_path(i) + ".radius", "is not finite");
-            check_amount(vertex_path(i) + ".error", v.error);
-            check_sites_exist(vertex_path(i) + ".sites", v.sites);
+            const auto at = [i](const char* key) { return [i, key] { return vertex_path(i) + key; }; };
+            if (!v.point.allFinite()) note(at(".point"), "is not finite");
+            if (!std::isfinite(v.radius)) note(at(".radius"), "is not finite");
+            check_amount(at(".error"), v.error);
+            check_sites_exist(at(".sites"), v.sites);
             if (std::ranges::adjacent_find(v.sites, std::greater_equal()) != v.sites.end())
-                note(vertex_path(i) + ".sites", "are not ascending, each once");
+                note(at(".sites"), "are not ascending, each once");
         }
     }
 
     void check_edge_structure() {
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
             const CellEdge& e = cell_.edges[i];
-            check_sites_exist(edge_path(i) + ".sites", e.sites);
-            check_sites_exist(edge_path(i) + ".extra_sites", e.extra_sites);
+            const auto at = [i](const char* key) { return [i, key] { return edge_path(i) + key; }; };
+            check_sites_exist(at(".sites"), e.sites);
+            check_sites_exist(at(".extra_sites"), e.extra_sites);
             if (e.vertices.size() != 0 && e.vertices.size() != 2)
-                note(edge_path(i) + ".vertices",
-                     fmt::format("are {}, must be two or none", e.vertices.size()));
+                note(at(".vertices"), fmt::format("are {}, must be two or none", e.vertices.size()));
             for (const std::uint32_t v : e.vertices)
-                if (v >= cell_.vertices.size())
-                    note(edge_path(i) + ".vertices", fmt::format("no vertex {}", v));
-            check_amount(edge_path(i) + ".error", e.error);
-            check_amount(edge_path(i) + ".length", e.length);
-            check_curve<3>(edge_path(i) + ".curve", e.curve);
+                if (v >= cell_.vertices.size()) note(at(".vertices"), fmt::format("no vertex {}", v));
+            check_amount(at(".error"), e.error);
+            check_amount(at(".length"), e.length);
+            check_curve<3>(at(".curve"), e.curve);
         }
     }
 
     void check_face_structure() {
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             const CellFace& face = cell_.faces[f];
-            check_sites_exist(face_path(f) + ".site", std::span(&face.site, 1));
-            check_sites_exist(face_path(f) + ".extra_sites", face.extra_sites);
-            check_amount(face_path(f) + ".area", face.area);
-            if (face.patches.empty()) note(face_path(f) + ".patches", "are none");
+            const auto at = [f](const char* key) { return [f, key] { return face_path(f) + key; }; };
+            check_sites_exist(at(".site"), std::span(&face.site, 1));
+            check_sites_exist(at(".extra_sites"), face.extra_sites);
+            check_amount(at(".area"), face.area);
+            if (face.patches.empty()) note(at(".patches"), "are none");
             for (std::size_t p = 0; p < face.patches.size(); ++p) check_patch_structure(f, p);
         }
     }
 
     void check_patch_structure(std::size_t f, std::size_t p) {
-        const std::string where = patch_path(f, p);
+        const auto where = [f, p] { return patch_path(f, p); };
         const TrimmedPatch& patch = cell_.faces[f].patches[p];
         const RationalPatch& s = patch.surface;
         for (const int degree : {s.degree_u, s.degree_v})
@@ -118,16 +123,16 @@ private:
             if (!(domain[0] < domain[1]) || !std::isfinite(domain[1] - domain[0]))
                 note(where, "empty domain");
         check_control_points<3>(where, s.points);
-        if (patch.loops.empty()) note(where + ".loops", "are none");
+        if (patch.loops.empty()) note([f, p] { return patch_path(f, p) + ".loops"; }, "are none");
         for (std::size_t l = 0; l < patch.loops.size(); ++l) {
-            if (patch.loops[l].empty()) note(loop_path(f, p, l), "is empty");
+            if (patch.loops[l].empty()) note([f, p, l] { return loop_path(f, p, l); }, "is empty");
             for (std::size_t t = 0; t < patch.loops[l].size(); ++t) {
                 const TrimCurve& trim = patch.loops[l][t];
-                const std::string at = fmt::format("{}[{}]", loop_path(f, p, l), t);
+                const auto at = [&] { return fmt::format("{}[{}]", loop_path(f, p, l), t); };
                 if (trim.edge.has_value() == trim.seam.has_value()) note(at, "must name an edge or a seam");
                 if (trim.edge && *trim.edge >= cell_.edges.size())
                     note(at, fmt::format("no edge {}", *trim.edge));
-                check_curve<2>(at + ".curve", trim.curve);
+                check_curve<2>([&] { return at() + ".curve"; }, trim.curve);
             }
         }
     }

@@ -130,13 +130,13 @@ private:
     void check_loops() {
         for (const Patch& patch : patches_)
             for (std::size_t l = 0; l < patch.loops.size(); ++l) {
-                const std::string where = loop_path(patch.face, patch.index, l);
+                const auto where = [&] { return loop_path(patch.face, patch.index, l); };
                 check_head_to_tail(patch, patch.loops[l], where);
                 if (is_as_small_as_rounding(patch)) continue;
                 const int turn = orientation(patch.loops[l]);
-                if (l == 0 && turn < 0) note(where, "the outer loop does not run counter-clockwise");
-                if (l > 0 && turn > 0) note(where, "a hole does not run clockwise");
-                if (l > 0 && is_outside(patch, patch.loops[l])) note(where, "a hole outside the outer loop");
+                if (l == 0 && turn < 0) note(where(), "the outer loop does not run counter-clockwise");
+                if (l > 0 && turn > 0) note(where(), "a hole does not run clockwise");
+                if (l > 0 && is_outside(patch, patch.loops[l])) note(where(), "a hole outside the outer loop");
             }
         check_cycles();
     }
@@ -224,19 +224,20 @@ private:
         return std::nullopt;
     }
 
-    void check_head_to_tail(const Patch& patch, const std::vector<Trim>& loop, const std::string& where) {
+    template <class Where>
+    void check_head_to_tail(const Patch& patch, const std::vector<Trim>& loop, const Where& where) {
         for (std::size_t i = 0; i < loop.size(); ++i) {
             const Trim &trim = loop[i], &next = loop[(i + 1) % loop.size()];
             const auto head = end_vertex(trim, true), tail = end_vertex(next, false);
             if (trim.curve->edge && next.curve->edge && head != tail)
-                return note(where,
+                return note(where(),
                             fmt::format("curve {} does not end at the vertex where the next one starts", i));
             const Vec2 a = evaluate(trim.pieces, trim.end()), b = evaluate(next.pieces, next.begin());
             const SurfacePoint s = lift(patch, a);
             const double gap = (lift(patch, b).p - s.p).norm();
             const double errors = trim.error + next.error + (head ? 2 * cell_.vertices[*head].error : 0);
             if (gap > errors + surface_rounding(patch, s, a))
-                return note(where, fmt::format("gap of {:.3g} after curve {}", gap, i));
+                return note(where(), fmt::format("gap of {:.3g} after curve {}", gap, i));
         }
     }
 

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include "../trims.hpp"
+#include "lanes.hpp"
 #include "nets.hpp"
 
 namespace vcell::check {
@@ -38,6 +40,39 @@ std::array<Span<Dim>, 2> halves(const Span<Dim>& span) {
     }
     return h;
 }
+
+/// Chebyshev's places between 0 and 1 for polynomials of one degree. A polynomial is nowhere larger than the
+/// largest value there times Lebesgue's constant [Trefethen13, Thm. 15.2].
+struct Places {
+    static constexpr int most_degree = 31;
+    static constexpr std::size_t most_packs = (most_degree + Lanes::lanes) / Lanes::lanes;
+
+    explicit Places(int degree) {
+        const std::size_t last = static_cast<std::size_t>(degree);
+        packs = last / Lanes::lanes + 1;
+        for (std::size_t k = 0; k < packs; ++k) {
+            at[k] = Lanes::of([&](std::size_t lane) {
+                const double n = static_cast<double>(std::min(k * Lanes::lanes + lane, last));
+                return 0.5 - 0.5 * std::cos((2 * n + 1) * std::numbers::pi / (2 * degree + 2));
+            });
+            rest[k] = 1.0 - at[k];
+        }
+        lebesgue = 1.01 * (2 / std::numbers::pi * std::log(degree + 1.0) + 1);
+    }
+
+    static const Places& of(int degree) {
+        static const std::vector<Places> all = [] {
+            std::vector<Places> result;
+            for (int n = 0; n <= most_degree; ++n) result.emplace_back(n);
+            return result;
+        }();
+        return all[static_cast<std::size_t>(degree)];
+    }
+
+    std::array<Lanes, most_packs> at, rest;
+    std::size_t packs;
+    double lebesgue;
+};
 
 class TrimJudge {
 public:
@@ -85,6 +120,124 @@ public:
             result.push_back(std::move(pair));
         }
         return result;
+    }
+
+    /// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients. Infinite where control points
+    /// lie beside the patch, or degrees are none of the usual ones.
+    ///
+    /// With s = a / w, b = w - a and so for t, S's homogeneous coordinates are sums of N_ij times products of
+    /// binomials and powers of a, b that are not negative, and add up to w^(m + n): so many roundings are relative to
+    /// the largest N.
+    double gap_at_places(const Pair& pair) const {
+        const int m = net_.degree_s(), n = net_.degree_t(), d = pair.trim.degree(), e = pair.edge.degree();
+        if (m > 2 || n > 2 || d > 2) return HUGE_VAL;
+        const int degree = (m + n) * d + e;
+        if (degree > Places::most_degree) return HUGE_VAL;
+        // The trimming curve's places in the patch.
+        std::array<std::array<double, 3>, 2> a{}, b{};
+        double off = 0, least_weight = HUGE_VAL, most_weight = 0;
+        for (const int axis : {0, 1}) {
+            const auto k = static_cast<std::size_t>(axis);
+            const MidRad scale = MidRad(1.0) / extent(axis);
+            for (std::size_t i = 0; i <= static_cast<std::size_t>(d); ++i) {
+                const auto& point = pair.trim.points[i];
+                const MidRad x = scale * point[k], y = point[2] - x;
+                a[k][i] = x.mid();
+                b[k][i] = y.mid();
+                // Beside the patch by rounding is on its side.
+                const double aside = std::max({-x.mid(), -y.mid(), 0.0});
+                if (!(aside <= 0x1p-44 * point[2].mid())) return HUGE_VAL;
+                a[k][i] = std::max(a[k][i], 0.0);
+                b[k][i] = std::max(b[k][i], 0.0);
+                off = std::max(off, x.radius() + y.radius() + aside);
+                least_weight = std::min(least_weight, point[2].mid() - point[2].radius());
+                most_weight = std::max(most_weight, point[2].mid() + point[2].radius());
+            }
+        }
+        std::array<double, 4> size{}, error{};
+        double least_of_net = HUGE_VAL;
+        for (int i = 0; i <= m; ++i)
+            for (int j = 0; j <= n; ++j) {
+                const Net::Point& p = net_.at(i, j);
+                for (std::size_t k = 0; k < 4; ++k) {
+                    size[k] = std::max(size[k], std::abs(p[k].mid()));
+                    error[k] = std::max(error[k], p[k].radius());
+                }
+                least_of_net = std::min(least_of_net, p[3].mid() - p[3].radius());
+            }
+        std::array<double, 4> edge_size{}, edge_error{};
+        double least_of_edge = HUGE_VAL;
+        for (const auto& p : pair.edge.points) {
+            for (std::size_t k = 0; k < 4; ++k) {
+                edge_size[k] = std::max(edge_size[k], std::abs(p[k].mid()));
+                edge_error[k] = std::max(edge_error[k], p[k].radius());
+            }
+            least_of_edge = std::min(least_of_edge, p[3].mid() - p[3].radius());
+        }
+        if (!(least_weight > 0) || !(least_of_net > 0) || !(least_of_edge > 0)) return HUGE_VAL;
+
+        const Places& places = Places::of(degree);
+        std::array<Lanes, 3> most{};
+        for (std::size_t pack = 0; pack < places.packs; ++pack) {
+            const Lanes &t = places.at[pack], &r = places.rest[pack];
+            const auto powers = [](const Lanes& x, const Lanes& y, int power) {
+                return power == 2 ? std::array<Lanes, 3>{y * y, 2.0 * (x * y), x * x} : std::array<Lanes, 3>{y, x, 0.0};
+            };
+            const std::array<Lanes, 3> basis = powers(t, r, d);
+            const auto value = [&](const std::array<double, 3>& c) {
+                return basis[0] * c[0] + basis[1] * c[1] + basis[2] * c[2];
+            };
+            const std::array<std::array<Lanes, 3>, 2> shares{powers(value(a[0]), value(b[0]), m),
+                                                             powers(value(a[1]), value(b[1]), n)};
+            std::array<Lanes, 4> lifted{};
+            for (int i = 0; i <= m; ++i)
+                for (int j = 0; j <= n; ++j) {
+                    const Lanes share = shares[0][static_cast<std::size_t>(i)] * shares[1][static_cast<std::size_t>(j)];
+                    const Net::Point& p = net_.at(i, j);
+                    for (std::size_t k = 0; k < 4; ++k) lifted[k] += share * p[k].mid();
+                }
+            std::array<Lanes, 4> on_edge{};
+            for (std::size_t k = 0; k < 4; ++k) {
+                if (e == 2 && d == 2) {
+                    on_edge[k] = basis[0] * pair.edge.points[0][k].mid() + basis[1] * pair.edge.points[1][k].mid() +
+                                 basis[2] * pair.edge.points[2][k].mid();
+                    continue;
+                }
+                // By Horner's rule in t, with powers of r.
+                Lanes sum = pair.edge.points[static_cast<std::size_t>(e)][k].mid(), power = 1.0;
+                for (int i = e - 1; i >= 0; --i) {
+                    power = power * r;
+                    sum = sum * t + (binomial(e, i) * pair.edge.points[static_cast<std::size_t>(i)][k].mid()) * power;
+                }
+                on_edge[k] = sum;
+            }
+            for (std::size_t k = 0; k < 3; ++k)
+                most[k] = max(most[k], abs(lifted[k] * on_edge[3] - on_edge[k] * lifted[3]));
+        }
+        // w^(m + n), with what a and b may be off by.
+        double power = 1, least_power = 1;
+        for (int i = 0; i < m + n; ++i) {
+            power *= most_weight + off;
+            least_power *= least_weight;
+        }
+        // Terms of a sum of d + 1 go through 3 + 1 + d roundings, their products of m + n factors through m + n times as
+        // many and as many more, sums of them through eight.
+        const double relative = rounding((m + n) * (4 + d) + m + n + 9) + (m + n) * (off / least_weight),
+                     relative_of_edge = rounding(4 * e + 4);
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double lifted_error = (size[k] * relative + error[k]) * power,
+                         weight_error = (size[3] * relative + error[3]) * power,
+                         curve_error = edge_size[k] * relative_of_edge + edge_error[k],
+                         edge_weight_error = edge_size[3] * relative_of_edge + edge_error[3];
+            const double rounded = rounding(3) * power * (size[k] * edge_size[3] + edge_size[k] * size[3]);
+            const double own = rounded + lifted_error * edge_size[3] + size[k] * power * edge_weight_error +
+                               curve_error * size[3] * power + edge_size[k] * weight_error;
+            const double x = places.lebesgue * (most[k].greatest() + 1.01 * own);
+            sum += x * x;
+        }
+        const double scale = least_of_net * least_power * least_of_edge * (1 - 0x1p-40);
+        return std::sqrt(sum) / scale * (1 + 0x1p-40);
     }
 
     /// Bounds |S(c(t)) - C(t)|: S's homogeneous coordinates along c are polynomials in t, and so are those of
@@ -256,7 +409,8 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
     while (!pairs.empty()) {
         const Pair pair = std::move(pairs.back());
         pairs.pop_back();
-        const double gap = judge.gap(pair);
+        double gap = judge.gap_at_places(pair);
+        if (!(gap <= error + kRounding * patch.control_size)) gap = judge.gap(pair);
         // What rounding of (u, v) makes on the surface is looked at where it may matter.
         if (gap <= error + kRounding * patch.control_size ||
             gap <= error + points(std::midpoint(pair.trim.begin, pair.trim.end)).second) {

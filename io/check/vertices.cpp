@@ -34,6 +34,111 @@ std::vector<Condition> independent(const Space<Interval>& space, std::span<const
 
 namespace {
 
+/// The excess of a site at a point, its gradient, and how much the latter may turn within `reach` of it.
+struct Linearized {
+    double excess, error;
+    Vec3 gradient;
+    double turn;
+};
+
+/// In doubles with bounds; none: it takes intervals to tell. Pre: the base is no cylinder.
+class Linearization {
+public:
+    Linearization(const Scene& scene, const Space<Interval>& space, const Vec3& p)
+        : scene_(scene), space_(space), p_(p), base_(distance(scene.base)) {}
+
+    std::optional<Linearized> of(const Condition& c, double reach) const {
+        if (!c.site.is_object()) {
+            const Vector<Interval> at = to_vector<Interval>(p_);
+            const Interval e = space_.excess(c, at);
+            return Linearized{e.mid(), e.radius(), middle(space_.gradient(c, at)), few};
+        }
+        const Object& object = scene_.objects[c.site.index];
+        if (std::holds_alternative<Cylinder>(object)) return std::nullopt;
+        Distance d = distance(object);
+        if (d.length == HUGE_VAL && d.value < 0) d = {-d.value, d.error, -d.direction, d.length};
+        if (d.length == HUGE_VAL && !(d.value > reach + d.error)) return std::nullopt;
+        const double turn = turn_of(d.length, reach) + turn_of(base_.length, reach) + few;
+        if (!(turn < HUGE_VAL)) return std::nullopt;
+        const double excess = d.value - base_.value;
+        return Linearized{excess, (d.error + base_.error + 0x1p-52 * std::abs(excess)) * (1 + few),
+                          d.direction - base_.direction, turn};
+    }
+
+private:
+    static constexpr double few = 0x1p-50;
+
+    struct Distance {
+        double value, error;
+        Vec3 direction;
+        double length;  // from the center; of a plane infinite
+    };
+    // A norm of differences is off by less than four roundings, and the distance by one more; a plane's distance by
+    // less than eight.
+    Distance distance(const Object& object) const {
+        if (const auto* ball = std::get_if<Sphere>(&object)) {
+            const Vec3 q = p_ - ball->center;
+            const double length = q.norm();
+            return {length - ball->radius, 0x1.4p-51 * (length + ball->radius), q / length, length};
+        }
+        const auto& plane = std::get<Plane>(object);
+        const Vec3 n = plane.normal / plane.normal.norm(), q = p_ - plane.point;
+        return {n.dot(q), few * n.cwiseAbs().dot(q.cwiseAbs()), n, HUGE_VAL};
+    }
+    /// Directions from a center turn by so much within a ball (turns.hpp).
+    static double turn_of(double length, double reach) {
+        if (length == HUGE_VAL) return 0;
+        return length > 2 * reach ? 2 * reach / (2 * length - reach) * (1 + few) : HUGE_VAL;
+    }
+
+    const Scene& scene_;
+    const Space<Interval>& space_;
+    Vec3 p_;
+    Distance base_;
+};
+
+/// As enclose(), by one step of Krawczyk's from a point that is all but the true one: of the Jacobian over the box
+/// only how far its rows may turn is asked.
+std::optional<Enclosure<Interval>> enclose_nearby(const Scene& scene, const Space<Interval>& space,
+                                                  std::span<const Condition> three, const Vec3& p) {
+    if (std::holds_alternative<Cylinder>(scene.base)) return std::nullopt;
+    const Linearization around(scene, space, p);
+    Eigen::Matrix3d jacobian;
+    Vec3 f, error;
+    for (int r = 0; r < 3; ++r) {
+        const auto row = around.of(three[static_cast<std::size_t>(r)], 0);
+        if (!row) return std::nullopt;
+        f[r] = row->excess;
+        error[r] = row->error;
+        jacobian.row(r) = row->gradient;
+    }
+    const Eigen::Matrix3d inverse = jacobian.inverse();
+    if (!inverse.allFinite()) return std::nullopt;
+    const Vec3 newton = -(inverse * f);
+    const Eigen::Matrix3d size = inverse.cwiseAbs();
+    constexpr double above = 1 + 0x1p-40;
+    // A box that the step and what rounding makes of it fit in.
+    const double half = (2 * (newton.cwiseAbs() + size * error).maxCoeff() + 0x1p-80 * p.cwiseAbs().maxCoeff()) * above;
+    const double reach = 2 * half;
+    Vec3 turn;
+    for (int r = 0; r < 3; ++r) {
+        const auto row = around.of(three[static_cast<std::size_t>(r)], reach);
+        if (!row) return std::nullopt;
+        turn[r] = row->turn;
+    }
+    const Eigen::Matrix3d rest = (Eigen::Matrix3d::Identity() - inverse * jacobian).cwiseAbs() +
+                                 0x1p-50 * (Eigen::Matrix3d::Identity() + size * jacobian.cwiseAbs());
+    const Vec3 radius = (size * (error + reach * turn + 0x1p-50 * f.cwiseAbs()) + half * rest.rowwise().sum()) * above;
+    Enclosure<Interval> result;
+    for (int r = 0; r < 3; ++r) {
+        if (!(std::abs(newton[r]) + radius[r] < half)) return std::nullopt;
+        const auto k = static_cast<std::size_t>(r);
+        result.center[k] = p[r];
+        result.offset[k] = Interval::ball(newton[r], radius[r]);
+    }
+    return result;
+}
+
 class Vertices : public Room {
 public:
     using Room::Room;
@@ -53,8 +158,8 @@ private:
 
     void judge(std::size_t i) {
         const CellVertex& v = cell_.vertices[i];
-        const std::string where = vertex_path(i);
-        std::vector<Condition> conditions;
+        std::vector<Condition>& conditions = conditions_;
+        conditions.clear();
         for (const Site& s : v.sites) add_conditions(s, v, false, conditions);
         if (conditions.size() < 3) {  // on the base both hold
             conditions.clear();
@@ -63,7 +168,12 @@ private:
         const Interval r = space().clearance(to_vector<Interval>(v.point));
         if (const Interval off = magnitude(r - v.radius); off.lower() > v.error + rounding())
             return certificate_.refute(
-                where + ".radius", fmt::format("is {}, the base is {} away", v.radius, r.mid()), off.lower());
+                vertex_path(i) + ".radius", fmt::format("is {}, the base is {} away", v.radius, r.mid()), off.lower());
+        if (conditions.size() == 3)
+            if (const auto box = enclose_nearby(scene_, space(), conditions, v.point)) {
+                const Place<Interval> place{space(), box->box(), box->distance(v.point)};
+                if (decide(i, conditions, place, false)) return;
+            }
         std::vector<Condition> triple = independent(space(), conditions, v.point);
         if (triple.size() < 3) return judge_touching(i, conditions);
         const std::array<Condition, 3> three{triple[0], triple[1], triple[2]};
@@ -119,15 +229,15 @@ private:
     template <class T>
     bool decide(std::size_t i, std::span<const Condition> conditions, const Place<T>& place, bool last) {
         const CellVertex& v = cell_.vertices[i];
-        const std::string where = vertex_path(i);
         const double least = lower_bound(place.distance), most = upper_bound(place.distance);
+        const auto path = [i] { return vertex_path(i); };
         if (least > v.error) {
             if (v.is_touching) {
                 judge_touching(i, conditions);
                 return true;
             }
             certificate_.refute(
-                where, fmt::format("lies {:.3g} from the true point, states {:.3g}", least, v.error), least);
+                path(), fmt::format("lies {:.3g} from the true point, states {:.3g}", least, v.error), least);
             return true;
         }
         if (most > v.error && !last) return false;
@@ -137,7 +247,7 @@ private:
             if (lower_bound(magnitude(e)) > tie_width(c.site)) {
                 // Beside the stated point the sites may all be equally far: three of them meet elsewhere.
                 certificate_.refute(
-                    where,
+                    path(),
                     fmt::format("{} is {:.3g} {} than the base", title(c.site), lower_bound(magnitude(e)),
                                 upper_bound(e) < 0 ? "nearer" : "farther"),
                     lower_bound(magnitude(e)));
@@ -151,13 +261,13 @@ private:
             if (lower_bound(e) > 0) continue;
             if (lower_bound(e) <= 0 && upper_bound(e) >= 0) {
                 if (!last) return false;
-                certificate_.refute(where + ".sites", fmt::format("lack {}, which ties to {:.3g}",
+                certificate_.refute(path() + ".sites", fmt::format("lack {}, which ties to {:.3g}",
                                                                   title(c.site), upper_bound(magnitude(e))));
                 return true;
             }
             if (-upper_bound(e) > tie_width(c.site) + 2 * v.error) {
                 certificate_.refute(
-                    where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -upper_bound(e)),
+                    path(), fmt::format("{} is {:.3g} nearer than the base", title(c.site), -upper_bound(e)),
                     -upper_bound(e));
                 return true;
             }
@@ -165,22 +275,23 @@ private:
             note = fmt::format("{} is nearer, by less than {:.3g}; ", title(c.site), -lower_bound(e));
         }
         if (v.error > most_stated(most)) {
-            certificate_.refute(where + ".error",
+            certificate_.refute(path() + ".error",
                                 fmt::format("is {:.3g}, the point is within {:.3g}", v.error, most), v.error);
             return true;
         }
         if (conditions.size() > 3)
             note += fmt::format("a tie of {} sites, verified to {:.3g}", v.sites.size(), tie);
-        prove(where, std::max({most, nearer, tie}), note);
+        prove(path(), std::max({most, nearer, tie}), note);
         return true;
     }
 
     /// Sites that the vertex does not list and that are not far.
     template <class T>
-    std::vector<Condition> rivals(const CellVertex& v, const Place<T>& place) const {
+    const std::vector<Condition>& rivals(const CellVertex& v, const Place<T>& place) const {
         const double reach =
             upper_bound(place.space.clearance(place.point)) + 2 * upper_bound(place.distance);
-        std::vector<Condition> found = Room::rivals(v.point, reach + rounding(), {});
+        std::vector<Condition>& found = rivals_;
+        Room::rivals(v.point, reach + rounding(), {}, found);
         for (std::uint32_t s = 0; geometry_.is_plane() && s < 6; ++s)
             if (!is_parallel(Site::box_side(s))) found.push_back({Site::box_side(s), true});
         std::erase_if(found, [&](const Condition& c) { return contains(v.sites, c.site); });
@@ -229,6 +340,8 @@ private:
     }
 
     Space<Wide> wide_{scene_};
+    std::vector<Condition> conditions_;  // of the vertex under judgement
+    mutable std::vector<Condition> rivals_;
 };
 
 }  // namespace

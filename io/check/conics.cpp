@@ -1,0 +1,152 @@
+#include "conics.hpp"
+
+#include <cmath>
+
+#include "face_terms.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+/// a b' - b a'.
+Quadratic turn_of(const Quadratic& a, const Quadratic& b) {
+    return {{a.c[0] * b.c[1] - a.c[1] * b.c[0], 2.0 * (a.c[0] * b.c[2] - a.c[2] * b.c[0]),
+             a.c[1] * b.c[2] - a.c[2] * b.c[1]}};
+}
+
+Quadratic dot(const Triad<MidRad>& a, const Triad<Quadratic>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// The polynomial that agrees with |n| at three places. The square tells how well it does everywhere:
+/// ||n| - q| <= |n^2 - q^2| / q.
+std::optional<Quadratic> size_of(const Triad<Quadratic>& n) {
+    std::array<double, 3> at{};
+    for (int k = 0; k < 3; ++k) {
+        double sum = 0;
+        for (const Quadratic& x : n) {
+            const double s = k - 1, value = (x.c[2].mid() * s + x.c[1].mid()) * s + x.c[0].mid();
+            sum += value * value;
+        }
+        at[static_cast<std::size_t>(k)] = std::sqrt(sum);
+    }
+    const double linear = 0.5 * (at[2] - at[0]), rest = 0.5 * (at[2] + at[0]) - at[1];
+    Quadratic q{{at[1], linear, rest}};
+    const double least = (at[1] - std::abs(linear) - std::abs(rest)) * (1 - 0x1p-50);
+    double off = 0;
+    for (int k = 0; k <= 4; ++k) {
+        MidRad sum = 0.0;
+        for (int i = std::max(0, k - 2); i <= std::min(2, k); ++i) {
+            const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k - i);
+            for (const Quadratic& x : n) sum += x.c[a] * x.c[b];
+            sum = sum - q.c[a] * q.c[b];
+        }
+        off += sum.magnitude();
+    }
+    constexpr double enough = 0x1p-40;
+    q.error = off / least * (1 + 0x1p-48);
+    if (!(least > 0) || !(q.error <= enough * least)) return std::nullopt;
+    return q;
+}
+
+}  // namespace
+
+Conic::Conic(const Span& span, bool about_sphere) {
+    const auto coordinate = [&](std::size_t i) {
+        return Quadratic{{span.coefficients[0][i], span.coefficients[1][i],
+                          span.degree() == 2 ? span.coefficients[2][i] : MidRad(0.0)}};
+    };
+    weight_ = coordinate(3);
+    for (std::size_t i = 0; i < 3; ++i) {
+        position_[i] = coordinate(i);
+        origin_[i] = span.origin[i];
+        velocity_[i] = turn_of(weight_, position_[i]);
+    }
+    for (std::size_t i = 0; i < 3; ++i) moment_[i] = turn_of(position_[(i + 1) % 3], position_[(i + 2) % 3]);
+    if (!about_sphere) return;
+    // Not relative: n + o w, whose moment is n x n' + o x (n' w - n w').
+    Triad<Quadratic> moment;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        moment[i] = moment_[i] + origin_[j] * velocity_[k] - origin_[k] * velocity_[j];
+    }
+    moment_ = moment;
+    for (std::size_t i = 0; i < 3; ++i) position_[i] = position_[i] + origin_[i] * weight_;
+    if (span.degree() == 2) {
+        size_ = size_of(position_);
+        return;
+    }
+    squared_size_.emplace();
+    for (const Quadratic& x : position_)
+        *squared_size_ = *squared_size_ + Quadratic{{square(x.c[0]), 2.0 * (x.c[0] * x.c[1]), square(x.c[1])}};
+}
+
+std::optional<Conic::Integrand> Conic::integrand(const Shadow& shadow) const {
+    if (const auto* r = std::get_if<Revolved>(&shadow)) {
+        if (squared_size_) return RoundAlongLine{dot(r->axis, moment_), dot(r->axis, position_), r};
+        if (!size_) return std::nullopt;
+        const Quadratic along = dot(r->axis, position_), near = r->A * along + r->B * *size_;
+        return Round{dot(r->axis, moment_), *size_ + along, near, r->b1 * *size_ + near, r};
+    }
+    // About a point of the plane: x dy - y dx, and coordinates.
+    const auto turn = [&](const MidRad& x, const MidRad& y) {
+        return moment_[2] + y * velocity_[0] - x * velocity_[1];
+    };
+    if (const auto* h = std::get_if<LinearHeight>(&shadow)) {
+        const MidRad x = h->apex[0] - origin_[0], y = h->apex[1] - origin_[1];
+        const Quadratic rise =
+            h->gradient[0] * (position_[0] - x * weight_) + h->gradient[1] * (position_[1] - y * weight_);
+        return Linear{turn(x, y), rise, h};
+    }
+    if (const auto* h = std::get_if<Paraboloid>(&shadow)) {
+        const MidRad x = h->axis[0] - origin_[0], y = h->axis[1] - origin_[1];
+        return Parabolic{turn(x, y), position_[0] - x * weight_, position_[1] - y * weight_, h};
+    }
+    return std::nullopt;
+}
+
+namespace {
+
+template <class T>
+std::array<T, 3> values(const Conic::Linear& f, const T& s, const Conic::Place<T>& p) {
+    const T turn = f.turn.at(s) / p.squared_weight, shadow = 0.5 * turn;
+    return {(f.rise.at(s) / p.weight * T(third) + T(f.height->half_at_apex)) * turn, shadow * T(f.height->steepness), shadow};
+}
+
+template <class T>
+std::array<T, 3> values(const Conic::Parabolic& f, const T& s, const Conic::Place<T>& p) {
+    const T turn = f.turn.at(s) / p.squared_weight;
+    const T s2 = (square(f.x.at(s)) + square(f.y.at(s))) / p.squared_weight;
+    const Densities<T> d = below_paraboloid(*f.height, turn, s2);
+    return {d.volume, d.area, d.shadow};
+}
+
+// The cosine z of the angle to the axis is (a n) / q, and so b = (A a n + B q) / q.
+template <class T>
+std::array<T, 3> round_values(const Revolved& form, const T& size, const T& determinant, const T& around, const T& near,
+                              const T& sum) {
+    const T turn = determinant / around, shadow = turn / size;
+    const T volume = T(form.volume) * sum / square(near) * turn;
+    return {volume, T(form.K2) * revolved_area(form, near / size) * shadow, shadow};
+}
+template <class T>
+std::array<T, 3> values(const Conic::Round& f, const T& s, const Conic::Place<T>& p) {
+    return round_values(*f.form, p.size, f.turn.at(s), f.around.at(s), f.near.at(s), f.sum.at(s));
+}
+template <class T>
+std::array<T, 3> values(const Conic::RoundAlongLine& f, const T& s, const Conic::Place<T>& p) {
+    const T along = f.along.at(s), near = f.form->A * along + f.form->B * p.size;
+    return round_values(*f.form, p.size, f.turn.at(s), p.size + along, near, f.form->b1 * p.size + near);
+}
+
+}  // namespace
+
+template <class T>
+std::array<T, 3> densities(const Conic::Integrand& integrand, const T& s, const Conic::Place<T>& p) {
+    return std::visit([&](const auto& f) { return values(f, s, p); }, integrand);
+}
+
+template std::array<MidRad, 3> densities(const Conic::Integrand&, const MidRad&, const Conic::Place<MidRad>&);
+template std::array<Traced, 3> densities(const Conic::Integrand&, const Traced&, const Conic::Place<Traced>&);
+template std::array<Approximate, 3> densities(const Conic::Integrand&, const Approximate&,
+                                              const Conic::Place<Approximate>&);
+
+}  // namespace vcell::check

@@ -1,0 +1,457 @@
+#include "touching_spheres.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace vcell::check {
+
+namespace {
+
+/// Relative: what a few operations in a row may lose.
+constexpr double kFew = 0x1p-49;
+/// Bounds are computed in doubles, too.
+constexpr double kAbove = 1 + 0x1p-40, kBelow = 1 - 0x1p-40;
+/// Curves and patches of higher degree are not looked at.
+constexpr int kMost = 4;
+
+double sum_of_magnitudes(const Vec3& v) { return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z()); }
+
+const Sphere* as_ball(const Scene& scene, const Site& site) {
+    return site.is_object() ? std::get_if<Sphere>(&scene.objects[site.index]) : nullptr;
+}
+
+/// Adds sign a^2, a and r Bernstein coefficients times their binomials, of degrees (M, N) and (2 M, 2 N).
+template <int M, int N>
+void add_square(double sign, const double* a, double* r) {
+    for (int i = 0; i <= M; ++i)
+        for (int j = 0; j <= N; ++j) {
+            const double x = sign * a[i * (N + 1) + j];
+            for (int k = 0; k <= M; ++k)
+                for (int l = 0; l <= N; ++l) r[(i + k) * (2 * N + 1) + j + l] += x * a[k * (N + 1) + l];
+        }
+}
+void add_square(int m, int n, double sign, const double* a, double* r) {
+    if (m == 2 && n == 2) return add_square<2, 2>(sign, a, r);
+    if (m == 2 && n == 0) return add_square<2, 0>(sign, a, r);
+    for (int i = 0; i <= m; ++i)
+        for (int j = 0; j <= n; ++j)
+            for (int k = 0; k <= m; ++k)
+                for (int l = 0; l <= n; ++l)
+                    r[(i + k) * (2 * n + 1) + j + l] += sign * a[i * (n + 1) + j] * a[k * (n + 1) + l];
+}
+
+}  // namespace
+
+TouchingSpheres::TouchingSpheres(const Net& net, const Space<Interval>& space)
+    : space_(&space), m_(net.degree_s()), n_(net.degree_t()), origin_(net.origin()) {
+    least_weight_ = HUGE_VAL;
+    for (int i = 0; i <= m_; ++i)
+        for (int j = 0; j <= n_; ++j) {
+            const Net::Point& p = net.at(i, j);
+            points_.push_back({p[0].mid(), p[1].mid(), p[2].mid(), p[3].mid(), 0});
+            position_error_ = std::max({position_error_, p[0].radius(), p[1].radius(), p[2].radius()});
+            weight_error_ = std::max(weight_error_, p[3].radius());
+            least_weight_ = std::min(least_weight_, p[3].mid());
+        }
+    least_weight_ = (least_weight_ - weight_error_) * kBelow;
+}
+
+std::optional<TouchingSpheres> TouchingSpheres::along(const Net& curve, const Space<Interval>& space) {
+    if (curve.degree_s() > kMost || curve.degree_t() > 0) return std::nullopt;
+    TouchingSpheres result(curve, space);
+    if (!(result.least_weight_ > 0)) return std::nullopt;
+    const Object& base = space.scene().base;
+    bool is_known = false;
+    if (std::holds_alternative<Plane>(base))
+        is_known = result.set_height();
+    else if (std::holds_alternative<Sphere>(base) && curve.degree_s() == 2)
+        is_known = result.set_distance_at_three_places();
+    else if (std::holds_alternative<Sphere>(base) && curve.degree_s() == 1)
+        is_known = result.set_distance_along_line();
+    return is_known ? std::optional(result) : std::nullopt;
+}
+
+// On the bisector with a ball, or a plane, F less that of the base is 0 where t is linear in p.
+std::optional<TouchingSpheres> TouchingSpheres::on(const Net& patch, const Site& own,
+                                                   const Space<Interval>& space) {
+    if (patch.degree_s() > kMost || patch.degree_t() > kMost) return std::nullopt;
+    TouchingSpheres result(patch, space);
+    if (!(result.least_weight_ > 0)) return std::nullopt;
+    const Object& base = space.scene().base;
+    if (std::holds_alternative<Plane>(base)) return result.set_height() ? std::optional(result) : std::nullopt;
+    const auto* sphere = std::get_if<Sphere>(&base);
+    if (!sphere || !own.is_object()) return std::nullopt;
+    std::optional<Linear> f;
+    if (const Sphere* ball = as_ball(space.scene(), own))
+        f = result.difference(*ball, sphere->center, sphere->radius);
+    else
+        f = result.plane_excess(own);
+    if (!f) return std::nullopt;
+    // Between equal balls it is a plane that knows nothing of t.
+    if (f->h == 0)
+        return result.set_distance_within(space.clearance(patch.box())) ? std::optional(result) : std::nullopt;
+    for (Point& p : result.points_) p.t = (f->k * p.w + f->g.x() * p.x + f->g.y() * p.y + f->g.z() * p.z) / -f->h;
+    return result.finish_about_sphere() ? std::optional(result) : std::nullopt;
+}
+
+bool TouchingSpheres::set_height() {
+    const Vector<Interval>& direction = space_->base().direction;
+    const Vec3 n = middle(direction), from = origin_ - std::get<Plane>(space_->scene().base).point;
+    const double k = n.dot(from), size = from.cwiseAbs().dot(n.cwiseAbs());
+    double most = 0;
+    for (Point& p : points_) {
+        const double x = n.x() * p.x, y = n.y() * p.y, z = n.z() * p.z;
+        p.t = k * p.w + (x + y + z);
+        most = std::max(most, std::abs(x) + std::abs(y) + std::abs(z) + size * p.w);
+    }
+    clearance_error_ =
+        kAbove * (kFew * most + sum_of_magnitudes(n) * position_error_ + size * weight_error_) / least_weight_;
+    return finish();
+}
+
+bool TouchingSpheres::set_distance_at_three_places() {
+    const auto& sphere = std::get<Sphere>(space_->scene().base);
+    const Vec3 from = origin_ - sphere.center;
+    const auto distance = [&](double a, double b, double c) {
+        Vec3 sum = Vec3::Zero();
+        const std::array shares{a, b, c};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Point& p = points_[i];
+            sum += shares[i] * (Vec3(p.x, p.y, p.z) + p.w * from);
+        }
+        return sum.norm();
+    };
+    const double first = distance(1, 0, 0), last = distance(0, 0, 1),
+                 middle = 2 * distance(0.25, 0.5, 0.25) - 0.5 * (first + last);
+    points_[0].t = first - sphere.radius * points_[0].w;
+    points_[1].t = middle - sphere.radius * points_[1].w;
+    points_[2].t = last - sphere.radius * points_[2].w;
+    return finish_about_sphere();
+}
+
+// A distance is convex, with second derivatives of at most its inverse: it is below what is linear between the ends by
+// no more than length^2 / 8 by the least distance.
+bool TouchingSpheres::set_distance_along_line() {
+    const auto& sphere = std::get<Sphere>(space_->scene().base);
+    const Vec3 from = origin_ - sphere.center;
+    std::array<Vec3, 2> at;
+    double most = 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+        Point& p = points_[k];
+        at[k] = Vec3(p.x, p.y, p.z) / p.w + from;
+        const double distance = at[k].norm();
+        p.t = (distance - sphere.radius) * p.w;
+        most = std::max(most, distance);
+    }
+    const double length = (at[1] - at[0]).norm() * kAbove, least = most - length;
+    if (!(least > 0)) return false;
+    const double reach = from.cwiseAbs().maxCoeff();
+    clearance_error_ = (length * length / (8 * least) + kFew * 4 * (most + reach + sphere.radius) +
+                        4 * (position_error_ + (most + reach) * weight_error_) / least_weight_) *
+                       kAbove;
+    refer_to_base();
+    return finish();
+}
+
+/// Where t is known as an interval only.
+bool TouchingSpheres::set_distance_within(const Interval& clearance) {
+    if (!(clearance.magnitude() < HUGE_VAL)) return false;
+    for (Point& p : points_) p.t = clearance.mid() * p.w;
+    clearance_error_ = (clearance.radius() + kFew * clearance.magnitude()) * kAbove;
+    refer_to_base();
+    return finish();
+}
+
+void TouchingSpheres::refer_to_base() {
+    const auto& sphere = std::get<Sphere>(space_->scene().base);
+    reference_center_ = sphere.center;
+    reference_radius_ = sphere.radius;
+    has_reference_ = true;
+}
+
+// Whatever t is: |p - c| - (t + R) is F of the base by |p - c| + t + R.
+bool TouchingSpheres::finish_about_sphere() {
+    const auto& sphere = std::get<Sphere>(space_->scene().base);
+    const auto square = largest_square(sphere.center, sphere.radius);
+    double least = HUGE_VAL;
+    for (const Point& p : points_) {
+        const double t = p.t / p.w;
+        least = std::min(least, t + sphere.radius - kFew * (std::abs(t) + sphere.radius));
+    }
+    if (!square || !(least > 0)) return false;
+    const double once = *square / least * kAbove;
+    if (!(once < least)) return false;
+    clearance_error_ = *square / (2 * least - once) * kAbove;
+    refer_to_base();
+    return finish();
+}
+
+bool TouchingSpheres::finish() {
+    clearance_ = range({0, 0, Vec3::Zero(), 1});
+    return clearance_.magnitude() < HUGE_VAL;
+}
+
+/// F of the ball about a center, less the reference's F.
+///
+/// |p - c|^2 - |p - c'|^2 = (c - c') (c + c' - 2 p), and (t + rho)^2 - (t + rho')^2 = (rho - rho') (rho + rho' + 2 t).
+TouchingSpheres::Linear TouchingSpheres::difference(const Sphere& ball, const Vec3& center, double radius) const {
+    const Vec3 way = ball.center - center, here = ball.center - origin_, there = center - origin_;
+    const double delta = ball.radius - radius;
+    return {way.dot(here + there) - delta * (ball.radius + radius),
+            kFew * (sum_of_magnitudes(way) * (sum_of_magnitudes(here) + sum_of_magnitudes(there)) +
+                    std::abs(delta) * (ball.radius + radius)),
+            -2 * way, -2 * delta};
+}
+
+/// Of a plane that the whole curve is on one side of.
+std::optional<TouchingSpheres::Linear> TouchingSpheres::plane_excess(const Site& site) const {
+    const auto e = element(site);
+    if (!e) return std::nullopt;
+    const Vec3 from = origin_ - std::get<Plane>(space_->scene().objects[site.index]).point;
+    const double k = e->place.dot(from);
+    return Linear{k, kFew * sum_of_magnitudes(from), e->place, -1};
+}
+
+/// A plane's normal points to where the curve is; none if it is on both sides.
+std::optional<TouchingSpheres::Element> TouchingSpheres::element(const Site& site) const {
+    if (!site.is_object()) return std::nullopt;
+    const Object& object = space_->scene().objects[site.index];
+    if (const auto* ball = std::get_if<Sphere>(&object)) return Element{false, ball->center, ball->radius, Vec3::Zero()};
+    const auto* plane = std::get_if<Plane>(&object);
+    if (!plane) return std::nullopt;
+    const Vec3 n = middle(space_->object(site.index).direction), from = origin_ - plane->point;
+    const Interval side = range({n.dot(from), kFew * sum_of_magnitudes(from), n, 0});
+    if (!(side.lower() > 0) && !(side.upper() < 0)) return std::nullopt;
+    return Element{true, side.lower() > 0 ? n : Vec3(-n), 0, plane->point};
+}
+
+TouchingSpheres::Element TouchingSpheres::base() const {
+    if (const auto* sphere = std::get_if<Sphere>(&space_->scene().base))
+        return {false, sphere->center, sphere->radius, Vec3::Zero()};
+    return {true, middle(space_->base().direction), 0, std::get<Plane>(space_->scene().base).point};
+}
+
+Interval TouchingSpheres::range(const Linear& f) const {
+    double lo = HUGE_VAL, hi = -HUGE_VAL;
+    const double blur = std::abs(f.k) * weight_error_ + sum_of_magnitudes(f.g) * position_error_;
+    for (const Point& p : points_) {
+        const double a = f.k * p.w, b = f.g.x() * p.x, c = f.g.y() * p.y, d = f.g.z() * p.z, e = f.h * p.t;
+        const double value = ((a + b) + (c + d)) + e;
+        const double size = std::abs(a) + std::abs(b) + std::abs(c) + std::abs(d) + std::abs(e);
+        const double error = (kFew * size + f.error * p.w + blur) * kAbove;
+        // The weight's own error counts with the quotient.
+        const double share = 1 / p.w, off = (error + std::abs(value) * (weight_error_ / least_weight_ + kFew)) * share * kAbove;
+        const double quotient = value * share;
+        if (!(quotient - off >= lo)) lo = quotient - off;
+        if (!(quotient + off <= hi)) hi = quotient + off;
+    }
+    const double rest = std::abs(f.h) * clearance_error_ * kAbove;
+    if (!(hi - lo < HUGE_VAL)) return Interval::whole();
+    return {Interval::down(lo - rest), Interval::up(hi + rest)};
+}
+
+/// Of |p - c|^2 - (t + rho)^2, all over the curve.
+///
+/// Of a product of polynomials Bernstein coefficients are means of products: the largest magnitudes multiply, and
+/// bounds on errors with them (forms.hpp).
+std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double radius) const {
+    constexpr std::size_t most = (kMost + 1) * (kMost + 1), most_of_square = (2 * kMost + 1) * (2 * kMost + 1);
+    std::array<double, most> scaled;
+    std::array<double, most_of_square> sum;
+    const std::size_t count = points_.size(), count_of_square = static_cast<std::size_t>((2 * m_ + 1) * (2 * n_ + 1));
+    std::fill_n(sum.begin(), count_of_square, 0.0);
+    const Vec3 from = origin_ - center;
+    double size = 0, error = 0;
+    const auto add = [&](double sign, auto coordinate, double own_error) {
+        double largest = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double x = coordinate(points_[i]);
+            largest = std::max(largest, std::abs(x));
+            scaled[i] = x;
+        }
+        for (int i = 0; i <= m_; ++i)
+            for (int j = 0; j <= n_; ++j)
+                scaled[static_cast<std::size_t>(i * (n_ + 1) + j)] *= binomial(m_, i) * binomial(n_, j);
+        size += largest * largest;
+        error += own_error * (2 * largest + own_error);
+        add_square(m_, n_, sign, scaled.data(), sum.data());
+    };
+    double most_weight = 0, most_clearance = 0, most_position = 0;
+    for (const Point& p : points_) {
+        most_weight = std::max(most_weight, p.w);
+        most_clearance = std::max(most_clearance, std::abs(p.t));
+        most_position = std::max({most_position, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+    const double reach = from.cwiseAbs().maxCoeff();
+    const double position_error =
+        position_error_ + reach * weight_error_ + 0x1p-51 * (most_position + 2 * reach * most_weight);
+    add(1, [&](const Point& p) { return p.x + from.x() * p.w; }, position_error);
+    add(1, [&](const Point& p) { return p.y + from.y() * p.w; }, position_error);
+    add(1, [&](const Point& p) { return p.z + from.z() * p.w; }, position_error);
+    add(-1, [&](const Point& p) { return p.t + radius * p.w; },
+        radius * weight_error_ + 0x1p-52 * (most_clearance + 2 * radius * most_weight));
+    double largest = 0;
+    for (int i = 0; i <= 2 * m_; ++i)
+        for (int j = 0; j <= 2 * n_; ++j) {
+            const double x = std::abs(sum[static_cast<std::size_t>(i * (2 * n_ + 1) + j)]) /
+                             (binomial(2 * m_, i) * binomial(2 * n_, j));
+            if (!(x <= largest)) largest = x;
+        }
+    const double rounding = 0x1p-53 * static_cast<double>(4 * count + 16);
+    const double bound = (largest + error + rounding * size) / (least_weight_ * least_weight_) * kAbove;
+    return bound < HUGE_VAL ? std::optional(bound) : std::nullopt;
+}
+
+bool TouchingSpheres::refer_to(const Site& site) {
+    if (has_reference_) return true;
+    const Sphere* ball = as_ball(space_->scene(), site);
+    if (!ball) return false;
+    const auto square = largest_square(ball->center, ball->radius);
+    if (!square) return false;
+    reference_center_ = ball->center;
+    reference_radius_ = ball->radius;
+    // (t + rho)^2 is off with t.
+    const double most = clearance_.magnitude() + ball->radius;
+    reference_error_ = (*square + clearance_error_ * (2 * most + clearance_error_)) * kAbove;
+    has_reference_ = true;
+    return true;
+}
+
+std::optional<Interval> TouchingSpheres::excess(const Condition& c) const {
+    if (!c.site.is_object()) {
+        const Vector<Interval> origin = to_vector<Interval>(origin_);
+        const Interval value = space_->excess(c, origin);
+        const Vector<Interval> g = space_->gradient(c, origin);
+        const double error = value.radius() + kFew * value.magnitude();
+        return range({value.mid(), error, middle(g), 0});
+    }
+    const Sphere* ball = as_ball(space_->scene(), c.site);
+    if (!ball) {
+        const auto f = plane_excess(c.site);
+        return f ? std::optional(range(*f)) : std::nullopt;
+    }
+    if (!has_reference_) return std::nullopt;
+    const Interval all = range(difference(*ball, reference_center_, reference_radius_)) +
+                         Interval(-reference_error_, reference_error_);
+    // e is F by s + t + rho, where s = t + rho + e is not negative.
+    const double reach = (clearance_.lower() + ball->radius) * kBelow;
+    if (!(reach > 0)) return std::nullopt;
+    double low = 0, high = 0;
+    if (all.upper() > 0) high = all.upper() / (2 * reach) * kAbove;
+    if (all.lower() < 0) {
+        const double once = -all.lower() / reach * kAbove, sum = (2 * reach - once) * kBelow;
+        low = std::max(all.lower() / std::max(sum, reach) * kAbove, -once);
+    }
+    return Interval(low, high);
+}
+
+std::optional<double> TouchingSpheres::least(const Site& object) const {
+    const Sphere* ball = as_ball(space_->scene(), object);
+    if (!ball) {
+        const auto f = plane_excess(object);
+        return f ? std::optional(range(*f).lower()) : std::nullopt;
+    }
+    if (!has_reference_) return std::nullopt;
+    return Interval::down(range(difference(*ball, reference_center_, reference_radius_)).lower() - reference_error_);
+}
+
+// Where e is less than 2 margin F is less than that times s + t + rho = 2 (t + rho) + e; excesses change by at most
+// twice the way.
+bool TouchingSpheres::is_farther(const Site& object, double margin) const {
+    const auto least_known = least(object);
+    if (!least_known) return false;
+    const Sphere* ball = as_ball(space_->scene(), object);
+    const double twice = 2 * margin * kAbove;
+    const double sum = ball ? 2 * (clearance_.upper() + ball->radius) + twice : 1;
+    return *least_known >= twice * sum * kAbove;
+}
+
+bool TouchingSpheres::may_be_least(const Sphere& own, const Sphere& rival, double margin) const {
+    const double apart = (rival.center - own.center).norm() * kBelow;
+    if (!(apart + own.radius >= rival.radius * kAbove)) return true;
+    const double most = clearance_.upper() + 2 * margin;
+    if (apart < (most + own.radius) * kAbove) return true;
+    if (const auto* base = std::get_if<Sphere>(&space_->scene().base))
+        return (rival.center - base->center).norm() * kBelow < (most + base->radius) * kAbove;
+    const auto& base = std::get<Plane>(space_->scene().base);
+    const Vec3 way = rival.center - base.point;
+    const double height = middle(space_->base().direction).dot(way) - kFew * sum_of_magnitudes(way);
+    return height < most * kAbove;
+}
+
+/// D of two, where t + rho is the distance from either up to `off`: of balls the difference of those is rho - rho' up
+/// to twice that. Of a plane and a ball, at distance d' of the plane, D = 2 (s - t + d').
+TouchingSpheres::Number TouchingSpheres::tangential(const Element& a, const Element& b, double off) {
+    if (a.is_plane && b.is_plane) return {(a.place - b.place).squaredNorm(), kFew * 8};
+    if (a.is_plane || b.is_plane) {
+        const Element &plane = a.is_plane ? a : b, &ball = a.is_plane ? b : a;
+        const Vec3 way = ball.place - plane.point;
+        return {2 * (ball.radius + plane.place.dot(way)),
+                kFew * 2 * (ball.radius + sum_of_magnitudes(way)) + 4 * off};
+    }
+    const Vec3 way = a.place - b.place;
+    const double delta = a.radius - b.radius, twice = 2 * off;
+    return {way.squaredNorm() - delta * delta,
+            kFew * (way.squaredNorm() + delta * delta) + twice * (2 * std::abs(delta) + twice)};
+}
+
+std::optional<double> TouchingSpheres::growth(const Site& site, double size, double margin) const {
+    const auto own = element(site);
+    if (!own) return std::nullopt;
+    const double off = (size + 2 * margin) * kAbove;
+    const Number d = tangential(base(), *own, off);
+    const auto reach = [&](const Element& e) { return e.is_plane ? 1 : (clearance_.upper() + e.radius + margin + off) * kAbove; };
+    const double squared = (d.value - d.error) / (reach(base()) * reach(*own)) * kBelow;
+    return squared > 0 ? std::optional(0.5 * squared) : std::nullopt;
+}
+
+// With g and h the gradients: |g|^2 = D_0a / (s_0 s_a), |h|^2 = D_0b / (s_0 s_b), |g - h|^2 = D_ab / (s_a s_b), and
+// |g x h|^2 is four times the square of the area of the triangle with these sides. By Heron it is
+//     (2 (X Y + Y Z + Z X) - X^2 - Y^2 - Z^2) / (2 s_0 s_a s_b)^2,  X = D_0a s_b, Y = D_0b s_a, Z = D_ab s_0,
+// where s are linear in t. |g x h|^2 is the product of the squared singular values, of which the greater is below
+// |g|^2 + |h|^2 = (X + Y) / (s_0 s_a s_b).
+std::optional<TouchingSpheres::Slopes> TouchingSpheres::slopes(const Site& first, const Site& second, double size,
+                                                               double margin) const {
+    const auto a = element(first), b = element(second);
+    if (!a || !b) return std::nullopt;
+    const Element o = base();
+    const double off = (size + 2 * margin) * kAbove;
+    const Number oa = tangential(o, *a, off), ob = tangential(o, *b, off), ab = tangential(*a, *b, off);
+    const double slack = (margin + off) * kAbove, low = clearance_.lower() - slack, high = clearance_.upper() + slack;
+    const auto s = [](const Element& e, double t) { return e.is_plane ? 1.0 : t + e.radius; };
+    if (!(s(o, low) > 0) || !(s(*a, low) > 0) || !(s(*b, low) > 0)) return std::nullopt;
+    const auto sides = [&](double t) {
+        return Vec3(oa.value * s(*b, t), ob.value * s(*a, t), ab.value * s(o, t));
+    };
+    const auto polar = [](const Vec3& p, const Vec3& q) { return p.sum() * q.sum() - 2 * p.dot(q); };
+    // Distances of both sites may be off on their own.
+    const double longest = std::max({s(o, high), s(*a, high), s(*b, high)});
+    const double error = (longest * std::max({oa.error, ob.error, ab.error}) +
+                          slack * std::max({std::abs(oa.value), std::abs(ob.value), std::abs(ab.value)})) *
+                         kAbove;
+    // The denominator is taken at the end of each part, where it is greatest.
+    constexpr int parts = 4;
+    double least = HUGE_VAL;
+    for (int k = 0; k < parts; ++k) {
+        const double from = low + (high - low) * (k / static_cast<double>(parts)),
+                     to = k + 1 == parts ? high : low + (high - low) * ((k + 1) / static_cast<double>(parts));
+        const Vec3 first_sides = sides(from), last_sides = sides(to);
+        // Bernstein coefficients of a quadratic.
+        const double lowest = std::min({polar(first_sides, first_sides), polar(first_sides, last_sides),
+                                        polar(last_sides, last_sides)});
+        const double sum = std::max(first_sides.cwiseAbs().sum(), last_sides.cwiseAbs().sum());
+        const double numerator = lowest - (6 * sum * error + 15 * error * error + 0x1p-46 * sum * sum) * kAbove;
+        const double denominator =
+            4 * s(o, to) * s(*a, to) * s(*b, to) * (last_sides.x() + last_sides.y() + 2 * error) * kAbove;
+        if (!(numerator > 0)) return std::nullopt;
+        least = std::min(least, numerator / denominator);
+    }
+    const double x = (oa.value - oa.error) / (s(o, high) * s(*a, high)),
+                 y = (ob.value - ob.error) / (s(o, high) * s(*b, high));
+    const double growth = 0.5 * std::min(x, y) * kBelow;
+    if (!(growth > 0)) return std::nullopt;
+    return Slopes{std::sqrt(least) * kBelow, growth};
+}
+
+}  // namespace vcell::check
