@@ -55,8 +55,9 @@ constexpr double much_steeper = 4, most_slender = 0x1p16;
 constexpr double small_part = 0x1p-16;
 constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 200;
 // Pieces of any size are split fewer than 50 times to a form usually, 200 times where few forms have much to do with each
-// other; forms that all but coincide want it as often as the square of the region's size over their distance.
-constexpr std::size_t most_splits = 5000, splits_of_form = 250;
+// other, 80,000 times in all along a line that hardly leaves a plane; forms that all but coincide want it as often as the
+// square of the region's size over their distance.
+constexpr std::size_t most_splits = 80000, splits_of_form = 250;
 // Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
 constexpr double split_ratio = 0.48643;
 

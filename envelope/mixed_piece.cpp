@@ -29,9 +29,9 @@ MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent) : heights_
 }
 
 bool MixedAnalysis::is_spent() const {
-    // Measured: 80 evaluations and some hundred stretches to a form are usual, a few thousand in all where a tie of some
-    // ten forms is settled.
-    constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 100000, stretches_of_form = 5000;
+    // Measured: 80 evaluations and some hundred stretches to a form are usual; a few thousand evaluations in all where a tie
+    // of some ten forms is settled, 150,000 stretches along a line that hardly leaves a plane.
+    constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 150000, stretches_of_form = 5000;
     const std::size_t forms = heights_.family().size();
     return heights_.wide_evaluations() > most_wide + wide_of_form * forms ||
            stretches_ > most_stretches + stretches_of_form * forms;
