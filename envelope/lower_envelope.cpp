@@ -367,7 +367,8 @@ private:
             ++small_pieces_;
             ++small_pieces_in_place_;
         }
-        if (at_floor || ++splits_ > most_splits + splits_of_form * family_.size() || analysis_.is_spent() ||
+        splits_ += family_.radial.empty() ? 1 : 2;  // over a curved base a piece costs twice as much
+        if (at_floor || splits_ > most_splits + splits_of_form * family_.size() || analysis_.is_spent() ||
             small_pieces_ > small_pieces_of_form * family_.size() || small_pieces_in_place_ > most_small_pieces_in_place)
             throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);

@@ -317,6 +317,12 @@ TEST_CASE("cell: what touches a tilted base touches it, although the base has tu
                          InputError);
     scene.objects = {Sphere{{6, 0, -6}, 0}};
     CHECK(voronoi_cell(scene).neighbors.empty());
+    // The base's own plane, and one through a corner of its region.
+    for (const Plane& plane : {Plane{{1, 0, -1}, {2, -2, 2}}, Plane{{-4, -4, 0}, {1, 0, 0}}}) {
+        scene.objects = {plane};
+        CHECK_THROWS_WITH_AS(voronoi_cell(scene), doctest::Contains("objects[0].plane: touches the base region at ("),
+                             InputError);
+    }
     scene.objects = {Sphere{{1, 0x1p-40, -1}, 0}};
     const Measures m = voronoi_cell(scene).measures;
     CHECK(m.min_clearance >= 0);

@@ -66,7 +66,7 @@ TEST_CASE("hostile: two lines all but meet") {
 }
 
 TEST_CASE("hostile: what is not proved is refused, with objects and place") {
-    for (const char* name : {"line_point_0.01", "hang_cylinder_base_spheres"}) {
+    for (const char* name : {"line_point_0.01", "hang_cylinder_base_spheres", "twins_around_tube"}) {
         CAPTURE(name);
         std::string message;
         try {
