@@ -14,7 +14,9 @@ Quadratic turn_of(const Quadratic& a, const Quadratic& b) {
              a.c[1] * b.c[2] - a.c[2] * b.c[1]}};
 }
 
-Quadratic dot(const Triad<MidRad>& a, const Triad<Quadratic>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Quadratic dot(const Triad<MidRad>& a, const Triad<Quadratic>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /// The polynomial that agrees with |n| at three places. The square tells how well it does everywhere:
 /// ||n| - q| <= |n^2 - q^2| / q.
@@ -76,7 +78,8 @@ Conic::Conic(const Span& span, bool about_sphere) {
     }
     squared_size_.emplace();
     for (const Quadratic& x : position_)
-        *squared_size_ = *squared_size_ + Quadratic{{square(x.c[0]), 2.0 * (x.c[0] * x.c[1]), square(x.c[1])}};
+        *squared_size_ =
+            *squared_size_ + Quadratic{{square(x.c[0]), 2.0 * (x.c[0] * x.c[1]), square(x.c[1])}};
 }
 
 std::optional<Conic::Integrand> Conic::integrand(const Shadow& shadow) const {
@@ -108,7 +111,8 @@ namespace {
 template <class T>
 std::array<T, 3> values(const Conic::Linear& f, const T& s, const Conic::Place<T>& p) {
     const T turn = f.turn.at(s) / p.squared_weight, shadow = 0.5 * turn;
-    return {(f.rise.at(s) / p.weight * T(third) + T(f.height->half_at_apex)) * turn, shadow * T(f.height->steepness), shadow};
+    return {(f.rise.at(s) / p.weight * T(third) + T(f.height->half_at_apex)) * turn,
+            shadow * T(f.height->steepness), shadow};
 }
 
 template <class T>
@@ -121,8 +125,8 @@ std::array<T, 3> values(const Conic::Parabolic& f, const T& s, const Conic::Plac
 
 // The cosine z of the angle to the axis is (a n) / q, and so b = (A a n + B q) / q.
 template <class T>
-std::array<T, 3> round_values(const Revolved& form, const T& size, const T& determinant, const T& around, const T& near,
-                              const T& sum) {
+std::array<T, 3> round_values(const Revolved& form, const T& size, const T& determinant, const T& around,
+                              const T& near, const T& sum) {
     const T turn = determinant / around, shadow = turn / size;
     const T volume = T(form.volume) * sum / square(near) * turn;
     return {volume, T(form.K2) * revolved_area(form, near / size) * shadow, shadow};

@@ -1,10 +1,10 @@
 /// Integrands (shadows.hpp) along conics, multiplied out into polynomials of degree two beforehand.
 ///
-/// With n the homogeneous coordinates of a conic and w its weight, both of degree two in s, so are n' w - n w' and
-/// n x n'. From a centre, |n| is a polynomial q of degree two where two bisectors of balls and planes meet: on each of
-/// them the distance is linear in the point. Then the integrands are quotients of a few polynomials whose
-/// coefficients have had their cancellations, and bounds over discs stay small where those of sums of products would
-/// hold a pole.
+/// With n the homogeneous coordinates of a conic and w its weight, both of degree two in s, so are n' w - n
+/// w' and n x n'. From a centre, |n| is a polynomial q of degree two where two bisectors of balls and planes
+/// meet: on each of them the distance is linear in the point. Then the integrands are quotients of a few
+/// polynomials whose coefficients have had their cancellations, and bounds over discs stay small where those
+/// of sums of products would hold a pole.
 #pragma once
 
 #include <optional>
@@ -77,7 +77,11 @@ public:
         const T w = weight_.at(s), w2 = square(w);
         T sum(0.0);
         for (const Quadratic& v : velocity_) sum = sum + square(v.at(s));
-        return {w2, w, size_ ? size_->at(s) : squared_size_ ? sqrt(squared_size_->at(s)) : T(0.0), sqrt(sum) / w2};
+        return {w2, w,
+                size_           ? size_->at(s)
+                : squared_size_ ? sqrt(squared_size_->at(s))
+                                : T(0.0),
+                sqrt(sum) / w2};
     }
 
 private:

@@ -15,10 +15,12 @@ MidRad artanh_ratio(const MidRad& x);
 Approximate artanh_ratio(const Approximate& x);
 Traced artanh_ratio(const Traced& x);
 
-/// The area's integral about a sphere from the direction z to the axis, divided by 1 - z and K^2: with b = A z + B,
+/// The area's integral about a sphere from the direction z to the axis, divided by 1 - z and K^2: with b = A
+/// z + B,
 ///     int sqrt(E + 2 B b) / b^3 db / (b1 - b),
-/// of which the antiderivative is -s / (2 b^2) - B s / (2 E b) - (B^2 / E) artanh(sqrt(E) / s) / sqrt(E) up to a
-/// sign in the last, s = sqrt(E + 2 B b). Differences of roots are quotients, so that nothing cancels near the axis.
+/// of which the antiderivative is -s / (2 b^2) - B s / (2 E b) - (B^2 / E) artanh(sqrt(E) / s) / sqrt(E) up
+/// to a sign in the last, s = sqrt(E + 2 B b). Differences of roots are quotients, so that nothing cancels
+/// near the axis.
 template <class T>
 T antiderivative(const Revolved& r, const T& b) {
     const T b1(r.b1), B(r.B), E(r.E);

@@ -15,7 +15,7 @@ public:
     static constexpr std::size_t lanes = 4;
 
     Lanes() = default;
-    Lanes(double value) { values_.fill(value); }               // NOLINT: a number
+    Lanes(double value) { values_.fill(value); }                // NOLINT: a number
     Lanes(const MidRad& enclosure) : Lanes(enclosure.mid()) {}  // NOLINT: what it encloses, about
     /// f(lane) in each.
     template <class F>

@@ -79,7 +79,8 @@ std::optional<TouchingSpheres> TouchingSpheres::on(const Net& patch, const Site&
     TouchingSpheres result(patch, space);
     if (!(result.least_weight_ > 0)) return std::nullopt;
     const Object& base = space.scene().base;
-    if (std::holds_alternative<Plane>(base)) return result.set_height() ? std::optional(result) : std::nullopt;
+    if (std::holds_alternative<Plane>(base))
+        return result.set_height() ? std::optional(result) : std::nullopt;
     const auto* sphere = std::get_if<Sphere>(&base);
     if (!sphere || !own.is_object()) return std::nullopt;
     std::optional<Linear> f;
@@ -90,8 +91,10 @@ std::optional<TouchingSpheres> TouchingSpheres::on(const Net& patch, const Site&
     if (!f) return std::nullopt;
     // Between equal balls it is a plane that knows nothing of t.
     if (f->h == 0)
-        return result.set_distance_within(space.clearance(patch.box())) ? std::optional(result) : std::nullopt;
-    for (Point& p : result.points_) p.t = (f->k * p.w + f->g.x() * p.x + f->g.y() * p.y + f->g.z() * p.z) / -f->h;
+        return result.set_distance_within(space.clearance(patch.box())) ? std::optional(result)
+                                                                        : std::nullopt;
+    for (Point& p : result.points_)
+        p.t = (f->k * p.w + f->g.x() * p.x + f->g.y() * p.y + f->g.z() * p.z) / -f->h;
     return result.finish_about_sphere() ? std::optional(result) : std::nullopt;
 }
 
@@ -105,8 +108,9 @@ bool TouchingSpheres::set_height() {
         p.t = k * p.w + (x + y + z);
         most = std::max(most, std::abs(x) + std::abs(y) + std::abs(z) + size * p.w);
     }
-    clearance_error_ =
-        kAbove * (kFew * most + sum_of_magnitudes(n) * position_error_ + size * weight_error_) / least_weight_;
+    clearance_error_ = kAbove *
+                       (kFew * most + sum_of_magnitudes(n) * position_error_ + size * weight_error_) /
+                       least_weight_;
     return finish();
 }
 
@@ -130,8 +134,8 @@ bool TouchingSpheres::set_distance_at_three_places() {
     return finish_about_sphere();
 }
 
-// A distance is convex, with second derivatives of at most its inverse: it is below what is linear between the ends by
-// no more than length^2 / 8 by the least distance.
+// A distance is convex, with second derivatives of at most its inverse: it is below what is linear between
+// the ends by no more than length^2 / 8 by the least distance.
 bool TouchingSpheres::set_distance_along_line() {
     const auto& sphere = std::get<Sphere>(space_->scene().base);
     const Vec3 from = origin_ - sphere.center;
@@ -194,8 +198,10 @@ bool TouchingSpheres::finish() {
 
 /// F of the ball about a center, less the reference's F.
 ///
-/// |p - c|^2 - |p - c'|^2 = (c - c') (c + c' - 2 p), and (t + rho)^2 - (t + rho')^2 = (rho - rho') (rho + rho' + 2 t).
-TouchingSpheres::Linear TouchingSpheres::difference(const Sphere& ball, const Vec3& center, double radius) const {
+/// |p - c|^2 - |p - c'|^2 = (c - c') (c + c' - 2 p), and (t + rho)^2 - (t + rho')^2 = (rho - rho') (rho +
+/// rho' + 2 t).
+TouchingSpheres::Linear TouchingSpheres::difference(const Sphere& ball, const Vec3& center,
+                                                    double radius) const {
     const Vec3 way = ball.center - center, here = ball.center - origin_, there = center - origin_;
     const double delta = ball.radius - radius;
     return {way.dot(here + there) - delta * (ball.radius + radius),
@@ -217,7 +223,8 @@ std::optional<TouchingSpheres::Linear> TouchingSpheres::plane_excess(const Site&
 std::optional<TouchingSpheres::Element> TouchingSpheres::element(const Site& site) const {
     if (!site.is_object()) return std::nullopt;
     const Object& object = space_->scene().objects[site.index];
-    if (const auto* ball = std::get_if<Sphere>(&object)) return Element{false, ball->center, ball->radius, Vec3::Zero()};
+    if (const auto* ball = std::get_if<Sphere>(&object))
+        return Element{false, ball->center, ball->radius, Vec3::Zero()};
     const auto* plane = std::get_if<Plane>(&object);
     if (!plane) return std::nullopt;
     const Vec3 n = middle(space_->object(site.index).direction), from = origin_ - plane->point;
@@ -241,7 +248,9 @@ Interval TouchingSpheres::range(const Linear& f) const {
         const double size = std::abs(a) + std::abs(b) + std::abs(c) + std::abs(d) + std::abs(e);
         const double error = (kFew * size + f.error * p.w + blur) * kAbove;
         // The weight's own error counts with the quotient.
-        const double share = 1 / p.w, off = (error + std::abs(value) * (weight_error_ / least_weight_ + kFew)) * share * kAbove;
+        const double share = 1 / p.w,
+                     off =
+                         (error + std::abs(value) * (weight_error_ / least_weight_ + kFew)) * share * kAbove;
         const double quotient = value * share;
         if (!(quotient - off >= lo)) lo = quotient - off;
         if (!(quotient + off <= hi)) hi = quotient + off;
@@ -253,13 +262,15 @@ Interval TouchingSpheres::range(const Linear& f) const {
 
 /// Of |p - c|^2 - (t + rho)^2, all over the curve.
 ///
-/// Of a product of polynomials Bernstein coefficients are means of products: the largest magnitudes multiply, and
-/// bounds on errors with them (forms.hpp).
+/// Of a product of polynomials Bernstein coefficients are means of products: the largest magnitudes multiply,
+/// and bounds on errors with them (forms.hpp).
 std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double radius) const {
-    constexpr std::size_t most = (kMost + 1) * (kMost + 1), most_of_square = (2 * kMost + 1) * (2 * kMost + 1);
+    constexpr std::size_t most = (kMost + 1) * (kMost + 1),
+                          most_of_square = (2 * kMost + 1) * (2 * kMost + 1);
     std::array<double, most> scaled;
     std::array<double, most_of_square> sum;
-    const std::size_t count = points_.size(), count_of_square = static_cast<std::size_t>((2 * m_ + 1) * (2 * n_ + 1));
+    const std::size_t count = points_.size(),
+                      count_of_square = static_cast<std::size_t>((2 * m_ + 1) * (2 * n_ + 1));
     std::fill_n(sum.begin(), count_of_square, 0.0);
     const Vec3 from = origin_ - center;
     double size = 0, error = 0;
@@ -286,10 +297,14 @@ std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double
     const double reach = from.cwiseAbs().maxCoeff();
     const double position_error =
         position_error_ + reach * weight_error_ + 0x1p-51 * (most_position + 2 * reach * most_weight);
-    add(1, [&](const Point& p) { return p.x + from.x() * p.w; }, position_error);
-    add(1, [&](const Point& p) { return p.y + from.y() * p.w; }, position_error);
-    add(1, [&](const Point& p) { return p.z + from.z() * p.w; }, position_error);
-    add(-1, [&](const Point& p) { return p.t + radius * p.w; },
+    add(
+        1, [&](const Point& p) { return p.x + from.x() * p.w; }, position_error);
+    add(
+        1, [&](const Point& p) { return p.y + from.y() * p.w; }, position_error);
+    add(
+        1, [&](const Point& p) { return p.z + from.z() * p.w; }, position_error);
+    add(
+        -1, [&](const Point& p) { return p.t + radius * p.w; },
         radius * weight_error_ + 0x1p-52 * (most_clearance + 2 * radius * most_weight));
     double largest = 0;
     for (int i = 0; i <= 2 * m_; ++i)
@@ -353,11 +368,12 @@ std::optional<double> TouchingSpheres::least(const Site& object) const {
         return f ? std::optional(range(*f).lower()) : std::nullopt;
     }
     if (!has_reference_) return std::nullopt;
-    return Interval::down(range(difference(*ball, reference_center_, reference_radius_)).lower() - reference_error_);
+    return Interval::down(range(difference(*ball, reference_center_, reference_radius_)).lower() -
+                          reference_error_);
 }
 
-// Where e is less than 2 margin F is less than that times s + t + rho = 2 (t + rho) + e; excesses change by at most
-// twice the way.
+// Where e is less than 2 margin F is less than that times s + t + rho = 2 (t + rho) + e; excesses change by
+// at most twice the way.
 bool TouchingSpheres::is_farther(const Site& object, double margin) const {
     const auto least_known = least(object);
     if (!least_known) return false;
@@ -380,8 +396,8 @@ bool TouchingSpheres::may_be_least(const Sphere& own, const Sphere& rival, doubl
     return height < most * kAbove;
 }
 
-/// D of two, where t + rho is the distance from either up to `off`: of balls the difference of those is rho - rho' up
-/// to twice that. Of a plane and a ball, at distance d' of the plane, D = 2 (s - t + d').
+/// D of two, where t + rho is the distance from either up to `off`: of balls the difference of those is rho -
+/// rho' up to twice that. Of a plane and a ball, at distance d' of the plane, D = 2 (s - t + d').
 TouchingSpheres::Number TouchingSpheres::tangential(const Element& a, const Element& b, double off) {
     if (a.is_plane && b.is_plane) return {(a.place - b.place).squaredNorm(), kFew * 8};
     if (a.is_plane || b.is_plane) {
@@ -401,24 +417,27 @@ std::optional<double> TouchingSpheres::growth(const Site& site, double size, dou
     if (!own) return std::nullopt;
     const double off = (size + 2 * margin) * kAbove;
     const Number d = tangential(base(), *own, off);
-    const auto reach = [&](const Element& e) { return e.is_plane ? 1 : (clearance_.upper() + e.radius + margin + off) * kAbove; };
+    const auto reach = [&](const Element& e) {
+        return e.is_plane ? 1 : (clearance_.upper() + e.radius + margin + off) * kAbove;
+    };
     const double squared = (d.value - d.error) / (reach(base()) * reach(*own)) * kBelow;
     return squared > 0 ? std::optional(0.5 * squared) : std::nullopt;
 }
 
-// With g and h the gradients: |g|^2 = D_0a / (s_0 s_a), |h|^2 = D_0b / (s_0 s_b), |g - h|^2 = D_ab / (s_a s_b), and
-// |g x h|^2 is four times the square of the area of the triangle with these sides. By Heron it is
+// With g and h the gradients: |g|^2 = D_0a / (s_0 s_a), |h|^2 = D_0b / (s_0 s_b), |g - h|^2 = D_ab / (s_a
+// s_b), and |g x h|^2 is four times the square of the area of the triangle with these sides. By Heron it is
 //     (2 (X Y + Y Z + Z X) - X^2 - Y^2 - Z^2) / (2 s_0 s_a s_b)^2,  X = D_0a s_b, Y = D_0b s_a, Z = D_ab s_0,
-// where s are linear in t. |g x h|^2 is the product of the squared singular values, of which the greater is below
-// |g|^2 + |h|^2 = (X + Y) / (s_0 s_a s_b).
-std::optional<TouchingSpheres::Slopes> TouchingSpheres::slopes(const Site& first, const Site& second, double size,
-                                                               double margin) const {
+// where s are linear in t. |g x h|^2 is the product of the squared singular values, of which the greater is
+// below |g|^2 + |h|^2 = (X + Y) / (s_0 s_a s_b).
+std::optional<TouchingSpheres::Slopes> TouchingSpheres::slopes(const Site& first, const Site& second,
+                                                               double size, double margin) const {
     const auto a = element(first), b = element(second);
     if (!a || !b) return std::nullopt;
     const Element o = base();
     const double off = (size + 2 * margin) * kAbove;
     const Number oa = tangential(o, *a, off), ob = tangential(o, *b, off), ab = tangential(*a, *b, off);
-    const double slack = (margin + off) * kAbove, low = clearance_.lower() - slack, high = clearance_.upper() + slack;
+    const double slack = (margin + off) * kAbove, low = clearance_.lower() - slack,
+                 high = clearance_.upper() + slack;
     const auto s = [](const Element& e, double t) { return e.is_plane ? 1.0 : t + e.radius; };
     if (!(s(o, low) > 0) || !(s(*a, low) > 0) || !(s(*b, low) > 0)) return std::nullopt;
     const auto sides = [&](double t) {
@@ -438,10 +457,11 @@ std::optional<TouchingSpheres::Slopes> TouchingSpheres::slopes(const Site& first
                      to = k + 1 == parts ? high : low + (high - low) * ((k + 1) / static_cast<double>(parts));
         const Vec3 first_sides = sides(from), last_sides = sides(to);
         // Bernstein coefficients of a quadratic.
-        const double lowest = std::min({polar(first_sides, first_sides), polar(first_sides, last_sides),
-                                        polar(last_sides, last_sides)});
+        const double lowest = std::min(
+            {polar(first_sides, first_sides), polar(first_sides, last_sides), polar(last_sides, last_sides)});
         const double sum = std::max(first_sides.cwiseAbs().sum(), last_sides.cwiseAbs().sum());
-        const double numerator = lowest - (6 * sum * error + 15 * error * error + 0x1p-46 * sum * sum) * kAbove;
+        const double numerator =
+            lowest - (6 * sum * error + 15 * error * error + 0x1p-46 * sum * sum) * kAbove;
         const double denominator =
             4 * s(o, to) * s(*a, to) * s(*b, to) * (last_sides.x() + last_sides.y() + 2 * error) * kAbove;
         if (!(numerator > 0)) return std::nullopt;

@@ -1,18 +1,19 @@
-/// Spheres about the points of a curve or a patch that touch the base, and what is left between them and other balls
-/// and planes: Laguerre's geometry of oriented spheres.
+/// Spheres about the points of a curve or a patch that touch the base, and what is left between them and
+/// other balls and planes: Laguerre's geometry of oriented spheres.
 ///
-/// With p the center and t the radius of such a sphere, and s = |p - c| the distance from a ball's center, the ball's
-/// excess is e = s - (t + rho), and
+/// With p the center and t the radius of such a sphere, and s = |p - c| the distance from a ball's center,
+/// the ball's excess is e = s - (t + rho), and
 ///     F(p, t) = |p - c|^2 - (t + rho)^2 = e (s + t + rho)
-/// has its sign. The difference of two such F is linear in (p, t): where one is known, of the base or of the ball that
-/// owns the curve, so are all others, by as many coefficients as there are control points, if t is rational with the
-/// curve's weights. Over a base plane it is linear in p. Beside a base ball it is linear in p on every bisector with a
-/// ball of another radius or with a plane, and a quotient of polynomials along the conics in which two bisectors meet.
+/// has its sign. The difference of two such F is linear in (p, t): where one is known, of the base or of the
+/// ball that owns the curve, so are all others, by as many coefficients as there are control points, if t is
+/// rational with the curve's weights. Over a base plane it is linear in p. Beside a base ball it is linear in
+/// p on every bisector with a ball of another radius or with a plane, and a quotient of polynomials along the
+/// conics in which two bisectors meet.
 ///
 /// Directions n of distances from balls and planes that such a sphere touches differ by
 ///     1 - n n' = D / (2 s s'),  D = |c - c'|^2 - (rho - rho')^2 = |c - c'|^2 - (s - s')^2,
-/// the squared tangential distance. Of planes s is 1, with D = 2 (rho + the centre's distance) for one of them and
-/// D = |n - n'|^2 for two.
+/// the squared tangential distance. Of planes s is 1, with D = 2 (rho + the centre's distance) for one of
+/// them and D = |n - n'|^2 for two.
 #pragma once
 
 #include <optional>
@@ -24,8 +25,8 @@ namespace vcell::check {
 
 class TouchingSpheres {
 public:
-    /// Along a span of an edge. None: clearances are no such quotient there, or it cannot be told. Keeps a reference
-    /// to the space's scene.
+    /// Along a span of an edge. None: clearances are no such quotient there, or it cannot be told. Keeps a
+    /// reference to the space's scene.
     static std::optional<TouchingSpheres> along(const Net& curve, const Space<Interval>& space);
     /// On a patch of a site's bisector.
     static std::optional<TouchingSpheres> on(const Net& patch, const Site& own, const Space<Interval>& space);
@@ -33,8 +34,8 @@ public:
     /// Of all points.
     const Interval& clearance() const { return clearance_; }
 
-    /// Takes the ball, if it is one, for the one of which others differ: over a base plane nothing is known of
-    /// balls before. False: it is none.
+    /// Takes the ball, if it is one, for the one of which others differ: over a base plane nothing is known
+    /// of balls before. False: it is none.
     bool refer_to(const Site& ball);
 
     /// Bounds the excess all over the curve. None: of a tube, or it cannot be told.
@@ -44,12 +45,13 @@ public:
 
     /// Is an object farther than the base within `margin` of the curve, too?
     bool is_farther(const Site& object, double margin) const;
-    /// Of two balls, one that owns the patch: can the other's excess be negative and least within `margin` of it
-    /// (least.hpp)? Surely not where its center is behind the patch, as seen from the own one and from the base.
+    /// Of two balls, one that owns the patch: can the other's excess be negative and least within `margin` of
+    /// it (least.hpp)? Surely not where its center is behind the patch, as seen from the own one and from the
+    /// base.
     bool may_be_least(const Sphere& own, const Sphere& rival, double margin) const;
 
-    /// Bounds, in the points within `margin` of those where two sites' excesses are below `size`, the least singular
-    /// value of the derivative of both, and half the squared gradient of either.
+    /// Bounds, in the points within `margin` of those where two sites' excesses are below `size`, the least
+    /// singular value of the derivative of both, and half the squared gradient of either.
     struct Slopes {
         double both, growth;
     };
