@@ -367,7 +367,7 @@ private:
             ++small_pieces_;
             ++small_pieces_in_place_;
         }
-        splits_ += family_.radial.empty() ? 1 : 2;  // over a curved base a piece costs twice as much
+        splits_ += family_.radial.empty() ? 1 : 4;  // over a curved base a piece costs four times as much
         if (at_floor || splits_ > most_splits + splits_of_form * family_.size() || analysis_.is_spent() ||
             small_pieces_ > small_pieces_of_form * family_.size() || small_pieces_in_place_ > most_small_pieces_in_place)
             throw TieError(all_of(r, candidates));
