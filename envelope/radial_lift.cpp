@@ -1324,7 +1324,7 @@ private:
         return AxialConic(problem_, (*equations)[0], (*equations)[1]).planes();
     }
     double curve_error(EdgeId e, std::array<DistancePlane, 2> planes) {
-        // Of forms that are nearly alike the difference tells the edge, which has all its digits.
+        // The difference of forms that are nearly alike has all its digits, and tells the edge.
         constexpr double nearly_alike = 1 - 0x1p-33;
         if (problem_.is_sphere && std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike)
             planes[1] = difference_plane(diagram_.edges[e].left, diagram_.edges[e].right);

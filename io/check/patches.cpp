@@ -12,11 +12,6 @@ namespace vcell::check {
 
 namespace {
 
-/// How far u and v move at most per length on the surface.
-Vec2 parameters_per_length(const SurfacePoint& s) {
-    return Vec2(s.pv.norm(), s.pu.norm()) / s.pu.cross(s.pv).norm();
-}
-
 /// Two polynomials in Bernstein form over a rectangle, which is a part of the unit square. The coefficients
 /// are rows along v.
 struct Map {

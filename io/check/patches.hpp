@@ -47,6 +47,11 @@ inline double surface_rounding(const Patch& patch, const SurfacePoint& s, const 
     return kRounding * (patch.control_size + s.pu.norm() * std::abs(uv.x()) + s.pv.norm() * std::abs(uv.y()));
 }
 
+/// How far u and v move at most per length on the surface.
+inline Vec2 parameters_per_length(const SurfacePoint& s) {
+    return Vec2(s.pv.norm(), s.pu.norm()) / s.pu.cross(s.pv).norm();
+}
+
 /// Is uv inside the loops? None: too near to them, where the edges' own errors decide. `rounding`: a length.
 std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding);
 

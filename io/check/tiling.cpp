@@ -133,7 +133,7 @@ private:
                 const auto where = [&] { return loop_path(patch.face, patch.index, l); };
                 check_head_to_tail(patch, patch.loops[l], where);
                 if (is_as_small_as_rounding(patch)) continue;
-                const int turn = orientation(patch.loops[l]);
+                const int turn = orientation(patch, patch.loops[l]);
                 if (l == 0 && turn < 0) note(where(), "the outer loop does not run counter-clockwise");
                 if (l > 0 && turn > 0) note(where(), "a hole does not run clockwise");
                 if (l > 0 && is_outside(patch, patch.loops[l])) note(where(), "a hole outside the outer loop");
@@ -142,20 +142,25 @@ private:
     }
 
     /// The sign of a loop's area: that of the polygon through points of it, if it is larger than what lies between
-    /// the chords and the curves, of which each stays in the hull of its control points. 0: the parts are too
-    /// small to tell.
-    static int orientation(const std::vector<Trim>& loop) {
+    /// the chords and the curves, of which each stays in the hull of its control points, and than a band along the loop
+    /// as wide as rounding of these points and the errors of their edges. 0: the parts are too small to tell.
+    static int orientation(const Patch& patch, const std::vector<Trim>& loop) {
+        double off = kPlaceRounding * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs()).maxCoeff();
+        for (const Trim& trim : loop) {
+            const Vec2 uv = trim.pieces.front().control(0).cwiseMax(patch.lo).cwiseMin(patch.hi);
+            off = std::max(off, trim.error * parameters_per_length(lift(patch, uv)).maxCoeff());
+        }
         std::vector<Bezier<2>> parts;
         for (const Trim& trim : loop) parts.insert(parts.end(), trim.pieces.begin(), trim.pieces.end());
         const Vec2 origin = parts.front().control(0);
         constexpr int most_halvings = 7;
         for (int k = 0;; ++k) {
-            double area = 0, between = 0, size = 0;
+            double area = 0, between = 0, length = 0;
             for (const auto& part : parts) {
                 const std::size_t last = part.points.size() - 1;
                 const Vec2 p = part.control(0) - origin, q = part.control(last) - origin, chord = q - p;
                 area += p.x() * q.y() - p.y() * q.x();
-                size += std::abs(p.x() * q.y()) + std::abs(p.y() * q.x());
+                length += chord.norm();
                 // A hull's area is at most that of the rectangle along the chord and its ends' offsets.
                 double above = 0, below = 0, before = 0, after = chord.squaredNorm();
                 for (std::size_t i = 1; i < last; ++i) {
@@ -169,7 +174,7 @@ private:
                 if (above > below)
                     between += 2 * (above - below) * (chord.squaredNorm() > 0 ? (after - before) / chord.squaredNorm() : HUGE_VAL);
             }
-            const double rest = between + kRounding * size;
+            const double rest = between + 2 * off * length;
             if (area > rest) return 1;
             if (area < -rest) return -1;
             if (k == most_halvings) return 0;
