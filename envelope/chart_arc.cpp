@@ -34,7 +34,7 @@ struct Gradient {
     double doubt;
 };
 
-// Of forms so much alike that this many digits are lost the exact difference is taken.
+// The exact difference is taken of forms so much alike that this many digits are lost.
 constexpr double largest_loss = 0x1p-32;
 
 Gradient gradient_of_difference(const FormFamily& family, FormId f, FormId g, const Vector2d& p) {

@@ -217,7 +217,7 @@ private:
     double circular_edge_error(EdgeId e) const {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const double off = arcs_.error(e);
-        // Of a height along the edge: bounds on the slope next to it, and the magnitudes that enter.
+        // What bounds a height's slope next to the edge, and the magnitudes that enter.
         struct Height {
             const CircularForm& f;
             double bend = 2 * std::abs(f.k) / f.w, over_w = 1 / f.w, slope2 = 0, size = 0;

@@ -89,7 +89,7 @@ private:
                  {Y, -XY, m - YY, Y * p, X * q, Y * (two * YY - three_m)},
                  {m - T(1.0), -(X * m), -(Y * m), m * p, two * XY * m, m * q}}};
     }
-    // Of the front, or of the back, where x counts from the opposite direction and both components change signs.
+    // The front's numbers, or the back's, where x counts from the opposite direction and both components change signs.
     static Jets half(const T& x, bool is_back) {
         const T zero(0.0), m = T(2.0) / (T(1.0) + square(x)), X = x * m, XX = square(X), two_XX = T(2.0) * XX;
         const auto turned = [&](const T& t) { return is_back ? -t : t; };

@@ -307,7 +307,7 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
                                                 double& rounding) const {
     std::optional<RationalPatch> surface(RationalPatch{degree_[0], degree_[1], u, v, {}});
     surface->points.resize(static_cast<std::size_t>((degree_[0] + 1) * (degree_[1] + 1)));
-    // Of a point's coordinates and of its weight the sums of the terms' absolute values, over the weight.
+    // The largest sums of the terms' absolute values over the weight: of a point's coordinates, and of its weight.
     double scale = 1, of_points = 0, of_weights = 0, far = 0;
     bool is_positive = true;
     for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {
