@@ -1350,8 +1350,8 @@ private:
         return {normal / length, 0, scaled(A * A + B * B - Exact(4.0) * C * K, 2) / (length * length)};
     }
 
-    // Of lines and conics; off: what their points may be off the bisectors. The edge's planes are found where there are
-    // none yet.
+    // How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The edge's planes
+    // are found where there are none yet.
     double trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         double most = off;

@@ -335,7 +335,7 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
 double RadialPatch::rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
                                    const std::array<double, 2>& v, const BaseFrame& frame,
                                    double enough) const {
-    // Of points, of weights, |h|, w.
+    // Each control point's sums of terms for points and weights, |h| and w.
     std::array<Vector4d, 9> net;
     for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {
         const double length = h.head<3>().cwiseAbs().sum();

@@ -130,7 +130,7 @@ public:
     std::optional<RationalPatch> patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
                                        const BaseFrame& frame, double& rounding) const;
 
-    /// The same bound for points on a curve in the rectangle. A control point of little weight may lie far
+    /// Bounds the rounding for points on a curve in the rectangle. A control point of little weight may lie far
     /// away in a corner that no trim reaches, and moves the surface no more than by its share there. The curve
     /// is divided until the bound is below `enough`, or within a factor of two of the best that can be said.
     double rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,

@@ -151,7 +151,7 @@ private:
         }
         return most;
     }
-    /// The same of a whole patch of a ball or a plane; none: it takes a closer look.
+    /// Bounds the distance of a whole patch of a ball or a plane from its bisector; none: it takes a closer look.
     std::optional<double> distance_by_spheres() const {
         if (!spheres_) return std::nullopt;
         double size = 0;

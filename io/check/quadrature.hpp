@@ -34,7 +34,7 @@ struct GaussRule {
     };
     std::array<Node, most> nodes;
     std::size_t count = 0;
-    /// The same as plain numbers; lanes beyond the count weigh nothing.
+    /// Nodes and weights as plain numbers; lanes beyond the count weigh nothing.
     std::array<Approximate, most / Approximate::lanes> places, weights;
     std::size_t packs = 0;
 };
@@ -186,7 +186,7 @@ void add_plain(const F& f, double middle, const MidRad& half_width, const GaussR
     }
 }
 
-/// The same by midpoint and radius, where rounding could not be told otherwise.
+/// Adds the rule's sum by midpoint and radius, where rounding could not be told otherwise.
 template <std::size_t N, class F>
 void add_enclosed(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
                   const std::array<double, N>& missing, std::array<Interval, N>& sum) {
