@@ -193,6 +193,17 @@ private:
         return most;
     }
 
+    /// The shadow's area for each area beside a span, at most.
+    double shadow_of_area(const Span& span) const {
+        if (std::holds_alternative<Plane>(cell_.scene.base)) return 1;
+        const bool is_sphere = std::holds_alternative<Sphere>(cell_.scene.base);
+        const Place<MidRad> place = span.at(MidRad::ball(0, 1));
+        const Triad<MidRad> p = place.whole();
+        const MidRad off = square(p[0]) + square(p[1]) + (is_sphere ? square(p[2]) : MidRad(0.0));
+        const double squared = std::max(0.0, (off / square(place.w)).lower());
+        return 1 / (is_sphere ? squared : std::sqrt(squared));
+    }
+
     // In the band beside an edge that is off by e the other face may be the true one: that changes areas by the
     // band's times the steepness of both, and volumes by the band's times how far the faces part in it, at most
     // e times their slopes.
@@ -205,10 +216,12 @@ private:
                 s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0), steepness(use, span, 1.0)});
             steep += s;
         }
-        const double area = bands_[e].error * length.upper() * steep, volume = bands_[e].error * area;
+        const double band = bands_[e].error * length.upper();
+        const double area = band * steep, volume = bands_[e].error * area, shadow = band * shadow_of_area(span);
         for (const EdgeUse& use : uses_[e]) {
             sums_.slack[use.face].area += area;
             sums_.slack[use.face].volume += volume;
+            sums_.slack[use.face].shadow += shadow;
         }
         sums_.total.area += area;
         sums_.total.volume += volume;

@@ -17,7 +17,7 @@ struct FaceIntegrals {
 
 /// A face or an edge lies as far from the true one as its edges' errors allow: what that may change.
 struct Slack {
-    double volume = 0, area = 0;
+    double volume = 0, area = 0, shadow = 0;
 };
 
 struct Integrals {

@@ -93,24 +93,77 @@ private:
         return {a->center[x] == b->center[x] && a->center[y] == b->center[y] ? Circle : Ellipse};
     }
 
-    /// Bisectors with planes and spheres are planes, or surfaces of revolution with the base's centre as
-    /// focus: two of them meet in a plane, in a circle if they share the axis.
+    /// From a sphere's centre on, points at the distance t from it are as far from a sphere or a plane where
+    /// a.p + d t = k: a sphere's centre and the difference of the radii, or a plane's normal, away from the base,
+    /// and its length; a side of the box is the plane of its normal, with d = 0.
+    struct Bisector {
+        std::array<Exact, 3> a;
+        Exact d;           // of a plane, its square
+        bool has_root = false;
+    };
+
+    std::optional<Bisector> bisector(const Site& s) const {
+        const auto& base = std::get<Sphere>(scene_.base);
+        if (!s.is_object()) {
+            const Vec3 n = Vec3::Unit(static_cast<int>(s.index / 2));
+            return Bisector{{n[0], n[1], n[2]}, 0.0};
+        }
+        Bisector b;
+        const auto from_centre = [&](const Vec3& p, int i) { return Exact(p[i]) - Exact(base.center[i]); };
+        if (const Sphere* sphere = as_sphere(s)) {
+            for (int i = 0; i < 3; ++i) b.a[static_cast<std::size_t>(i)] = from_centre(sphere->center, i);
+            b.d = Exact(sphere->radius) - Exact(base.radius);
+            return b;
+        }
+        const auto* plane = std::get_if<Plane>(&scene_.objects[s.index]);
+        if (!plane) return std::nullopt;
+        Exact offset;
+        for (int i = 0; i < 3; ++i) {
+            const Exact n(plane->normal[i]);
+            b.a[static_cast<std::size_t>(i)] = n;
+            offset += n * from_centre(plane->point, i);
+            b.d += n * n;
+        }
+        if (offset.sign() == Sign::Negative)
+            for (Exact& n : b.a) n = -n;
+        b.has_root = true;
+        return b;
+    }
+
+    static Exact dot(const std::array<Exact, 3>& p, const std::array<Exact, 3>& q) {
+        return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    }
+
+    /// Two bisectors a.p + d t = k, b.p + e t = l meet in the plane of normal n = e a - d b. In it t is linear, of slope
+    /// |a x b| / |n|: below 1 for an ellipse, 0 for a circle. Exact, but for the kinds next to a parabola where a
+    /// plane's length has a root.
     std::vector<CurveKind> kinds_over_sphere(const std::array<Site, 2>& sites) const {
         using enum CurveKind;
-        const auto& base = std::get<Sphere>(scene_.base);
-        const auto is_flat = [&](const Site& s) {
-            return !s.is_object() || (as_sphere(s) && as_sphere(s)->radius == base.radius);
-        };
-        const auto axis = [&](const Site& s) -> Vec3 {
-            if (!s.is_object()) return Vec3::Unit(static_cast<int>(s.index / 2));
-            if (const Sphere* sphere = as_sphere(s)) return (sphere->center - base.center).normalized();
-            return std::get<Plane>(scene_.objects[s.index]).normal.normalized();
-        };
-        if (is_flat(sites[0]) && is_flat(sites[1])) return {Line};
-        for (const Site& s : sites)
-            if (!is_linear(s) && !as_sphere(s)) return {};
-        if (axis(sites[0]).cross(axis(sites[1])).norm() > kRounding) return {Ellipse, Parabola, Hyperbola};
-        return {Circle, Ellipse};
+        const auto p = bisector(sites[0]), q = bisector(sites[1]);
+        if (!p || !q) return {};
+        const auto is_flat = [](const Bisector& b) { return b.d.sign() == Sign::Zero; };
+        if (is_flat(*p) && is_flat(*q)) return {Line};
+        const Exact aa = dot(p->a, p->a), bb = dot(q->a, q->a), ab = dot(p->a, q->a);
+        const Exact across = aa * bb - ab * ab;
+        if (across.sign() == Sign::Zero) return {Circle};
+        // |n|^2 = e^2 |a|^2 - 2 d e a.b + d^2 |b|^2
+        Sign steep;
+        if (p->has_root && q->has_root) {
+            steep = Sign::Negative;  // sin^2 < 2 - 2 cos of the angle between the normals
+        } else {
+            const Bisector &plane = p->has_root ? *p : *q, &other = p->has_root ? *q : *p;
+            const Exact &n2 = p->has_root ? aa : bb, &c2 = p->has_root ? bb : aa;
+            const Exact d2 = plane.has_root ? plane.d : plane.d * plane.d, e = other.d;
+            const Exact rational = across - e * e * n2 - d2 * c2, root = (e * ab).scaled(1);
+            steep = plane.has_root ? sign(OneRoot{rational, root, plane.d}) : (rational + root * plane.d).sign();
+            // The cell's plane has a length in doubles.
+            if (plane.has_root && steep != Sign::Zero) {
+                const Interval gap = rational.enclosure() + root.enclosure() * sqrt(plane.d.enclosure());
+                const Interval scale = (across + e * e * n2 + d2 * c2).enclosure();
+                if (!(gap.magnitude() > kRounding * scale.upper())) return {Ellipse, Parabola, Hyperbola};
+            }
+        }
+        return {steep == Sign::Negative ? Ellipse : steep == Sign::Zero ? Parabola : Hyperbola};
     }
 
     /// Can a piece with these control points be of that kind, up to rounding? [Farin02, 12.4]: w1^2 / (w0 w2)

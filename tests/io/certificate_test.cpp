@@ -116,6 +116,40 @@ TEST_CASE("certify: a vertical tube's cone is circular") {
     CHECK_MESSAGE(c.holds(), listing(c));
 }
 
+TEST_CASE("certify: kinds of conics about a sphere are told exactly") {
+    using enum CurveKind;
+    // Circles lie across an axis that all three centres share, and 2^-50 beside it are ellipses. A ball at (4, 0, 3)
+    // meets a side x in an ellipse, a parabola, a hyperbola as its radius less the base's is above, at or below 3.
+    struct Case {
+        std::vector<Object> balls;
+        CurveKind kind, wrong;
+    };
+    const double radius = 3.5;
+    for (const Case& c : {Case{{Sphere{{0, 0, 2}, 1.25}, Sphere{{0, 0, 4}, 3.125}}, Circle, Ellipse},
+                          Case{{Sphere{{0x1p-50, 0, 2}, 1.25}, Sphere{{0, 0, 4}, 3.125}}, Ellipse, Circle},
+                          Case{{Sphere{{4, 0, 3}, radius}}, Parabola, Ellipse},
+                          Case{{Sphere{{4, 0, 3}, std::nextafter(radius, 4)}}, Ellipse, Parabola},
+                          Case{{Sphere{{4, 0, 3}, std::nextafter(radius, 3)}}, Hyperbola, Parabola}}) {
+        Scene scene;
+        scene.base = Sphere{{0, 0, 0}, 0.5};
+        scene.objects = c.balls;
+        scene.box = {{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}};
+        const Cell good = voronoi_cell(scene);
+        const auto edge = std::ranges::find_if(good.edges, [&](const CellEdge& e) {
+            const auto is_side = [](const Site& site) { return site.kind == Site::Kind::BoxSide && site.index / 2 == 0; };
+            const auto [p, q] = std::pair(e.sites[0], e.sites[1]);
+            return c.balls.size() == 2 ? p.is_object() && q.is_object()
+                                       : (p.is_object() && is_side(q)) || (q.is_object() && is_side(p));
+        });
+        REQUIRE(edge != good.edges.end());
+        CHECK(to_string(edge->kind) == to_string(c.kind));
+        const Certificate found = certify(good);
+        CHECK_MESSAGE(found.count(Verdict::refuted) == 0, listing(found));
+        const auto e = static_cast<std::size_t>(edge - good.edges.begin());
+        expect_refuted(good, "edges[" + std::to_string(e) + "].kind", [&](Cell& bad) { bad.edges[e].kind = c.wrong; });
+    }
+}
+
 TEST_CASE("certify: does not believe stated errors") {
     const Cell good = voronoi_cell(scene_named("figure6"));
     REQUIRE(certify(good).holds());
