@@ -190,7 +190,7 @@ private:
                 for (const Condition& c : own_) {
                     const Interval e = space().excess(c, tile.net.corner(i, j));
                     const Vec2 uv(i == 0 ? tile.lo.x() : tile.hi.x(), j == 0 ? tile.lo.y() : tile.hi.y());
-                    if (magnitude(e).lower() > 2 * width_ && inside(patch, uv, rounding()).value_or(true))
+                    if (magnitude(e).lower() > 2 * std::max(width_, stated_) && inside(patch, uv, rounding()).value_or(true))
                         return e.mid();
                 }
         return std::nullopt;
