@@ -7,6 +7,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../io/scene_file.hpp"
+#include "../../primitives/decided_scene.hpp"
 #include "../../primitives/plane_base.hpp"
 #include "../../primitives/radial_base.hpp"
 
@@ -28,12 +29,15 @@ std::string to_string(BaseKind kind) {
     return {};
 }
 
+// Of the scene as decided, as voronoi_cell() asks it: a ball that misses the base's axis by a subnormal number lies on
+// it there.
 bool is_legal(const Scene& scene) try {
     validate(scene);
+    const DecidedScene decided = decide(scene);
     if (std::holds_alternative<Plane>(scene.base))
-        plane_base_problem(scene);
+        plane_base_problem(decided.scene, decided.unit);
     else
-        radial_base_problem(scene);
+        radial_base_problem(decided.scene, decided.unit);
     return true;
 } catch (const InputError&) {
     return false;
