@@ -842,10 +842,20 @@ private:
                 const double u = c(X) + (rises ? -seam_inwards : seam_inwards);
                 return std::max(part.u[0] - u, u - part.u[1]);
             };
-            const auto best = std::ranges::min_element(parts, {}, outside);
+            auto best = std::ranges::min_element(parts, {}, outside);
+            fit.seam = crossed_seam(*best, fit.points);
+            if (fit.seam && outside(*best) > -2 * seam_inwards) {
+                // Just beside a seam the part may not be the one that the span leaves the seam for.
+                const auto holds = [&](const SpacePart& part) {
+                    return outside(part) <= 2 * seam_inwards && !crossed_seam(part, fit.points);
+                };
+                if (const auto other = std::ranges::find_if(parts, holds); other != parts.end()) {
+                    best = other;
+                    fit.seam.reset();
+                }
+            }
             fit.part[side] = static_cast<std::uint32_t>(best - parts.begin());
             fit.patches[side] = &best->patch;
-            fit.seam = crossed_seam(*best, fit.points);
             if (fit.seam) return;
             for (int i = 0; i < 2; ++i) {
                 Eigen::Matrix<double, 1, 6> at;
@@ -977,10 +987,13 @@ private:
         const SpanPolynomials span(fit.points, foot_);
         Residuals residuals = curve_residuals(span);
         add_trims(fit, span, residuals);
-        const Neighbourhood D(fit.points, slack_, tolerance_);
-        fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center), range(fit.points, D),
-                                     residuals, fit.tube.q);
-        return fit;
+        // The trims of a very short chord err by more than its own room: rounding counts, times the condition.
+        constexpr double wider = 16;
+        for (Neighbourhood D(fit.points, slack_, tolerance_);; D.widen(wider)) {
+            fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center), range(fit.points, D),
+                                         residuals, fit.tube.q);
+            if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_)) return fit;
+        }
     }
 
     // D: what is within `room` of the hull of a span's points, and so within `radius` of its middle.
@@ -996,6 +1009,10 @@ private:
             room = std::min(0.25 * half, std::max(4 * tolerance, 0.03 * half)) + 16 * slack +
                    rounding * center.norm();
             radius = half + room;
+        }
+        void widen(double factor) {
+            radius += (factor - 1) * room;
+            room *= factor;
         }
     };
 
