@@ -588,7 +588,11 @@ private:
     void fit(const Node& from, const Node& to, std::span<const Piece> pieces, int deeper, int& halvings) {
         const Fit spline = smooth(from, to, tolerance_);
         if (accept(spline, to)) return;
-        if (spline.is_near() && !spline.seam && deeper > 0 && halvings > 0 && !is_lost()) {
+        const double length = (to.X - from.X).norm();
+        const bool is_short = length <= tolerance_, divides = deeper > 0 && halvings > 0 && !is_lost();
+        // Parts of what rounding blurs are no better than it, and their ends cannot be told from the edge's.
+        const bool blurs = is_short && divides && is_blurred(from, length);
+        if (spline.is_near() && !spline.seam && divides && !blurs) {
             const std::vector<Node> inner = divide(from, to, spline);
             for (std::size_t i = 0; i < inner.size(); ++i) {
                 const Node &start = i == 0 ? from : inner[i - 1], &end = inner[i];
@@ -608,10 +612,8 @@ private:
         }
         const Piece* piece = pieces.empty() ? nullptr : &pieces.front();
         // Both ends are in the enclosure that vouches for a chord.
-        const double length = (to.X - from.X).norm();
-        const bool is_short = length <= tolerance_;
         if (is_short && accept(chord(from, to, piece), to)) return;
-        if (deeper > 0 && halvings > 0 && !is_lost()) {
+        if (divides) {
             const auto middle = half_way(from, to, piece, spline);
             if (middle && !(is_short && is_blurred(*middle, length))) {
                 --halvings;
