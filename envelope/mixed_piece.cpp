@@ -530,6 +530,26 @@ struct MixedAnalysis::Work {
         piece.leaving.push_back({2 * near + 1, 2 * far});
         return true;
     }
+    // Puts a face of h on the arc of two forms, if they have one arc, between two vertices: given in the arc's order where f
+    // is on its left.
+    bool insert_lens(FormId h, FormId f, FormId g, std::array<MixedPiece::Vertex, 2> ends, const Vector2d& across) {
+        if (!divide(f, g, ends[0])) return false;
+        const auto far = static_cast<std::uint32_t>(piece.arcs.size() - 1), near = static_cast<std::uint32_t>(
+            std::ranges::find(piece.arcs, piece.arcs[far].from, &MixedPiece::Arc::to) - piece.arcs.begin());
+        auto v = static_cast<std::uint32_t>(piece.vertices.size() - 1), w = v + 1;
+        const bool is_reversed = piece.arcs[far].left != f;
+        if (is_reversed) piece.vertices.back() = ends[1];
+        piece.vertices.push_back(ends[is_reversed ? 0 : 1]);
+        piece.arcs[far].from = w;
+        const FormId left = piece.arcs[far].left, right = piece.arcs[far].right;
+        const Vector2d along = is_reversed ? Vector2d(-across) : across;
+        const std::uint32_t upper = far + 1, lower = far + 2;
+        piece.arcs.push_back({v, w, left, h, along, {}});
+        piece.arcs.push_back({v, w, h, right, along, {}});
+        piece.leaving[v] = {2 * near + 1, 2 * lower, 2 * upper};
+        piece.leaving.push_back({2 * far, 2 * upper + 1, 2 * lower + 1});
+        return true;
+    }
     // Between two places on the rim.
     void join(const Change& from, const Change& to) {
         const std::uint32_t h = add_arc(from.vertex, to.vertex, from.before, from.after);
@@ -644,14 +664,21 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     return std::move(work.piece);
 }
 
-// Without the forms that are lowest nowhere in the piece but for touching the trisector of two others, in a
-// vertex.
+// Without the forms that are lowest nowhere in the piece but for touching the trisector of two others in a vertex, or in a
+// lens on it.
 bool MixedAnalysis::join_without_touching(Work& work) {
     struct Touch {
         MixedPiece::Vertex vertex;
         FormId f, g;
         bool decided;
     };
+    struct Lens {
+        std::array<MixedPiece::Vertex, 2> ends;
+        FormId h, f, g;
+        Vector2d across;
+        Interval x, y;  // around its face
+    };
+    std::vector<Lens> lenses;
     work.clear_inside();
     if (work.rivals.size() < 3 || !work.knots.empty()) return false;
     const auto is_on_rim = [&](FormId f) {
@@ -675,6 +702,32 @@ bool MixedAnalysis::join_without_touching(Work& work) {
                        is_above = touching->gap.sign() == Sign::Positive;
             const bool is_narrow =
                 exponent < narrow_exponent && touching->width <= std::ldexp(extent_, narrow_exponent / 2);
+            if (touching->lens) {
+                const auto& [ends, thickness, across] = *touching->lens;
+                Lens lens{{}, h, f, g, across, {}, {}};
+                const auto settle = [&](int k) {
+                    MixedPiece::Vertex& v = lens.ends[k];
+                    v = {ends[k], 0, f, {}};
+                    return settle_sharply(v, {f, g, h});
+                };
+                const double reach = Interval::up(touching->width + thickness);
+                lens.x = Interval::ball(touching->place.x(), reach);
+                lens.y = Interval::ball(touching->place.y(), reach);
+                const Vector2d along(-across.y(), across.x());
+                const auto is_beyond = [&](const Vector2d& p, const Vector2d& q, double error) {
+                    return along.dot(q - p) > 64 * (error + std::numeric_limits<double>::epsilon() * p.norm());
+                };
+                // Doubles hold no face that is thinner than their spacing.
+                const bool is_thin =
+                    thickness < std::numeric_limits<double>::epsilon() * touching->place.norm();
+                if (!is_thin && settle(0) && settle(1) && is_beyond(lens.ends[0].point, touching->place, lens.ends[0].error) &&
+                    is_beyond(touching->place, lens.ends[1].point, lens.ends[1].error) &&
+                    work.where(lens.x, lens.y) == Inside::Yes) {
+                    ++decisions_.by_multiprecision;
+                    lenses.push_back(std::move(lens));
+                    return true;
+                }
+            }
             if (!is_above && !is_narrow) return false;
             ++decisions_.by_multiprecision;
             if (!is_tie && is_above) return true;
@@ -723,6 +776,17 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         if (is_hidden) continue;
         if (!work.divide(t.f, t.g, t.vertex)) return false;
         if (!t.decided) assume(p, r, t.vertex.ties);
+    }
+    for (const Lens& l : lenses) {
+        const Interval low = heights_.value(l.f, l.x, l.y);
+        bool is_hidden = false;
+        for (const Spread& other : work.rivals) {
+            if (other.form == l.f || other.form == l.g) continue;
+            const auto sign = (heights_.value(other.form, l.x, l.y) - low).sign();
+            if (!sign) return false;
+            is_hidden = is_hidden || *sign == Sign::Negative;
+        }
+        if (!is_hidden && !work.insert_lens(l.h, l.f, l.g, l.ends, l.across)) return false;
     }
     return true;
 }
@@ -823,12 +887,7 @@ bool MixedAnalysis::join_changes(Work& work) {
             }
             // Where the three all but touch, doubles tell them badly apart.
             if (work.width > node_width * work.extent) return false;
-            const auto sharp = sharp_vertex(v, forms);
-            if (!sharp) return false;
-            v.point = {(*sharp)[0].approximation(), (*sharp)[1].approximation()};
-            v.error = Interval::up(4 * std::numeric_limits<double>::epsilon() * v.point.norm() +
-                                   std::numeric_limits<double>::min());
-            if (!is_inside()) return false;
+            if (!settle_sharply(v, forms) || !is_inside()) return false;
             ++decisions_.by_multiprecision;
             work.join_all_to(v);
             return true;
@@ -1086,6 +1145,15 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece:
         if (!d.contains(to_x * d + to_y * d - step[row])) return std::nullopt;
     }
     return box;
+}
+
+// Takes a vertex to where three forms are equal, as near as doubles go.
+bool MixedAnalysis::settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
+    const auto sharp = sharp_vertex(v, forms);
+    if (!sharp) return false;
+    v.point = {(*sharp)[0].approximation(), (*sharp)[1].approximation()};
+    v.error = Interval::up(4 * std::numeric_limits<double>::epsilon() * v.point.norm() + std::numeric_limits<double>::min());
+    return true;
 }
 
 // The point with rational coordinates that these stand for, if all of the forms tie there.

@@ -243,6 +243,7 @@ private:
     enum class Inside { No, Yes, Unknown };
     Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);
     std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    bool settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
     bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other);

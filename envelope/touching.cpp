@@ -44,7 +44,8 @@ public:
         if (!d_.allFinite()) return std::nullopt;
         e_ = Vector2d(-d_.y(), d_.x());
         const Interval Fn = along(d_, F), rise = along(d_, hg);
-        if (!(Fn.lower() > 0 && rise.lower() > 0 && along(d_, hf).upper() < 0)) return std::nullopt;
+        least_rise_ = std::min(rise.lower(), -along(d_, hf).upper());
+        if (!(Fn.lower() > 0 && least_rise_ > 0)) return std::nullopt;
 
         const double l = rise.mid() / Fn.mid();
         const auto of_f = heights_.curvature(f_, x_, y_), of_g = heights_.curvature(g_, x_, y_);
@@ -74,7 +75,10 @@ public:
         if (slope_at(*high) == Sign::Negative) return touching(*high);
         const auto flat = solve([&](const Jets& j) { return j.turn(); },
                                 [&](const Vector2d& p) { return turn_gradient(p); });
-        return flat ? std::optional(touching(*flat)) : std::nullopt;
+        if (!flat) return std::nullopt;
+        Touching result = touching(*flat);
+        if (result.gap.sign() == Sign::Negative && is_above(*low) && is_above(*high)) result.lens = lens(result);
+        return result;
     }
 
 private:
@@ -93,6 +97,26 @@ private:
     }
     static Vector2d middle(const Point& p) { return {p[0].approximation(), p[1].approximation()}; }
     std::optional<Sign> slope_at(const Point& p) const { return jets(p).turn().sign(); }
+    bool is_above(const Point& p) const {
+        const Jets j = jets(p);
+        return (j.h.v - j.g.v).sign() == Sign::Positive;
+    }
+    // From farther out than the zeros of phi, which is convex: so Newton's method comes nearer with every step.
+    std::optional<Touching::Lens> lens(const Touching& lowest) const {
+        const double gap = lowest.gap.enclosure().magnitude();
+        Touching::Lens lens;
+        for (const int k : {0, 1}) {
+            const Vector2d start = lowest.place + (k == 0 ? -1 : 1) * std::sqrt(2 * gap / bend_) * e_;
+            const auto end = solve([](const Jets& j) { return j.h.v - j.g.v; },
+                                   [&](const Vector2d& p) { return gradient(h_, g_, p); },
+                                   {Wide(start.x()), Wide(start.y())});
+            if (!end) return std::nullopt;
+            lens.ends[k] = middle(*end);
+        }
+        lens.thickness = (Interval(gap) / Interval(least_rise_)).upper();
+        lens.across = d_;
+        return lens;
+    }
     Touching touching(const Point& p) const {
         const Jets j = jets(p);
         const Wide gap = j.h.v - j.g.v;
@@ -101,7 +125,7 @@ private:
         const auto rounding = [&](int k) {
             return Interval((p[k] - Wide(place[k])).enclosure().magnitude());
         };
-        return {p, place, gap, j.g.v, (run * stretch_ + rounding(0) + rounding(1)).upper()};
+        return {p, place, gap, j.g.v, (run * stretch_ + rounding(0) + rounding(1)).upper(), {}};
     }
 
     Vector2d gradient(FormId a, FormId b, const Vector2d& p) const {
@@ -144,8 +168,11 @@ private:
     // Newton's method for F = 0 and another equation: all digits, with derivatives in doubles.
     template <class Value, class Slope>
     std::optional<Point> solve(Value&& value, Slope&& slope) const {
+        return solve(value, slope, {Wide(0.5 * (box_[0] + box_[1])), Wide(0.5 * (box_[2] + box_[3]))});
+    }
+    template <class Value, class Slope>
+    std::optional<Point> solve(Value&& value, Slope&& slope, Point p) const {
         constexpr int most_steps = 40, enough = -230;
-        Point p{Wide(0.5 * (box_[0] + box_[1])), Wide(0.5 * (box_[2] + box_[3]))};
         const int size = Wide(std::max(x_.radius(), y_.radius())).magnitude_exponent();
         for (int i = 0; i < most_steps; ++i) {
             const Vector2d m = middle(p);
@@ -174,6 +201,7 @@ private:
     Interval x_, y_;  // the surroundings
     Vector2d d_, e_;
     double bend_ = 0, stretch_ = 0;  // at least phi'', at most the trisector's length over a unit of s
+    double least_rise_ = 0;          // of h - g and f - h along d
 };
 
 // meet_nowhere(): along the trisector f = g, a graph n(s) over the box, h - g changes by less than it is in its middle.

@@ -1,4 +1,4 @@
-/// A form that comes down to the trisector of two others from above, and touches it at most.
+/// A form that comes down to the trisector of two others from above, and touches it, or is lowest in a lens around it.
 ///
 /// Let F = f - g, f - h and h - g all grow along a direction d over a convex set. On every line along d then
 /// h is nowhere below both f and g if it is not where these two are equal. There their trisector is a graph
@@ -10,7 +10,8 @@
 ///
 ///     phi' = D_e + D_n n',    phi'' = D_ee + 2 D_en n' + D_nn n'^2 + D_n n''.
 ///
-/// If phi'' is positive, phi is nowhere below its value where phi' = 0, or at the end from which it rises.
+/// If phi'' is positive, phi is nowhere below its value where phi' = 0, or at the end from which it rises. And it has no
+/// more than one zero on either side: where it has both, h is lowest in a lens between them, however thin.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,6 +28,14 @@ struct Touching {
     Wide gap;               ///< h less the others there
     Wide height;            ///< theirs
     double width;  ///< bounds the distance from `place` of all that is on the trisector and not below h
+    /// Where phi has a zero on both sides of `place`, h is lowest between the two points, in a face that ends in them,
+    /// and nowhere else.
+    struct Lens {
+        std::array<Eigen::Vector2d, 2> ends;  ///< nearly; along the trisector with f on its left
+        double thickness;                     ///< no point of the face is farther from the trisector
+        Eigen::Vector2d across;               ///< f - g, f - h and h - g grow in this direction, all over the box
+    };
+    std::optional<Lens> lens;
 };
 
 /// Where h is least above f and g, as far as all of that is seen by intervals over the box and its

@@ -567,6 +567,39 @@ TEST_CASE("cylinder cell: tubes along it meet in lines") {
     }
 }
 
+TEST_CASE("ball cell: a tube that reaches through the edge of two others has a face as thin as doubles hold") {
+    // Around the ball the three corners of a square touch in (-1/2, -1/2, 0). The middle one, nearer by a in x and y, is
+    // nearest where |z| < sqrt(2 a (1 - a) / (1 - 2 a)) on the edge of the others, (-c, -c, z), c = (1 - z^2) / 2.
+    for (const double radius : {0.0, 0.2})
+        for (const int digits : {4, 8, 12, 20, 28, 36, 44, 60}) {
+            CAPTURE(radius);
+            CAPTURE(digits);
+            const double a = std::ldexp(1.0, -digits);
+            for (const double side : {1.0, -1.0}) {
+                const auto tube = [&](double x, double y) { return Cylinder{{x, y, 0}, Vec3::UnitZ(), radius}; };
+                const double corner = side * a - 1;
+                if (side * a != corner + 1) continue;
+                const Scene s = centred(radius, 2, {tube(corner, corner), tube(-1, 0), tube(0, -1), tube(1, 1)});
+                const Cell cell = cell_of(s);
+                check_cell(cell);
+                CHECK(cell.report.decisions.assumed == 0);
+                const Site middle = Site::object(0);
+                CHECK(std::ranges::count(cell.faces, middle, &CellFace::site) == (side > 0));
+                int ends = 0, edges = 0;
+                const double z = std::sqrt(2 * a * (1 - a) / (1 - 2 * a)), c = 0.5 * (1 - z * z);
+                for (const CellVertex& v : cell.vertices) {
+                    if (std::ranges::find(v.sites, middle) == v.sites.end()) continue;
+                    ++ends;
+                    CHECK((v.point - Vec3(-c, -c, std::copysign(z, v.point.z()))).norm() <= v.error + 1e-14);
+                    CHECK(v.error < 1e-9);
+                }
+                for (const CellEdge& e : cell.edges) edges += e.sites[0] == middle || e.sites[1] == middle;
+                CHECK(ends == 2 * (side > 0));
+                CHECK(edges == 2 * (side > 0));
+            }
+        }
+}
+
 TEST_CASE("cylinder cell: in lattices of tubes along it four meet in a line") {
     const std::array<std::array<Vec3, 3>, 5> lattices{{{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
                                                        {Vec3(0, -3, 0), Vec3(0, 0, 2), Vec3(1.5, 0, 0)},
