@@ -695,6 +695,7 @@ private:
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : diagram_.edges.ids())
             if (depends_on_patches(e)) to_fit.push_back(e);
+        effort_.spans += 500 * to_fit.size();
         if (problem_.is_sphere && !to_fit.empty())
             for (const FaceId face : all)
                 if (!holds_vertices(face)) change_patch(face);
@@ -727,13 +728,14 @@ private:
             if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);
     }
 
-    // A spline that is not proved to follow its arc is none.
+    // A spline that is not proved to follow its arc is none, nor is one whose bound says as good as nothing.
     void require_proof(EdgeId e) const {
-        if (!is_spline(e) || std::isfinite(errors_[e].curve + errors_[e].trims)) return;
+        constexpr double most = 256;  // tolerances
+        if (!is_spline(e) || errors_[e].curve + errors_[e].trims <= most * tolerance_) return;
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const Site left = main_site(edge.left),
                    right = edge.on_rim() ? end_site(edge.side) : main_site(edge.right);
-        const Vec3 place = errors_[e].unproved.value_or(Vec3::Zero());
+        const Vec3 place = errors_[e].unproved.value_or(errors_[e].worst);
         throw UndecidedError("objects " + to_string(left) + ", " + to_string(right) +
                              ": no curve is proved to be the one between them around " +
                              to_text(Vec3(problem_.unit * problem_.frame.to_world(place))));
@@ -786,6 +788,7 @@ private:
 
     bool add_surface(FaceId face) {
         if (is_cut(face)) return add_cut_surfaces(face);
+        if (lacks_digits(face)) return false;
         trimmed(face).loops = trims(face);
         const auto [box_u, box_v] = face_bounds(face);
         std::optional<RationalPatch> surface =
@@ -794,6 +797,18 @@ private:
             roundings_[face] = rounding_along(patches_[face], {box_u, box_v}, trimmed(face).loops);
         if (surface) trimmed(face).surface = std::move(*surface);
         return surface.has_value();
+    }
+
+    // Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims in doubles
+    // may be anything.
+    bool lacks_digits(FaceId face) const {
+        if (patches_[face].kind() != RadialPatch::Kind::Stereographic) return false;
+        const auto is_lost = [&](EdgeId e) {
+            return is_spline(e) && !(errors_[e].curve + errors_[e].trims <= 2 * tolerance_);
+        };
+        bool lacks = false;
+        for (const CcbId ccb : loops_[face]) around(ccb, [&](EdgeId e, bool) { lacks = lacks || is_lost(e); });
+        return lacks;
     }
 
     // Patches that are rounded by less need no closer look.
@@ -1214,11 +1229,11 @@ private:
         const double delta = cylinder != nullptr ? cylinder->radius - problem_.radius : 0;
         SpaceSite site{object, !main_site(form).is_object(), {}};
         if (!is_cut(face)) {
-            site.parts.push_back({coordinates(patches_[face], delta)});
+            site.parts.push_back({.patch = coordinates(patches_[face], delta), .surface = &patches_[face]});
             return site;
         }
         for (const Sector& s : sectors_[face].sectors)
-            site.parts.push_back({coordinates(s.patch, delta), {-s.reach(), s.reach()}});
+            site.parts.push_back({coordinates(s.patch, delta), {-s.reach(), s.reach()}, &s.patch});
         return site;
     }
 
@@ -1241,7 +1256,7 @@ private:
             arc.sites_cross = problem_.cross_equally(edge.left, edge.right);
         }
         splines_[e].clear();
-        errors_[e] = fit_space_spline(problem_, arc, tolerance_, splines_[e]);
+        errors_[e] = fit_space_spline(problem_, arc, tolerance_, splines_[e], effort_);
     }
 
     void halve_for_trims() {
@@ -1534,6 +1549,7 @@ private:
     IdVector<FaceId, double> roundings_;  // of their control points
     IdVector<FaceId, bool> wide_;         // Confocal
     IdVector<FaceId, Sectors> sectors_;
+    FitEffort effort_;
     std::uint32_t seams_ = 0;
 };
 

@@ -264,7 +264,10 @@ struct Tube {
     double start = 0, end = 0;    // distances of the ends from the curve
     double link = 0;              // points of the curve so close to an end are on the same arc
     double q = 0;                 // the largest of step 2
+    double blur = 0;              // of the trims' error, what bounds rounding
 
+    // Parts would be no better where rounding is what counts.
+    bool is_within(double tolerance) const { return curve <= tolerance && trims <= std::max(tolerance, 4 * blur); }
     double error() const { return std::max(curve, trims); }
     bool is_proved() const { return error() < infinity; }
     // Will the next span join, if it is about as good?
@@ -277,8 +280,8 @@ bool joins(const Tube& a, const Tube& b) { return a.end <= b.link || b.start <= 
 class Fitter {
 public:
     Fitter(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
-           std::vector<SpaceSpan>& spans)
-        : problem_(problem), arc_(arc), tolerance_(tolerance), spans_(spans) {
+           std::vector<SpaceSpan>& spans, FitEffort& effort)
+        : problem_(problem), arc_(arc), tolerance_(tolerance), spans_(spans), effort_(effort) {
         const Plane* rim = arc.pieces.empty() ? &std::get<Plane>(arc.sites[1].object) : nullptr;
         const double y = problem.is_sphere ? 0
                          : arc.start       ? arc.start->point.y()
@@ -327,7 +330,7 @@ private:
         bool is_terminal = false;  // the end of the edge
         bool ends_piece = false;   // of the diagram, or all but does
     };
-    using Patches = std::array<const PatchCoordinates*, 2>;
+    using Patches = std::array<const SpacePart*, 2>;
 
     struct Fit {
         Points points = Points::Zero();
@@ -555,9 +558,10 @@ private:
         int cells = 0;
         const auto cut = [&](const auto& self, double a, double b) -> double {
             constexpr int most_cells = 1000;
+            if (effort_.cells > 0) --effort_.cells;
             const double middle = 0.5 * (a + b);
             if (const auto box = part(a, b); box[0] > box[1] || box[2] > box[3] || is_off_arc(box)) return b;
-            if (++cells > most_cells || !(std::abs(b - a) > right - left) || middle == a || middle == b)
+            if (++cells > most_cells || effort_.cells == 0 || !(std::abs(b - a) > right - left) || middle == a || middle == b)
                 return a;
             const double first = self(self, a, middle);
             return first == middle ? self(self, middle, b) : first;
@@ -586,6 +590,7 @@ private:
     // Along these pieces, or the rim. A span that is not good enough is divided; several pieces of which
     // nothing is proved yet where one of them ends.
     void fit(const Node& from, const Node& to, std::span<const Piece> pieces, int deeper, int& halvings) {
+        if (effort_.spans > 0) --effort_.spans;
         const Fit spline = smooth(from, to, tolerance_);
         if (accept(spline, to)) return;
         const double length = (to.X - from.X).norm();
@@ -633,7 +638,9 @@ private:
         for (int i = 0; i < 3; ++i) e[i] = rounding * equations_[i].size(n.X);
         return !(solver.is_regular() && 64 * solver.distance(e) <= length);
     }
-    bool is_lost() const { return std::isinf(error_.curve) || std::isinf(error_.trims); }
+    bool is_lost() const {
+        return std::isinf(error_.curve) || std::isinf(error_.trims) || effort_.spans == 0;
+    }
 
     // Points of the arc between parts that will do, as errors fall with the sixth power of the length.
     std::vector<Node> divide(const Node& from, const Node& to, const Fit& spline) const {
@@ -660,7 +667,7 @@ private:
     }
 
     bool accept(const Fit& fit, const Node& to) {
-        if (!(fit.error() <= tolerance_)) return false;
+        if (!fit.tube.is_within(tolerance_)) return false;
         if (!fit.is_chord) {
             if (last_ && !joins(*last_, fit.tube)) return false;
             const bool is_end = to.X == end_.X && to.is_terminal;
@@ -676,6 +683,7 @@ private:
     }
     void append(const Fit& fit) {
         if (!fit.tube.is_proved() && !error_.unproved) error_.unproved = point(fit.points, 0.5).head<3>();
+        if (fit.tube.error() > std::max(error_.curve, error_.trims)) error_.worst = point(fit.points, 0.5).head<3>();
         error_.curve = std::max(error_.curve, fit.tube.curve);
         error_.trims = std::max(error_.trims, fit.tube.trims);
         if (fit.is_chord)
@@ -857,7 +865,7 @@ private:
                 }
             }
             fit.part[side] = static_cast<std::uint32_t>(best - parts.begin());
-            fit.patches[side] = &best->patch;
+            fit.patches[side] = &*best;
             if (fit.seam) return;
             for (int i = 0; i < 2; ++i) {
                 Eigen::Matrix<double, 1, 6> at;
@@ -993,7 +1001,7 @@ private:
         constexpr double wider = 16;
         for (Neighbourhood D(fit.points, slack_, tolerance_);; D.widen(wider)) {
             fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center), range(fit.points, D),
-                                         residuals, fit.tube.q);
+                                         residuals, fit.tube);
             if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_)) return fit;
         }
     }
@@ -1036,7 +1044,7 @@ private:
         const Tube whole = tube(points, patches, residuals, from_terminal, to_terminal);
         const double error = whole.error();
         const bool hopeless = whole.is_proved()
-                                  ? error <= most || error * (1 - whole.q) > most * (1 - 0.25 * whole.q)
+                                  ? whole.is_within(most) || error * (1 - whole.q) > most * (1 - 0.25 * whole.q)
                                   : std::isfinite(whole.q) && whole.q > std::ldexp(1, halvings);
         if (halvings == 0 || hopeless) return whole;
         // De Casteljau at 1/2.
@@ -1047,11 +1055,11 @@ private:
             for (int i = 0; i < 5 - k; ++i) work.col(i) = 0.5 * (work.col(i) + work.col(i + 1));
         }
         const Tube a = certify(first, patches, residuals, most, from_terminal, false, halvings - 1);
-        if (!a.is_proved() || a.error() > most) return whole;
+        if (!a.is_proved() || !a.is_within(most)) return whole;
         const Tube b = certify(second, patches, residuals, most, false, to_terminal, halvings - 1);
         if (!b.is_proved() || !joins(a, b)) return whole;
         return {std::max(a.curve, b.curve), std::max(a.trims, b.trims), a.start, b.end,
-                std::min(a.link, b.link),   std::max(a.q, b.q)};
+                std::min(a.link, b.link),   std::max(a.q, b.q),         std::max(a.blur, b.blur)};
     }
 
     // Steps 2 to 5 in one D.
@@ -1084,7 +1092,7 @@ private:
                 curvatures[i] = equations_[i].curvature_bound(D.center, r.reach[i]) / 8;
             tube.link = std::min(D.room / 3, std::sqrt(D.room / 3 / solver.distance(curvatures)));
         }
-        tube.trims = trims_error(points, patches, D, f, r, residuals, tube.q);
+        tube.trims = trims_error(points, patches, D, f, r, residuals, tube);
         return tube;
     }
 
@@ -1116,7 +1124,7 @@ private:
         for (int side = 0; side < 2; ++side) {
             if (!fit.patches[side]) continue;
             for (int i = 0; i < 2; ++i) {
-                const PatchCoordinate& c = (*fit.patches[side])[i];
+                const PatchCoordinate& c = fit.patches[side]->patch[i];
                 const Bernstein<5> v = row(fit.points, 4 + 2 * side + i), numerator = span(c.numerator);
                 const double divisor_size = span.size(c.divisor);
                 double residual = 0, least = 0;
@@ -1135,16 +1143,54 @@ private:
         }
     }
 
-    // Step 5. largest_q: of the steps before.
+    // Step 5. Adds to q and blur.
     double trims_error(const Points& points, const Patches& patches, const Neighbourhood& D,
-                       const Frame& frame, const Range& over, const Residuals& residuals,
-                       double& largest_q) const {
+                       const Frame& frame, const Range& over, const Residuals& residuals, Tube& tube) const {
         double most = 0;
-        for (int side = 0; side < 2 && most < infinity; ++side)
-            if (patches[side])
-                most = std::max(
-                    most, trim_error(side, points, *patches[side], D, frame, over, residuals, largest_q));
+        for (int side = 0; side < 2 && most < infinity; ++side) {
+            if (!patches[side]) continue;
+            double error = trim_error(side, points, patches[side]->patch, D, frame, over, residuals, tube.q);
+            if (!(error <= tolerance_) && patches[side]->surface)
+                error = std::min(error, distance_on(*patches[side]->surface, points, side, tube.blur));
+            most = std::max(most, error);
+        }
         return most;
+    }
+    // Of the points of the patch at the trim from those of the curve. Adds what bounds rounding to `largest_blur`.
+    static double distance_on(const RadialPatch& patch, const Points& points, int side, double& largest_blur) {
+        const Bernstein<5> u = row(points, 4 + 2 * side), v = row(points, 5 + 2 * side);
+        const Bernstein<10> uu = square(u), vv = square(v);
+        const double largest_u = u.largest(), largest_v = v.largest();
+        const auto polynomial = [&](int k) {
+            const auto in_v = [&](int i) {
+                const auto c = [&](int j) { return patch.coefficient(i, j)[k]; };
+                return raised<10>(c(1) * v + c(0)) + c(2) * vv;
+            };
+            return raised<20>(in_v(0)) + raised<20>(u * in_v(1)) + uu * in_v(2);
+        };
+        // Bounds the terms.
+        const auto size = [&](int k) {
+            double sum = 0;
+            for (int i = 2; i >= 0; --i) {
+                double in_v = 0;
+                for (int j = 2; j >= 0; --j) in_v = in_v * largest_v + std::abs(patch.coefficient(i, j)[k]);
+                sum = sum * largest_u + in_v;
+            }
+            return sum;
+        };
+        constexpr double blur = 2 * rounding;  // more terms than elsewhere
+        const Bernstein<20> w = polynomial(3);
+        const double least = w.smallest_coefficient() - blur * size(3);
+        if (!(least > 0)) return infinity;
+        double squared = 0, blurred = 0;
+        for (int k = 0; k < 3; ++k) {
+            const Bernstein<5> p = row(points, k);
+            const double rounded = blur * (size(k) + p.largest() * size(3));
+            squared += square((raised<25>(polynomial(k)) - p * w).largest() + rounded);
+            blurred += square(rounded);
+        }
+        largest_blur = std::max(largest_blur, std::sqrt(blurred) / least);
+        return std::sqrt(squared) / least;
     }
     double trim_error(int side, const Points& points, const PatchCoordinates& coordinates,
                       const Neighbourhood& D, const Frame& frame, const Range& over,
@@ -1183,6 +1229,7 @@ private:
     const SpaceArc& arc_;
     double tolerance_;
     std::vector<SpaceSpan>& spans_;
+    FitEffort& effort_;
     std::array<Equation, 4> equations_;  // base, left and right; of the curve the first three
     int right_ = 2;     // where the right site's is
     Vec3 foot_;         // near the curve, on the base's axis
@@ -1240,8 +1287,8 @@ std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std
 }
 
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
-                               std::vector<SpaceSpan>& spans) {
-    return Fitter(problem, arc, tolerance, spans).run();
+                               std::vector<SpaceSpan>& spans, FitEffort& effort) {
+    return Fitter(problem, arc, tolerance, spans, effort).run();
 }
 
 }  // namespace vcell

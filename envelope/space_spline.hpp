@@ -47,7 +47,9 @@
 ///    end with the last span only: no other span's D holds the end between its slices. So it is the edge.
 ///    Of the diagram's pieces only guesses are taken, and for closed edges that one point is near the edge.
 /// 5. Trims. F = (G_base, G_site, n_u - u(s) d_u, n_v - v(s) d_v) for coordinates n / d: step 2 bounds the
-///    distance of the patch's point at (u, v)(s) from P(s).
+///    distance of the patch's point at (u, v)(s) from P(s). Where these rows all but depend on each other (a needle
+///    seen from the base's centre) that point is computed instead: (P, w)((u, v)(s)) - P(s) w is a polynomial of
+///    degree 25, whose coefficients bound it.
 ///
 /// A span too long for one D, or for a small q, is halved for the proof. Where an arc ends in a point with
 /// dependent gradients (objects that touch) or passes one closely (axes that cross but for rounding) spans of
@@ -65,6 +67,7 @@
 
 #include "../primitives/radial_base.hpp"
 #include "minimization_diagram.hpp"
+#include "radial_patch.hpp"
 
 namespace vcell {
 
@@ -100,6 +103,7 @@ struct SpacePart {
     PatchCoordinates patch;
     std::array<double, 2> u{-std::numeric_limits<double>::infinity(),
                             std::numeric_limits<double>::infinity()};
+    const RadialPatch* surface = nullptr;  ///< with these coordinates, of polynomials (P, w)(u, v)
 };
 
 /// What lies on one side of an edge, canonical.
@@ -137,6 +141,7 @@ struct SpaceFitError {
     /// Of the patches' points at the trims from the space curve at the same parameter.
     double trims = 0;
     std::optional<Vec3> unproved = {};  ///< canonical, where one of them is infinite
+    Vec3 worst = Vec3::Zero();          ///< canonical, where they are largest
 };
 
 /// The point in which three sites are met, from one within `near.error` of it, and a bound of the distance
@@ -145,10 +150,16 @@ struct SpaceFitError {
 std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
                                      const SpaceEnd& near);
 
+/// What the fits of a cell may still cost. When it is spent spans stay as they are.
+struct FitEffort {
+    std::size_t spans = 20'000;   ///< that are tried
+    std::size_t cells = 400'000;  ///< of the chart where arcs are looked for
+};
+
 /// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where rounding
 /// blurs the arc and the diagram's pieces are wider, where the ends are not known as well (four times their error
-/// bounds it then), or where a divisor of a patch's coordinate is not positive, and says so.
+/// bounds it then), where a divisor of a patch's coordinate is not positive, or when `effort` is spent, and says so.
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
-                               std::vector<SpaceSpan>& spans);
+                               std::vector<SpaceSpan>& spans, FitEffort& effort);
 
 }  // namespace vcell

@@ -33,6 +33,12 @@ struct Case {
 };
 
 // Distances by their definitions; a wall's is signed, positive inside.
+SpaceFitError fitted(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
+                     std::vector<SpaceSpan>& spans) {
+    FitEffort effort;
+    return fit_space_spline(problem, arc, tolerance, spans, effort);
+}
+
 template <class T>
 T distance_to(const SpaceSite& site, const V3<T>& p) {
     using std::abs;
@@ -437,7 +443,7 @@ TEST_CASE("space splines: lie within the stated bound of the true arc, whole, ov
                         CAPTURE(relative);
                         std::vector<SpaceSpan> spans;
                         const SpaceFitError error =
-                            fit_space_spline(c.problem, traced->arc, tolerance, spans);
+                            fitted(c.problem, traced->arc, tolerance, spans);
                         CHECK(error.curve <= tolerance);
                         CHECK(error.trims <= tolerance);
                         const SpaceFitError truth = measured(c, spans);
@@ -491,7 +497,7 @@ struct Island {
 
 SpaceFitError fitted(const Case& c, const SpaceArc& arc, double tolerance) {
     std::vector<SpaceSpan> spans;
-    return fit_space_spline(c.problem, arc, tolerance, spans);
+    return fitted(c.problem, arc, tolerance, spans);
 }
 
 }  // namespace
@@ -535,7 +541,7 @@ TEST_CASE("space splines: the comparison with the true arc sees a span that is o
     std::mt19937_64 rng(test_seed());
     const Island island(rng);
     std::vector<SpaceSpan> spans;
-    const SpaceFitError error = fit_space_spline(island.c.problem, island.traced.arc, 1e-5, spans);
+    const SpaceFitError error = fitted(island.c.problem, island.traced.arc, 1e-5, spans);
     for (const int row : {0, 1, 2, 3, 4, 7}) {
         std::vector<SpaceSpan> off = spans;
         off[off.size() / 2].points(row, 3) += 20 * std::max(error.curve, error.trims);
@@ -566,7 +572,7 @@ TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
         SpaceArc arc;
         arc.sites = c.sites;
         std::vector<SpaceSpan> spans;
-        const SpaceFitError error = fit_space_spline(c.problem, arc, tolerance, spans);
+        const SpaceFitError error = fitted(c.problem, arc, tolerance, spans);
         CHECK(error.curve <= tolerance);
         CHECK(error.trims <= tolerance);
         const SpaceFitError truth = measured(c, spans);
@@ -588,13 +594,13 @@ TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
         std::vector<SpaceSpan> third;
         arc.start = SpaceEnd{spans.front().points.col(0).head<3>(), 1e-15};
         arc.end = SpaceEnd{spans[spans.size() / 3].points.col(5).head<3>(), 1e-15};
-        CHECK(fit_space_spline(c.problem, arc, tolerance, third).curve <= tolerance);
+        CHECK(fitted(c.problem, arc, tolerance, third).curve <= tolerance);
         CHECK(third.back().points.col(5).head<3>() == arc.end->point);
         CHECK(third.size() < spans.size());
         // Ends known worse than the tolerance: no reason to halve.
         arc.start->error = arc.end->error = 100 * tolerance;
         std::vector<SpaceSpan> rough;
-        CHECK(fit_space_spline(c.problem, arc, tolerance, rough).curve <= 600 * tolerance);
+        CHECK(fitted(c.problem, arc, tolerance, rough).curve <= 600 * tolerance);
         CHECK(rough.size() <= third.size());
     }
 }
@@ -631,7 +637,7 @@ TEST_CASE("space splines: an arc that ends where its sites touch") {
     };
     for (const double tolerance : {1e-3, 1e-4}) {
         std::vector<SpaceSpan> spans;
-        const SpaceFitError error = fit_space_spline(c.problem, arc, tolerance, spans);
+        const SpaceFitError error = fitted(c.problem, arc, tolerance, spans);
         check(spans, error, tolerance);
     }
     // In their plane the crossing is a point like any other.
@@ -642,7 +648,7 @@ TEST_CASE("space splines: an arc that ends where its sites touch") {
         for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
             arc.pieces = part;
             std::vector<SpaceSpan> spans;
-            const SpaceFitError error = fit_space_spline(c.problem, arc, tolerance, spans);
+            const SpaceFitError error = fitted(c.problem, arc, tolerance, spans);
             check(spans, error, tolerance);
             CHECK(spans.size() <= 16);
         }
@@ -678,7 +684,7 @@ int fit_diagram(const RadialBaseProblem& problem, const MinimizationDiagram& dia
         const HalfEdgeId h{2 * e.value};
         SpaceArc arc{c.sites, end(diagram.dcel.origin(h)), end(diagram.dcel.target(h)), pieces};
         std::vector<SpaceSpan> spans;
-        const SpaceFitError error = fit_space_spline(problem, arc, tolerance, spans);
+        const SpaceFitError error = fitted(problem, arc, tolerance, spans);
         CAPTURE(e.value);
         CAPTURE(edge.on_rim());
         CHECK(error.curve <= tolerance);
