@@ -219,6 +219,8 @@ private:
         double s, slope;
     };
     Guess approximate_root(const Line& line, double s0, double s1, FormId before, FormId after) const;
+    std::optional<std::vector<RimTransition>> order_crossings(const Line& line, double s0, FormId l0, double s1, FormId l1,
+                                                              std::span<const FormId> forms);
     std::optional<RimTransition> find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
                                           std::span<const FormId> forms);
     struct Change;

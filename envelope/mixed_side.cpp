@@ -331,6 +331,9 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     return out;
 }
 
+// Stretches with more than two forms this short, as a part of the region, are asked for the order of all crossings.
+constexpr double crowded_width = 0x1p-36;
+
 // A seam on which forms tie is given up after so many evaluations with many digits: there are others.
 constexpr std::size_t most_along_seam = 2000;
 
@@ -352,6 +355,11 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     if (!is_seam && s1 - s0 < sharp_width * extent)
         if (const auto tie = find_tie(line, s0, l0, s1, l1, left)) {
             out.push_back(*tie);
+            return true;
+        }
+    if (left.size() > 2 && s1 - s0 <= crowded_width * extent)
+        if (const auto crossings = order_crossings(line, s0, l0, s1, l1, left)) {
+            out.insert(out.end(), crossings->begin(), crossings->end());
             return true;
         }
     if (s1 - s0 <= side_floor_width * extent || m <= s0 || m >= s1) {
@@ -385,6 +393,63 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
                descend(line, s, lowest[0], s1, l1, left, is_seam, out);
     }
     throw InternalError("a side was not divided");
+}
+
+// Where the differences of the forms that follow each other rise all along a stretch, each is lowest once at most, from
+// where it comes below the one before: the first one to do so is next. All of it with many digits, as the forms may follow
+// each other closer than stretches can be told apart. None if slopes do not tell, or doubles not keep the places apart.
+std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const Line& line, double s0, FormId l0, double s1,
+                                                                         FormId l1, std::span<const FormId> forms) {
+    constexpr int most_steps = 20, enough = -200;
+    const double m = Interval(s0, s1).mid();
+    // Where f and g are equal, f being lower before.
+    const auto crossing = [&](FormId f, FormId g, const Interval& slope) -> std::optional<Wide> {
+        Wide s(m);
+        for (int i = 0; i < most_steps; ++i) {
+            const auto p = line.wide_at(s);
+            const Wide off = (heights_.value(f, p[0], p[1]) - heights_.value(g, p[0], p[1])) / Wide(slope);
+            const Wide next = s - off;
+            if (off.magnitude_exponent() < Wide(s1 - s0).magnitude_exponent() + enough) return next;
+            s = next.mid();
+            if (!Interval(s0, s1).contains(s.approximation())) return std::nullopt;
+        }
+        return std::nullopt;
+    };
+    std::vector<RimTransition> transitions;
+    double after = s0;
+    for (FormId current = l0; current != l1;) {
+        std::optional<Wide> first;
+        FormId next;
+        bool is_told = true;
+        for (const FormId f : forms) {
+            if (f == current) continue;
+            const Interval slope = line.difference(heights_, current, f, m, s0, s1)[1];
+            if (!slope.sign()) return std::nullopt;
+            if (slope.sign() != Sign::Positive) continue;
+            const auto at_end = (line.sharp_height(heights_, current, s1) - line.sharp_height(heights_, f, s1)).sign();
+            if (!at_end) return std::nullopt;
+            if (at_end != Sign::Positive) continue;
+            const auto s = crossing(current, f, slope);
+            if (!s) return std::nullopt;
+            const auto order = first ? (*s - *first).sign() : std::optional(Sign::Negative);
+            if (order == Sign::Negative) is_told = true;
+            if (!order || order == Sign::Zero) is_told = false;
+            if (order != Sign::Positive) {
+                first = s;
+                next = f;
+            }
+        }
+        if (!first || !is_told || transitions.size() == forms.size()) return std::nullopt;
+        const Interval s = first->enclosure();
+        const IntervalPoint p = line.at(s);
+        transitions.push_back({current, next, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}});
+        const double place = transitions.back().point[line.by_x ? 0 : 1], error = transitions.back().error;
+        if (!(place - error > after && place + error < s1)) return std::nullopt;
+        after = place + error;
+        current = next;
+    }
+    decisions_.by_multiprecision += std::max<std::size_t>(transitions.size(), 1);
+    return transitions;
 }
 
 // One point of a stretch of a side in which all of the forms tie. Any two of them differ by D = D' (s - p) or, where
