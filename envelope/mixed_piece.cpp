@@ -865,35 +865,42 @@ bool MixedAnalysis::join_changes(Work& work) {
         }
         if (n == 3 && changes.size() == 3) {
             const std::array forms{changes[0].before, changes[1].before, changes[2].before};
-            const auto root = root_near(
-                [&](Interval x, Interval y) {
-                    return work.supports ? equal_heights(*work.supports, forms, x, y) : equal_heights(heights_, forms, x, y);
-                },
-                work.middle());
-            MixedPiece::Vertex v{work.middle(), 0, forms[0], {}};
-            if (root) {
-                v.point = root->point;
-                v.error = root->error;
-            }
-            const auto& box = work.piece.box;
-            const auto is_inside = [&] {
-                return v.point.x() + v.error >= box[0] && v.point.x() - v.error <= box[1] &&
-                       v.point.y() + v.error >= box[2] && v.point.y() - v.error <= box[3];
-            };
-            if (root && is_inside()) {
-                ++decisions_.by_interval;
-                work.join_all_to(v);
-                return true;
-            }
-            // Where the three all but touch, doubles tell them badly apart.
-            if (work.width > node_width * work.extent) return false;
-            if (!settle_sharply(v, forms) || !is_inside()) return false;
-            ++decisions_.by_multiprecision;
+            MixedPiece::Vertex v;
+            if (!locate_vertex(work, forms, v)) return false;
             work.join_all_to(v);
             return true;
         }
     }
     return join_all(work, {});
+}
+
+// The point inside in which three forms are equal, which is known to exist.
+bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>& forms, MixedPiece::Vertex& v) {
+    v = {work.middle(), 0, forms[0], {}};
+    const auto root = root_near(
+        [&](Interval x, Interval y) {
+            return work.supports ? equal_heights(*work.supports, forms, x, y) : equal_heights(heights_, forms, x, y);
+        },
+        work.middle());
+    if (root) {
+        v.point = root->point;
+        v.error = root->error;
+    }
+    const auto& box = work.piece.box;
+    const auto is_inside = [&] {
+        return v.point.x() + v.error >= box[0] && v.point.x() - v.error <= box[1] &&
+               v.point.y() + v.error >= box[2] && v.point.y() - v.error <= box[3];
+    };
+    if (root && is_inside()) {
+        ++decisions_.by_interval;
+        return true;
+    }
+    // Where the three all but touch, doubles tell them badly apart. Along tubes that are all but parallel pieces are narrow
+    // across only.
+    if (std::min(box[1] - box[0], box[3] - box[2]) > node_width * work.extent) return false;
+    if (!settle_sharply(v, forms) || !is_inside()) return false;
+    ++decisions_.by_multiprecision;
+    return true;
 }
 
 // Between the two sides the lowest forms follow each other as their gradients do on their convex hull, from the label of
@@ -931,6 +938,15 @@ std::optional<MixedAnalysis::Knot> MixedAnalysis::forms_around_knot(const Work& 
     return knot;
 }
 
+// Of three forms each stretch of a trisector ends on the rim or in the one point where all are equal, where one stretch of
+// each ends. So that point is inside if every two change on the rim an odd number of times, and not if they do so an even
+// number of times. Pre: there are no other forms.
+bool MixedAnalysis::leave_one_end(const Work& work, const std::array<FormId, 3>& forms) {
+    return std::ranges::count_if(work.changes, [&](const Change& c) {
+               return (c.before == forms[0] && c.after == forms[1]) || (c.before == forms[1] && c.after == forms[0]);
+           }) % 2 == 1;
+}
+
 // Every visible stretch of a trisector is a graph over the line across its direction. If it has two ends, at the rim's
 // changes and at the vertices, it is one stretch; if it has more, all of the trisector is to be a graph, along which
 // stretches begin and end in turn. Around a vertex the forms follow each other counter-clockwise as their gradients do on
@@ -955,7 +971,11 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
                     continue;
                 if (work.turn(r[i], r[j], r[k]) == Sign::Zero) continue;
                 Inner v;
-                const Inside inside = find_vertex(work, forms, v.vertex);
+                Inside inside = Inside::No;
+                if (n > 3 || !knots.empty())
+                    inside = find_vertex(work, forms, v.vertex);
+                else if (leave_one_end(work, forms))
+                    inside = locate_vertex(work, forms, v.vertex) ? Inside::Yes : Inside::Unknown;
                 if (inside == Inside::Unknown) return false;
                 if (inside == Inside::No) continue;
                 v.forms.assign(forms.begin(), forms.end());

@@ -243,6 +243,8 @@ private:
     bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);
     void join_at_center(Work& work);
     enum class Inside { No, Yes, Unknown };
+    bool locate_vertex(const Work& work, const std::array<FormId, 3>& forms, MixedPiece::Vertex& v);
+    static bool leave_one_end(const Work& work, const std::array<FormId, 3>& forms);
     Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);
     std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     bool settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
