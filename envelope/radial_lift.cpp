@@ -906,12 +906,8 @@ private:
                 }
                 if (const auto& edge = diagram_.edges[e]; edge.on_rim()) {
                     // The lower rim goes with the angle, the upper one against it, once around at most.
-                    const double sign = edge.side == 0 ? 1 : -1, whole = 2 * std::numbers::pi;
-                    double turn = from == to
-                                      ? whole
-                                      : sign * (chart_angle(point(to).x()) - chart_angle(point(from).x()));
-                    if (turn <= 0) turn += whole;
-                    angle += sign * turn;
+                    const double sign = edge.side == 0 ? 1 : -1;
+                    angle += sign * rim_turn(from, to, sign);
                     is_first = false;
                     loop.from = std::min(loop.from, angle);
                     loop.to = std::max(loop.to, angle);
@@ -929,6 +925,17 @@ private:
         }
         widest.y = sum_y / std::max(points, 1);
         return widest;
+    }
+
+    // By how much the angle changes, in the direction of the sign, from one vertex of a rim to the next: so little, maybe,
+    // that only their coordinates tell it from a whole turn.
+    double rim_turn(VertexId from, VertexId to, double sign) const {
+        constexpr double whole = 2 * std::numbers::pi;
+        if (from == to) return whole;
+        const double x = diagram_.vertices[from].point.x(), end = diagram_.vertices[to].point.x();
+        const double turn = sign * (chart_angle(end) - chart_angle(x));
+        if (turn == 0 && sign * (end - x) > 0) return std::numeric_limits<double>::min();
+        return turn > 0 ? turn : turn + whole;
     }
 
     void add_cylinder_patch(FaceId face) {
@@ -1077,10 +1084,8 @@ private:
         const auto angle = [&](VertexId v) { return chart_angle(diagram_.vertices[v].point.x()); };
         if (edge.on_rim()) {  // with the angle on the lower end, against it on the upper one
             const double sign = edge.side == 0 ? 1 : -1;
-            if (!start(e).valid() || start(e) == end(e))
-                return {start(e).valid() ? angle(start(e)) : 0, sign * whole};
-            const double turn = sign * (angle(end(e)) - angle(start(e)));
-            return {angle(start(e)), sign * (turn > 0 ? turn : turn + whole)};
+            if (!start(e).valid()) return {0, sign * whole};
+            return {angle(start(e)), sign * rim_turn(start(e), end(e), sign)};
         }
         const double from = start(e).valid() ? angle(start(e)) : chart_angle(pieces.back().end.x());
         double turn = 0, last = from;
@@ -1251,6 +1256,7 @@ private:
                      diagram_.pieces(e)};
         if (edge.on_rim()) {
             arc.sites[1] = end_wall(edge.side);
+            arc.turn = std::abs(turn_along(e)[1]);
         } else {
             arc.sites[1] = space_site(Dcel::half_edge(e, 1), edge.right);
             arc.sites_cross = problem_.cross_equally(edge.left, edge.right);

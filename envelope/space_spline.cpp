@@ -468,8 +468,8 @@ private:
         const double sign = std::get<Plane>(arc_.sites[1].object).normal.y() < 0 ? 1 : -1;
         const auto angle = [](const SpaceEnd& e) { return std::atan2(e.point.x(), e.point.z()); };
         const double first = arc_.start ? angle(*arc_.start) : 0;
-        double turn = 2 * pi;
-        if (arc_.end && arc_.end->point != arc_.start->point) {
+        double turn = arc_.turn > 0 ? arc_.turn : 2 * pi;
+        if (!(arc_.turn > 0) && arc_.end && arc_.end->point != arc_.start->point) {
             turn = std::fmod(sign * (angle(*arc_.end) - first), 2 * pi);
             if (turn < 0) turn += 2 * pi;
         }
@@ -513,6 +513,26 @@ private:
                 corners[1][i] = std::max(corners[1][i], X[i].upper());
             }
         });
+        return corners;
+    }
+
+    // The same over the lesser arc of a rim between two nodes.
+    std::array<Vector4d, 2> rim_enclosure(const Node& from, const Node& to) const {
+        const double y = std::get<Plane>(arc_.sites[1].object).point.y();
+        const Vec3 v = from.X.head<3>() / from.X[3], w = to.X.head<3>() / to.X[3];
+        // Where the ends may be, and how far the circle is from its chord.
+        const double room = sqrt2 * slack_ / std::min(from.X[3], to.X[3]) + rounding + (v - w).squaredNorm();
+        const auto over = [&](int i) {
+            return Interval(std::min(v[i], w[i]), std::max(v[i], w[i])) + Interval::ball(0, room);
+        };
+        const std::array<Interval, 3> normal{over(0), Interval(0), over(2)};
+        const Interval t = equations_[1].distance_along(Interval(y), normal);
+        const std::array<Interval, 4> X{t * normal[0], Interval(y), t * normal[2], t};
+        std::array<Vector4d, 2> corners;
+        for (int i = 0; i < 4; ++i) {
+            corners[0][i] = X[i].lower();
+            corners[1][i] = X[i].upper();
+        }
         return corners;
     }
 
@@ -628,7 +648,8 @@ private:
             }
         }
         const Fit best = smooth(from, to, infinity), straight = chord(from, to, piece);
-        append(piece && !(best.error() < straight.error()) ? straight : best);
+        const bool is_straight = (piece || straight.tube.is_proved()) && !(best.error() < straight.error());
+        append(is_straight ? straight : best);
     }
 
     // Does rounding blur the arc so much that no span of this length, or a shorter one, can be proved?
@@ -974,12 +995,14 @@ private:
     Fit chord(const Node& from, const Node& to, const Piece* piece) const {
         Fit fit;
         fit.is_chord = true;
-        if (!piece) return fit;
-        auto box = enclosure(piece->box);
+        auto box = piece ? enclosure(piece->box) : rim_enclosure(from, to);
         // Elsewhere the diagram is not needed, and not relied on.
         const double length = (to.X - from.X).norm();
         const bool is_all = from.X == start_.X && to.X == end_.X;
-        if (is_all || is_blurred(from, length) || is_blurred(to, length)) {
+        if (!piece) {
+            // Whole edges only: parts may end where the edge does, as far as is known.
+            if (!is_all) return fit;
+        } else if (is_all || is_blurred(from, length) || is_blurred(to, length)) {
             const auto tight = enclosure(box_between(from, to, *piece));
             // As in step 4, nothing but the last span reaches the edge's end.
             const bool holds_end = (end_.X - tight[0]).minCoeff() >= -slack_ &&

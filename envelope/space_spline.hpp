@@ -124,6 +124,7 @@ struct SpaceArc {
     std::array<SpaceSite, 2> sites;      ///< left, right
     std::optional<SpaceEnd> start, end;  ///< none: closed
     std::span<const MinimizationDiagram::ArcPiece> pieces;
+    double turn = 0;           ///< of a rim's arc; 0: its ends' points tell
     bool sites_cross = false;  ///< both are cylinders, of one radius, and their axes cross
 };
 
