@@ -616,8 +616,9 @@ private:
         const double length = (to.X - from.X).norm();
         const bool is_short = length <= tolerance_, divides = deeper > 0 && halvings > 0 && !is_lost();
         // Parts of what rounding blurs are no better than it, and their ends cannot be told from the edge's.
-        const bool blurs = is_short && divides && is_blurred(from, length);
-        if (spline.is_near() && !spline.seam && divides && !blurs) {
+        const bool is_all = from.X == start_.X && to.X == end_.X;
+        const bool is_chord = is_short && divides && (is_all || is_blurred(from, length));
+        if (spline.is_near() && !spline.seam && divides && !is_chord) {
             const std::vector<Node> inner = divide(from, to, spline);
             for (std::size_t i = 0; i < inner.size(); ++i) {
                 const Node &start = i == 0 ? from : inner[i - 1], &end = inner[i];
@@ -1020,12 +1021,12 @@ private:
         const SpanPolynomials span(fit.points, foot_);
         Residuals residuals = curve_residuals(span);
         add_trims(fit, span, residuals);
-        // The trims of a very short chord err by more than its own room: rounding counts, times the condition.
+        // The trims of a very short edge err by more than its own room: by what rounding makes it, times the condition.
         constexpr double wider = 16;
         for (Neighbourhood D(fit.points, slack_, tolerance_);; D.widen(wider)) {
             fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center), range(fit.points, D),
                                          residuals, fit.tube);
-            if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_)) return fit;
+            if (std::isfinite(fit.tube.trims) || !is_all || !(wider * D.room <= tolerance_)) return fit;
         }
     }
 
