@@ -891,16 +891,16 @@ bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>&
         return v.point.x() + v.error >= box[0] && v.point.x() - v.error <= box[1] &&
                v.point.y() + v.error >= box[2] && v.point.y() - v.error <= box[3];
     };
-    if (root && is_inside()) {
-        ++decisions_.by_interval;
-        return true;
-    }
     // Where the three all but touch, doubles tell them badly apart. Along tubes that are all but parallel pieces are narrow
     // across only.
-    if (std::min(box[1] - box[0], box[3] - box[2]) > node_width * work.extent) return false;
-    if (!settle_sharply(v, forms) || !is_inside()) return false;
-    ++decisions_.by_multiprecision;
-    return true;
+    constexpr double well_known = 0x1p-40;
+    const MixedPiece::Vertex rough = v;
+    const bool is_found = root && is_inside(),
+               is_narrow = std::min(box[1] - box[0], box[3] - box[2]) <= node_width * work.extent;
+    const bool is_sharp = (is_found ? v.error > well_known * work.extent : is_narrow) && settle_sharply(v, forms) && is_inside();
+    if (!is_sharp) v = rough;
+    if (is_sharp || is_found) ++(is_sharp ? decisions_.by_multiprecision : decisions_.by_interval);
+    return is_sharp || is_found;
 }
 
 // Between the two sides the lowest forms follow each other as their gradients do on their convex hull, from the label of
@@ -1133,27 +1133,31 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
     return Inside::Yes;
 }
 
-// The point where three forms are equal, with many digits: Newton's method with the double Jacobian, whose steps gain
-// some 40 bits each, and Krawczyk's proof.
+// The point where three forms are equal, with many digits: Newton's method with the Jacobian in doubles, whose steps gain
+// some 40 bits each once they are small, and Krawczyk's proof. The Jacobian is that of differences with many digits, and
+// where the step begins: of forms that are nearly one function along a line doubles keep little of it.
 std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
-    const Eigen::Matrix2d inverse =
-        vcell::middle(equal_heights(heights_, forms, Interval(v.point.x()), Interval(v.point.y()))).inverse();
-    if (!inverse.allFinite()) return std::nullopt;
+    Eigen::Matrix2d inverse;
     const auto jets = [&](const std::array<Wide, 2>& p) {
         return std::array{heights_.jet(forms[0], p[0], p[1]), heights_.jet(forms[1], p[0], p[1]), heights_.jet(forms[2], p[0], p[1])};
     };
     const auto newton_step = [&](const std::array<Wide, 2>& p) {
         const auto [a, b, c] = jets(p);
         const Wide f = a.v - b.v, g = a.v - c.v;
+        Eigen::Matrix2d jacobian;
+        jacobian << (a.gx - b.gx).approximation(), (a.gy - b.gy).approximation(), (a.gx - c.gx).approximation(),
+            (a.gy - c.gy).approximation();
+        inverse = jacobian.inverse();
         return std::array{Wide(inverse(0, 0)) * f + Wide(inverse(0, 1)) * g, Wide(inverse(1, 0)) * f + Wide(inverse(1, 1)) * g};
     };
     std::array<Wide, 2> p{Wide(v.point.x()), Wide(v.point.y())}, step = newton_step(p);
     const double radius = std::ldexp(extent_, -240);
     const auto small = [&](const Wide& w) { return w.enclosure().magnitude() < 0.25 * radius; };
-    for (int i = 0; i < 20 && !(small(step[0]) && small(step[1])); ++i) {
+    for (int i = 0; i < 20 && inverse.allFinite() && !(small(step[0]) && small(step[1])); ++i) {
         p = {(p[0] - step[0]).mid(), (p[1] - step[1]).mid()};
         step = newton_step(p);
     }
+    if (!inverse.allFinite()) return std::nullopt;
     const Wide d(-radius, radius);
     const std::array box{p[0] + d, p[1] + d};
     const auto [a, b, c] = jets(box);

@@ -600,6 +600,33 @@ TEST_CASE("ball cell: a tube that reaches through the edge of two others has a f
         }
 }
 
+TEST_CASE("cylinder cell: a tube that leans towards the edge of two others along it has a face as narrow as it leans") {
+    // Three corners of a square meet in a line, but the middle one leans by little: it is nearest where z > 0.
+    for (const double radius : {0.0, 0.2})
+        for (const int digits : {10, 20, 30, 38, 42}) {
+            CAPTURE(radius);
+            CAPTURE(digits);
+            const double lean = std::ldexp(1.0, -digits);
+            const auto along = [&](double x, double y) { return Cylinder{{x, y, 0}, Vec3::UnitZ(), radius}; };
+            const Cell cell = cell_of(about_tube({Vec3::Zero(), Vec3::UnitZ(), radius}, 2,
+                                                 {Cylinder{{-1, -1, 0}, {lean, lean, 1}, radius}, along(-1, 0),
+                                                  along(0, -1), along(1, 0.5)}));
+            check_cell(cell);
+            CHECK(cell.report.decisions.assumed == 0);
+            const Site middle = Site::object(0);
+            CHECK(std::ranges::count(cell.faces, middle, &CellFace::site) == 1);
+            int inner = 0, on_rim = 0;
+            for (const CellVertex& v : cell.vertices) {
+                if (std::ranges::find(v.sites, middle) == v.sites.end()) continue;
+                const bool is_end = std::abs(v.point.z()) > 1;
+                (is_end ? on_rim : inner)++;
+                CHECK((v.point - Vec3(-0.5, -0.5, is_end ? 2 : 0)).norm() <= v.error + 8 * lean);
+            }
+            CHECK(inner == 1);
+            CHECK(on_rim == 2);
+        }
+}
+
 TEST_CASE("cylinder cell: in lattices of tubes along it four meet in a line") {
     const std::array<std::array<Vec3, 3>, 5> lattices{{{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
                                                        {Vec3(0, -3, 0), Vec3(0, 0, 2), Vec3(1.5, 0, 0)},
