@@ -653,7 +653,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     const std::size_t assumed_before = assumptions_.size();
     const bool joined =
         (plain && join_changes(work)) ||
-        (near_tie && (join_at_tie(work) || join_at_saddle(work) || join_without_touching(work)));
+        (near_tie && (join_at_tie(work) || join_at_saddle(work) || join_at_pinch(work) || join_without_touching(work)));
     if (!joined) {
         // What was assumed on the way will be asked again.
         decisions_.assumed -= assumptions_.size() - assumed_before;
@@ -703,7 +703,8 @@ bool MixedAnalysis::join_without_touching(Work& work) {
             const bool is_narrow =
                 exponent < narrow_exponent && touching->width <= std::ldexp(extent_, narrow_exponent / 2);
             if (touching->lens) {
-                const auto& [ends, thickness, across] = *touching->lens;
+                const auto& [ends, thickness] = *touching->lens;
+                const Vector2d& across = touching->across;
                 Lens lens{{}, h, f, g, across, {}, {}};
                 const auto settle = [&](int k) {
                     MixedPiece::Vertex& v = lens.ends[k];
@@ -1567,6 +1568,78 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     if (beside[0] != beside[1] || beside[2] != beside[3] || beside[0] == beside[2]) return false;
     work.join(changes[start], changes[start + 1]);
     work.join(changes[(start + 2) % 4], changes[(start + 3) % 4]);
+    return true;
+}
+
+// Between two forms a third one that all but leaves the piece in its middle: around the rim it is lowest twice, f and g once
+// each, and these meet in the middle if the third one's height above their trisector is positive there.
+bool MixedAnalysis::join_at_pinch(Work& work) {
+    const auto& changes = work.changes;
+    if (work.rivals.size() != 3 || !work.knots.empty() || changes.size() != 4) return false;
+    // f before the first change, h before the second and the fourth, g before the third.
+    std::array<Change, 4> c{changes[0], changes[1], changes[2], changes[3]};
+    if (c[0].before == c[2].before) std::ranges::rotate(c, c.begin() + 1);
+    const FormId f = c[0].before, h = c[1].before, g = c[2].before;
+    if (c[3].before != h || f == g) return false;
+    const auto pinch = find_pinch(heights_, h, f, g, work.piece.box);
+    if (!pinch || work.where(pinch->place, pinch->width) != Inside::Yes) return false;
+    work.clear_inside();
+    MixedPiece& piece = work.piece;
+    const auto add_arc = [&](std::uint32_t from, std::uint32_t to, FormId left, FormId right) {
+        const bool grows = left == f || right == g;
+        piece.arcs.push_back({from, to, left, right, grows ? pinch->across : Vector2d(-pinch->across), {}});
+        return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
+    };
+    const auto add_vertex = [&](const MixedPiece::Vertex& v) {
+        piece.vertices.push_back(v);
+        piece.leaving.emplace_back();
+        return static_cast<std::uint32_t>(piece.vertices.size() - 1);
+    };
+    const auto lead_to = [&](std::uint32_t v, const Change& from) {
+        const std::uint32_t arc = add_arc(from.vertex, v, from.before, from.after);
+        piece.leaving[from.vertex].push_back(arc);
+        piece.leaving[v].push_back(arc + 1);
+    };
+    const int exponent = pinch->gap.magnitude_exponent() - pinch->height.magnitude_exponent();
+    const bool is_tie = exponent < assumed_exponent;
+    if (!is_tie && pinch->gap.sign() == Sign::Negative) {
+        for (const auto& [from, to] : {std::pair(c[0], c[3]), std::pair(c[1], c[2])}) {
+            const std::uint32_t arc = add_arc(from.vertex, to.vertex, from.before, from.after);
+            piece.leaving[from.vertex].push_back(arc);
+            piece.leaving[to.vertex].push_back(arc + 1);
+        }
+        ++decisions_.by_multiprecision;
+        return true;
+    }
+    if (!is_tie && pinch->lens) {
+        std::array<MixedPiece::Vertex, 2> ends{{{pinch->lens->ends[0], 0, f, {}}, {pinch->lens->ends[1], 0, f, {}}}};
+        const Vector2d along(-pinch->across.y(), pinch->across.x());
+        if (!settle_sharply(ends[0], {f, g, h}) || !settle_sharply(ends[1], {f, g, h})) return false;
+        const double error = ends[0].error + ends[1].error;
+        if (along.dot(pinch->place - ends[0].point) > 64 * error && along.dot(ends[1].point - pinch->place) > 64 * error) {
+            const std::uint32_t v = add_vertex(ends[0]), w = add_vertex(ends[1]), arc = add_arc(v, w, f, g);
+            piece.leaving[v].push_back(arc);
+            for (const int k : {0, 1}) lead_to(v, c[k]);
+            piece.leaving[w].push_back(arc + 1);
+            for (const int k : {2, 3}) lead_to(w, c[k]);
+            ++decisions_.by_multiprecision;
+            return true;
+        }
+    }
+    const bool is_narrow = exponent < narrow_exponent && pinch->width <= std::ldexp(extent_, narrow_exponent / 2);
+    if (!is_tie && !is_narrow) return false;
+    const std::array forms{f, g, h};
+    MixedPiece::Vertex node{pinch->place, std::max(pinch->width, std::ldexp(extent_, assumed_exponent / 2)), f, {f, g, h}};
+    const auto exact = is_tie ? exact_tie(forms, pinch->at[0], pinch->at[1]) : std::nullopt;
+    const bool is_decided = exact && have_gradients_in_line(heights_.family(), forms, *exact);
+    if (is_decided) {
+        const auto [x, y] = enclosure(*exact);
+        node.point = {x.mid(), y.mid()};
+        node.error = reach(x, y);
+    }
+    const std::uint32_t v = add_vertex(node);
+    for (const Change& from : c) lead_to(v, from);
+    if (!is_decided) assume(node.point, node.error, node.ties);
     return true;
 }
 

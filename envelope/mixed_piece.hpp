@@ -27,8 +27,10 @@
 /// sides the same holds in one dimension.
 ///
 /// A form that comes down to the trisector of two others from above and ends there (touching.hpp) makes a vertex with
-/// them, and no face. So it does where it is lowest over a strip narrower than 2^-40 of the heights: thinner than the
-/// doubles' grid far out.
+/// them, and no face. If it reaches through, its face is the lens between the two zeros of its height above the trisector;
+/// and where it lies between the two from side to side, they meet between the zeros, or nowhere. Located with many digits
+/// these zeros are vertices of the diagram however near to each other they are, as long as doubles tell them apart. Where
+/// they do not, and the form is lowest over a strip narrower than 2^-40 of the heights, the strip is taken for a point.
 ///
 /// Coincidences below 2^-200, such strips, and what is left of pieces narrower than `floor_width` of the region, are
 /// taken for points, counted in Decisions::assumed, and listed.
@@ -238,6 +240,7 @@ private:
     bool join_at_tie(Work& work);
     bool divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const;
     bool join_at_saddle(Work& work);
+    bool join_at_pinch(Work& work);
     bool join_without_touching(Work& work);
     bool join_all(Work& work, std::span<const Knot> knots);
     bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);

@@ -36,7 +36,9 @@ public:
         y_ = Interval(box[2] - margin, box[3] + margin);
     }
 
-    std::optional<Touching> find() {
+    // turned: phi is asked to be concave, not convex.
+    std::optional<Touching> find(bool turned = false) {
+        const Sign inside = turned ? Sign::Positive : Sign::Negative;  // of phi between its zeros
         const Gradient F = heights_.gradient_difference(f_, g_, x_, y_),
                        hf = heights_.gradient_difference(h_, f_, x_, y_),
                        hg = heights_.gradient_difference(h_, g_, x_, y_);
@@ -54,7 +56,8 @@ public:
         const auto second = [&](const HeightCurvature<Interval>& c) {
             return bend(c, e_, e_) + 2.0 * bend(c, e_, d_) * slope + bend(c, d_, d_) * square(slope);
         };
-        bend_ = (second(DD) - (rise - l * Fn) * second(FF) / Fn).lower();
+        const Interval bending = second(DD) - (rise - l * Fn) * second(FF) / Fn;
+        bend_ = turned ? -bending.upper() : bending.lower();
         if (!(bend_ > 0)) return std::nullopt;
         stretch_ = sqrt(Interval(1.0) + square(slope)).upper();
         if (!is_near()) return std::nullopt;
@@ -71,13 +74,14 @@ public:
             const Interval& room = k == 0 ? x_ : y_;
             if (!room.contains(reach.lower()) || !room.contains(reach.upper())) return std::nullopt;
         }
-        if (slope_at(*low) == Sign::Positive) return touching(*low);
-        if (slope_at(*high) == Sign::Negative) return touching(*high);
+        if (slope_at(*low) == -inside) return turned ? std::nullopt : std::optional(touching(*low));
+        if (slope_at(*high) == inside) return turned ? std::nullopt : std::optional(touching(*high));
         const auto flat = solve([&](const Jets& j) { return j.turn(); },
                                 [&](const Vector2d& p) { return turn_gradient(p); });
         if (!flat) return std::nullopt;
         Touching result = touching(*flat);
-        if (result.gap.sign() == Sign::Negative && is_above(*low) && is_above(*high)) result.lens = lens(result);
+        if (result.gap.sign() == inside && sign_at(*low) == -inside && sign_at(*high) == -inside)
+            result.lens = lens(result);
         return result;
     }
 
@@ -97,11 +101,11 @@ private:
     }
     static Vector2d middle(const Point& p) { return {p[0].approximation(), p[1].approximation()}; }
     std::optional<Sign> slope_at(const Point& p) const { return jets(p).turn().sign(); }
-    bool is_above(const Point& p) const {
+    std::optional<Sign> sign_at(const Point& p) const {
         const Jets j = jets(p);
-        return (j.h.v - j.g.v).sign() == Sign::Positive;
+        return (j.h.v - j.g.v).sign();
     }
-    // From farther out than the zeros of phi, which is convex: so Newton's method comes nearer with every step.
+    // From farther out than the zeros of phi, which bends one way: so Newton's method comes nearer with every step.
     std::optional<Touching::Lens> lens(const Touching& lowest) const {
         const double gap = lowest.gap.enclosure().magnitude();
         Touching::Lens lens;
@@ -114,7 +118,6 @@ private:
             lens.ends[k] = middle(*end);
         }
         lens.thickness = (Interval(gap) / Interval(least_rise_)).upper();
-        lens.across = d_;
         return lens;
     }
     Touching touching(const Point& p) const {
@@ -125,7 +128,7 @@ private:
         const auto rounding = [&](int k) {
             return Interval((p[k] - Wide(place[k])).enclosure().magnitude());
         };
-        return {p, place, gap, j.g.v, (run * stretch_ + rounding(0) + rounding(1)).upper(), {}};
+        return {p, place, gap, j.g.v, (run * stretch_ + rounding(0) + rounding(1)).upper(), d_, {}};
     }
 
     Vector2d gradient(FormId a, FormId b, const Vector2d& p) const {
@@ -200,7 +203,7 @@ private:
     const std::array<double, 4> box_;
     Interval x_, y_;  // the surroundings
     Vector2d d_, e_;
-    double bend_ = 0, stretch_ = 0;  // at least phi'', at most the trisector's length over a unit of s
+    double bend_ = 0, stretch_ = 0;  // at least |phi''|, at most the trisector's length over a unit of s
     double least_rise_ = 0;          // of h - g and f - h along d
 };
 
@@ -288,6 +291,11 @@ private:
 };
 
 }  // namespace
+
+std::optional<Touching> find_pinch(const Heights& heights, FormId h, FormId f, FormId g,
+                                const std::array<double, 4>& box) {
+    return TouchFinder(heights, h, f, g, box).find(true);
+}
 
 bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box,
                   Decisions& decisions) {

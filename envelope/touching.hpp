@@ -28,12 +28,12 @@ struct Touching {
     Wide gap;               ///< h less the others there
     Wide height;            ///< theirs
     double width;  ///< bounds the distance from `place` of all that is on the trisector and not below h
+    Eigen::Vector2d across;  ///< f - g, f - h and h - g grow in this direction, all over the box
     /// Where phi has a zero on both sides of `place`, h is lowest between the two points, in a face that ends in them,
     /// and nowhere else.
     struct Lens {
         std::array<Eigen::Vector2d, 2> ends;  ///< nearly; along the trisector with f on its left
         double thickness;                     ///< no point of the face is farther from the trisector
-        Eigen::Vector2d across;               ///< f - g, f - h and h - g grow in this direction, all over the box
     };
     std::optional<Lens> lens;
 };
@@ -43,6 +43,12 @@ struct Touching {
 /// that place.
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
                                       const std::array<double, 4>& box);
+
+/// The same where phi is concave: between f and g h is all but pinched off, or quite. `gap` is its greatest value: if it is
+/// positive f and g meet in the arc between the lens's ends, no point of which is farther from `place` than `width`, and if
+/// it is negative nowhere. None if the greatest value is at an end.
+std::optional<Touching> find_pinch(const Heights& heights, FormId h, FormId f, FormId g,
+                                const std::array<double, 4>& box);
 
 /// Do three forms certainly tie nowhere in the box? Where F = f - g grows along one coordinate the trisector is a graph
 /// over the other, s, and phi = h - g along it changes by no more than |D_s + D_n n'| for each unit of s. Pre: the base is

@@ -627,6 +627,43 @@ TEST_CASE("cylinder cell: a tube that leans towards the edge of two others along
         }
 }
 
+TEST_CASE("cylinder cell: a face all but pinched off between two others is divided where they meet, however little") {
+    // Three corners of a square of balls around a tube as thick touch in (-1/2, 1/2, 0). Farther away by a in x and y the
+    // middle one leaves the others the arc |z| <= sqrt(2 a (1 + a) / (1 + 2 a)) of their edge, (-c, c, z), c = (1 + z^2) / 2.
+    for (const double radius : {0.0, 0.25})
+        for (const int digits : {4, 10, 20, 30, 36, 44}) {
+            CAPTURE(radius);
+            CAPTURE(digits);
+            const double a = std::ldexp(1.0, -digits);
+            for (const double side : {1.0, -1.0}) {
+                CAPTURE(side);
+                const double corner = 1 + side * a;
+                const auto ball = [&](double x, double y) { return Sphere{{x, y, 0}, radius}; };
+                const Cell cell = cell_of(about_tube({Vec3::Zero(), Vec3::UnitZ(), radius}, 2,
+                                                     {ball(-corner, corner), ball(-1, 0), ball(0, 1), ball(1, -1)}));
+                check_cell(cell);
+                CHECK(cell.report.decisions.assumed == 0);
+                const auto meet = [](const auto& sites, std::initializer_list<std::uint32_t> objects) {
+                    return std::ranges::all_of(objects, [&](std::uint32_t i) {
+                        return std::ranges::find(sites, Site::object(i)) != sites.end();
+                    });
+                };
+                const double z = std::sqrt(2 * a * (1 + a) / (1 + 2 * a)), c = 0.5 * (1 + z * z);
+                int ends = 0;
+                for (const CellVertex& v : cell.vertices) {
+                    if (!meet(v.sites, {0, 1, 2})) continue;
+                    ++ends;
+                    CHECK((v.point - Vec3(-c, c, std::copysign(z, v.point.z()))).norm() <= v.error + 1e-14);
+                }
+                CHECK(ends == 2 * (side > 0));
+                CHECK(std::ranges::count_if(cell.edges, [](const CellEdge& e) {
+                          return e.sites == std::array{Site::object(1), Site::object(2)} ||
+                                 e.sites == std::array{Site::object(2), Site::object(1)};
+                      }) == (side > 0));
+            }
+        }
+}
+
 TEST_CASE("cylinder cell: in lattices of tubes along it four meet in a line") {
     const std::array<std::array<Vec3, 3>, 5> lattices{{{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
                                                        {Vec3(0, -3, 0), Vec3(0, 0, 2), Vec3(1.5, 0, 0)},
