@@ -927,8 +927,8 @@ private:
         return widest;
     }
 
-    // By how much the angle changes, in the direction of the sign, from one vertex of a rim to the next: so little, maybe,
-    // that only their coordinates tell it from a whole turn.
+    // By how much the angle changes, in the direction of the sign, from one vertex of a rim to the next: so
+    // little, maybe, that only their coordinates tell it from a whole turn.
     double rim_turn(VertexId from, VertexId to, double sign) const {
         constexpr double whole = 2 * std::numbers::pi;
         if (from == to) return whole;

@@ -1021,7 +1021,8 @@ private:
         const SpanPolynomials span(fit.points, foot_);
         Residuals residuals = curve_residuals(span);
         add_trims(fit, span, residuals);
-        // The trims of a very short edge err by more than its own room: by what rounding makes it, times the condition.
+        // The trims of a very short edge err by more than its own room: by what rounding makes it, times the
+        // condition.
         constexpr double wider = 16;
         for (Neighbourhood D(fit.points, slack_, tolerance_);; D.widen(wider)) {
             fit.tube.trims = trims_error(fit.points, fit.patches, D, frame(D.center), range(fit.points, D),

@@ -105,7 +105,8 @@ private:
         const Jets j = jets(p);
         return (j.h.v - j.g.v).sign();
     }
-    // From farther out than the zeros of phi, which bends one way: so Newton's method comes nearer with every step.
+    // From farther out than the zeros of phi, which bends one way: so Newton's method comes nearer with every
+    // step.
     std::optional<Touching::Lens> lens(const Touching& lowest) const {
         const double gap = lowest.gap.enclosure().magnitude();
         Touching::Lens lens;
@@ -293,7 +294,7 @@ private:
 }  // namespace
 
 std::optional<Touching> find_pinch(const Heights& heights, FormId h, FormId f, FormId g,
-                                const std::array<double, 4>& box) {
+                                   const std::array<double, 4>& box) {
     return TouchFinder(heights, h, f, g, box).find(true);
 }
 

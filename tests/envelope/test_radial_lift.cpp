@@ -567,19 +567,24 @@ TEST_CASE("cylinder cell: tubes along it meet in lines") {
     }
 }
 
-TEST_CASE("ball cell: a tube that reaches through the edge of two others has a face as thin as doubles hold") {
-    // Around the ball the three corners of a square touch in (-1/2, -1/2, 0). The middle one, nearer by a in x and y, is
-    // nearest where |z| < sqrt(2 a (1 - a) / (1 - 2 a)) on the edge of the others, (-c, -c, z), c = (1 - z^2) / 2.
+TEST_CASE(
+    "ball cell: a tube that reaches through the edge of two others has a face as thin as doubles hold") {
+    // Around the ball the three corners of a square touch in (-1/2, -1/2, 0). The middle one, nearer by a in
+    // x and y, is nearest where |z| < sqrt(2 a (1 - a) / (1 - 2 a)) on the edge of the others, (-c, -c, z), c
+    // = (1 - z^2) / 2.
     for (const double radius : {0.0, 0.2})
         for (const int digits : {4, 8, 12, 20, 28, 36, 44, 60}) {
             CAPTURE(radius);
             CAPTURE(digits);
             const double a = std::ldexp(1.0, -digits);
             for (const double side : {1.0, -1.0}) {
-                const auto tube = [&](double x, double y) { return Cylinder{{x, y, 0}, Vec3::UnitZ(), radius}; };
+                const auto tube = [&](double x, double y) {
+                    return Cylinder{{x, y, 0}, Vec3::UnitZ(), radius};
+                };
                 const double corner = side * a - 1;
                 if (side * a != corner + 1) continue;
-                const Scene s = centred(radius, 2, {tube(corner, corner), tube(-1, 0), tube(0, -1), tube(1, 1)});
+                const Scene s =
+                    centred(radius, 2, {tube(corner, corner), tube(-1, 0), tube(0, -1), tube(1, 1)});
                 const Cell cell = cell_of(s);
                 check_cell(cell);
                 CHECK(cell.report.decisions.assumed == 0);
@@ -600,17 +605,20 @@ TEST_CASE("ball cell: a tube that reaches through the edge of two others has a f
         }
 }
 
-TEST_CASE("cylinder cell: a tube that leans towards the edge of two others along it has a face as narrow as it leans") {
-    // Three corners of a square meet in a line, but the middle one leans by little: it is nearest where z > 0.
+TEST_CASE(
+    "cylinder cell: a tube that leans towards the edge of two others along it has a face as narrow as it "
+    "leans") {
+    // Three corners of a square meet in a line, but the middle one leans by little: it is nearest where z >
+    // 0.
     for (const double radius : {0.0, 0.2})
         for (const int digits : {10, 20, 30, 38, 42}) {
             CAPTURE(radius);
             CAPTURE(digits);
             const double lean = std::ldexp(1.0, -digits);
             const auto along = [&](double x, double y) { return Cylinder{{x, y, 0}, Vec3::UnitZ(), radius}; };
-            const Cell cell = cell_of(about_tube({Vec3::Zero(), Vec3::UnitZ(), radius}, 2,
-                                                 {Cylinder{{-1, -1, 0}, {lean, lean, 1}, radius}, along(-1, 0),
-                                                  along(0, -1), along(1, 0.5)}));
+            const Cell cell = cell_of(about_tube(
+                {Vec3::Zero(), Vec3::UnitZ(), radius}, 2,
+                {Cylinder{{-1, -1, 0}, {lean, lean, 1}, radius}, along(-1, 0), along(0, -1), along(1, 0.5)}));
             check_cell(cell);
             CHECK(cell.report.decisions.assumed == 0);
             const Site middle = Site::object(0);
@@ -627,9 +635,12 @@ TEST_CASE("cylinder cell: a tube that leans towards the edge of two others along
         }
 }
 
-TEST_CASE("cylinder cell: a face all but pinched off between two others is divided where they meet, however little") {
-    // Three corners of a square of balls around a tube as thick touch in (-1/2, 1/2, 0). Farther away by a in x and y the
-    // middle one leaves the others the arc |z| <= sqrt(2 a (1 + a) / (1 + 2 a)) of their edge, (-c, c, z), c = (1 + z^2) / 2.
+TEST_CASE(
+    "cylinder cell: a face all but pinched off between two others is divided where they meet, however "
+    "little") {
+    // Three corners of a square of balls around a tube as thick touch in (-1/2, 1/2, 0). Farther away by a in
+    // x and y the middle one leaves the others the arc |z| <= sqrt(2 a (1 + a) / (1 + 2 a)) of their edge,
+    // (-c, c, z), c = (1 + z^2) / 2.
     for (const double radius : {0.0, 0.25})
         for (const int digits : {4, 10, 20, 30, 36, 44}) {
             CAPTURE(radius);
@@ -639,8 +650,9 @@ TEST_CASE("cylinder cell: a face all but pinched off between two others is divid
                 CAPTURE(side);
                 const double corner = 1 + side * a;
                 const auto ball = [&](double x, double y) { return Sphere{{x, y, 0}, radius}; };
-                const Cell cell = cell_of(about_tube({Vec3::Zero(), Vec3::UnitZ(), radius}, 2,
-                                                     {ball(-corner, corner), ball(-1, 0), ball(0, 1), ball(1, -1)}));
+                const Cell cell =
+                    cell_of(about_tube({Vec3::Zero(), Vec3::UnitZ(), radius}, 2,
+                                       {ball(-corner, corner), ball(-1, 0), ball(0, 1), ball(1, -1)}));
                 check_cell(cell);
                 CHECK(cell.report.decisions.assumed == 0);
                 const auto meet = [](const auto& sites, std::initializer_list<std::uint32_t> objects) {

@@ -29,8 +29,8 @@ std::string to_string(BaseKind kind) {
     return {};
 }
 
-// Of the scene as decided, as voronoi_cell() asks it: a ball that misses the base's axis by a subnormal number lies on
-// it there.
+// Of the scene as decided, as voronoi_cell() asks it: a ball that misses the base's axis by a subnormal
+// number lies on it there.
 bool is_legal(const Scene& scene) try {
     validate(scene);
     const DecidedScene decided = decide(scene);
