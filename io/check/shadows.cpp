@@ -81,16 +81,20 @@ Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
             const T C = square(m[0]) + square(m[1]) - T(square(form.delta));
             const T beta = T(form.delta) - dot(form.across[0], u) * m[0] - dot(form.across[1], u) * m[1];
             const T root = sqrt(square(beta) + square(alpha) * C);
-            if constexpr (std::is_same_v<T, Traced>)  // single values may take either form
-                if (std::abs(beta.range().center()) <= beta.range().radius() + beta.error())
-                    return {T::whole(), T::whole()};
             // The other form of the root, where this one would cancel.
             const T t = [&] {
+                const auto first = [&] { return C / (beta + root); };
+                const auto second = [&] { return (root - beta) / square(alpha); };
                 if constexpr (std::is_same_v<T, Approximate>) {
-                    const T first = C / (beta + root), second = (root - beta) / square(alpha);
-                    return T::of([&](std::size_t k) { return beta[k] >= 0 ? first[k] : second[k]; });
+                    const T a = first(), b = second();
+                    return T::of([&](std::size_t k) { return beta[k] >= 0 ? a[k] : b[k]; });
                 } else {
-                    return middle(beta) >= 0 ? C / (beta + root) : (root - beta) / square(alpha);
+                    if constexpr (std::is_same_v<T, Traced>)  // values may have taken either form
+                        if (std::abs(beta.range().center()) <= beta.range().radius() + beta.error()) {
+                            const T a = first(), b = second();
+                            return T(a.range(), std::max(a.error(), b.error()));
+                        }
+                    return middle(beta) >= 0 ? first() : second();
                 }
             }();
             return {t, sqrt(2.0 * (t + T(form.delta)) / root)};
