@@ -43,8 +43,8 @@ Triad<T> normalized(const Triad<T>& a) {
         }
     return scaled(T(1.0) / sqrt(squared_norm(a)), a);
 }
-template <class T>
-Triad<T> cross(const Triad<T>& a, const Triad<T>& b) {
+template <class S, class T>
+Triad<T> cross(const Triad<S>& a, const Triad<T>& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 Triad<MidRad> near(const Triad<Interval>& a) { return {a[0], a[1], a[2]}; }
@@ -153,6 +153,33 @@ Densities<T> along(const ConeHeight& h, const Place<T>& p) {
     const T shadow = 0.5 * turn;
     return {((t - T(h.at_apex)) * T(third) + T(0.5 * h.at_apex)) * turn, shadow * steepness, shadow,
             steepness};
+}
+
+// The face is a polygon or the like in its side: that of the edge's foot there, the wall between both, whose volume
+// towards the axis counts, and what lies straight towards the axis from it, which has none.
+template <class T>
+Densities<T> along(const Flat& f, const Place<T>& p) {
+    Triad<T> q, dq;
+    for (const std::size_t i : {0, 1, 2}) {
+        const MidRad from_corner = f.corner[i] - MidRad(p.origin[i]);
+        q[i] = p.n[i] - from_corner * p.w;
+        dq[i] = p.dn[i] - from_corner * p.dw;
+    }
+    const Triad<T> moment = cross(q, dq);
+    const T w2 = square(p.w), area = 0.5 * dot(f.normal, moment) / w2;
+    // Linear: over a triangle its mean is that of the corners.
+    const T flux = T(f.flux_at_corner) + T(2.0 * third) * (dot(f.flux, q) / p.w);
+    // Above the side by the edge's own rounding.
+    const T above = dot(f.normal, q) / p.w + T(f.corner_above);
+    const T x = q[0] / p.w + T(f.corner[0]), y = q[1] / p.w + T(f.corner[1]);
+    const Triad<T> velocity{p.dn[0] * p.w - p.n[0] * p.dw, p.dn[1] * p.w - p.n[1] * p.dw,
+                            p.dn[2] * p.w - p.n[2] * p.dw};
+    const Triad<T> across = cross(f.normal, velocity);
+    const T middle_x = x - 0.5 * (f.normal[0] * above), middle_y = y - 0.5 * (f.normal[1] * above);
+    const T wall = 0.5 * above * (middle_x * across[0] + middle_y * across[1]) / w2;
+    const T rise = q[2] / p.w;
+    const T turn = rise * (y * velocity[0] - x * velocity[1]) / (w2 * (square(x) + square(y)));
+    return {area * flux + wall, area, turn, T(1.0)};
 }
 
 template <class T>
@@ -424,6 +451,15 @@ Shadow about_sphere(const Form& form, MidRad radius) {
     }
 }
 
+// Of the foot q = p - (n p - o) n the flux is (n_x q_x + n_y q_y) / 2.
+Flat flat(const Form& side, const Triad<double>& corner) {
+    const Triad<MidRad>& n = side.c;
+    const Triad<MidRad> c{corner[0], corner[1], corner[2]};
+    const MidRad across = square(n[0]) + square(n[1]), along = square(n[2]);
+    const Triad<MidRad> flux{0.5 * (along * n[0]), 0.5 * (along * n[1]), -0.5 * (across * n[2])};
+    return {n, c, dot(n, c) - side.offset, flux, dot(flux, c) + 0.5 * (across * side.offset)};
+}
+
 }  // namespace
 
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
@@ -438,6 +474,7 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
         least = std::min(least, p[2]);
         most = std::max(most, p[2]);
     }
+    if (form->kind == Form::Kind::side) return flat(*form, corners.front());
     return Fan{Fan::Base::cylinder, *form, {0.0, 0.0, 0.5 * (least + most)}};
 }
 

@@ -133,6 +133,15 @@ struct ConeHeight {
     std::array<MidRad, 2> apex;
     MidRad at_apex;
 };
+/// About a cylinder: a side of the box, in coordinates of its own. As seen from the axis it may turn by almost half
+/// a circle within no length at all, where the axis ends close to it.
+struct Flat {
+    Triad<MidRad> normal;  ///< outwards
+    Triad<MidRad> corner;
+    MidRad corner_above;   ///< the side
+    Triad<MidRad> flux;    ///< of (x, y, 0) / 2 through the side below p: grows by flux (p - corner)
+    MidRad flux_at_corner;
+};
 /// Any other: integrated from a point of the base to the edge: along a line of the plane, along a great circle, or on
 /// a cylinder along the generator from a height.
 struct Fan {
@@ -141,7 +150,7 @@ struct Fan {
     Triad<MidRad> start;
 };
 
-using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, Fan>;
+using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, Flat, Fan>;
 
 /// The integrand of a face over the base. `corners`: points of its edges, in the frame, by which a place to start
 /// from is chosen and the side of a plane. None: it cannot be told.
