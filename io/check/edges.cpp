@@ -91,9 +91,13 @@ private:
         double distance, slope;  ///< the least singular value that far around
         double growth;           ///< the lesser of both excesses', as growth() has it
     };
-    /// What a bound on the excesses says about the distance from the arc, or nothing where gradients are
+    /// What bounds on the excesses e and f say about the distance from the arc, or nothing where gradients are
     /// parallel in the box.
-    std::optional<Reach> distance(const Vector<Interval>& box, double size) const {
+    ///
+    /// Both excesses fall in proportion to each other, to zero, along the path that takes the shortest way: with
+    /// their gradients g and h it is |e h - f g| / |g x h| long for some place in the box.
+    std::optional<Reach> distance(const Vector<Interval>& box, const std::array<Interval, 2>& excesses,
+                                  double size) const {
         return reach([&](double margin) -> std::optional<Reach> {
             const Interval m(-margin, margin);
             const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
@@ -105,7 +109,9 @@ private:
             // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of
             // which the greater is below the sum of squares.
             const double slope = sqrt(sine / sum).lower();
-            return Reach{(Interval(size) / slope).upper(), slope,
+            const auto& [e, f] = excesses;
+            const Interval way = sqrt(square(e * h - f * g) / sine);
+            return Reach{std::min((Interval(size) / slope).upper(), way.upper()), slope,
                          std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
         }, size);
     }
@@ -132,26 +138,28 @@ private:
 
     /// All along a part: how large both excesses are together, and those of other sites of the edge.
     struct Distances {
+        std::array<Interval, 2> excesses;
         double size, others;
         std::optional<Reach> found;
     };
     template <class Excess>
     std::optional<Distances> distances(const Excess& excess) const {
-        Interval squares(0.0), others(0.0);
+        std::array<Interval, 2> own;
+        Interval others(0.0);
         for (std::size_t k = 0; k < conditions_.size(); ++k) {
             const std::optional<Interval> e = excess(conditions_[k]);
             if (!e) return std::nullopt;
             if (k < 2)
-                squares += square(*e);
+                own[k] = *e;
             else
                 others = hull(others, magnitude(*e));
         }
-        return Distances{sqrt(squares).upper(), others.upper(), {}};
+        return Distances{own, sqrt(square(own[0]) + square(own[1])).upper(), others.upper(), {}};
     }
     Distances by_forms(const Part& part) const {
         const ExcessAlong along(space(), part.net);
         Distances result = *distances([&](const Condition& c) { return std::optional(along.excess(c)); });
-        result.found = distance(part.net.box(), result.size);
+        result.found = distance(part.net.box(), result.excesses, result.size);
         return result;
     }
     /// None: it takes forms to tell.
@@ -169,7 +177,7 @@ private:
                              : std::nullopt;
             }, result->size);
         else
-            result->found = distance(part.net.box(), result->size);
+            result->found = distance(part.net.box(), result->excesses, result->size);
         return result;
     }
 
@@ -183,7 +191,7 @@ private:
             std::optional<Distances> known = by_spheres(part);
             if (!known || !known->found || !(known->found->distance <= error_ + width / known->found->slope))
                 known = by_forms(part);
-            const auto& [size, others, found] = *known;
+            const auto& [excesses, size, others, found] = *known;
             const double allowed = found ? error_ + width / found->slope : 0;
             const double growth = found ? found->growth
                                         : std::min(this->growth(conditions_[0], part.net.box()),
