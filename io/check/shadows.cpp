@@ -243,6 +243,15 @@ Triad<Interval> Frame::point(const Vec3& p) const {
     return turned(d);
 }
 
+Triad<MidRad> Frame::way(const Vec3& from, const Vec3& to) const {
+    Triad<MidRad> d;
+    for (int i = 0; i < 3; ++i) d[static_cast<std::size_t>(i)] = MidRad(length(to[i])) - length(from[i]);
+    if (!rows_) return d;
+    Triad<MidRad> way;
+    for (std::size_t i = 0; i < 3; ++i) way[i] = dot(near((*rows_)[i]), d);
+    return way;
+}
+
 Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(d.x()), d.y(), d.z()}); }
 
 // --- Curves -------------------------------------------------------------------------------------------------
@@ -251,16 +260,6 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     using Homogeneous = std::array<MidRad, 4>;
     const std::size_t d = static_cast<std::size_t>(curve.degree);
     SmallVector<Homogeneous, 5> points;
-    Triad<double> origin;
-    const Triad<Interval> middle = frame.point(curve.points[curve.points.size() / 2].head<3>());
-    for (std::size_t i = 0; i < 3; ++i) origin[i] = middle[i].mid();
-    for (const auto& p : curve.points) {
-        const Triad<Interval> x = frame.point(p.head<3>());
-        Homogeneous h;
-        for (std::size_t i = 0; i < 3; ++i) h[i] = p[3] * (MidRad(x[i]) - origin[i]);
-        h[3] = p[3];
-        points.push_back(h);
-    }
     const auto between = [](const Homogeneous& a, const Homogeneous& b, const MidRad& s) {
         Homogeneous h;
         for (std::size_t i = 0; i < 4; ++i) h[i] = a[i] + s * (b[i] - a[i]);
@@ -268,19 +267,28 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     };
     std::vector<Span> result;
     SmallVector<Homogeneous, 5> piece, level, differences;
+    points.resize(d + 1);
     piece.resize(d + 1);
     level.resize(d + 1);
     for (std::size_t k = d; k + d + 1 < curve.knots.size(); ++k) {
         const double a = curve.knots[k], b = curve.knots[k + 1];
         if (!(a < b)) continue;
         const bool is_full = curve.knots[k - d + 1] == a && curve.knots[k + d] == b;
+        // About a point of its own: what a short span's points lose about one far away, its derivatives lose many
+        // times over.
+        const Vec3 origin = curve.points[k - d / 2].head<3>();
+        for (std::size_t i = 0; i <= d; ++i) {
+            const auto& p = curve.points[k - d + i];
+            const Triad<MidRad> x = frame.way(origin, p.head<3>());
+            points[i] = {p[3] * x[0], p[3] * x[1], p[3] * x[2], p[3]};
+        }
         for (std::size_t j = 0; j <= d; ++j) {
             if (is_full) {
-                piece[j] = points[k - d + j];
+                piece[j] = points[j];
                 continue;
             }
             // The blossom at a, ..., a, b, ..., b, j times b.
-            for (std::size_t i = 0; i <= d; ++i) level[i] = points[k - d + i];
+            level = points;
             for (std::size_t r = 1; r <= d; ++r) {
                 const double t = r <= j ? b : a;
                 for (std::size_t i = d; i >= r; --i) {
@@ -294,7 +302,6 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         // de Casteljau points of level d - k at the middle.
         Span span;
         span.coefficients.resize(d + 1);
-        span.origin = origin;
         level = piece;
         double binomial = 1, half_power = std::ldexp(1.0, -curve.degree);
         for (std::size_t order = d + 1; order-- > 0;) {
@@ -308,6 +315,12 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
                 for (std::size_t c = 0; c < 4; ++c) level[i][c] = 0.5 * (level[i][c] + level[i + 1][c]);
             binomial = binomial * static_cast<double>(order) / static_cast<double>(d - order + 1);
             half_power *= 2;
+        }
+        const Triad<Interval> about = frame.point(origin);
+        for (std::size_t i = 0; i < 3; ++i) {
+            span.origin[i] = about[i].mid();
+            const MidRad off = MidRad(about[i]) - span.origin[i];
+            for (auto& c : span.coefficients) c[i] += off * c[3];
         }
         result.push_back(std::move(span));
     }

@@ -35,6 +35,8 @@ public:
 
     Triad<Interval> point(const Vec3& p) const;
     Triad<Interval> direction(const Vec3& d) const;  ///< keeps its length
+    /// From one point to another near by: as exact as it is short.
+    Triad<MidRad> way(const Vec3& from, const Vec3& to) const;
     Interval length(double x) const;
     double unit() const { return unit_; }
     Interval radius() const { return radius_; }
