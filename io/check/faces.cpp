@@ -30,6 +30,7 @@ struct Tile {
     Vec2 lo, hi;  // in the patch's parameters
     std::vector<Rival> rivals;
     double excess = HUGE_VAL;  // a bound on its site's in the tile it is a half of
+    int depth = 0;             // of halving
 
     std::array<Tile, 2> halves() const {
         // Across the longer way; any choice will do.
@@ -40,8 +41,8 @@ struct Tile {
                 ? 0
                 : 1;
         auto nets = net.halves(axis);
-        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals, excess},
-                              Tile{std::move(nets[1]), lo, hi, rivals, excess}};
+        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals, excess, depth + 1},
+                              Tile{std::move(nets[1]), lo, hi, rivals, excess, depth + 1}};
         h[0].hi[axis] = h[1].lo[axis] = std::midpoint(lo[axis], hi[axis]);
         return h;
     }
@@ -118,20 +119,16 @@ private:
     /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or, where halves are no
     /// nearer to it, by what its edges state.
     std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole) {
-        if (const auto most = distance_by_spheres()) return most;
         std::vector<Tile> tiles{whole};
         double most = 0;
         std::size_t count = 0;
         while (!tiles.empty()) {
             Tile tile = std::move(tiles.back());
             tiles.pop_back();
-            const ExcessAlong along(space(), tile.net);
-            double size = 0;
-            for (const Condition& c : own_) size = std::max(size, magnitude(along.excess(c)).upper());
-            const auto found = distance(tile.net.box(), size);
-            const bool is_rounding = 2 * size > std::exchange(tile.excess, size);
-            if (found && (size <= width_ || (is_rounding && size <= stated_))) {
-                most = std::max(most, *found);
+            const Nearness near = nearness(tile, count == 0);
+            const bool is_rounding = 2 * near.size > std::exchange(tile.excess, near.size);
+            if (near.distance && (near.size <= width_ || (is_rounding && near.size <= stated_))) {
+                most = std::max(most, *near.distance);
                 continue;
             }
             if (is_outside(patch, tile)) continue;
@@ -143,29 +140,46 @@ private:
                 return std::nullopt;
             }
             if (++count > tiles_allowed()) {
-                certificate_.leave_open(where, fmt::format("its site's excess is below {:.3g}", size),
-                                        found.value_or(HUGE_VAL));
+                certificate_.leave_open(where, fmt::format("its site's excess is below {:.3g}", near.size),
+                                        near.distance.value_or(HUGE_VAL));
                 return std::nullopt;
             }
             for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
         }
         return most;
     }
-    /// Bounds the distance of a whole patch of a ball or a plane from its bisector; none: it takes a closer look.
-    std::optional<double> distance_by_spheres() const {
-        if (!spheres_) return std::nullopt;
+
+    /// Bounds of the own sites' excesses all over a tile, and of how far it is from the bisector then.
+    struct Nearness {
+        double size;
+        std::optional<double> distance;
+    };
+    Nearness nearness(const Tile& tile, bool is_whole) const {
+        // Tiles that are many times smaller are few, where gradients all but vanish: forms know of places.
+        constexpr int most_depth = 6;
+        if (spheres_ && tile.depth <= most_depth) {
+            const auto part = is_whole ? spheres_ : TouchingSpheres::on(tile.net, own_[0].site, space());
+            if (const auto near = part ? nearness_by_spheres(*part) : std::nullopt) return *near;
+        }
+        const ExcessAlong along(space(), tile.net);
+        double size = 0;
+        for (const Condition& c : own_) size = std::max(size, magnitude(along.excess(c)).upper());
+        return {size, distance(tile.net.box(), size)};
+    }
+    /// None: it takes forms to tell.
+    std::optional<Nearness> nearness_by_spheres(const TouchingSpheres& spheres) const {
         double size = 0;
         for (const Condition& c : own_) {
-            const auto e = spheres_->excess(c);
+            const auto e = spheres.excess(c);
             if (!e) return std::nullopt;
             size = std::max(size, magnitude(*e).upper());
         }
-        if (!(size <= width_)) return std::nullopt;
+        if (!(size < HUGE_VAL)) return std::nullopt;
         const double margin = kFirstMargin * size;
-        const auto growth = spheres_->growth(own_[0].site, size, margin);
-        if (!growth) return std::nullopt;
+        const auto growth = spheres.growth(own_[0].site, size, margin);
+        if (!growth) return Nearness{size, std::nullopt};
         const double reach = (Interval(size) / sqrt(Interval(2.0) * *growth)).upper();
-        return reach <= margin ? std::optional(reach) : std::nullopt;
+        return Nearness{size, reach <= margin ? std::optional(reach) : std::nullopt};
     }
     std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
 

@@ -349,14 +349,21 @@ std::optional<Interval> TouchingSpheres::excess(const Condition& c) const {
     if (!has_reference_) return std::nullopt;
     const Interval all = range(difference(*ball, reference_center_, reference_radius_)) +
                          Interval(-reference_error_, reference_error_);
-    // e is F by s + t + rho, where s = t + rho + e is not negative.
+    // e is F by s + t + rho, where s = t + rho + e is not negative. About a base ball s + t + rho is the sum of two
+    // sides of a triangle, and of the difference of the radii.
     const double reach = (clearance_.lower() + ball->radius) * kBelow;
-    if (!(reach > 0)) return std::nullopt;
+    double least_sum = 0;
+    if (const auto* base = std::get_if<Sphere>(&space_->scene().base))
+        least_sum = ((ball->center - base->center).norm() * kBelow + (ball->radius - base->radius)) * kBelow;
+    if (!(reach > 0) && !(least_sum > 0)) return std::nullopt;
     double low = 0, high = 0;
-    if (all.upper() > 0) high = all.upper() / (2 * reach) * kAbove;
+    if (all.upper() > 0) high = all.upper() / std::max(2 * reach, least_sum) * kAbove;
     if (all.lower() < 0) {
-        const double once = -all.lower() / reach * kAbove, sum = (2 * reach - once) * kBelow;
-        low = std::max(all.lower() / std::max(sum, reach) * kAbove, -once);
+        low = least_sum > 0 ? all.lower() / least_sum * kAbove : -HUGE_VAL;
+        if (reach > 0) {
+            const double once = -all.lower() / reach * kAbove, sum = (2 * reach - once) * kBelow;
+            low = std::max({low, all.lower() / std::max(sum, reach) * kAbove, -once});
+        }
     }
     return Interval(low, high);
 }
