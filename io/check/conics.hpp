@@ -84,6 +84,13 @@ public:
                 sqrt(sum) / w2};
     }
 
+    /// Has the speed a root of what may be zero in the disc? Surely not where it is false.
+    bool is_speed_singular(const Disc& s) const {
+        Disc sum = 0.0;
+        for (const Quadratic& v : velocity_) sum = sum + square(v.at(s));
+        return !(sum.center() > sum.radius());
+    }
+
 private:
     Triad<Quadratic> position_, velocity_, moment_;  ///< relative to the origin
     Triad<MidRad> origin_;

@@ -307,7 +307,7 @@ private:
             if (*least >= 0) return true;
             const auto excess = part.spheres->excess(c);
             // Hardly more than the curve itself may be off: else a finer look is worth while.
-            constexpr double hardly = 4;
+            constexpr double hardly = 16;
             return excess && is_little(c, box, excess->lower(), hardly * distance_);
         });
     }

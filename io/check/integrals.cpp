@@ -128,15 +128,24 @@ private:
             integrands[k] = conic.integrand(*shadows[k]);
             if (!integrands[k]) return add_direct(e, shadows, span);
         }
-        return add_both(e, shadows, span, [&]<class T>(const T& s) {
+        return add_both(e, shadows, span, AlongConic{conic, integrands});
+    }
+
+    struct AlongConic {
+        const Conic& conic;
+        const std::array<std::optional<Conic::Integrand>, 2>& integrands;
+
+        template <class T>
+        std::array<T, 7> operator()(const T& s) const {
             const auto p = conic.at(s);
             std::array<T, 7> values{};
             for (std::size_t k = 0; k < 2; ++k)
                 if (integrands[k]) std::ranges::copy(densities(*integrands[k], s, p), values.begin() + 3 * k);
             values[6] = p.speed;
             return values;
-        });
-    }
+        }
+        bool is_singular(const Disc& s) const { return conic.is_speed_singular(s); }
+    };
 
     void add_fan(const EdgeUse& use, const Fan& fan, const Span& span) {
         std::array<Interval, 3> sum{};

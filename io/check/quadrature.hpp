@@ -207,7 +207,8 @@ void add_enclosed(const F& f, double middle, const MidRad& half_width, const Gau
 /// perhaps infinite.
 ///
 /// One look at f all about [a, b], in discs that know of rounding, bounds what a rule leaves out and how far
-/// plain doubles are off at its nodes.
+/// plain doubles are off at its nodes. Where f.is_singular(disc) tells at little cost that f would not be bounded in
+/// a disc, that look is saved.
 template <std::size_t N, class F>
 bool integrate(const F& f, double a, double b, const std::array<double, N>& enough, std::array<Interval, N>& sum,
                Effort& effort) {
@@ -218,14 +219,19 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
     const double middle = 0.5 * (a + b), half = Interval::up(0.5 * (b - a));
     const MidRad half_width = 0.5 * (MidRad(b) - a);
     ++effort.parts_used;
-    // Of plain values: centers of discs may be far larger.
-    const auto value = f(Approximate(middle));
+    std::size_t first = first_ellipse;
+    if constexpr (requires { f.is_singular(Disc()); })
+        while (first < ellipses.size() && f.is_singular(around(first, middle, half))) ++first;
     std::array<double, N> missing, most, rounding;
-    for (std::size_t i = 0; i < N; ++i) {
-        missing[i] = std::max(enough[i], detail::value_rounding * std::abs(value[i][0]));
-        most[i] = poor * missing[i];
+    if (first < ellipses.size()) {
+        // Of plain values: centers of discs may be far larger.
+        const auto value = f(Approximate(middle));
+        for (std::size_t i = 0; i < N; ++i) {
+            missing[i] = std::max(enough[i], detail::value_rounding * std::abs(value[i][0]));
+            most[i] = poor * missing[i];
+        }
     }
-    for (std::size_t k = first_ellipse; k < ellipses.size(); ++k) {
+    for (std::size_t k = first; k < ellipses.size(); ++k) {
         const auto all = f(Traced(around(k, middle, half), 0x1p-50 * (std::abs(middle) + half)));
         for (std::size_t i = 0; i < N; ++i) rounding[i] = all[i].error();
         std::size_t r = first_rule;

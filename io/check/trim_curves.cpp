@@ -122,12 +122,13 @@ public:
         return result;
     }
 
-    /// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients. Infinite where control points
-    /// lie beside the patch, or degrees are none of the usual ones.
+    /// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients. Infinite where the curve runs
+    /// beside the patch, or degrees are none of the usual ones.
     ///
     /// With s = a / w, b = w - a and so for t, S's homogeneous coordinates are sums of N_ij times products of
-    /// binomials and powers of a, b that are not negative, and add up to w^(m + n): so many roundings are relative to
-    /// the largest N.
+    /// binomials and powers of a, b that are not negative, and add up to w^(m + n). Coefficients of a and b may be
+    /// negative, with magnitudes that add up to more: so many roundings are relative to the largest N times powers of
+    /// those.
     double gap_at_places(const Pair& pair) const {
         const int m = net_.degree_s(), n = net_.degree_t(), d = pair.trim.degree(), e = pair.edge.degree();
         if (m > 2 || n > 2 || d > 2) return HUGE_VAL;
@@ -135,7 +136,7 @@ public:
         if (degree > Places::most_degree) return HUGE_VAL;
         // The trimming curve's places in the patch.
         std::array<std::array<double, 3>, 2> a{}, b{};
-        double off = 0, least_weight = HUGE_VAL, most_weight = 0;
+        double off = 0, least_weight = HUGE_VAL, most_shares = 0;
         for (const int axis : {0, 1}) {
             const auto k = static_cast<std::size_t>(axis);
             const MidRad scale = MidRad(1.0) / extent(axis);
@@ -144,15 +145,14 @@ public:
                 const MidRad x = scale * point[k], y = point[2] - x;
                 a[k][i] = x.mid();
                 b[k][i] = y.mid();
-                // Beside the patch by rounding is on its side.
-                const double aside = std::max({-x.mid(), -y.mid(), 0.0});
-                if (!(aside <= 0x1p-44 * point[2].mid())) return HUGE_VAL;
-                a[k][i] = std::max(a[k][i], 0.0);
-                b[k][i] = std::max(b[k][i], 0.0);
-                off = std::max(off, x.radius() + y.radius() + aside);
+                off = std::max(off, x.radius() + y.radius());
                 least_weight = std::min(least_weight, point[2].mid() - point[2].radius());
-                most_weight = std::max(most_weight, point[2].mid() + point[2].radius());
+                most_shares = std::max(most_shares, std::abs(x.mid()) + std::abs(y.mid()) + x.radius() + y.radius());
             }
+            // Beside the patch by rounding is on its side.
+            const double aside = -std::min(least_of(a[k], d), least_of(b[k], d));
+            if (!(aside <= 0x1p-44 * least_weight)) return HUGE_VAL;
+            off += 2 * aside;
         }
         std::array<double, 4> size{}, error{};
         double least_of_net = HUGE_VAL;
@@ -217,17 +217,17 @@ public:
         // w^(m + n), with what a and b may be off by.
         double power = 1, least_power = 1;
         for (int i = 0; i < m + n; ++i) {
-            power *= most_weight + off;
+            power *= most_shares + off;
             least_power *= least_weight;
         }
         // Terms of a sum of d + 1 go through 3 + 1 + d roundings, their products of m + n factors through m + n times as
         // many and as many more, sums of them through eight.
         const double relative = rounding((m + n) * (4 + d) + m + n + 9) + (m + n) * (off / least_weight),
                      relative_of_edge = rounding(4 * e + 4);
+        const double weight_error = (size[3] * relative + error[3]) * power;
         double sum = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             const double lifted_error = (size[k] * relative + error[k]) * power,
-                         weight_error = (size[3] * relative + error[3]) * power,
                          curve_error = edge_size[k] * relative_of_edge + edge_error[k],
                          edge_weight_error = edge_size[3] * relative_of_edge + edge_error[3];
             const double rounded = rounding(3) * power * (size[k] * edge_size[3] + edge_size[k] * size[3]);
@@ -236,8 +236,19 @@ public:
             const double x = places.lebesgue * (most[k].greatest() + 1.01 * own);
             sum += x * x;
         }
-        const double scale = least_of_net * least_power * least_of_edge * (1 - 0x1p-40);
+        const double scale = (least_of_net * least_power - weight_error) * least_of_edge * (1 - 0x1p-40);
+        if (!(scale > 0)) return HUGE_VAL;
         return std::sqrt(sum) / scale * (1 + 0x1p-40);
+    }
+
+    /// A lower bound of 0 and of a polynomial of degree 2 at most in Bernstein form. With u and v what the middle
+    /// coefficient is below the others, its least value is u v / (u + v) above that.
+    static double least_of(const std::array<double, 3>& c, int degree) {
+        const double last = c[static_cast<std::size_t>(degree)], at_ends = std::min({c[0], last, 0.0});
+        if (degree < 2 || c[1] >= std::min(c[0], last)) return at_ends;
+        const double u = c[0] - c[1], v = last - c[1];
+        const double rounding = 0x1p-50 * std::max({std::abs(c[0]), std::abs(c[1]), std::abs(last)});
+        return std::min(at_ends, c[1] + u * v / (u + v) - rounding);
     }
 
     /// Bounds |S(c(t)) - C(t)|: S's homogeneous coordinates along c are polynomials in t, and so are those of
