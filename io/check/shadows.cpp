@@ -155,6 +155,23 @@ Densities<T> along(const ConeHeight& h, const Place<T>& p) {
             steepness};
 }
 
+template <class T>
+Densities<T> along(const RuledHeight& h, const Place<T>& p) {
+    const auto [x, y, dx, dy] = relative(p, h.start);
+    const T w2 = square(p.w);
+    const T v = (h.along[0] * x + h.along[1] * y) / p.w, lambda = T(1.0) / (T(1.0) + h.kappa * v);
+    const T velocity_x = p.dn[0] * p.w - p.n[0] * p.dw, velocity_y = p.dn[1] * p.w - p.n[1] * p.dw;
+    const T turn =
+        v * lambda * (h.kappa * (x * dy - y * dx) + (h.m[0] * velocity_y - h.m[1] * velocity_x)) / w2;
+    const auto [t, steepness] =
+        height<T>(h.form, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
+                  {T(0.0), T(0.0), T(1.0)});
+    const T sum = T(1.0) + lambda, shadow = 0.5 * (sum * turn);
+    // The apex is at height -delta.
+    const T volume = (t + T(h.form.delta)) * (sum + square(lambda)) * T(third) * turn - h.form.delta * shadow;
+    return {volume, shadow * steepness, shadow, steepness};
+}
+
 // The face is a polygon or the like in its side: that of the edge's foot there, the wall between both, whose volume
 // towards the axis counts, and what lies straight towards the axis from it, which has none.
 template <class T>
@@ -389,6 +406,25 @@ std::optional<Form> form_of(const Scene& scene, const Frame& frame, const Site& 
     return form;
 }
 
+/// None: the apex is as near as the face is large.
+std::optional<RuledHeight> ruled_height(const Form& form, std::span<const Triad<double>> corners) {
+    const MidRad run = sqrt(square(form.d[0]) + square(form.d[1]));
+    if (!(run.lower() > 0)) return std::nullopt;
+    const std::array<MidRad, 2> n{form.d[0] / run, form.d[1] / run};
+    const Triad<double>& corner = corners.front();
+    const MidRad x = corner[0] - form.c[0], y = corner[1] - form.c[1];
+    const MidRad v = n[0] * x + n[1] * y, across = n[0] * y - n[1] * x;
+    // D times the slope.
+    const MidRad rise = v * form.d[2] + (form.c[2] + form.delta) * run, kappa = form.d[2] / rise;
+    constexpr double nearest = 0.25;
+    for (const Triad<double>& p : corners) {
+        const MidRad reach = 1.0 + kappa * (n[0] * (p[0] - corner[0]) + n[1] * (p[1] - corner[1]));
+        if (!(reach.lower() >= nearest)) return std::nullopt;
+    }
+    const MidRad aside = kappa * across;
+    return RuledHeight{form, {corner[0], corner[1]}, n, {n[0] - aside * n[1], n[1] + aside * n[0]}, kappa};
+}
+
 Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
     const Triad<double>& corner = corners.front();
     const auto linear = [&](MidRad gx, MidRad gy, MidRad at_origin) {
@@ -411,8 +447,8 @@ Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
                               MidRad(1.0) / square(k)};
         }
         default: {
-            // Their cone's apex is where the axis comes as far below the plane as the radius. Far away it would
-            // cost digits.
+            // Their cone's apex is where the axis comes as far below the plane as the radius.
+            if (const auto ruled = ruled_height(form, corners)) return *ruled;
             constexpr double least_slope = 0x1p-5;
             const MidRad slope = form.d[2];
             if (slope.lower() > least_slope || slope.upper() < -least_slope) {

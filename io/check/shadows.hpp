@@ -135,6 +135,19 @@ struct ConeHeight {
     std::array<MidRad, 2> apex;
     MidRad at_apex;
 };
+/// Over a plane: the same from a line across instead, where the apex is far away or nowhere.
+///
+/// With n the axis' direction over the plane, v = n (q - a) for a point a of the line, D = n (a - apex) and
+/// kappa = 1 / D, the line cuts what lies between apex and q at lambda = 1 / (1 + kappa v) of the way. From
+/// there to q the integrals are those from the apex times 1 - lambda^2 and 1 - lambda^3, of which 1 - lambda =
+/// kappa v lambda; what is left out depends on the direction from the apex alone, and adds up to nothing around
+/// a face that is on one side of it. Then det(q - apex, dq) comes with a factor of kappa, and is as small as the
+/// face: kappa (q - apex) = kappa (q - a) + m.
+struct RuledHeight {
+    Form form;
+    std::array<MidRad, 2> start, along, m;  ///< a, n, m
+    MidRad kappa;
+};
 /// About a cylinder: a side of the box, in coordinates of its own. As seen from the axis it may turn by almost half
 /// a circle within no length at all, where the axis ends close to it.
 struct Flat {
@@ -152,7 +165,7 @@ struct Fan {
     Triad<MidRad> start;
 };
 
-using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, Flat, Fan>;
+using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Fan>;
 
 /// The integrand of a face over the base. `corners`: points of its edges, in the frame, by which a place to start
 /// from is chosen and the side of a plane. None: it cannot be told.
