@@ -22,8 +22,8 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     const auto edges = certify_edges(subject, options, certificate);
     certify_kinds(subject, options, certificate);
     certify_faces(subject, edges, options, certificate);
-    const bool is_proved = certify_measures(subject, edges, options, certificate);
-    if (!is_proved || !certificate.holds()) sample(subject, options, certificate);
+    const bool is_covered = certify_measures(subject, edges, options, certificate);
+    if (!is_covered || !certificate.holds()) sample(subject, options, certificate);
     return certificate;
 }
 

@@ -50,6 +50,8 @@ public:
             pieces += edge.curve.points.size() / static_cast<std::size_t>(edge.curve.degree);
         const double share = 1 / (64.0 * static_cast<double>(pieces));
         for (std::size_t i = 0; i < 3; ++i) enough_[i] = share * enough[i];
+        // Shadows of the whole base are about as large as the unit.
+        enough_of_shadows_ = 0x1p-24 * share;
     }
 
     Integrals run() {
@@ -170,6 +172,16 @@ private:
                 sum, [&](const Interval& x) { return !(x.radius() <= poor * x.magnitude()); });
             if (!is_complete && is_poor) sum.fill(Interval(-HUGE_VAL, HUGE_VAL));
         }
+        // Shadows tell how often faces stand over the base.
+        std::array<Interval, 1> shadow{};
+        Effort more{4 * effort_};
+        const bool is_told = integrate<1>(
+            [&]<class T>(const T& s) { return std::array<T, 1>{shadow_density(fan, span.at(s))}; }, -1, 1,
+            {enough_of_shadows_}, shadow, more);
+        if (is_told)
+            sum[2] = shadow[0];
+        else
+            sums_.are_shadows_proved &= prove_all_;
         add(use, sum[0], sum[1], sum[2]);
     }
 
@@ -283,6 +295,7 @@ private:
     int effort_;
     bool prove_all_;
     std::array<double, 3> enough_;
+    double enough_of_shadows_;
     std::vector<std::optional<Shadow>> shadows_;
     Integrals sums_;
 };

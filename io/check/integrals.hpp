@@ -30,6 +30,7 @@ struct Integrals {
     Interval sides = 0.0;
     bool is_complete = true;        ///< false: some integral's effort was spent
     bool is_proved = true;          ///< false: what some rule leaves out is estimated
+    bool are_shadows_proved = true;  ///< false: of shadows, too
 };
 
 /// One side of an edge.

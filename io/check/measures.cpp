@@ -31,7 +31,7 @@ public:
           frame_(cell_.scene),
           size_(geometry_.scale() / frame_.unit()) {}
 
-    /// False: some integrals are estimates.
+    /// False: integrals of shadows are estimates.
     bool run() {
         integrate_all();
         judge_edges();
@@ -40,7 +40,7 @@ public:
         judge_clearances();
         judge_neighbors();
         judge_report();
-        return integrals_.is_proved;
+        return integrals_.are_shadows_proved;
     }
 
 private:

@@ -18,8 +18,8 @@
 
 namespace vcell::check {
 
-/// What certify_edges() found tells how far edges may be from the true ones. False: some integrals are
-/// estimates.
+/// What certify_edges() found tells how far edges may be from the true ones. False: integrals by which faces are
+/// said to stand over all of the base are estimates.
 bool certify_measures(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
                       Certificate& certificate);
 

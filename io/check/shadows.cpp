@@ -533,6 +533,21 @@ Densities<T> densities(const Shadow& shadow, const Place<T>& p) {
 }
 
 template <class T>
+T shadow_density(const Fan& fan, const Place<T>& p) {
+    if (fan.base == Fan::Base::plane) {
+        const auto [x, y, dx, dy] = relative(p, {fan.start[0], fan.start[1]});
+        return 0.5 * ((x * dy - y * dx) / square(p.w));
+    }
+    const Triad<T> n = p.whole(), dn = p.whole_derivative();
+    if (fan.base == Fan::Base::sphere) {
+        const T size = sqrt(squared_norm(n));
+        return determinant(fan.start, n, dn) / (size * (size + dot(fan.start, n)));
+    }
+    const T rise = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
+    return rise * (n[1] * dn[0] - n[0] * dn[1]) / (square(n[0]) + square(n[1]));
+}
+
+template <class T>
 Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
     switch (fan.base) {
         case Fan::Base::plane: {
@@ -576,6 +591,9 @@ template Densities<MidRad> densities(const Shadow&, const Place<MidRad>&);
 template Densities<Disc> densities(const Shadow&, const Place<Disc>&);
 template Densities<Traced> densities(const Shadow&, const Place<Traced>&);
 template Densities<Approximate> densities(const Shadow&, const Place<Approximate>&);
+template MidRad shadow_density(const Fan&, const Place<MidRad>&);
+template Traced shadow_density(const Fan&, const Place<Traced>&);
+template Approximate shadow_density(const Fan&, const Place<Approximate>&);
 template Densities<MidRad> densities(const Fan&, const Place<MidRad>&, const MidRad&);
 template Densities<Disc> densities(const Fan&, const Place<Disc>&, const Disc&);
 template Densities<Approximate> densities(const Fan&, const Place<Approximate>&, const Approximate&);

@@ -175,6 +175,9 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
 /// Pre: no Fan.
 template <class T>
 Densities<T> densities(const Shadow& shadow, const Place<T>& p);
+/// Of the shadow alone, which takes no second variable.
+template <class T>
+T shadow_density(const Fan& fan, const Place<T>& p);
 /// The integrand over sigma in [0, 1] too: what lies between the start and the edge.
 template <class T>
 Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma);
