@@ -5,6 +5,8 @@
 #include <queue>
 #include <set>
 
+#include "forms.hpp"
+
 namespace vcell::check {
 
 namespace {
@@ -13,8 +15,9 @@ using Control = Eigen::Vector4d;
 
 /// A part of an edge by its homogeneous control points, in the frame.
 struct Part {
-    std::vector<Control> points;
-    double bound;  ///< of the clearances along it, from the side that is asked for
+    SmallVector<Control, 6> points;
+    std::array<double, 2> range;  ///< of the heights along it
+    double bound;                 ///< of the heights, from the side that is asked for
 
     friend bool operator<(const Part& a, const Part& b) { return a.bound < b.bound; }
 };
@@ -41,17 +44,14 @@ public:
             return bounds;
         }
         const std::size_t d = part.points.size() - 1;
-        std::vector<double> binomials(2 * d + 1, 1.0);
-        for (std::size_t k = 1; k <= 2 * d; ++k)
-            binomials[k] = binomials[k - 1] * static_cast<double>(2 * d + 1 - k) / static_cast<double>(k);
-        std::vector<double> choose(d + 1, 1.0);
-        for (std::size_t k = 1; k <= d; ++k)
-            choose[k] = choose[k - 1] * static_cast<double>(d + 1 - k) / static_cast<double>(k);
+        const auto choose = [](std::size_t n, std::size_t k) {
+            return binomial(static_cast<int>(n), static_cast<int>(k));
+        };
         for (std::size_t k = 0; k <= 2 * d; ++k) {
             double square = 0, weight = 0;
             for (std::size_t i = k > d ? k - d : 0; i <= std::min(k, d); ++i) {
                 const Control &a = part.points[i], &b = part.points[k - i];
-                const double share = choose[i] * choose[k - i] / binomials[k];
+                const double share = choose(d, i) * choose(d, k - i) / choose(2 * d, k);
                 square += share * (a.x() * b.x() + a.y() * b.y() + (is_sphere_ ? a.z() * b.z() : 0));
                 weight += share * a[3] * b[3];
             }
@@ -67,7 +67,7 @@ private:
 
 std::array<Part, 2> halves(const Part& part) {
     std::array<Part, 2> result{part, part};
-    std::vector<Control> level = part.points;
+    SmallVector<Control, 6> level = part.points;
     const std::size_t d = level.size() - 1;
     for (std::size_t i = 0; i <= d; ++i) {
         result[0].points[i] = level[0];
@@ -77,9 +77,9 @@ std::array<Part, 2> halves(const Part& part) {
     return result;
 }
 
-/// The greatest of sign times the height along all parts, up to `enough`.
+/// The greatest of sign times the height along all parts, up to `enough`. Pre: their ranges are known.
 Interval greatest(std::vector<Part> parts, const Heights& heights, double sign, double enough) {
-    const auto bound = [&](Part& part) { part.bound = sign > 0 ? heights.range(part)[1] : -heights.range(part)[0]; };
+    const auto bound = [&](Part& part) { part.bound = sign > 0 ? part.range[1] : -part.range[0]; };
     double attained = -HUGE_VAL;
     const auto meet = [&](const Part& part) {
         for (const Control& c : {part.points.front(), part.points.back()})
@@ -101,6 +101,7 @@ Interval greatest(std::vector<Part> parts, const Heights& heights, double sign, 
             break;
         }
         for (Part& half : halves(part)) {
+            half.range = heights.range(half);
             bound(half);
             meet(half);
             queue.push(std::move(half));
@@ -133,12 +134,13 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
     std::vector<Part> parts;
     for (const auto& pieces : subject.edge_pieces)
         for (const auto& piece : pieces) {
-            Part part{{}, 0};
+            Part part{{}, {}, 0};
             for (std::size_t i = 0; i < piece.points.size(); ++i) {
                 const Triad<Interval> p = frame.point(piece.control(i));
                 const double w = piece.weight(i);
                 part.points.push_back({w * p[0].mid(), w * p[1].mid(), w * p[2].mid(), w});
             }
+            part.range = heights.range(part);
             parts.push_back(std::move(part));
         }
     Interval least{HUGE_VAL}, most{-HUGE_VAL};

@@ -81,9 +81,7 @@ private:
                 if (trim.curve->edge) stated_ = std::max(stated_, full_error(*trim.curve->edge));
         stated_ = std::min(stated_, most_stated(0));  // what is more is refuted at the edge
 
-        Vec3 center = Vec3::Zero();
-        for (const auto& c : patch.part.points)
-            center += c.head<3>() / static_cast<double>(patch.part.points.size());
+        const Vec3 center = lift(patch, 0.5 * (patch.lo + patch.hi)).p;
         const Tile whole{net_over(*patch.surface, patch.lo, patch.hi, center), patch.lo, patch.hi, {}};
         spheres_ = TouchingSpheres::on(whole.net, face.site, space());
         if (spheres_) spheres_->refer_to(face.site);

@@ -44,7 +44,7 @@ public:
             shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, corners[f]));
             sums_.faces[f].is_known = shadows_.back().has_value();
         }
-        // Shares of what may be missed: of each piece on either side, with room for its halves.
+        // Shares of what may be missed: of each piece on either side, two units wide; of all together a sixteenth.
         std::size_t pieces = 1;
         for (const CellEdge& edge : cell.edges)
             pieces += edge.curve.points.size() / static_cast<std::size_t>(edge.curve.degree);

@@ -164,6 +164,11 @@ std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding) 
     return std::lround(total / (2 * std::numbers::pi)) == 1;
 }
 
+const RationalPatch& Patch::part() const {
+    if (!known_part) known_part = part_of(*surface, lo, hi);
+    return *known_part;
+}
+
 RationalPatch part_of(const RationalPatch& surface, const Vec2& lo, const Vec2& hi) {
     RationalPatch part = surface;
     part.domain_u = {lo.x(), hi.x()};
@@ -199,7 +204,8 @@ std::optional<std::vector<Vec2>> parameters(const Patch& patch, const Ray& ray,
     const Vec2 infinite = Vec2::Constant(HUGE_VAL);
     Vec2 least = infinite, most = -infinite;
     bool is_ahead = false;
-    for (const auto& c : patch.part.points) {
+    const RationalPatch& part = patch.part();
+    for (const auto& c : part.points) {
         const Vec3 p = c.head<3>();
         least = least.cwiseMin(aside(p));
         most = most.cwiseMax(aside(p));
@@ -209,8 +215,8 @@ std::optional<std::vector<Vec2>> parameters(const Patch& patch, const Ray& ray,
     std::vector<Vec2> result;
     if (!is_ahead || (least.array() > noise).any() || (most.array() < -noise).any()) return result;
 
-    Map map{Vec2::Zero(), Vec2::Ones(), {patch.part.degree_u, patch.part.degree_v}, {}};
-    for (const auto& c : patch.part.points) map.points.push_back(c[3] * aside(c.head<3>()));
+    Map map{Vec2::Zero(), Vec2::Ones(), {part.degree_u, part.degree_v}, {}};
+    for (const auto& c : part.points) map.points.push_back(c[3] * aside(c.head<3>()));
     const auto places = zeros(std::move(map));
     if (!places) return std::nullopt;
     for (const Vec2& s : *places) {

@@ -32,7 +32,10 @@ struct Patch {
     std::vector<std::vector<Trim>> loops;
     Vec2 lo, hi;            ///< of the trimmed region, in (u, v)
     Vec2 foot_lo, foot_hi;  ///< plane base: of its feet, in the chart
-    RationalPatch part;     ///< the surface over the rectangle lo, hi
+    mutable std::optional<RationalPatch> known_part = std::nullopt;
+
+    /// The surface over the rectangle lo, hi; made when first asked for.
+    const RationalPatch& part() const;
 };
 
 /// The same surface over lo, hi of its domain.

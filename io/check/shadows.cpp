@@ -56,30 +56,30 @@ struct Height {
 
 /// The distance at which the ray from the foot f along u meets the bisector.
 template <class T>
-Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
-    switch (form.kind) {
-        case Form::Kind::plane: {
-            const T C = form.sign * (dot(form.c, f) + T(form.offset)) + T(form.radius);
-            const T beta = 0.5 * (T(1.0) - form.sign * dot(form.c, u));
+Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u) {
+    switch (equation.kind) {
+        case Equation::Kind::plane: {
+            const T C = equation.sign * (dot(equation.c, f) + T(equation.offset)) + T(equation.radius);
+            const T beta = 0.5 * (T(1.0) - equation.sign * dot(equation.c, u));
             return {C / (2.0 * beta), T(1.0) / sqrt(beta)};
         }
-        case Form::Kind::side: {
-            const T speed = dot(form.c, u);
-            return {(T(form.offset) - dot(form.c, f)) / speed, T(1.0) / speed};
+        case Equation::Kind::side: {
+            const T speed = dot(equation.c, u);
+            return {(T(equation.offset) - dot(equation.c, f)) / speed, T(1.0) / speed};
         }
-        case Form::Kind::ball: {
-            const Triad<T> m{f[0] - T(form.c[0]), f[1] - T(form.c[1]), f[2] - T(form.c[2])};
-            const T beta = T(form.delta) - dot(u, m);
-            const T t = (squared_norm(m) - T(square(form.delta))) / (2.0 * beta);
-            return {t, sqrt(2.0 * (t + T(form.delta)) / beta)};
+        case Equation::Kind::ball: {
+            const Triad<T> m{f[0] - T(equation.c[0]), f[1] - T(equation.c[1]), f[2] - T(equation.c[2])};
+            const T beta = T(equation.delta) - dot(u, m);
+            const T t = (squared_norm(m) - T(square(equation.delta))) / (2.0 * beta);
+            return {t, sqrt(2.0 * (t + T(equation.delta)) / beta)};
         }
         default: {
             // In the plane across the axis, where lengths along it do not blur the bounds.
-            const std::array<T, 2> m{dot(form.across[0], f) - T(form.across_c[0]),
-                                     dot(form.across[1], f) - T(form.across_c[1])};
-            const T alpha = dot(form.d, u);
-            const T C = square(m[0]) + square(m[1]) - T(square(form.delta));
-            const T beta = T(form.delta) - dot(form.across[0], u) * m[0] - dot(form.across[1], u) * m[1];
+            const std::array<T, 2> m{dot(equation.across[0], f) - T(equation.across_c[0]),
+                                     dot(equation.across[1], f) - T(equation.across_c[1])};
+            const T alpha = dot(equation.d, u);
+            const T C = square(m[0]) + square(m[1]) - T(square(equation.delta));
+            const T beta = T(equation.delta) - dot(equation.across[0], u) * m[0] - dot(equation.across[1], u) * m[1];
             const T root = sqrt(square(beta) + square(alpha) * C);
             // The other form of the root, where this one would cancel.
             const T t = [&] {
@@ -97,7 +97,7 @@ Height<T> height(const Form& form, const Triad<T>& f, const Triad<T>& u) {
                     return middle(beta) >= 0 ? first() : second();
                 }
             }();
-            return {t, sqrt(2.0 * (t + T(form.delta)) / root)};
+            return {t, sqrt(2.0 * (t + T(equation.delta)) / root)};
         }
     }
 }
@@ -148,7 +148,7 @@ Densities<T> along(const ConeHeight& h, const Place<T>& p) {
     const auto [x, y, dx, dy] = relative(p, h.apex);
     const T turn = (x * dy - y * dx) / square(p.w);
     const auto [t, steepness] =
-        height<T>(h.form, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
+        height<T>(h.equation, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
                   {T(0.0), T(0.0), T(1.0)});
     const T shadow = 0.5 * turn;
     return {((t - T(h.at_apex)) * T(third) + T(0.5 * h.at_apex)) * turn, shadow * steepness, shadow,
@@ -164,11 +164,11 @@ Densities<T> along(const RuledHeight& h, const Place<T>& p) {
     const T turn =
         v * lambda * (h.kappa * (x * dy - y * dx) + (h.m[0] * velocity_y - h.m[1] * velocity_x)) / w2;
     const auto [t, steepness] =
-        height<T>(h.form, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
+        height<T>(h.equation, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
                   {T(0.0), T(0.0), T(1.0)});
     const T sum = T(1.0) + lambda, shadow = 0.5 * (sum * turn);
     // The apex is at height -delta.
-    const T volume = (t + T(h.form.delta)) * (sum + square(lambda)) * T(third) * turn - h.form.delta * shadow;
+    const T volume = (t + T(h.equation.delta)) * (sum + square(lambda)) * T(third) * turn - h.equation.delta * shadow;
     return {volume, shadow * steepness, shadow, steepness};
 }
 
@@ -348,114 +348,117 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
 
 namespace {
 
-std::optional<Form> form_of(const Scene& scene, const Frame& frame, const Site& site,
+std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
                             std::span<const Triad<double>> corners) {
-    Form form{};
-    form.radius = frame.radius();
+    Equation equation{};
+    equation.radius = frame.radius();
     if (site.kind == Site::Kind::BoxSide) {
         const int axis = static_cast<int>(site.index / 2);
         const bool is_upper = site.index % 2;
-        form.kind = Form::Kind::side;
-        form.c = near(frame.direction(is_upper ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis))));
-        form.offset = dot(form.c, near(frame.point(is_upper ? scene.box.max : scene.box.min)));
-        return form;
+        equation.kind = Equation::Kind::side;
+        equation.c = near(frame.direction(is_upper ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis))));
+        equation.offset = dot(equation.c, near(frame.point(is_upper ? scene.box.max : scene.box.min)));
+        return equation;
     }
     if (!site.is_object()) return std::nullopt;
     const Object& object = scene.objects[site.index];
     if (const auto* ball = std::get_if<Sphere>(&object)) {
-        form.kind = Form::Kind::ball;
-        form.c = near(frame.point(ball->center));
+        equation.kind = Equation::Kind::ball;
+        equation.c = near(frame.point(ball->center));
         const auto* base = std::get_if<Sphere>(&scene.base);
-        form.delta = base && base->radius == ball->radius
+        equation.delta = base && base->radius == ball->radius
                          ? MidRad(0.0)
                          : MidRad(frame.length(ball->radius)) - frame.radius();
-        if (std::holds_alternative<Plane>(scene.base)) form.delta = frame.length(ball->radius);
-        return form;
+        if (std::holds_alternative<Plane>(scene.base)) equation.delta = frame.length(ball->radius);
+        return equation;
     }
     if (const auto* tube = std::get_if<Cylinder>(&object)) {
-        form.kind = Form::Kind::tube;
-        form.c = near(frame.point(tube->point));
-        form.d = normalized(near(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff())));
+        equation.kind = Equation::Kind::tube;
+        equation.c = near(frame.point(tube->point));
+        equation.d = normalized(near(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff())));
         const Vec3 axis = tube->axis.normalized();
         int least = 0;
         axis.cwiseAbs().minCoeff(&least);
         const Triad<MidRad> aside = near(frame.direction(Vec3::Unit(least)));
-        form.across[0] = normalized(cross(aside, form.d));
-        form.across[1] = cross(form.d, form.across[0]);
-        for (const std::size_t i : {0, 1}) form.across_c[i] = dot(form.across[i], form.c);
-        form.delta = MidRad(frame.length(tube->radius)) - frame.radius();
-        if (std::holds_alternative<Plane>(scene.base)) form.delta = frame.length(tube->radius);
-        return form;
+        equation.across[0] = normalized(cross(aside, equation.d));
+        equation.across[1] = cross(equation.d, equation.across[0]);
+        for (const std::size_t i : {0, 1}) equation.across_c[i] = dot(equation.across[i], equation.c);
+        equation.delta = MidRad(frame.length(tube->radius)) - frame.radius();
+        if (std::holds_alternative<Plane>(scene.base)) equation.delta = frame.length(tube->radius);
+        return equation;
     }
     const auto& plane = std::get<Plane>(object);
-    form.kind = Form::Kind::plane;
-    form.c = normalized(near(frame.direction(plane.normal / plane.normal.cwiseAbs().maxCoeff())));
-    form.offset = -dot(form.c, near(frame.point(plane.point)));
+    equation.kind = Equation::Kind::plane;
+    equation.c = normalized(near(frame.direction(plane.normal / plane.normal.cwiseAbs().maxCoeff())));
+    equation.offset = -dot(equation.c, near(frame.point(plane.point)));
     // The base lies on one side of it; told at the foot that is farthest away.
     double best = 0;
     for (const auto& p : corners) {
         Triad<MidRad> foot{};
         if (std::holds_alternative<Plane>(scene.base)) foot = {p[0], p[1], 0.0};
         if (std::holds_alternative<Cylinder>(scene.base)) foot = {0.0, 0.0, p[2]};
-        const MidRad value = dot(form.c, foot) + form.offset;
+        const MidRad value = dot(equation.c, foot) + equation.offset;
         if (!(std::abs(value.mid()) > value.radius())) continue;
         if (std::abs(value.mid()) > std::abs(best)) best = value.mid();
     }
     if (best == 0) return std::nullopt;
-    form.sign = best > 0 ? 1 : -1;
-    return form;
+    equation.sign = best > 0 ? 1 : -1;
+    return equation;
 }
 
 /// None: the apex is as near as the face is large.
-std::optional<RuledHeight> ruled_height(const Form& form, std::span<const Triad<double>> corners) {
-    const MidRad run = sqrt(square(form.d[0]) + square(form.d[1]));
+std::optional<RuledHeight> ruled_height(const Equation& equation, std::span<const Triad<double>> corners) {
+    const MidRad run = sqrt(square(equation.d[0]) + square(equation.d[1]));
     if (!(run.lower() > 0)) return std::nullopt;
-    const std::array<MidRad, 2> n{form.d[0] / run, form.d[1] / run};
+    const std::array<MidRad, 2> n{equation.d[0] / run, equation.d[1] / run};
     const Triad<double>& corner = corners.front();
-    const MidRad x = corner[0] - form.c[0], y = corner[1] - form.c[1];
+    const MidRad x = corner[0] - equation.c[0], y = corner[1] - equation.c[1];
     const MidRad v = n[0] * x + n[1] * y, across = n[0] * y - n[1] * x;
     // D times the slope.
-    const MidRad rise = v * form.d[2] + (form.c[2] + form.delta) * run, kappa = form.d[2] / rise;
+    const MidRad rise = v * equation.d[2] + (equation.c[2] + equation.delta) * run, kappa = equation.d[2] / rise;
     constexpr double nearest = 0.25;
     for (const Triad<double>& p : corners) {
         const MidRad reach = 1.0 + kappa * (n[0] * (p[0] - corner[0]) + n[1] * (p[1] - corner[1]));
         if (!(reach.lower() >= nearest)) return std::nullopt;
     }
     const MidRad aside = kappa * across;
-    return RuledHeight{form, {corner[0], corner[1]}, n, {n[0] - aside * n[1], n[1] + aside * n[0]}, kappa};
+    return RuledHeight{equation, {corner[0], corner[1]}, n, {n[0] - aside * n[1], n[1] + aside * n[0]}, kappa};
 }
 
-Shadow over_plane(const Form& form, std::span<const Triad<double>> corners) {
+Shadow over_plane(const Equation& equation, std::span<const Triad<double>> corners) {
     const Triad<double>& corner = corners.front();
     const auto linear = [&](MidRad gx, MidRad gy, MidRad at_origin) {
         const MidRad x = corner[0], y = corner[1];
         return LinearHeight{
             {gx, gy}, {x, y}, 0.5 * (at_origin + gx * x + gy * y), sqrt(1.0 + square(gx) + square(gy))};
     };
-    switch (form.kind) {
-        case Form::Kind::side:
-            return linear(-form.c[0] / form.c[2], -form.c[1] / form.c[2], form.offset / form.c[2]);
-        case Form::Kind::plane: {
-            const MidRad s = form.sign, rise = 1.0 - s * form.c[2];
-            return linear(s * form.c[0] / rise, s * form.c[1] / rise, s * form.offset / rise);
+    switch (equation.kind) {
+        case Equation::Kind::side:
+            return linear(-equation.c[0] / equation.c[2], -equation.c[1] / equation.c[2],
+                          equation.offset / equation.c[2]);
+        case Equation::Kind::plane: {
+            const MidRad s = equation.sign, rise = 1.0 - s * equation.c[2];
+            return linear(s * equation.c[0] / rise, s * equation.c[1] / rise, s * equation.offset / rise);
         }
-        case Form::Kind::ball: {
-            const MidRad k = form.c[2] + form.delta;
-            return Paraboloid{{form.c[0], form.c[1]},
-                              0.5 * ((form.c[2] - form.delta) * k),
+        case Equation::Kind::ball: {
+            const MidRad k = equation.c[2] + equation.delta;
+            return Paraboloid{{equation.c[0], equation.c[1]},
+                              0.5 * ((equation.c[2] - equation.delta) * k),
                               MidRad(0.5) / k,
                               MidRad(1.0) / square(k)};
         }
         default: {
             // Their cone's apex is where the axis comes as far below the plane as the radius.
-            if (const auto ruled = ruled_height(form, corners)) return *ruled;
+            if (const auto ruled = ruled_height(equation, corners)) return *ruled;
             constexpr double least_slope = 0x1p-5;
-            const MidRad slope = form.d[2];
+            const MidRad slope = equation.d[2];
             if (slope.lower() > least_slope || slope.upper() < -least_slope) {
-                const MidRad run = (-form.delta - form.c[2]) / slope;
-                return ConeHeight{form, {form.c[0] + run * form.d[0], form.c[1] + run * form.d[1]}, -form.delta};
+                const MidRad run = (-equation.delta - equation.c[2]) / slope;
+                return ConeHeight{equation,
+                                  {equation.c[0] + run * equation.d[0], equation.c[1] + run * equation.d[1]},
+                                  -equation.delta};
             }
-            return Fan{Fan::Base::plane, form, {corner[0], corner[1], 0.0}};
+            return Fan{Fan::Base::plane, equation, {corner[0], corner[1], 0.0}};
         }
     }
 }
@@ -475,33 +478,33 @@ Revolved::Revolved(const Triad<MidRad>& axis_, const MidRad& K, const MidRad& A_
 
 namespace {
 
-Shadow about_sphere(const Form& form, MidRad radius) {
-    switch (form.kind) {
-        case Form::Kind::side:
-            return Revolved{form.c, form.offset, 1.0, 0.0, 1.0, false};
-        case Form::Kind::plane: {
-            const MidRad s = form.sign;
-            return Revolved{scaled(-s, form.c), radius + s * form.offset, 1.0, 1.0, 0.0, true};
+Shadow about_sphere(const Equation& equation, MidRad radius) {
+    switch (equation.kind) {
+        case Equation::Kind::side:
+            return Revolved{equation.c, equation.offset, 1.0, 0.0, 1.0, false};
+        case Equation::Kind::plane: {
+            const MidRad s = equation.sign;
+            return Revolved{scaled(-s, equation.c), radius + s * equation.offset, 1.0, 1.0, 0.0, true};
         }
-        case Form::Kind::ball: {
-            const MidRad distance = sqrt(squared_norm(form.c));
-            const MidRad E = (distance - form.delta) * (distance + form.delta);
-            return Revolved{normalized(form.c), 0.5 * E, distance, form.delta, E, false};
+        case Equation::Kind::ball: {
+            const MidRad distance = sqrt(squared_norm(equation.c));
+            const MidRad E = (distance - equation.delta) * (distance + equation.delta);
+            return Revolved{normalized(equation.c), 0.5 * E, distance, equation.delta, E, false};
         }
         default: {
             // The start is where the tube is nearest: a great circle from there to a direction in which the tube is
             // met meets it all along, for alpha has one sign on it, or beta is positive.
-            const MidRad along = dot(form.d, form.c);
+            const MidRad along = dot(equation.d, equation.c);
             Triad<MidRad> nearest;
-            for (const std::size_t i : {0, 1, 2}) nearest[i] = form.c[i] - along * form.d[i];
-            Fan fan{Fan::Base::sphere, form, normalized(nearest)};
+            for (const std::size_t i : {0, 1, 2}) nearest[i] = equation.c[i] - along * equation.d[i];
+            Fan fan{Fan::Base::sphere, equation, normalized(nearest)};
             return fan;
         }
     }
 }
 
 // Of the foot q = p - (n p - o) n the flux is (n_x q_x + n_y q_y) / 2.
-Flat flat(const Form& side, const Triad<double>& corner) {
+Flat flat(const Equation& side, const Triad<double>& corner) {
     const Triad<MidRad>& n = side.c;
     const Triad<MidRad> c{corner[0], corner[1], corner[2]};
     const MidRad across = square(n[0]) + square(n[1]), along = square(n[2]);
@@ -514,17 +517,17 @@ Flat flat(const Form& side, const Triad<double>& corner) {
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
                              std::span<const Triad<double>> corners) {
     if (corners.empty()) return std::nullopt;
-    const std::optional<Form> form = form_of(scene, frame, site, corners);
-    if (!form) return std::nullopt;
-    if (std::holds_alternative<Plane>(scene.base)) return over_plane(*form, corners);
-    if (std::holds_alternative<Sphere>(scene.base)) return about_sphere(*form, frame.radius());
+    const std::optional<Equation> equation = equation_of(scene, frame, site, corners);
+    if (!equation) return std::nullopt;
+    if (std::holds_alternative<Plane>(scene.base)) return over_plane(*equation, corners);
+    if (std::holds_alternative<Sphere>(scene.base)) return about_sphere(*equation, frame.radius());
     double least = HUGE_VAL, most = -HUGE_VAL;
     for (const auto& p : corners) {
         least = std::min(least, p[2]);
         most = std::max(most, p[2]);
     }
-    if (form->kind == Form::Kind::side) return flat(*form, corners.front());
-    return Fan{Fan::Base::cylinder, *form, {0.0, 0.0, 0.5 * (least + most)}};
+    if (equation->kind == Equation::Kind::side) return flat(*equation, corners.front());
+    return Fan{Fan::Base::cylinder, *equation, {0.0, 0.0, 0.5 * (least + most)}};
 }
 
 template <class T>
@@ -555,7 +558,7 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
             const auto [x, y, dx, dy] = relative(p, {x0, y0});
             const T turn = sigma * ((x * dy - y * dx) / square(p.w));
             const auto [t, steepness] = height<T>(
-                fan.form, {T(x0) + sigma * (x / p.w), T(y0) + sigma * (y / p.w), T(0.0)}, {T(0.0), T(0.0), T(1.0)});
+                fan.equation, {T(x0) + sigma * (x / p.w), T(y0) + sigma * (y / p.w), T(0.0)}, {T(0.0), T(0.0), T(1.0)});
             return {turn * t, turn * steepness, turn, steepness};
         }
         case Fan::Base::sphere: {
@@ -569,7 +572,7 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
             const T turn = 4.0 * (sigma * (determinant(a, n, dn) * square(weight / sum)));
             const T along = 2.0 * (sigma * (weight / sum)), up = weight * (T(1.0) - y2) - along * q;
             const auto [t, steepness] =
-                height<T>(fan.form, {T(0.0), T(0.0), T(0.0)},
+                height<T>(fan.equation, {T(0.0), T(0.0), T(0.0)},
                           {along * n[0] + a[0] * up, along * n[1] + a[1] * up, along * n[2] + a[2] * up});
             const T t2 = square(t);
             return {turn * t * t2 * T(third), turn * t2 * steepness, turn, steepness};
@@ -580,7 +583,7 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
             const T s2 = square(n[0]) + square(n[1]), s = sqrt(s2);
             const T rise = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
             const T turn = rise * (n[1] * dn[0] - n[0] * dn[1]) / s2;
-            const auto [t, steepness] = height<T>(fan.form, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise},
+            const auto [t, steepness] = height<T>(fan.equation, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise},
                                                   {n[0] / s, n[1] / s, T(0.0)});
             return {turn * square(t) * T(0.5), turn * t * steepness, turn, steepness};
         }

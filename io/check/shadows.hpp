@@ -118,7 +118,7 @@ struct Revolved {
     MidRad b1, K2, volume;  ///< A + B, K^2, K^3 / (6 (A + B)^2)
 };
 /// The equation of one object, in the frame.
-struct Form {
+struct Equation {
     enum class Kind { ball, tube, plane, side } kind;
     Triad<MidRad> c;  ///< ball: centre; tube: a point of the axis; plane, side: unit normal
     Triad<MidRad> d;  ///< tube: unit axis
@@ -131,7 +131,7 @@ struct Form {
 };
 /// Over a plane: heights that grow in proportion to the distance from an apex.
 struct ConeHeight {
-    Form form;
+    Equation equation;
     std::array<MidRad, 2> apex;
     MidRad at_apex;
 };
@@ -144,7 +144,7 @@ struct ConeHeight {
 /// a face that is on one side of it. Then det(q - apex, dq) comes with a factor of kappa, and is as small as the
 /// face: kappa (q - apex) = kappa (q - a) + m.
 struct RuledHeight {
-    Form form;
+    Equation equation;
     std::array<MidRad, 2> start, along, m;  ///< a, n, m
     MidRad kappa;
 };
@@ -161,7 +161,7 @@ struct Flat {
 /// a cylinder along the generator from a height.
 struct Fan {
     enum class Base { plane, sphere, cylinder } base;
-    Form form;
+    Equation equation;
     Triad<MidRad> start;
 };
 

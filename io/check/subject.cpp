@@ -29,7 +29,7 @@ Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate
 void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certificate) {
     const TrimmedPatch& trimmed = cell.faces[f].patches[p];
     const Vec2 infinite = Vec2::Constant(HUGE_VAL);
-    Patch patch{f, p, &trimmed.surface, geometry.scale(), {}, infinite, -infinite, infinite, -infinite, {}};
+    Patch patch{f, p, &trimmed.surface, geometry.scale(), {}, infinite, -infinite, infinite, -infinite};
     for (const auto& c : trimmed.surface.points)
         patch.control_size = std::max(patch.control_size, c.head<3>().cwiseAbs().maxCoeff());
     for (const auto& loop : trimmed.loops) {
@@ -67,7 +67,6 @@ void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certifica
         patch.lo = domain_lo;
         patch.hi = domain_hi;
     }
-    patch.part = part_of(trimmed.surface, patch.lo, patch.hi);
     patches.push_back(std::move(patch));
 }
 

@@ -22,7 +22,7 @@ Scene point_scene() {
 
 /// Without loops: the rectangle lo, hi of the surface.
 Patch rectangle(const RationalPatch& surface, const Vec2& lo, const Vec2& hi, double control_size) {
-    return {0, 0, &surface, control_size, {}, lo, hi, lo, hi, part_of(surface, lo, hi)};
+    return {0, 0, &surface, control_size, {}, lo, hi, lo, hi};
 }
 
 /// Control points at random, so that the surface folds and a line meets it several times.
