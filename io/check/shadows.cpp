@@ -376,15 +376,22 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         equation.kind = Equation::Kind::tube;
         equation.c = near(frame.point(tube->point));
         equation.d = normalized(near(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff())));
+        // Over a plane the first runs along it, so that heights lie in the second alone, unless the tube is upright.
+        const auto* plane = std::get_if<Plane>(&scene.base);
         const Vec3 axis = tube->axis.normalized();
-        int least = 0;
-        axis.cwiseAbs().minCoeff(&least);
-        const Triad<MidRad> aside = near(frame.direction(Vec3::Unit(least)));
+        constexpr double upright = 0.9;
+        Vec3 aside_of_axis = plane ? plane->normal.normalized() : Vec3(Vec3::Zero());
+        if (!plane || std::abs(axis.dot(aside_of_axis)) > upright) {
+            int least = 0;
+            axis.cwiseAbs().minCoeff(&least);
+            aside_of_axis = Vec3::Unit(least);
+        }
+        const Triad<MidRad> aside = near(frame.direction(aside_of_axis));
         equation.across[0] = normalized(cross(aside, equation.d));
         equation.across[1] = cross(equation.d, equation.across[0]);
         for (const std::size_t i : {0, 1}) equation.across_c[i] = dot(equation.across[i], equation.c);
         equation.delta = MidRad(frame.length(tube->radius)) - frame.radius();
-        if (std::holds_alternative<Plane>(scene.base)) equation.delta = frame.length(tube->radius);
+        if (plane) equation.delta = frame.length(tube->radius);
         return equation;
     }
     const auto& plane = std::get<Plane>(object);
