@@ -108,4 +108,9 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
     return found;
 }
 
+/// As enclose(), by one step of Krawczyk's from a point that is all but the true one: of the Jacobian over the box
+/// only how far its rows may turn is asked. None: it takes more than that, or the base is a cylinder.
+std::optional<Enclosure<Interval>> enclose_nearby(const Scene& scene, const Space<Interval>& space,
+                                                  std::span<const Condition> three, const Vec3& p);
+
 }  // namespace vcell::check

@@ -97,8 +97,8 @@ private:
     Distance base_;
 };
 
-/// As enclose(), by one step of Krawczyk's from a point that is all but the true one: of the Jacobian over the box
-/// only how far its rows may turn is asked.
+}  // namespace
+
 std::optional<Enclosure<Interval>> enclose_nearby(const Scene& scene, const Space<Interval>& space,
                                                   std::span<const Condition> three, const Vec3& p) {
     if (std::holds_alternative<Cylinder>(scene.base)) return std::nullopt;
@@ -138,6 +138,8 @@ std::optional<Enclosure<Interval>> enclose_nearby(const Scene& scene, const Spac
     }
     return result;
 }
+
+namespace {
 
 class Vertices : public Room {
 public:
