@@ -274,6 +274,9 @@ Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(
 // --- Curves -------------------------------------------------------------------------------------------------
 
 std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
+    const auto difference = [](const Triad<Interval>& p, const Triad<Interval>& place) {
+        return Triad<MidRad>{MidRad(p[0]) - place[0].mid(), MidRad(p[1]) - place[1].mid(), MidRad(p[2]) - place[2].mid()};
+    };
     using Homogeneous = std::array<MidRad, 4>;
     const std::size_t d = static_cast<std::size_t>(curve.degree);
     SmallVector<Homogeneous, 5> points;
@@ -291,12 +294,16 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         const double a = curve.knots[k], b = curve.knots[k + 1];
         if (!(a < b)) continue;
         const bool is_full = curve.knots[k - d + 1] == a && curve.knots[k + d] == b;
-        // About a point of its own: what a short span's points lose about one far away, its derivatives lose many
-        // times over.
-        const Vec3 origin = curve.points[k - d / 2].head<3>();
+        // Splines of many spans are taken about points of their own: what a short span's points lose about one far
+        // away, its derivatives lose many times over. Ends stay the points that other curves end in, as the frame has
+        // them, and so do all joints of conics: next to an axis a gap that rounding makes would be a turn about it.
+        const std::size_t middle = curve.points.size() / 2;
+        const std::size_t about = d <= 2 ? middle : k == d ? 0 : k + 1 == curve.points.size() ? k : k - d / 2;
+        const Vec3 origin = curve.points[about].head<3>();
+        const Triad<Interval> place = frame.point(origin);
         for (std::size_t i = 0; i <= d; ++i) {
             const auto& p = curve.points[k - d + i];
-            const Triad<MidRad> x = frame.way(origin, p.head<3>());
+            const Triad<MidRad> x = d <= 2 ? difference(frame.point(p.head<3>()), place) : frame.way(origin, p.head<3>());
             points[i] = {p[3] * x[0], p[3] * x[1], p[3] * x[2], p[3]};
         }
         for (std::size_t j = 0; j <= d; ++j) {
@@ -333,10 +340,10 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
             binomial = binomial * static_cast<double>(order) / static_cast<double>(d - order + 1);
             half_power *= 2;
         }
-        const Triad<Interval> about = frame.point(origin);
         for (std::size_t i = 0; i < 3; ++i) {
-            span.origin[i] = about[i].mid();
-            const MidRad off = MidRad(about[i]) - span.origin[i];
+            span.origin[i] = place[i].mid();
+            if (d <= 2) continue;
+            const MidRad off = MidRad(place[i]) - span.origin[i];
             for (auto& c : span.coefficients) c[i] += off * c[3];
         }
         result.push_back(std::move(span));
