@@ -238,6 +238,7 @@ private:
                 return note(where(),
                             fmt::format("curve {} does not end at the vertex where the next one starts", i));
             const Vec2 a = evaluate(trim.pieces, trim.end()), b = evaluate(next.pieces, next.begin());
+            if (a == b) continue;
             const SurfacePoint s = lift(patch, a);
             const double gap = (lift(patch, b).p - s.p).norm();
             const double errors = trim.error + next.error + (head ? 2 * cell_.vertices[*head].error : 0);
