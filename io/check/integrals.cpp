@@ -96,8 +96,8 @@ private:
         std::array<Interval, 7> sum{};
         const std::array<double, 7> enough{enough_[0], enough_[1], enough_[1], enough_[0],
                                            enough_[1], enough_[1], enough_[2]};
-        // In one variable parts cost little; a rim that passes close to a cone's apex needs many.
-        Effort effort{4 * effort_};
+        // In one variable parts cost little; an edge that comes close to an apex or an axis needs many.
+        Effort effort{16 * effort_};
         const bool is_complete = integrate<7>(f, -1, 1, enough, sum, effort);
         sums_.is_complete &= is_complete;
         for (std::size_t k = 0; k < 2; ++k)
@@ -174,7 +174,7 @@ private:
         }
         // Shadows tell how often faces stand over the base.
         std::array<Interval, 1> shadow{};
-        Effort more{4 * effort_};
+        Effort more{16 * effort_};
         const bool is_told = integrate<1>(
             [&]<class T>(const T& s) { return std::array<T, 1>{shadow_density(fan, span.at(s))}; }, -1, 1,
             {enough_of_shadows_}, shadow, more);

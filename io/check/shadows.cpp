@@ -199,6 +199,22 @@ Densities<T> along(const Flat& f, const Place<T>& p) {
     return {area * flux + wall, area, turn, T(1.0)};
 }
 
+// t = C / (2 beta), where C is linear in the height and beta depends on the direction alone.
+template <class T>
+Densities<T> along(const Tapered& h, const Place<T>& p) {
+    const Equation& e = h.equation;
+    const Triad<T> n = p.whole(), dn = p.whole_derivative();
+    const T s2 = square(n[0]) + square(n[1]), s = sqrt(s2);
+    const T rise = p.n[2] / p.w + T(MidRad(p.origin[2]) - h.start);
+    const T turn = rise * (n[1] * dn[0] - n[0] * dn[1]) / s2;
+    const T beta = 0.5 * (T(1.0) - e.sign * ((e.c[0] * n[0] + e.c[1] * n[1]) / s));
+    const MidRad at_start = e.sign * (e.c[2] * h.start + e.offset) + e.radius;
+    const T first(at_start), last = first + e.sign * (e.c[2] * rise);
+    const T steepness = T(1.0) / sqrt(beta), inverse = T(1.0) / beta;
+    return {turn * (square(first) + first * last + square(last)) * square(inverse) * T(third) * T(0.125),
+            turn * (first + last) * inverse * T(0.25) * steepness, turn, steepness};
+}
+
 template <class T>
 Densities<T> along(const Fan&, const Place<T>&) {
     return {};
@@ -541,7 +557,9 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
         most = std::max(most, p[2]);
     }
     if (equation->kind == Equation::Kind::side) return flat(*equation, corners.front());
-    return Fan{Fan::Base::cylinder, *equation, {0.0, 0.0, 0.5 * (least + most)}};
+    const double start = 0.5 * (least + most);
+    if (equation->kind == Equation::Kind::plane) return Tapered{*equation, start};
+    return Fan{Fan::Base::cylinder, *equation, {0.0, 0.0, start}};
 }
 
 template <class T>

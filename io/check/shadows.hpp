@@ -157,6 +157,12 @@ struct Flat {
     Triad<MidRad> flux;    ///< of (x, y, 0) / 2 through the side below p: grows by flux (p - corner)
     MidRad flux_at_corner;
 };
+/// About a cylinder: a plane's, of which the distance from the axis grows evenly along each generator: what lies
+/// between the start's height and an edge's is told at once.
+struct Tapered {
+    Equation equation;
+    MidRad start;
+};
 /// Any other: integrated from a point of the base to the edge: along a line of the plane, along a great circle, or on
 /// a cylinder along the generator from a height.
 struct Fan {
@@ -165,7 +171,7 @@ struct Fan {
     Triad<MidRad> start;
 };
 
-using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Fan>;
+using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Tapered, Fan>;
 
 /// The integrand of a face over the base. `corners`: points of its edges, in the frame, by which a place to start
 /// from is chosen and the side of a plane. None: it cannot be told.

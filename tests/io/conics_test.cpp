@@ -183,6 +183,54 @@ TEST_CASE("integrands of tubes over a plane: are sums over the face, upright, le
     CHECK(cones >= 2);
 }
 
+TEST_CASE("integrands of planes about a tube: are those in two variables") {
+    int compared = 0;
+    for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 2, 2), Vec3(-1, 0.25, 3)})
+        for (const double radius : {0.0, 0.25})
+            for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(-2, 1, 0.5), Vec3(1, -1, -1)}) {
+                CAPTURE(axis.transpose());
+                CAPTURE(radius);
+                CAPTURE(normal.transpose());
+                Scene scene;
+                scene.base = Cylinder{Vec3(0.25, 0.125, -0.25), axis, radius};
+                scene.objects = {Plane{Vec3(0.25, 0.125, -0.25) + 1.75 * normal.normalized(), normal}};
+                scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+                const Frame frame(scene);
+                // On the left as the normal shows it, near where the plane is nearest.
+                const Vec3 n = normal.normalized(), side = n.cross(Vec3(0.5, -0.25, 0.75)).normalized(), up = n.cross(side);
+                const Vec3 middle = Vec3(0.25, 0.125, -0.25) + n;
+                std::vector<Vec3> polygon;
+                std::vector<Triad<double>> corners;
+                for (const auto& [a, b] : {std::pair(-0.5, -0.25), std::pair(0.5, -0.375), std::pair(0.25, 0.5)}) {
+                    polygon.push_back(middle + a * side + b * up);
+                    corners.push_back(middle_of(frame.point(polygon.back())));
+                }
+                const auto face = shadow(scene, frame, Site::object(0), corners);
+                REQUIRE(face);
+                const auto* tapered = std::get_if<Tapered>(&*face);
+                REQUIRE(tapered);
+                const auto found = integrals(*face, sides(polygon), frame);
+                const Fan fan{Fan::Base::cylinder, tapered->equation, {0.0, 0.0, tapered->start}};
+                std::array<Interval, 3> sum{};
+                for (const RationalCurve3& curve : sides(polygon))
+                    for (const Span& span : spans(curve, frame)) {
+                        Effort effort{1000};
+                        estimate<3>(
+                            [&]<class T>(const T& s, const T& sigma) {
+                                const Densities<T> d = densities(fan, span.at(s), sigma);
+                                return std::array<T, 3>{d.volume, d.area, d.shadow};
+                            },
+                            {-1, 0}, {1, 1}, {1e-15, 1e-15, 1e-15}, sum, effort);
+                    }
+                for (std::size_t c = 0; c < 3; ++c) {
+                    ++compared;
+                    CHECK(found[c].lower() > 0);
+                    CHECK(std::abs(found[c].mid() - sum[c].mid()) <= found[c].radius() + 1e-12);
+                }
+            }
+    CHECK(compared == 54);
+}
+
 TEST_CASE("integrands of sides of the box about a tube: are those of polygons, around the axis or aside") {
     for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 2, 2), Vec3(-1, 0.25, 3), Vec3(2, 1, 0)}) {
         CAPTURE(axis.transpose());
