@@ -291,7 +291,9 @@ Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(
 
 std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     const auto difference = [](const Triad<Interval>& p, const Triad<Interval>& place) {
-        return Triad<MidRad>{MidRad(p[0]) - place[0].mid(), MidRad(p[1]) - place[1].mid(), MidRad(p[2]) - place[2].mid()};
+        Triad<MidRad> d;
+        for (std::size_t i = 0; i < 3; ++i) d[i] = MidRad(p[i]) - place[i].mid();
+        return d;
     };
     using Homogeneous = std::array<MidRad, 4>;
     const std::size_t d = static_cast<std::size_t>(curve.degree);
@@ -319,7 +321,8 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         const Triad<Interval> place = frame.point(origin);
         for (std::size_t i = 0; i <= d; ++i) {
             const auto& p = curve.points[k - d + i];
-            const Triad<MidRad> x = d <= 2 ? difference(frame.point(p.head<3>()), place) : frame.way(origin, p.head<3>());
+            const Triad<MidRad> x =
+                d <= 2 ? difference(frame.point(p.head<3>()), place) : frame.way(origin, p.head<3>());
             points[i] = {p[3] * x[0], p[3] * x[1], p[3] * x[2], p[3]};
         }
         for (std::size_t j = 0; j <= d; ++j) {

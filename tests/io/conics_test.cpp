@@ -197,7 +197,8 @@ TEST_CASE("integrands of planes about a tube: are those in two variables") {
                 scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
                 const Frame frame(scene);
                 // On the left as the normal shows it, near where the plane is nearest.
-                const Vec3 n = normal.normalized(), side = n.cross(Vec3(0.5, -0.25, 0.75)).normalized(), up = n.cross(side);
+                const Vec3 n = normal.normalized(), side = n.cross(Vec3(0.5, -0.25, 0.75)).normalized();
+                const Vec3 up = n.cross(side);
                 const Vec3 middle = Vec3(0.25, 0.125, -0.25) + n;
                 std::vector<Vec3> polygon;
                 std::vector<Triad<double>> corners;
@@ -245,7 +246,8 @@ TEST_CASE("integrands of sides of the box about a tube: are those of polygons, a
         const auto rectangle = [](double y, double z, double width, double height) {
             return std::vector<Vec3>{{2, y, z}, {2, y + width, z}, {2, y + width, z + height}, {2, y, z + height}};
         };
-        for (const auto& polygon : {rectangle(-1, -0.5, 1.5, 2), rectangle(0.5, -1.75, 1, 0.75), rectangle(1, 1, 0.5, 0.25)}) {
+        for (const auto& polygon :
+             {rectangle(-1, -0.5, 1.5, 2), rectangle(0.5, -1.75, 1, 0.75), rectangle(1, 1, 0.5, 0.25)}) {
             std::vector<Triad<double>> corners;
             Vec3 center = Vec3::Zero();
             for (const Vec3& p : polygon) {

@@ -26,7 +26,8 @@ TEST_CASE("enclose_nearby: holds the point that three sites fix, from wherever i
                 if (v.sites.size() != 3) continue;
                 // Sides of the box may be met over a plane by the boundary or the region.
                 if (over_plane && !std::ranges::all_of(v.sites, [](const Site& s) { return s.is_object(); })) continue;
-                const std::array<Condition, 3> three{Condition{v.sites[0]}, Condition{v.sites[1]}, Condition{v.sites[2]}};
+                const std::array<Condition, 3> three{Condition{v.sites[0]}, Condition{v.sites[1]},
+                                                     Condition{v.sites[2]}};
                 const auto truth = enclose(wide, three, v.point, 1e-3, 16);
                 if (!truth) continue;
                 for (const double off : {0.0, 1e-14, 1e-11, 1e-8, 1e-5, 1e-2}) {
@@ -56,7 +57,8 @@ TEST_CASE("enclose_nearby: finds no point where there is none") {
     scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
     for (const double x : {-1.0, 0.0, 1.0}) scene.objects.push_back(Sphere{{x, 0, 1}, 0.25});
     const Space<Interval> space(scene);
-    const std::array<Condition, 3> three{Condition{Site::object(0)}, Condition{Site::object(1)}, Condition{Site::object(2)}};
+    const std::array<Condition, 3> three{Condition{Site::object(0)}, Condition{Site::object(1)},
+                                         Condition{Site::object(2)}};
     for (const double y : {-1.0, 0.3, 0.5, 1.5})
         CHECK_FALSE(enclose_nearby(scene, space, three, Vec3(0, y, 0.4 + 0.5 * y * y)));
 }
