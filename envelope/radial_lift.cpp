@@ -728,17 +728,20 @@ private:
             if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);
     }
 
-    // A spline that is not proved to follow its arc is none, nor is one whose bound says as good as nothing.
+    // Beyond this a bound says as good as nothing.
+    double most_error() const { return 256 * tolerance_; }
+    // A spline that is not proved to follow its arc is none.
     void require_proof(EdgeId e) const {
-        constexpr double most = 256;  // tolerances
-        if (!is_spline(e) || errors_[e].curve + errors_[e].trims <= most * tolerance_) return;
+        if (!is_spline(e) || errors_[e].curve + errors_[e].trims <= most_error()) return;
+        throw unproved(e, "no curve is proved to be the one between them",
+                       problem_.frame.to_world(errors_[e].unproved.value_or(errors_[e].worst)));
+    }
+    UndecidedError unproved(EdgeId e, const char* what, const Vec3& place) const {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const Site left = main_site(edge.left),
                    right = edge.on_rim() ? end_site(edge.side) : main_site(edge.right);
-        const Vec3 place = errors_[e].unproved.value_or(errors_[e].worst);
-        throw UndecidedError("objects " + to_string(left) + ", " + to_string(right) +
-                             ": no curve is proved to be the one between them around " +
-                             to_text(Vec3(problem_.unit * problem_.frame.to_world(place))));
+        return UndecidedError("objects " + to_string(left) + ", " + to_string(right) + ": " + what + " around " +
+                              to_text(Vec3(problem_.unit * place)));
     }
     void require_proofs(FaceId face) const {
         for (const CcbId ccb : loops_[face]) around(ccb, [&](EdgeId e, bool) { require_proof(e); });
@@ -1334,6 +1337,8 @@ private:
         double of_patches = 0;
         for (const unsigned side : {0u, 1u})
             of_patches = std::max(of_patches, roundings_[diagram_.dcel.face(Dcel::half_edge(e, side))]);
+        if (of_patches > most_error())
+            throw unproved(e, "rounding leaves few digits of their faces", edge.curve.points.front().head<3>());
         positions_.push_back(std::min(most, off + rounding));
         edge.error = std::min(most, std::max(off, trims) + of_patches + rounding);
     }
