@@ -263,8 +263,15 @@ private:
             if (lower_bound(e) > 0) continue;
             if (lower_bound(e) <= 0 && upper_bound(e) >= 0) {
                 if (!last) return false;
-                certificate_.refute(path() + ".sites", fmt::format("lack {}, which ties to {:.3g}",
-                                                                  title(c.site), upper_bound(magnitude(e))));
+                const std::string lack =
+                    fmt::format("lack {}, which ties to {:.3g}", title(c.site), upper_bound(magnitude(e)));
+                // Of what moved before it was decided about, a tie may have been none.
+                if (cell_.report.moved > 0)
+                    certificate_.leave_open(path() + ".sites",
+                                            fmt::format("{}; the scene moved by up to {:.3g}", lack, cell_.report.moved),
+                                            upper_bound(magnitude(e)));
+                else
+                    certificate_.refute(path() + ".sites", lack);
                 return true;
             }
             if (-upper_bound(e) > tie_width(c.site) + 2 * v.error) {
