@@ -609,10 +609,16 @@ private:
 
     // Along these pieces, or the rim. A span that is not good enough is divided; several pieces of which
     // nothing is proved yet where one of them ends.
-    void fit(const Node& from, const Node& to, std::span<const Piece> pieces, int deeper, int& halvings) {
+    // `before`: the trims' error of the span that this one is a part of.
+    void fit(const Node& from, const Node& to, std::span<const Piece> pieces, int deeper, int& halvings,
+             double before = infinity) {
         if (effort_.spans > 0) --effort_.spans;
         const Fit spline = smooth(from, to, tolerance_);
-        if (accept(spline, to)) return;
+        // What division does not make smaller is rounding, of the scene, too.
+        constexpr double no_less = 0.8, most_blurred = 16;
+        const double error = spline.tube.trims;
+        const bool is_floor = before < infinity && error > no_less * before && error <= most_blurred * tolerance_;
+        if (accept(spline, to, is_floor)) return;
         const double length = (to.X - from.X).norm();
         const bool is_short = length <= tolerance_, divides = deeper > 0 && halvings > 0 && !is_lost();
         // Parts of what rounding blurs are no better than it, and their ends cannot be told from the edge's.
@@ -624,10 +630,10 @@ private:
                 const Node &start = i == 0 ? from : inner[i - 1], &end = inner[i];
                 const std::size_t first = ends_before(end.X, to.X - from.X, pieces);
                 --halvings;
-                fit(start, end, pieces.first(std::min(first + 1, pieces.size())), deeper - 1, halvings);
+                fit(start, end, pieces.first(std::min(first + 1, pieces.size())), deeper - 1, halvings, error);
                 pieces = pieces.subspan(first);
             }
-            if (!inner.empty()) return fit(inner.back(), to, pieces, deeper - 1, halvings);
+            if (!inner.empty()) return fit(inner.back(), to, pieces, deeper - 1, halvings, error);
         }
         if (pieces.size() > 1) {
             const std::size_t half = pieces.size() / 2;
@@ -643,8 +649,8 @@ private:
             const auto middle = half_way(from, to, piece, spline);
             if (middle && !(is_short && is_blurred(*middle, length))) {
                 --halvings;
-                fit(from, *middle, pieces, deeper - 1, halvings);
-                fit(*middle, to, pieces, deeper - 1, halvings);
+                fit(from, *middle, pieces, deeper - 1, halvings, error);
+                fit(*middle, to, pieces, deeper - 1, halvings, error);
                 return;
             }
         }
@@ -688,8 +694,8 @@ private:
         return n;
     }
 
-    bool accept(const Fit& fit, const Node& to) {
-        if (!fit.tube.is_within(tolerance_)) return false;
+    bool accept(const Fit& fit, const Node& to, bool is_floor = false) {
+        if (!fit.tube.is_within(tolerance_) && !(is_floor && fit.tube.curve <= tolerance_)) return false;
         if (!fit.is_chord) {
             if (last_ && !joins(*last_, fit.tube)) return false;
             const bool is_end = to.X == end_.X && to.is_terminal;
@@ -889,14 +895,16 @@ private:
             fit.part[side] = static_cast<std::uint32_t>(best - parts.begin());
             fit.patches[side] = &*best;
             if (fit.seam) return;
-            for (int i = 0; i < 2; ++i) {
-                Eigen::Matrix<double, 1, 6> at;
-                for (int k = 0; k < 6; ++k) at[k] = best->patch[i](at_nodes.col(k));
-                auto row = fit.points.row(4 + 2 * side + i);
-                row = at * nodes.coefficients;
-                row[0] = at[0];
-                row[5] = at[5];
-            }
+            // The sum of a needle's distances that is its first coordinate cancels.
+            const bool is_needle = best->surface && best->surface->kind() == RadialPatch::Kind::Confocal;
+            Eigen::Matrix<double, 2, 6> at;
+            for (int k = 0; k < 6; ++k)
+                at.col(k) = is_needle ? best->surface->parameters(Vec3(at_nodes.col(k).head<3>()))
+                                      : Vec2(best->patch[0](at_nodes.col(k)), best->patch[1](at_nodes.col(k)));
+            auto rows = fit.points.middleRows<2>(4 + 2 * side);
+            rows = at * nodes.coefficients;
+            rows.col(0) = at.col(0);
+            rows.col(5) = at.col(5);
         }
     }
     // The linear function of X that vanishes where u is at an end of its range, if the span crosses that.
