@@ -802,8 +802,8 @@ private:
         return surface.has_value();
     }
 
-    // Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims in doubles
-    // may be anything.
+    // Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims in
+    // doubles may be anything.
     bool lacks_digits(FaceId face) const {
         if (patches_[face].kind() != RadialPatch::Kind::Stereographic) return false;
         const auto is_lost = [&](EdgeId e) {

@@ -581,7 +581,8 @@ private:
             if (effort_.cells > 0) --effort_.cells;
             const double middle = 0.5 * (a + b);
             if (const auto box = part(a, b); box[0] > box[1] || box[2] > box[3] || is_off_arc(box)) return b;
-            if (++cells > most_cells || effort_.cells == 0 || !(std::abs(b - a) > right - left) || middle == a || middle == b)
+            if (++cells > most_cells || effort_.cells == 0 || !(std::abs(b - a) > right - left) || middle == a ||
+                middle == b)
                 return a;
             const double first = self(self, a, middle);
             return first == middle ? self(self, middle, b) : first;

@@ -267,9 +267,10 @@ private:
                     fmt::format("lack {}, which ties to {:.3g}", title(c.site), upper_bound(magnitude(e)));
                 // Of what moved before it was decided about, a tie may have been none.
                 if (cell_.report.moved > 0)
-                    certificate_.leave_open(path() + ".sites",
-                                            fmt::format("{}; the scene moved by up to {:.3g}", lack, cell_.report.moved),
-                                            upper_bound(magnitude(e)));
+                    certificate_.leave_open(
+                        path() + ".sites",
+                        fmt::format("{}; the scene moved by up to {:.3g}", lack, cell_.report.moved),
+                        upper_bound(magnitude(e)));
                 else
                     certificate_.refute(path() + ".sites", lack);
                 return true;

@@ -136,7 +136,9 @@ TEST_CASE("certify: kinds of conics about a sphere are told exactly") {
         scene.box = {{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}};
         const Cell good = voronoi_cell(scene);
         const auto edge = std::ranges::find_if(good.edges, [&](const CellEdge& e) {
-            const auto is_side = [](const Site& site) { return site.kind == Site::Kind::BoxSide && site.index / 2 == 0; };
+            const auto is_side = [](const Site& site) {
+                return site.kind == Site::Kind::BoxSide && site.index / 2 == 0;
+            };
             const auto [p, q] = std::pair(e.sites[0], e.sites[1]);
             return c.balls.size() == 2 ? p.is_object() && q.is_object()
                                        : (p.is_object() && is_side(q)) || (q.is_object() && is_side(p));
