@@ -130,6 +130,32 @@ private:
         return b;
     }
 
+    /// The same in intervals, of balls and sides of the box, which are most: what decides most kinds.
+    struct RoughBisector {
+        Vector<Interval> a;
+        Interval d;  // 0 where it is
+    };
+    std::optional<RoughBisector> rough_bisector(const Site& s) const {
+        const auto& base = std::get<Sphere>(scene_.base);
+        if (!s.is_object()) return RoughBisector{to_vector<Interval>(Vec3::Unit(static_cast<int>(s.index / 2))), 0.0};
+        const Sphere* sphere = as_sphere(s);
+        if (!sphere) return std::nullopt;
+        return RoughBisector{to_vector<Interval>(sphere->center) - to_vector<Interval>(base.center),
+                             sphere->radius == base.radius ? Interval(0.0) : Interval(sphere->radius) - base.radius};
+    }
+    /// None: it takes exact numbers to tell.
+    std::optional<CurveKind> rough_kind(const std::array<Site, 2>& sites) const {
+        const auto p = rough_bisector(sites[0]), q = rough_bisector(sites[1]);
+        if (!p || !q) return std::nullopt;
+        if (p->d.magnitude() == 0 && q->d.magnitude() == 0) return CurveKind::Line;
+        const Interval across = square(cross(p->a, q->a));
+        if (!(across.lower() > 0)) return std::nullopt;
+        const Interval steep = across - square(p->d * q->a - q->d * p->a);
+        if (steep.upper() < 0) return CurveKind::Ellipse;
+        if (steep.lower() > 0) return CurveKind::Hyperbola;
+        return std::nullopt;
+    }
+
     static Exact dot(const std::array<Exact, 3>& p, const std::array<Exact, 3>& q) {
         return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     }
@@ -139,6 +165,7 @@ private:
     /// plane's length has a root.
     std::vector<CurveKind> kinds_over_sphere(const std::array<Site, 2>& sites) const {
         using enum CurveKind;
+        if (const auto kind = rough_kind(sites)) return {*kind};
         const auto p = bisector(sites[0]), q = bisector(sites[1]);
         if (!p || !q) return {};
         const auto is_flat = [](const Bisector& b) { return b.d.sign() == Sign::Zero; };
