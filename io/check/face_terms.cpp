@@ -57,4 +57,75 @@ Traced artanh_ratio(const Traced& x) {
     return {Disc(1, reach), (x.error() / rest) * (1 + 0x1p-30) + 0x1p-48 * (1 + reach)};
 }
 
+namespace {
+
+/// Of a positive number: bounds, and how far its computed value may be off, relative to it.
+struct Computed {
+    double least, most, error;
+};
+
+}  // namespace
+
+// To first order in relative errors, of which each is below 2^-12 and no term has more than sixteen factors: what that
+// leaves out is less than a hundredth, and so is what the bounds themselves lose to rounding. B counts relative to its
+// largest magnitude, and terms that may cancel by their magnitudes.
+double error_of_antiderivative(const Revolved& r, const Disc& range, double error) {
+    constexpr double u = 0x1p-53, up = 1 + 0x1p-40, down = 1 - 0x1p-40, first_order = 1.02, most_relative = 0x1p-12;
+    const double reach = (range.radius() + error) * up, low = (range.center() - reach) * down,
+                 high = (range.center() + reach) * up;
+    const double b1 = r.b1.mid(), B = r.B.mid(), E = r.E.mid(), beta = r.B.magnitude();
+    if (!(low > 0) || !(b1 > 0) || !(r.is_paraboloid || E > 0)) return HUGE_VAL;
+    const double off_b = error / low, off_1 = r.b1.radius() / b1 * up, off_B = beta > 0 ? r.B.radius() / beta : 0,
+                 off_place = std::max(off_b, off_1);
+    const double product = low * b1;
+    if (r.is_paraboloid) {
+        const double relative = off_B + 6 * off_place + 32 * u;
+        if (!(relative < most_relative)) return HUGE_VAL;
+        const double root = std::sqrt(product), value = std::sqrt(2 * beta) * (high + b1 + std::sqrt(high * b1)) /
+                                                        ((std::sqrt(low) + std::sqrt(b1)) * root * product);
+        return relative * value * first_order;
+    }
+    const double off_E = r.E.radius() / E;
+    // sqrt(E + 2 B b) between two b.
+    const auto root = [&](double from, double to, double off) -> Computed {
+        const double size = E + 2 * beta * to,
+                     lost = r.E.radius() + 2 * to * (beta * off + r.B.radius()) + 6 * u * size,
+                     first = E + 2 * B * from, last = E + 2 * B * to;
+        const double least = std::min(first, last) - lost, most = std::max(first, last) + lost;
+        if (!(least > 0)) return {0, HUGE_VAL, HUGE_VAL};
+        return {std::sqrt(least), std::sqrt(most), 0.51 * lost / least + 2 * u};
+    };
+    const Computed s = root(low, high, off_b), s1 = root(b1 * down, b1 * up, off_1);
+    const double off_sum = std::max(s.error, s1.error) + u, sum = s.least + s1.least;
+    if (!(off_sum < most_relative) || !(off_place < most_relative)) return HUGE_VAL;
+
+    const double a = s.most * (high + b1), c = 2 * beta * high * high / sum, squared = 2 * product * product;
+    const double first = (a + c) / squared;
+    double total = (a * (s.error + off_place + 3 * u) + c * (off_B + 2 * off_b + off_sum + 5 * u)) / squared +
+                   first * (2 * (off_b + off_1) + 6 * u);
+    if (r.B.magnitude() == 0) return total * first_order;
+
+    const double d = 2 * beta * high / sum, half = beta / (2 * E * product), second = half * (s.most + d);
+    total += half * (s.most * s.error + d * (off_B + off_b + off_sum + 4 * u)) +
+             second * (off_B + off_E + off_b + off_1 + 8 * u);
+
+    // The ratio's denominator is linear in b.
+    const auto denominator = [&](double b) { return E * (b + b1) + 2 * B * b * b1; };
+    const double even = E * (high + b1), odd = 2 * beta * high * b1;
+    const double lost = even * (off_E + off_place + 4 * u) + odd * (off_B + off_b + off_1 + 5 * u);
+    const double least = std::min(denominator(low), denominator(high)) - 2 * lost;
+    if (!(least > 0)) return HUGE_VAL;
+    const double ratio = (s.most * s1.most + E) / (sum * least),
+                 off_ratio = std::max(s.error + s1.error + u, off_E) + off_sum + lost / least + 4 * u;
+    const double apart = std::max(std::abs(b1 - low), std::abs(high - b1)) + r.b1.radius(), size = std::sqrt(E) * ratio;
+    const double x_error = size * (error + r.b1.radius() + apart * (off_E + off_ratio + 6 * u)) * first_order;
+    const double x = size * apart * up + x_error;
+    if (!(off_ratio < most_relative) || !(off_E < most_relative) || !(off_B < most_relative) || !(x < 1 - 0x1p-20))
+        return HUGE_VAL;
+    const double rest = 1 - x * x, artanh = 1 + x * x / (3 * rest);
+    const double factor = beta * beta / E * ratio, third = factor * artanh;
+    total += third * (2 * off_B + off_E + off_ratio + 0x1p-48 + 8 * u) + factor * x_error / rest;
+    return (total + 3 * u * (first + second + third)) * first_order;
+}
+
 }  // namespace vcell::check

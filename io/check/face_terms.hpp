@@ -36,6 +36,10 @@ T antiderivative(const Revolved& r, const T& b) {
     const T x = sqrt(E) * (b1 - b) * ratio;
     return first + second - square(B) / E * ratio * T(artanh_ratio(x));
 }
+/// How far rounding may take the antiderivative from the true one, at any b of a disc's real part: `error` is that of
+/// the b that it is computed at. Infinite where nothing is known.
+double error_of_antiderivative(const Revolved& r, const Disc& b, double error);
+
 template <class T>
 T revolved_area(const Revolved& r, const T& b) {
     const T b1(r.b1), B(r.B), E(r.E);
@@ -45,7 +49,7 @@ T revolved_area(const Revolved& r, const T& b) {
         return sqrt(E + 2.0 * (B * all)) / all / all / all;
     } else if constexpr (std::is_same_v<T, Traced>) {
         // So it does here; values are computed, and rounded, as below.
-        return {revolved_area(r, b.range()), antiderivative(r, b).error()};
+        return {revolved_area(r, b.range()), error_of_antiderivative(r, b.range(), b.error())};
     } else {
         return antiderivative(r, b);
     }
