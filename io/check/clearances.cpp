@@ -43,17 +43,17 @@ public:
             for (const Control& c : part.points) meet(c[2] / c[3]);
             return bounds;
         }
+        // Binomials of the squares' degree are the same above and below.
         const std::size_t d = part.points.size() - 1;
-        const auto choose = [](std::size_t n, std::size_t k) {
-            return binomial(static_cast<int>(n), static_cast<int>(k));
-        };
+        SmallVector<Control, 6> scaled = part.points;
+        for (std::size_t i = 1; i < d; ++i) scaled[i] *= binomial(static_cast<int>(d), static_cast<int>(i));
         for (std::size_t k = 0; k <= 2 * d; ++k) {
             double square = 0, weight = 0;
-            for (std::size_t i = k > d ? k - d : 0; i <= std::min(k, d); ++i) {
-                const Control &a = part.points[i], &b = part.points[k - i];
-                const double share = choose(d, i) * choose(d, k - i) / choose(2 * d, k);
-                square += share * (a.x() * b.x() + a.y() * b.y() + (is_sphere_ ? a.z() * b.z() : 0));
-                weight += share * a[3] * b[3];
+            for (std::size_t i = k > d ? k - d : 0; 2 * i <= k; ++i) {
+                const Control &a = scaled[i], &b = scaled[k - i];
+                const double times = 2 * i == k ? 1 : 2;
+                square += times * (a.x() * b.x() + a.y() * b.y() + (is_sphere_ ? a.z() * b.z() : 0));
+                weight += times * (a[3] * b[3]);
             }
             meet(square / weight);
         }

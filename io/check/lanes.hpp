@@ -1,8 +1,7 @@
-/// Plain numbers, several at once: loops over them become vector instructions.
+/// Plain numbers, several at once, in vector instructions: compilers find few of them in loops over arrays.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -15,56 +14,64 @@ public:
     static constexpr std::size_t lanes = 4;
 
     Lanes() = default;
-    Lanes(double value) { values_.fill(value); }                // NOLINT: a number
-    Lanes(const MidRad& enclosure) : Lanes(enclosure.mid()) {}  // NOLINT: what it encloses, about
+    Lanes(double value) : values_{Pair{value, value}, Pair{value, value}} {}  // NOLINT: a number
+    Lanes(const MidRad& enclosure) : Lanes(enclosure.mid()) {}                // NOLINT: what it encloses, about
     /// f(lane) in each.
     template <class F>
     static Lanes of(const F& f) {
         Lanes r;
-        for (std::size_t k = 0; k < lanes; ++k) r.values_[k] = f(k);
+        for (std::size_t k = 0; k < lanes; ++k) r.values_[k / 2][k % 2] = f(k);
         return r;
     }
 
-    double operator[](std::size_t lane) const { return values_[lane]; }
-    double sum() const { return (values_[0] + values_[1]) + (values_[2] + values_[3]); }
+    double operator[](std::size_t lane) const { return values_[lane / 2][lane % 2]; }
+    double sum() const { return ((*this)[0] + (*this)[1]) + ((*this)[2] + (*this)[3]); }
     /// Not a number if one is none.
     double greatest() const {
-        double most = values_[0];
-        for (const double x : values_)
-            if (!(x <= most)) most = x;
+        double most = (*this)[0];
+        for (std::size_t k = 1; k < lanes; ++k)
+            if (!((*this)[k] <= most)) most = (*this)[k];
         return most;
     }
+    double least() const { return std::min(std::min((*this)[0], (*this)[1]), std::min((*this)[2], (*this)[3])); }
 
-    friend Lanes operator-(const Lanes& a) {
-        return of([&](std::size_t k) { return -a[k]; });
-    }
+    friend Lanes operator-(const Lanes& a) { return {-a.values_[0], -a.values_[1]}; }
     friend Lanes operator+(const Lanes& a, const Lanes& b) {
-        return of([&](std::size_t k) { return a[k] + b[k]; });
+        return {a.values_[0] + b.values_[0], a.values_[1] + b.values_[1]};
     }
     friend Lanes operator-(const Lanes& a, const Lanes& b) {
-        return of([&](std::size_t k) { return a[k] - b[k]; });
+        return {a.values_[0] - b.values_[0], a.values_[1] - b.values_[1]};
     }
     friend Lanes operator*(const Lanes& a, const Lanes& b) {
-        return of([&](std::size_t k) { return a[k] * b[k]; });
+        return {a.values_[0] * b.values_[0], a.values_[1] * b.values_[1]};
     }
     friend Lanes operator/(const Lanes& a, const Lanes& b) {
-        return of([&](std::size_t k) { return a[k] / b[k]; });
+        return {a.values_[0] / b.values_[0], a.values_[1] / b.values_[1]};
     }
     Lanes& operator+=(const Lanes& o) { return *this = *this + o; }
     friend Lanes square(const Lanes& a) { return a * a; }
     friend Lanes sqrt(const Lanes& a) {
         return of([&](std::size_t k) { return std::sqrt(a[k]); });
     }
-    friend Lanes abs(const Lanes& a) {
-        return of([&](std::size_t k) { return std::abs(a[k]); });
-    }
+    friend Lanes abs(const Lanes& a) { return {size(a.values_[0]), size(a.values_[1])}; }
     /// The second where it is not less or not a number.
     friend Lanes max(const Lanes& a, const Lanes& b) {
-        return of([&](std::size_t k) { return b[k] < a[k] ? a[k] : b[k]; });
+        return {b.values_[0] < a.values_[0] ? a.values_[0] : b.values_[0],
+                b.values_[1] < a.values_[1] ? a.values_[1] : b.values_[1]};
+    }
+    friend Lanes min(const Lanes& a, const Lanes& b) {
+        return {a.values_[0] < b.values_[0] ? a.values_[0] : b.values_[0],
+                a.values_[1] < b.values_[1] ? a.values_[1] : b.values_[1]};
     }
 
 private:
-    std::array<double, lanes> values_{};
+    /// Two doubles, as many as a register of any processor's holds.
+    using Pair [[gnu::vector_size(16)]] = double;
+
+    Lanes(Pair first, Pair second) : values_{first, second} {}
+    static Pair size(Pair x) { return x < 0 ? -x : x; }
+
+    Pair values_[2]{};
 };
 
 }  // namespace vcell::check

@@ -55,6 +55,10 @@ TouchingSpheres::TouchingSpheres(const Net& net, const Space<Interval>& space)
             least_weight_ = std::min(least_weight_, p[3].mid());
         }
     least_weight_ = (least_weight_ - weight_error_) * kBelow;
+    affine_.resize((points_.size() - 1) / Lanes::lanes + 1);
+    most_place_ = {divide_by_weights([](const Point& p) { return p.x; }, &Affine::x),
+                   divide_by_weights([](const Point& p) { return p.y; }, &Affine::y),
+                   divide_by_weights([](const Point& p) { return p.z; }, &Affine::z)};
 }
 
 std::optional<TouchingSpheres> TouchingSpheres::along(const Net& curve, const Space<Interval>& space) {
@@ -192,6 +196,7 @@ bool TouchingSpheres::finish_about_sphere() {
 }
 
 bool TouchingSpheres::finish() {
+    most_clearance_ = divide_by_weights([](const Point& p) { return p.t; }, &Affine::t);
     clearance_ = range({0, 0, Vec3::Zero(), 1});
     return clearance_.magnitude() < HUGE_VAL;
 }
@@ -239,25 +244,40 @@ TouchingSpheres::Element TouchingSpheres::base() const {
     return {true, middle(space_->base().direction), 0, std::get<Plane>(space_->scene().base).point};
 }
 
+/// A quotient of polynomials lies between those of their Bernstein coefficients, which go through a quotient, a product
+/// and four sums.
 Interval TouchingSpheres::range(const Linear& f) const {
-    double lo = HUGE_VAL, hi = -HUGE_VAL;
+    const double size = std::abs(f.k) + std::abs(f.g.x()) * most_place_.x() + std::abs(f.g.y()) * most_place_.y() +
+                        std::abs(f.g.z()) * most_place_.z() + std::abs(f.h) * most_clearance_;
     const double blur = std::abs(f.k) * weight_error_ + sum_of_magnitudes(f.g) * position_error_;
-    for (const Point& p : points_) {
-        const double a = f.k * p.w, b = f.g.x() * p.x, c = f.g.y() * p.y, d = f.g.z() * p.z, e = f.h * p.t;
-        const double value = ((a + b) + (c + d)) + e;
-        const double size = std::abs(a) + std::abs(b) + std::abs(c) + std::abs(d) + std::abs(e);
-        const double error = (kFew * size + f.error * p.w + blur) * kAbove;
-        // The weight's own error counts with the quotient.
-        const double share = 1 / p.w,
-                     off =
-                         (error + std::abs(value) * (weight_error_ / least_weight_ + kFew)) * share * kAbove;
-        const double quotient = value * share;
-        if (!(quotient - off >= lo)) lo = quotient - off;
-        if (!(quotient + off <= hi)) hi = quotient + off;
+    // The weight's own error counts with the quotient.
+    const double off = (size * (2 * kFew + weight_error_ / least_weight_) + f.error + blur / least_weight_ +
+                        std::abs(f.h) * clearance_error_) *
+                       kAbove;
+    if (!(off < HUGE_VAL)) return Interval::whole();
+    const auto value = [&](const Affine& p) { return ((f.k + f.g.x() * p.x) + (f.g.y() * p.y + f.g.z() * p.z)) + f.h * p.t; };
+    Lanes lo = value(affine_[0]), hi = lo;
+    for (std::size_t i = 1; i < affine_.size(); ++i) {
+        const Lanes v = value(affine_[i]);
+        lo = min(lo, v);
+        hi = max(hi, v);
     }
-    const double rest = std::abs(f.h) * clearance_error_ * kAbove;
-    if (!(hi - lo < HUGE_VAL)) return Interval::whole();
-    return {Interval::down(lo - rest), Interval::up(hi + rest)};
+    return {Interval::down(lo.least() - off), Interval::up(hi.greatest() + off)};
+}
+
+/// Returns the largest magnitude, infinite where one is not a number.
+template <class Coordinate>
+double TouchingSpheres::divide_by_weights(Coordinate coordinate, Lanes Affine::*quotient) {
+    const std::size_t last = points_.size() - 1;
+    double most = 0;
+    for (std::size_t k = 0; k < affine_.size(); ++k)
+        affine_[k].*quotient = Lanes::of([&](std::size_t lane) {
+            const Point& p = points_[std::min(k * Lanes::lanes + lane, last)];
+            const double x = coordinate(p) / p.w, size = std::abs(x);
+            if (!(size <= most)) most = size < HUGE_VAL ? size : HUGE_VAL;
+            return x;
+        });
+    return most;
 }
 
 /// Of |p - c|^2 - (t + rho)^2, all over the curve.

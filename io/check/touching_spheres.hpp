@@ -18,6 +18,7 @@
 
 #include <optional>
 
+#include "lanes.hpp"
 #include "nets.hpp"
 #include "space.hpp"
 
@@ -63,6 +64,10 @@ private:
     struct Point {
         double x, y, z, w, t;  // homogeneous, about the origin
     };
+    /// Quotients by the weight, of several points at once. The last one repeats.
+    struct Affine {
+        Lanes x, y, z, t;
+    };
     /// k w + g (x, y, z) + h t; k is off by no more than `error`, g and h by some 2^-50 of themselves.
     struct Linear {
         double k, error;
@@ -84,6 +89,8 @@ private:
     bool set_distance_within(const Interval& clearance);
     void refer_to_base();
     bool finish_about_sphere();
+    template <class Coordinate>
+    double divide_by_weights(Coordinate coordinate, Lanes Affine::*quotient);
     bool finish();
     Element base() const;
     std::optional<Element> element(const Site& site) const;
@@ -100,6 +107,9 @@ private:
     int m_, n_;
     Vec3 origin_;
     SmallVector<Point, 9> points_;
+    SmallVector<Affine, 3> affine_;
+    Vec3 most_place_ = Vec3::Zero();  // magnitudes of these, at most
+    double most_clearance_ = 0;
     double position_error_ = 0, weight_error_ = 0;  // of the homogeneous coordinates
     double clearance_error_ = 0;                    // of t / w
     double least_weight_ = 0;
