@@ -38,6 +38,14 @@ const Vector<Interval>& Net::box() const {
     return box_;
 }
 
+const Sizes& Net::sizes() const {
+    if (has_sizes_) return sizes_;
+    sizes_ = {};
+    for (const Point& p : points_) sizes_.meet(p);
+    has_sizes_ = true;
+    return sizes_;
+}
+
 // x' = (N' - w' x) / w, with x about the middle of the net, where it is smallest.
 Vector<Interval> Net::derivative(int axis) const {
     const int degree = axis == 0 ? m_ : n_;

@@ -100,6 +100,20 @@ Span<Dim> part_of(const Span<Dim>& span, double begin, double end) {
     return result;
 }
 
+/// What is known of homogeneous control points: the largest magnitudes and errors of each coordinate, and the least weight.
+struct Sizes {
+    std::array<double, 4> most{}, error{};
+    double least_weight = HUGE_VAL;
+
+    void meet(const std::array<MidRad, 4>& p) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            most[k] = std::max(most[k], std::abs(p[k].mid()));
+            error[k] = std::max(error[k], p[k].radius());
+        }
+        least_weight = std::min(least_weight, p[3].mid() - p[3].radius());
+    }
+};
+
 /// A curve (of degree 0 in t) or a patch in space. Points are about an origin near by, so that they have few
 /// digits to lose.
 class Net {
@@ -118,7 +132,7 @@ public:
     int degree_t() const { return n_; }
     const Vec3& origin() const { return origin_; }
     Point& at(int i, int j) {
-        has_box_ = false;
+        has_box_ = has_sizes_ = false;
         return points_[static_cast<std::size_t>(i * (n_ + 1) + j)];
     }
     const Point& at(int i, int j) const { return points_[static_cast<std::size_t>(i * (n_ + 1) + j)]; }
@@ -127,6 +141,8 @@ public:
     Form form(int coordinate) const;
     /// The whole lies in the hull of its control points. Pre: weights are positive.
     const Vector<Interval>& box() const;
+    /// Of all control points.
+    const Sizes& sizes() const;
     /// The ends in s and t: 0 is the begin, 1 the end.
     Vector<Interval> corner(int i, int j) const { return position(at(i * m_, j * n_)); }
     /// Derivative with respect to s (axis 0) or t (axis 1), as it runs over [0, 1].
@@ -143,6 +159,8 @@ private:
     SmallVector<Point, 9> points_;
     mutable bool has_box_ = false;  // box_ is that of the points
     mutable Vector<Interval> box_;
+    mutable bool has_sizes_ = false;
+    mutable Sizes sizes_;
 };
 
 /// The part of a patch over the rectangle lo, hi of its parameters, where the corners of its domain do not

@@ -154,66 +154,16 @@ public:
             if (!(aside <= 0x1p-44 * least_weight)) return HUGE_VAL;
             off += 2 * aside;
         }
-        std::array<double, 4> size{}, error{};
-        double least_of_net = HUGE_VAL;
-        for (int i = 0; i <= m; ++i)
-            for (int j = 0; j <= n; ++j) {
-                const Net::Point& p = net_.at(i, j);
-                for (std::size_t k = 0; k < 4; ++k) {
-                    size[k] = std::max(size[k], std::abs(p[k].mid()));
-                    error[k] = std::max(error[k], p[k].radius());
-                }
-                least_of_net = std::min(least_of_net, p[3].mid() - p[3].radius());
-            }
-        std::array<double, 4> edge_size{}, edge_error{};
-        double least_of_edge = HUGE_VAL;
-        for (const auto& p : pair.edge.points) {
-            for (std::size_t k = 0; k < 4; ++k) {
-                edge_size[k] = std::max(edge_size[k], std::abs(p[k].mid()));
-                edge_error[k] = std::max(edge_error[k], p[k].radius());
-            }
-            least_of_edge = std::min(least_of_edge, p[3].mid() - p[3].radius());
-        }
-        if (!(least_weight > 0) || !(least_of_net > 0) || !(least_of_edge > 0)) return HUGE_VAL;
+        const Sizes& of_net = net_.sizes();
+        Sizes of_edge;
+        for (const auto& p : pair.edge.points) of_edge.meet(p);
+        if (!(least_weight > 0) || !(of_net.least_weight > 0) || !(of_edge.least_weight > 0)) return HUGE_VAL;
 
         const Places& places = Places::of(degree);
-        std::array<Lanes, 3> most{};
-        for (std::size_t pack = 0; pack < places.packs; ++pack) {
-            const Lanes &t = places.at[pack], &r = places.rest[pack];
-            const auto powers = [](const Lanes& x, const Lanes& y, int power) {
-                return power == 2 ? std::array<Lanes, 3>{y * y, 2.0 * (x * y), x * x} : std::array<Lanes, 3>{y, x, 0.0};
-            };
-            const std::array<Lanes, 3> basis = powers(t, r, d);
-            const auto value = [&](const std::array<double, 3>& c) {
-                return basis[0] * c[0] + basis[1] * c[1] + basis[2] * c[2];
-            };
-            const std::array<std::array<Lanes, 3>, 2> shares{powers(value(a[0]), value(b[0]), m),
-                                                             powers(value(a[1]), value(b[1]), n)};
-            std::array<Lanes, 4> lifted{};
-            for (int i = 0; i <= m; ++i)
-                for (int j = 0; j <= n; ++j) {
-                    const Lanes share = shares[0][static_cast<std::size_t>(i)] * shares[1][static_cast<std::size_t>(j)];
-                    const Net::Point& p = net_.at(i, j);
-                    for (std::size_t k = 0; k < 4; ++k) lifted[k] += share * p[k].mid();
-                }
-            std::array<Lanes, 4> on_edge{};
-            for (std::size_t k = 0; k < 4; ++k) {
-                if (e == 2 && d == 2) {
-                    on_edge[k] = basis[0] * pair.edge.points[0][k].mid() + basis[1] * pair.edge.points[1][k].mid() +
-                                 basis[2] * pair.edge.points[2][k].mid();
-                    continue;
-                }
-                // By Horner's rule in t, with powers of r.
-                Lanes sum = pair.edge.points[static_cast<std::size_t>(e)][k].mid(), power = 1.0;
-                for (int i = e - 1; i >= 0; --i) {
-                    power = power * r;
-                    sum = sum * t + (binomial(e, i) * pair.edge.points[static_cast<std::size_t>(i)][k].mid()) * power;
-                }
-                on_edge[k] = sum;
-            }
-            for (std::size_t k = 0; k < 3; ++k)
-                most[k] = max(most[k], abs(lifted[k] * on_edge[3] - on_edge[k] * lifted[3]));
-        }
+        const bool is_usual = m == 2 && n == 2 && d == 2 && e == 2;
+        using Two = std::integral_constant<int, 2>;
+        const std::array<Lanes, 3> most = is_usual ? largest(places, Two(), Two(), Two(), Two(), a, b, pair.edge)
+                                                   : largest(places, m, n, d, e, a, b, pair.edge);
         // w^(m + n), with what a and b may be off by.
         double power = 1, least_power = 1;
         for (int i = 0; i < m + n; ++i) {
@@ -224,6 +174,7 @@ public:
         // many and as many more, sums of them through eight.
         const double relative = rounding((m + n) * (4 + d) + m + n + 9) + (m + n) * (off / least_weight),
                      relative_of_edge = rounding(4 * e + 4);
+        const auto &size = of_net.most, &error = of_net.error, &edge_size = of_edge.most, &edge_error = of_edge.error;
         const double weight_error = (size[3] * relative + error[3]) * power;
         double sum = 0;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -236,9 +187,54 @@ public:
             const double x = places.lebesgue * (most[k].greatest() + 1.01 * own);
             sum += x * x;
         }
-        const double scale = (least_of_net * least_power - weight_error) * least_of_edge * (1 - 0x1p-40);
+        const double scale = (of_net.least_weight * least_power - weight_error) * of_edge.least_weight * (1 - 0x1p-40);
         if (!(scale > 0)) return HUGE_VAL;
         return std::sqrt(sum) / scale * (1 + 0x1p-40);
+    }
+
+    /// The largest differences at places, of coordinates times both weights. Degrees are known to the compiler where
+    /// they are the usual ones.
+    template <class M, class N, class D, class E>
+    std::array<Lanes, 3> largest(const Places& places, M m, N n, D d, E e, const std::array<std::array<double, 3>, 2>& a,
+                                 const std::array<std::array<double, 3>, 2>& b, const Span<3>& edge) const {
+        const Net::Point* const net = &net_.at(0, 0);
+        const auto* const curve = &edge.points[0];
+        std::array<Lanes, 3> most{};
+        for (std::size_t pack = 0; pack < places.packs; ++pack) {
+            const Lanes &t = places.at[pack], &r = places.rest[pack];
+            const auto powers = [](const Lanes& x, const Lanes& y, auto power) {
+                return power == 2 ? std::array<Lanes, 3>{y * y, 2.0 * (x * y), x * x} : std::array<Lanes, 3>{y, x, 0.0};
+            };
+            const std::array<Lanes, 3> basis = powers(t, r, d);
+            const auto value = [&](const std::array<double, 3>& c) {
+                return basis[0] * c[0] + basis[1] * c[1] + basis[2] * c[2];
+            };
+            const std::array<Lanes, 3> along = powers(value(a[0]), value(b[0]), m), across = powers(value(a[1]), value(b[1]), n);
+            std::array<Lanes, 4> lifted{};
+            for (int i = 0; i <= m; ++i)
+                for (int j = 0; j <= n; ++j) {
+                    const Lanes share = along[static_cast<std::size_t>(i)] * across[static_cast<std::size_t>(j)];
+                    const Net::Point& p = net[i * (n + 1) + j];
+                    for (std::size_t k = 0; k < 4; ++k) lifted[k] += share * p[k].mid();
+                }
+            std::array<Lanes, 4> on_edge{};
+            for (std::size_t k = 0; k < 4; ++k) {
+                if (e == 2 && d == 2) {
+                    on_edge[k] = basis[0] * curve[0][k].mid() + basis[1] * curve[1][k].mid() + basis[2] * curve[2][k].mid();
+                    continue;
+                }
+                // By Horner's rule in t, with powers of r.
+                Lanes sum = curve[e][k].mid(), power = 1.0;
+                for (int i = e - 1; i >= 0; --i) {
+                    power = power * r;
+                    sum = sum * t + (binomial(e, i) * curve[i][k].mid()) * power;
+                }
+                on_edge[k] = sum;
+            }
+            for (std::size_t k = 0; k < 3; ++k)
+                most[k] = max(most[k], abs(lifted[k] * on_edge[3] - on_edge[k] * lifted[3]));
+        }
+        return most;
     }
 
     /// A lower bound of 0 and of a polynomial of degree 2 at most in Bernstein form. With u and v what the middle
