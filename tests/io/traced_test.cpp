@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "../../io/check/face_terms.hpp"
 #include "../../io/check/quadrature.hpp"
 #include "../../io/check/traced.hpp"
 #include "../test_support.hpp"
@@ -18,6 +19,17 @@ std::array<T, 4> expressions(const T& x, double a, double b) {
     const MidRad third = MidRad(1.0) / 3.0;
     const T y = x * x - T(a) + T(third), z = T(b) / (x + T(3.0)), w = sqrt(T(2.0) + x * y);
     return {y - z, square(w) - x * y, (w - z) / (T(2.0) + x), -w + 0.1 * (y * z)};
+}
+
+/// The antiderivative of face_terms.hpp with the midpoints of its constants, in more digits.
+long double precise_antiderivative(const Revolved& r, long double b) {
+    const long double b1 = r.b1.mid(), B = r.B.mid(), E = r.E.mid();
+    const long double s = std::sqrt(E + 2 * B * b), s1 = std::sqrt(E + 2 * B * b1), sum = s + s1;
+    const long double first = (s * (b1 + b) - 2 * B * b * b / sum) / (2 * b * b1 * b * b1);
+    const long double second = B / (2 * E) * (s - 2 * B * b / sum) / (b * b1);
+    const long double ratio = (s * s1 + E) / (sum * (E * (b + b1) + 2 * B * b * b1));
+    const long double x = std::sqrt(E) * (b1 - b) * ratio;
+    return first + second - B * B / E * ratio * (x == 0 ? 1 : std::atanh(x) / x);
 }
 
 }  // namespace
@@ -47,6 +59,33 @@ TEST_CASE("traced: bounds what plain doubles are off by, all over a range") {
     CHECK(known > 10'000);
     CHECK(tightest < 0x1p-48);
     CHECK(tightest > 0x1p-54);  // a bound of nothing would be none
+}
+
+TEST_CASE("traced: the bound of a face's area holds at every place of a disc") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    double closest = 0, tightest = HUGE_VAL;
+    int known = 0;
+    for (int k = 0; k < 3000; ++k) {
+        const double A = 1.25 + 0.75 * unit(rng), B = 0.9 * A * unit(rng), E = (A - B) * (A + B);
+        const Revolved r({0.0, 0.0, 1.0}, 1.0, A, B, E, false);
+        const double middle = A * (0.5 + 0.4 * unit(rng)) + B, half = 0.1 * std::abs(middle * unit(rng));
+        const double error = std::abs(middle) * (k % 2 ? 0x1p-50 : 0x1p-40);
+        const double bound = error_of_antiderivative(r, Disc(middle, half), error);
+        if (!(bound < HUGE_VAL)) continue;
+        ++known;
+        tightest = std::min(tightest, bound);
+        for (int n = 0; n < 10; ++n) {
+            const double b = middle + half * unit(rng), off = error * unit(rng);
+            const double plain = antiderivative(r, Approximate(b + off))[0];
+            const double actual = static_cast<double>(std::abs(plain - precise_antiderivative(r, b)));
+            CHECK(actual <= bound);
+            closest = std::max(closest, actual / bound);
+        }
+    }
+    CHECK(known > 1000);
+    CHECK(closest > 0x1p-7);  // and is not so large that anything would hold
+    CHECK(tightest < 0x1p-40);
 }
 
 TEST_CASE("traced: errors of what goes in are carried along") {
