@@ -14,27 +14,21 @@ constexpr int kRows = kMaxBinomial + 1;
 using Triangle = std::array<std::array<double, kRows>, kRows>;
 
 /// Pascal's triangle. Numbers beyond 2^53 are rounded, each row a little more: below 2^-45 in all.
-const Triangle& triangle() {
-    static const Triangle rows = [] {
-        Triangle t{};
-        for (int n = 0; n < kRows; ++n) {
-            t[n][0] = 1;
-            for (int k = 1; k <= n; ++k) t[n][k] = t[n - 1][k - 1] + (k < n ? t[n - 1][k] : 0);
-        }
-        return t;
-    }();
-    return rows;
-}
+constexpr Triangle triangle = [] {
+    Triangle t{};
+    for (int n = 0; n < kRows; ++n) {
+        t[n][0] = 1;
+        for (int k = 1; k <= n; ++k) t[n][k] = t[n - 1][k - 1] + (k < n ? t[n - 1][k] : 0);
+    }
+    return t;
+}();
 
-const Triangle& inverses() {
-    static const Triangle rows = [] {
-        Triangle t{};
-        for (int n = 0; n < kRows; ++n)
-            for (int k = 0; k <= n; ++k) t[n][k] = 1 / triangle()[n][k];
-        return t;
-    }();
-    return rows;
-}
+constexpr Triangle inverses = [] {
+    Triangle t{};
+    for (int n = 0; n < kRows; ++n)
+        for (int k = 0; k <= n; ++k) t[n][k] = 1 / triangle[n][k];
+    return t;
+}();
 
 /// Relative: what two binomials, or their inverses, and products with them may be off by. Up to 56 over k
 /// they are exact, and their inverses rounded once.
@@ -55,7 +49,7 @@ void add_convolution(double sign, const double* a, const double* b, double* r) {
 
 double binomial(int n, int k) {
     assert(n < kRows);
-    return triangle()[n][k];
+    return triangle[n][k];
 }
 
 void Form::set(int i, int j, const MidRad& coefficient) {
@@ -68,7 +62,7 @@ void Form::set(int i, int j, const MidRad& coefficient) {
 
 double Form::norm() const {
     if (norm_ >= 0) return norm_;
-    const auto &rows = inverses()[m_], &columns = inverses()[n_];
+    const auto &rows = inverses[m_], &columns = inverses[n_];
     double most = 0;
     const double* c = c_.data();
     for (int i = 0; i <= m_; ++i) {
@@ -116,7 +110,7 @@ void Form::add_product(double sign, const Form& a, const Form& b) {
 }
 
 Interval Form::range() const {
-    const auto &rows = inverses()[m_], &columns = inverses()[n_];
+    const auto &rows = inverses[m_], &columns = inverses[n_];
     double lo = HUGE_VAL, hi = -HUGE_VAL;
     const double* c = c_.data();
     for (int i = 0; i <= m_; ++i)

@@ -81,13 +81,15 @@ inline double remainder_factor(std::size_t ellipse, std::size_t rule) {
     using Table = std::array<std::array<double, node_counts.size()>, ellipses.size()>;
     static const Table factors = [] {
         Table result{};
-        for (std::size_t k = 0; k < ellipses.size(); ++k)
+        for (std::size_t k = 0; k < ellipses.size(); ++k) {
+            const Interval rho = ellipses[k];
+            Interval power = 8.0;
+            unsigned n = 1;
             for (std::size_t r = 0; r < node_counts.size(); ++r) {
-                const Interval rho = ellipses[k];
-                Interval power = 8.0;
-                for (unsigned i = 0; i + 1 < 2 * node_counts[r]; ++i) power = power / rho;
+                for (; n < 2 * node_counts[r]; ++n) power = power / rho;
                 result[k][r] = (power / (rho - 1.0)).upper();
             }
+        }
         return result;
     }();
     return factors[ellipse][rule];

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "../trims.hpp"
@@ -60,18 +62,25 @@ struct Places {
         lebesgue = 1.01 * (2 / std::numbers::pi * std::log(degree + 1.0) + 1);
     }
 
+    /// Few degrees occur in a cell, and cosines take time.
     static const Places& of(int degree) {
-        static const std::vector<Places> all = [] {
-            std::vector<Places> result;
-            for (int n = 0; n <= most_degree; ++n) result.emplace_back(n);
-            return result;
-        }();
-        return all[static_cast<std::size_t>(degree)];
+        using Known = const Places& (*)();
+        static constexpr auto known = []<int... N>(std::integer_sequence<int, N...>) {
+            return std::array<Known, sizeof...(N)>{known_of<N>...};
+        }(std::make_integer_sequence<int, most_degree + 1>());
+        return known[static_cast<std::size_t>(degree)]();
     }
 
     std::array<Lanes, most_packs> at, rest;
     std::size_t packs;
     double lebesgue;
+
+private:
+    template <int Degree>
+    static const Places& known_of() {
+        static const Places places(Degree);
+        return places;
+    }
 };
 
 class TrimJudge {
