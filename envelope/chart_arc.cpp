@@ -198,8 +198,19 @@ Sign ChartArcs::curvature_sign(FormId f, FormId g) {
         return sign_of(difference);
     }
     ++decisions_.by_exact;
-    const ExactForm ef = family_.exact(f), eg = family_.exact(g);
-    return (ef.K * eg.W - eg.K * ef.W).sign();
+    if (curvatures_.empty()) curvatures_.resize(diagram_.forms.size());
+    const Curvature &a = exact_curvature(f), &b = exact_curvature(g);
+    return (a.K * b.W - b.K * a.W).sign();
+}
+
+// A form is next to several others: it is made exact once.
+const ChartArcs::Curvature& ChartArcs::exact_curvature(FormId f) {
+    std::optional<Curvature>& curvature = curvatures_[f.value];
+    if (!curvature) {
+        const ExactForm form = family_.exact(f);
+        curvature = {form.K, form.W};
+    }
+    return *curvature;
 }
 
 // f - g = (K |p|^2 + A x + B y + C) / ..., exact up to the last step.

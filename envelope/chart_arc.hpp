@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -89,6 +90,11 @@ private:
     void add_full_circle(EdgeId e, double turn, const Circle& circle);
     void add_circular_arc(EdgeId e, double turn);
     void add_around_center(EdgeId e, const Circle& circle, double angle);
+    // Of the exact form's |p|^2.
+    struct Curvature {
+        Exact K, W;
+    };
+    const Curvature& exact_curvature(FormId f);
     Sign curvature_sign(FormId f, FormId g);
     Circle circle(FormId f, FormId g) const;
     double exact_turn(EdgeId e, double turn);
@@ -101,6 +107,7 @@ private:
     IdVector<EdgeId, double> errors_;
     IdVector<EdgeId, bool> is_line_;
     Decisions decisions_;
+    std::vector<std::optional<Curvature>> curvatures_;  // of forms for which doubles did not do
 };
 
 }  // namespace vcell
