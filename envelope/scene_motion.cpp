@@ -26,6 +26,9 @@ struct Direction {
     Vec3 g = Vec3::Zero();
     double distance = infinity;
     const Vec3* center = nullptr;  // of a ball
+
+    // Per length, but for the factor in Row::variation(): nothing of a plane.
+    double turn() const { return 1 / distance; }
 };
 
 // The unit vector of a plane's normal or a cylinder's axis, which may have any length.
@@ -57,14 +60,14 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
 struct Row {
     Vec3 value;
     double nearest = infinity;  // of the distances of its feet's centres and axes
-    double turn = 2;            // of its unit vectors: |dg| <= dp / distance each
+    double turn = 0;            // of its unit vectors in all, per length
     Direction object{};  // of an object that has one
     double shift = 2;    // of its equation, in motions
     bool has_object = false;
 
-    double variation(double radius) const {
-        return radius < nearest ? 1.5 * turn * radius / (nearest - radius) : infinity;
-    }
+    // A vector of length d that moves by r < d turns by an angle whose sine is r / d at most: its unit vector moves by
+    // sqrt(2) r / d at most, which 3/2 is above.
+    double variation(double radius) const { return radius < nearest ? 1.5 * turn * radius : infinity; }
 };
 
 // The row of two objects' difference, in which the base takes no part; between balls its equation has the shift
@@ -73,13 +76,17 @@ struct Row {
 Row difference(const Row& b, const Row& a, double shift) {
     if (!a.has_object || !b.has_object)
         return {b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};
-    Row row{b.object.g - a.object.g, std::min(a.object.distance, b.object.distance), 2, {}, std::max(a.shift, b.shift)};
+    Row row{b.object.g - a.object.g, std::min(a.object.distance, b.object.distance), a.object.turn() + b.object.turn(),
+            {}, std::max(a.shift, b.shift)};
     if (a.object.center != nullptr && b.object.center != nullptr) {
         row.shift = shift;
         const double apart = (*b.object.center - *a.object.center).norm();
         // Within half the distance centres are no nearer than the other half.
-        row.nearest = 0.5 * (row.nearest - apart);
-        row.turn = std::min(row.turn, row.nearest > 0 ? 3 * apart / row.nearest : 2);
+        const double half = 0.5 * (row.nearest - apart);
+        if (half > 0 && 3 * apart < row.turn * half * half) {
+            row.nearest = half;
+            row.turn = 3 * apart / (half * half);
+        }
     }
     return row;
 }
@@ -91,6 +98,7 @@ public:
           moved_(moved),
           between_balls_(2 * balls_moved / moved),
           most_(cell.scene.box.diagonal()),
+          room_(std::sqrt(moved * most_)),
           equations_(cell.vertices.size()) {
         base_unit_ = unit_direction(cell.scene.base);
         units_.reserve(cell.scene.objects.size());
@@ -164,7 +172,8 @@ private:
         }
         if (site.kind == Site::Kind::End) return {base_unit_};
         const Direction object = from_foot(cell_.scene.objects[site.index], units_[site.index], p);
-        return {object.g - base.g, std::min(object.distance, base.distance), 2, object, 2, true};
+        return {object.g - base.g, std::min(object.distance, base.distance), object.turn() + base.turn(), object, 2,
+                true};
     }
 
     // The motion by the three equations that tell the point best; none where no bisectors cross.
@@ -250,16 +259,15 @@ private:
         const Direction base = this->base(middle);
         const Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
         // The motion itself must stay within reach, too: more than the first guess, where objects are all but alike.
-        const double room = std::sqrt(moved_ * most_);
-        double change = across(a, b, radius + room);
-        if (change <= room) return change;
+        double change = across(a, b, radius + room_);
+        if (change <= room_) return change;
         const Row apart = difference(b, a, between_balls_);
-        for (double reach = room; reach < most_; reach = 2 * change) {
+        for (double reach = room_; reach < most_; reach = 2 * change) {
             change = across(a, apart, radius + reach);
             if (change <= reach) return change;
         }
-        const bool is_end = radius <= error + room;
-        if (is_end) return 4 * (radius + room);
+        const bool is_end = radius <= error + room_;
+        if (is_end) return 4 * (radius + room_);
         if (halvings == 0) return infinity;
         --halvings;
         double most = 0;
@@ -285,6 +293,7 @@ private:
     const double moved_;
     const double between_balls_;  // the shift of two balls' difference
     const double most_;
+    const double room_;  // for the motion of a piece, as a first guess
     Vec3 base_unit_;
     std::vector<Vec3> units_;  // of the objects' directions
     std::vector<bool> is_rim_;                  // of the edges
