@@ -82,7 +82,7 @@ public:
         const std::optional<Index> owner = owner_of_pole();
         if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
         // In each direction a side of the box is nearer than sqrt(3) times the farthest side.
-        if (!start(least_slope / 4, attempt < 2 ? 4 : 16)) return std::nullopt;
+        if (!start(least_slope / 4, attempt < 2 ? 4 : attempt == 2 ? 8 : 16)) return std::nullopt;
         for (const auto& [place, form] : insertion_order(attempt)) {
             if (!insert(form)) return std::nullopt;
             ++inserted_;
