@@ -1184,7 +1184,7 @@ private:
         for (int side = 0; side < 2 && most < infinity; ++side) {
             if (!patches[side]) continue;
             double error = trim_error(side, points, patches[side]->patch, D, frame, over, residuals, tube.q);
-            if (!(error <= tolerance_) && patches[side]->surface)
+            if (tube.curve <= tolerance_ && !(error <= tolerance_) && patches[side]->surface)
                 error = std::min(error, distance_on(*patches[side]->surface, points, side, tube.blur));
             most = std::max(most, error);
         }

@@ -90,8 +90,9 @@ private:
                                                    enclosure.mid() * u, own * u),
                                        least * u);
         const double rounding = kRounding * std::pow(size_, dimension) + slack;
-        // What a length may be off by where curves keep to the scene's tolerance, however close they are in fact.
-        const double tolerated = scene_tolerance() / frame_.unit() * std::pow(size_, dimension - 1);
+        // What a length may be off by where curves keep to the scene's tolerance, however close they are in fact: four
+        // times that, as in judge_edges().
+        const double tolerated = 4 * scene_tolerance() / frame_.unit() * std::pow(size_, dimension - 1);
         if (b > std::max(kLargestExcess * (own + rounding), tolerated))
             return certificate_.refute(
                 where, fmt::format("a bound of {:.3g} on its error excludes nothing, {:.3g} would do", bound, most * u),
