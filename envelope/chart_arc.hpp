@@ -90,7 +90,7 @@ private:
     void add_full_circle(EdgeId e, double turn, const Circle& circle);
     void add_circular_arc(EdgeId e, double turn);
     void add_around_center(EdgeId e, const Circle& circle, double angle);
-    // Of the exact form's |p|^2.
+    // The exact form's terms in |p|^2: a form has several edges, and making it exact is dear.
     struct Curvature {
         Exact K, W;
     };

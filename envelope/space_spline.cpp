@@ -516,7 +516,7 @@ private:
         return corners;
     }
 
-    // The same over the lesser arc of a rim between two nodes.
+    // Encloses (p, t) over the lesser arc of a rim between two nodes: a rim has no pieces to enclose.
     std::array<Vector4d, 2> rim_enclosure(const Node& from, const Node& to) const {
         const double y = std::get<Plane>(arc_.sites[1].object).point.y();
         const Vec3 v = from.X.head<3>() / from.X[3], w = to.X.head<3>() / to.X[3];
@@ -1190,7 +1190,7 @@ private:
         }
         return most;
     }
-    // Of the points of the patch at the trim from those of the curve. Adds what bounds rounding to `largest_blur`.
+    // Bounds the distance of the patch's points at the trim from the curve's; `largest_blur` grows to rounding's part.
     static double distance_on(const RadialPatch& patch, const Points& points, int side, double& largest_blur) {
         const Bernstein<5> u = row(points, 4 + 2 * side), v = row(points, 5 + 2 * side);
         const Bernstein<10> uu = square(u), vv = square(v);

@@ -47,7 +47,7 @@ struct Touching {
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
                                       const std::array<double, 4>& box);
 
-/// The same where phi is concave: between f and g h is all but pinched off, or quite. `gap` is its greatest
+/// Where a concave phi is greatest h is all but pinched off between f and g, or quite. `gap` is its greatest
 /// value: if it is positive f and g meet in the arc between the lens's ends, no point of which is farther
 /// from `place` than `width`, and if it is negative nowhere. None if the greatest value is at an end.
 std::optional<Touching> find_pinch(const Heights& heights, FormId h, FormId f, FormId g,

@@ -59,7 +59,7 @@ Traced artanh_ratio(const Traced& x) {
 
 namespace {
 
-/// Of a positive number: bounds, and how far its computed value may be off, relative to it.
+/// A positive number's bounds, and how far its computed value may be off, relative to it.
 struct Computed {
     double least, most, error;
 };

@@ -78,6 +78,22 @@ std::array<double, 3> sums_over(const Cylinder& tube, const Vec2& corner, const 
     return sum;
 }
 
+/// Volume, area and shadow of a face by rules in two variables, from a corner.
+std::array<Interval, 3> in_two_variables(const Fan& fan, const std::vector<RationalCurve3>& sides, const Frame& frame) {
+    std::array<Interval, 3> sum{};
+    for (const RationalCurve3& side : sides)
+        for (const Span& span : spans(side, frame)) {
+            Effort effort{1000};
+            estimate<3>(
+                [&]<class T>(const T& s, const T& sigma) {
+                    const Densities<T> d = densities(fan, span.at(s), sigma);
+                    return std::array<T, 3>{d.volume, d.area, d.shadow};
+                },
+                {-1, 0}, {1, 1}, {1e-15, 1e-15, 1e-15}, sum, effort);
+        }
+    return sum;
+}
+
 }  // namespace
 
 TEST_CASE("conics: integrands multiplied out are those of their points") {
@@ -164,17 +180,7 @@ TEST_CASE("integrands of tubes over a plane: are sums over the face, upright, le
             // The same in two variables, from a corner.
             if (const auto* height = std::get_if<RuledHeight>(&*face)) {
                 const Fan fan{Fan::Base::plane, height->equation, {corners[0][0], corners[0][1], 0.0}};
-                std::array<Interval, 3> sum{};
-                for (const RationalCurve3& side : sides(polygon))
-                    for (const Span& span : spans(side, frame)) {
-                        Effort effort{1000};
-                        estimate<3>(
-                            [&]<class T>(const T& s, const T& sigma) {
-                                const Densities<T> d = densities(fan, span.at(s), sigma);
-                                return std::array<T, 3>{d.volume, d.area, d.shadow};
-                            },
-                            {-1, 0}, {1, 1}, {1e-15, 1e-15, 1e-15}, sum, effort);
-                    }
+                const auto sum = in_two_variables(fan, sides(polygon), frame);
                 for (std::size_t c = 0; c < 3; ++c)
                     CHECK(std::abs(found[c].mid() - sum[c].mid()) <= found[c].radius() + 1e-13);
             }
@@ -212,17 +218,7 @@ TEST_CASE("integrands of planes about a tube: are those in two variables") {
                 REQUIRE(tapered);
                 const auto found = integrals(*face, sides(polygon), frame);
                 const Fan fan{Fan::Base::cylinder, tapered->equation, {0.0, 0.0, tapered->start}};
-                std::array<Interval, 3> sum{};
-                for (const RationalCurve3& curve : sides(polygon))
-                    for (const Span& span : spans(curve, frame)) {
-                        Effort effort{1000};
-                        estimate<3>(
-                            [&]<class T>(const T& s, const T& sigma) {
-                                const Densities<T> d = densities(fan, span.at(s), sigma);
-                                return std::array<T, 3>{d.volume, d.area, d.shadow};
-                            },
-                            {-1, 0}, {1, 1}, {1e-15, 1e-15, 1e-15}, sum, effort);
-                    }
+                const auto sum = in_two_variables(fan, sides(polygon), frame);
                 for (std::size_t c = 0; c < 3; ++c) {
                     ++compared;
                     CHECK(found[c].lower() > 0);
