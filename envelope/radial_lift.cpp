@@ -701,6 +701,8 @@ private:
                 if (!holds_vertices(face)) change_patch(face);
         for (std::vector<FaceId> to_make = all, again; !to_make.empty(); std::swap(to_make, again)) {
             for (const EdgeId e : to_fit) fit(e);
+            if (to_make.size() == all.size() && is_coarse())
+                for (const EdgeId e : to_fit) fit(e);
             to_fit.clear();
             seams_ = 0;
             again.clear();
@@ -726,6 +728,20 @@ private:
         for (const EdgeId e : diagram_.edges.ids()) require_proof(e);
         for (const FaceId face : diagram_.face_forms.ids())
             if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);
+    }
+
+    // The box says little of how far the cell reaches, which may be less than the tolerance: curves have to be four
+    // digits finer than that. What the curves themselves say of it serves, coarse as they are.
+    bool is_coarse() {
+        double reach = 0;
+        for (const Vector4d& p : points_) reach = std::max(reach, p.w());
+        for (const ConicSpan& s : conics_) reach = std::max(reach, s.from.w());
+        for (const std::vector<SpaceSpan>& spans : splines_)
+            for (const SpaceSpan& s : spans) reach = std::max(reach, s.points.row(3).maxCoeff());
+        const double fine = 1e-4 * reach;
+        if (!(fine < tolerance_ && fine > 0)) return false;
+        tolerance_ = fine;
+        return true;
     }
 
     // Beyond this a bound says as good as nothing.
@@ -1539,7 +1555,7 @@ private:
 
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
-    const double tolerance_;
+    double tolerance_;
     Decisions decisions_;
     Cell cell_;
     IdVector<VertexId, Vector4d> points_;                      // (p, t)

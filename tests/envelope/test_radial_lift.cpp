@@ -9,6 +9,7 @@
 #include <set>
 
 #include "../../envelope/radial_lift.hpp"
+#include "../../envelope/voronoi_cell.hpp"
 #include "../test_support.hpp"
 #include "cell_checks.hpp"
 
@@ -977,6 +978,24 @@ TEST_CASE("cylinder cell: arcs that turn beside a seam, and vertices on one") {
     meeting.objects = {Cylinder{{-0.8, 0.6, -1.3}, {0.84, -0.3, -0.464}, 0.1}};
     meeting.box = {{-3.662, -3, -3.7}, {2.4, 3.4, 2.6}};
     checked(meeting);
+}
+
+// The default tolerance is 7e-7 here, which is not far below the cells' size.
+TEST_CASE("cells: curves are fine as the cell, however large its box") {
+    constexpr double size = 1e-6;
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 0};
+    scene.box = {{-2, -2, -2}, {2, 2, 2}};
+    for (const auto& [place, axis] : std::initializer_list<std::pair<Vec3, Vec3>>{{{1, 0.2, 0.1}, {0.1, 1, 0.3}},
+                                                                                  {{-1, 0.3, -0.2}, {0.2, -0.4, 1}},
+                                                                                  {{0.1, 1, 0.3}, {1, 0.1, 0.7}},
+                                                                                  {{0.2, -1, -0.1}, {0.5, 0.2, 1}},
+                                                                                  {{-0.2, 0.1, 1}, {1, 1, 0.2}},
+                                                                                  {{0.3, -0.1, -1}, {1, -0.8, 0.1}}})
+        scene.objects.push_back(Cylinder{size * place, axis, 0});
+    const Cell cell = voronoi_cell(scene);
+    REQUIRE(cell.edges.size() == 12);
+    for (const CellEdge& e : cell.edges) CHECK(e.error < 1e-3 * size);
 }
 
 TEST_CASE("cylinder cell: random scenes") {
