@@ -66,16 +66,22 @@ constexpr const RuleOf<n>& rule() {
     return rule_of<n>;
 }
 
-/// Seven points of degree 11, among them Gauss's three of degree 5: both rules for one price [Patterson68].
+/// Seven points of degree 11, among them Gauss's three of degree 5, and eight more that make them fifteen of degree 23:
+/// each rule asks only for what is new [Patterson68].
 struct NestedRule {
     struct Node {
-        double x, weight;  ///< the rule is symmetric
-        double gauss;      ///< weight in Gauss's rule, or 0
+        double x, weight;         ///< the rule is symmetric
+        double seven = 0;         ///< weight in the rule of seven, or 0
+        double gauss = 0;         ///< weight in Gauss's rule, or 0
     };
-    double center_weight = 0.450916538658474142, center_gauss = 8.0 / 9;
-    std::array<Node, 3> nodes{{{0.434243749346802558, 0.401397414775962223, 0},
-                               {0.774596669241483377, 0.268488089868333441, 5.0 / 9},
-                               {0.960491268708020283, 0.104656226026467265, 0}}};
+    Node center{0, 0.2255104997982066874, 0.450916538658474142, 8.0 / 9};
+    std::array<Node, 3> first{{{0.434243749346802558, 0.200628529376989021, 0.401397414775962223},
+                               {0.774596669241483377, 0.1344152552437842204, 0.268488089868333441, 5.0 / 9},
+                               {0.960491268708020283, 0.0516032829970797397, 0.104656226026467265}}};
+    std::array<Node, 4> rest{{{0.2233866864289668816, 0.2191568584015874964},
+                              {0.6211029467372264029, 0.1715119091363913808},
+                              {0.8884592328722569989, 0.09292719531512453769},
+                              {0.9938319632127550222, 0.01700171962994026034}}};
 };
 
 /// A span with what its integrals ask for again and again.

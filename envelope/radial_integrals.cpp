@@ -760,24 +760,26 @@ struct SpanIntegrand {
     const RadialFace& left;
     const RadialFace* right;
 
-    std::array<double, 6> operator()(const SpanPoint<double>& p) const {
+    std::array<double, 6> operator()(const SpanPoint<double>& p, std::array<double, 6>* sizes) const {
         const Ray ray = ray_to(p, is_sphere);
         const auto share = [&](const RadialFace& face) {
             return std::visit([&](const auto& f) { return f.share(place_for(f, p, ray)); }, face);
         };
         const Share l = share(left), r = right != nullptr ? share(*right) : Share{0, 0};
-        const double end = right == nullptr ? 0.5 * (p.x * p.x + p.z * p.z) * turn(ray) : 0;
-        return {l.volume, l.area, r.volume, r.area, sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1), end};
+        const double speed = sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1);
+        const double end = right == nullptr ? 0.5 * (p.x * p.x + p.z * p.z) : 0;
+        if (sizes != nullptr) set_sizes(p, ray, speed, end * norm(ray.du), *sizes);
+        return {l.volume, l.area, r.volume, r.area, speed, end * turn(ray)};
     }
-    std::array<double, 6> sizes(const SpanPoint<double>& p) const {
-        const Ray ray = ray_to(p, is_sphere);
+
+private:
+    void set_sizes(const SpanPoint<double>& p, const Ray& ray, double speed, double end,
+                   std::array<double, 6>& sizes) const {
         const auto size = [&](const RadialFace& face) {
             return std::visit([&](const auto& f) { return f.size(place_for(f, p, ray)); }, face);
         };
         const Share l = size(left), r = right != nullptr ? size(*right) : Share{0, 0};
-        const double speed = sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1);
-        const double end = right == nullptr ? 0.5 * (p.x * p.x + p.z * p.z) * norm(ray.du) : 0;
-        return {l.volume, l.area, r.volume, r.area, speed, end};
+        sizes = {l.volume, l.area, r.volume, r.area, speed, end};
     }
 };
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "complex_ball.hpp"
 #include "quadrature.hpp"
@@ -155,33 +156,51 @@ inline Integral length(const PowerSpan& span) {
     return sum[0];
 }
 
-/// What integrate() adds, for integrands that are dear or cannot be bounded: with seven points, and their difference from
-/// three of them, at which sizes are taken, too. Error: not proven. As both rules converge geometrically, ten
-/// times the square of the difference (as parts of the size); halved until the difference is at most `largest_difference`.
+/// What integrate() adds, for integrands that are dear or cannot be bounded: with seven points, and their difference
+/// from three of them, at which sizes are taken, too; or with fifteen, and their difference from the seven. Error: not
+/// proven. As the rules converge geometrically, and each has about twice the degree of the one before, ten times the
+/// square of the difference (as parts of the size); halved until the difference is at most `largest_difference`.
+/// integrand(p, sizes) gives the values at p, and puts down their sizes where it is given room for them.
 template <std::size_t N, class Integrand>
 void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_difference,
                          std::array<Integral, N>& sum, int halvings = 12) {
+    using Node = quadrature::NestedRule::Node;
     constexpr quadrature::NestedRule rule;
-    std::array<double, N> fine{}, coarse{}, size{};
-    const auto add = [&](double t, double weight, double gauss) {
-        const SpanPoint<double> p = span.at(t);
-        const std::array<double, N> f = integrand(p);
-        for (std::size_t k = 0; k < N; ++k) fine[k] += weight * f[k];
-        if (gauss == 0) return;
-        const std::array<double, N> s = integrand.sizes(p);
+    std::array<double, N> fine{}, coarse{}, all{}, size{};
+    const auto add_first = [&](double t, const Node& node) {
+        std::array<double, N> s;
+        const std::array<double, N> f = integrand(span.at(t), node.gauss != 0 ? &s : nullptr);
         for (std::size_t k = 0; k < N; ++k) {
-            coarse[k] += gauss * f[k];
-            size[k] += gauss * s[k];
+            fine[k] += node.seven * f[k];
+            all[k] += node.weight * f[k];
+        }
+        if (node.gauss == 0) return;
+        for (std::size_t k = 0; k < N; ++k) {
+            coarse[k] += node.gauss * f[k];
+            size[k] += node.gauss * s[k];
         }
     };
-    add(0, rule.center_weight, rule.center_gauss);
-    for (const auto& [x, weight, gauss] : rule.nodes)
-        for (const double t : {-x, x}) add(t, weight, gauss);
-    bool good = true;
-    for (std::size_t k = 0; k < N; ++k)
-        good = good && std::abs(fine[k] - coarse[k]) <= largest_difference * size[k];
+    const auto are_near = [&](const std::array<double, N>& a, const std::array<double, N>& b) {
+        bool are = true;
+        for (std::size_t k = 0; k < N; ++k) are = are && std::abs(a[k] - b[k]) <= largest_difference * size[k];
+        return are;
+    };
+    add_first(0, rule.center);
+    for (const Node& node : rule.first)
+        for (const double t : {-node.x, node.x}) add_first(t, node);
+    bool good = are_near(fine, coarse);
+    if (!good) {
+        for (const Node& node : rule.rest)
+            for (const double t : {-node.x, node.x}) {
+                const std::array<double, N> f = integrand(span.at(t), nullptr);
+                for (std::size_t k = 0; k < N; ++k) all[k] += node.weight * f[k];
+            }
+        coarse = std::exchange(fine, all);
+        good = are_near(fine, coarse);
+    }
     if (!good && halvings > 0) {
-        for (const int side : {0, 1}) integrate_estimated(span.half(side), integrand, largest_difference, sum, halvings - 1);
+        for (const int side : {0, 1})
+            integrate_estimated(span.half(side), integrand, largest_difference, sum, halvings - 1);
         return;
     }
     for (std::size_t k = 0; k < N; ++k) {
