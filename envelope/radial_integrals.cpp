@@ -569,19 +569,20 @@ private:
         const double m0 = x_[0].norm(), m1 = x_[1].norm(), m2 = x_[2].norm(), moment_of_span = m0 + m1 + m2;
         const double moment = (m0 + r * (m1 + r * m2)) / square(least_w);
         const double needed = aim * moment_of_span / square(std::max(w_.c0, 1.0));
-        double truncation = 64.0 / 15 * moment / (1 - shrink) * square(square(shrink));
+        double truncated = 64.0 / 15 / (1 - shrink) * square(square(shrink));  // of an integrand's bound
         int points = 4;
-        for (; points < most_points && !(truncation <= needed); points += 2) truncation *= square(shrink);
-        if (!(truncation <= needed) && halvings > 0 && budget > 0)
+        for (; points < most_points && !(truncated * moment <= needed); points += 2) truncated *= square(shrink);
+        if (!(truncated * moment <= needed) && halvings > 0 && budget > 0)
             return add_halves(left, right, sum, halvings, budget);
         const double moment_here = moment_of_span / square(std::min(w_(-1.0), w_(1.0)));
         const double rounding = 2 * term_rounding * moment_here;
         // Where halving ended without a disk, the whole part.
-        const bool is_tame = truncation < infinity;
-        if (!is_tame) truncation = 4 * moment_here;
-        const double turned_t = is_tame ? turned.deviation(r) / least_w
-                                        : turned.deviation(1) / std::min({w_(-1.0), w_(0.0), w_(1.0)});
-        const double error = truncation + rounding;
+        const bool is_tame = truncated < infinity;
+        const double reach = is_tame ? r : 1, near_w = is_tame ? least_w : std::min({w_(-1.0), w_(0.0), w_(1.0)});
+        const double turned_t = turned.deviation(reach) / near_w,
+                     speed = sqrt(speed2_[0] + speed2_deviation(reach)) / square(near_w);
+        sum.length.error += (is_tame ? truncated : 4) * speed;
+        const double error = (is_tame ? truncated * moment : 4 * moment_here) + rounding;
         for (const int side : {0, 1}) {
             const auto bounds =
                 factor_bounds(side == 0 ? left : right, middle_t - turned_t, middle_t + turned_t);
@@ -628,8 +629,9 @@ private:
     }
 
     // The radius of a disk on which the integrands are analytic; NaN if there is none that helps. On it t
-    // keeps to its side of an edge, and so does |dp|^2, which on a circle is a multiple of 1 / w^2. `turned` is w times
-    // the change of t from its value at 0, which is `to_edge` beyond the edge.
+    // keeps to its side of an edge, and |dp|^2 w^4 keeps from zero: it is near its value at 0, or a multiple of w^2,
+    // which it is on a circle. `turned` is w times the change of t from its value at 0, which is `to_edge` beyond the
+    // edge.
     double disk(const Quadratic& turned, double to_edge) const {
         const auto reach = [](double linear, double quadratic, double bound) {
             return 2 * bound / (linear + sqrt(square(linear) + 4 * quadratic * bound));
@@ -644,11 +646,18 @@ private:
                      rest3 = std::abs(speed2_[3] - 2 * mean * w_.c1 * w_.c2),
                      rest4 = std::abs(speed2_[4] - mean * w_.c2 * w_.c2);
         for (; r >= least_disk; r *= 0.875) {
+            if (speed2_deviation(r) <= part * speed2_[0]) return r;
             const double least_w = w_.c0 - w_.deviation(r);
             if (r * (rest1 + r * (rest2 + r * (rest3 + r * rest4))) <= part * mean * square(least_w))
                 return r;
         }
         return std::numeric_limits<double>::quiet_NaN();
+    }
+
+    // How far |dp|^2 w^4 is from its value at 0 for |s| <= r.
+    double speed2_deviation(double r) const {
+        const auto& v = speed2_;
+        return r * (std::abs(v[1]) + r * (std::abs(v[2]) + r * (std::abs(v[3]) + r * std::abs(v[4]))));
     }
 
     template <int n>
