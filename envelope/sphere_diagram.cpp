@@ -234,8 +234,10 @@ private:
             vertex.error = 16 * u;
             vertices_.push_back(vertex);
         }
-        for (Index i = 0; i < 4; ++i)
+        for (Index i = 0; i < 4; ++i) {
             set_forms(vertices_[i], {first + (i + 1) % 4, first + (i + 2) % 4, first + (i + 3) % 4});
+            vertex_rows_.set(i, vertices_[i]);
+        }
         // The others on a spiral.
         for (Index i = 4; i < count; ++i) {
             const double z = 1 - (2 * i - 7.0) / (count - 4), angle = 2.4 * i, r = std::sqrt(1 - z * z);
@@ -295,6 +297,10 @@ private:
     static bool is_well_known(const Edge& edge) { return 0x1p20 * edge.error < edge.length; }
 
     void set_arc(Index e) {
+        find_arc(e);
+        if (!vertex_tree_) apex_rows_.set(e, edges_[e].apex);
+    }
+    void find_arc(Index e) {
         Edge& edge = edges_[e];
         const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
@@ -516,7 +522,7 @@ private:
             if (!swallowed_.empty()) erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
             alive_faces_.push_back(challenger);
             top_ = HUGE_VAL;
-            is_top_known_ = false;
+            is_top_known_ = is_flattest_known_ = false;
         }
         return close(challenger);
     }
@@ -529,26 +535,46 @@ private:
     bool find_rivals(const Linear& form, bool& is_beaten) {
         is_beaten = form.e - form.slope - form.error > top_;
         if (is_beaten) return true;
-        for (Vertex& v : vertices_) {
-            if (v.is_below(form)) continue;
+        const bool is_decided = vertex_rows_.search(form, [&](Index i) {
+            Vertex& v = vertices_[i];
+            if (v.is_below(form)) return true;
             if (!decide(v, form)) return false;
             for (const Index f : v.forms) add_rival(f);
-        }
+            return true;
+        });
+        if (!is_decided) return false;
         if (!rivals_.empty()) return true;
         is_beaten = is_beaten_on_edges(form);
-        for (const Index f : alive_faces_)
+        for (const Index f : is_beaten && is_flatter(form) ? wide_faces_ : alive_faces_)
             if (!(is_beaten && is_beaten_in(form, f))) add_rival(f);
         is_beaten = rivals_.empty();
         if (is_beaten && !is_top_known_) set_top();
         return true;
     }
 
+    // Does the form grow towards the pole of each face that lies in its hemisphere, even with |b| |rival.b| in place of
+    // grows_to_pole()'s product? Slopes are rounded up, squares down.
+    bool is_flatter(const Linear& form) {
+        if (!is_flattest_known_) {
+            is_flattest_known_ = true;
+            flattest_ = HUGE_VAL;
+            wide_faces_.clear();
+            for (const Index f : alive_faces_) {
+                const Linear& rival = forms_[f];
+                if (is_in_hemisphere(f))
+                    flattest_ = std::min(flattest_, rival.square / rival.slope - rival.error);
+                else
+                    wide_faces_.push_back(f);
+            }
+        }
+        return (form.slope + form.error) * (1 + slack) < flattest_;
+    }
+
     bool is_beaten_on_edges(const Linear& form) {
-        for (const Edge& edge : edges_)
-            if (!edge.is_point && !is_beside(edge, false, form) &&
-                look_between(static_cast<Index>(&edge - edges_.data()), false, form) != Middle::Same)
-                return false;
-        return true;
+        return apex_rows_.search(form, [&](Index e) {
+            const Edge& edge = edges_[e];
+            return edge.is_point || is_beside(edge, false, form) || look_between(e, false, form) == Middle::Same;
+        });
     }
 
     // A bound on the diagram from above: forms are highest where faces end, or opposite to where they are
@@ -668,7 +694,7 @@ private:
         }
         return f.is_in_hemisphere;
     }
-    bool find_in_hemisphere(Index face) const {
+    [[gnu::noinline]] bool find_in_hemisphere(Index face) const {
         const Linear& form = forms_[face];
         const auto is_before = [&](const Mark& x) {
             return form.b.dot(x.p) < -(x.error + 2 * slack) * form.slope;
@@ -816,7 +842,9 @@ private:
         const auto vertex = meet(c.face, right(c.leaving), challenger);
         if (!vertex) return false;
         ++decisions_.by_double;
-        edges_[c.leaving >> 1].cut = add(vertices_, free_vertices_, *vertex);
+        const Index v = add(vertices_, free_vertices_, *vertex);
+        if (!vertex_tree_) vertex_rows_.set(v, *vertex);
+        edges_[c.leaving >> 1].cut = v;
         return true;
     }
 
@@ -850,12 +878,16 @@ private:
     void remove_vertex(Index v) {
         if (vertices_[v].is_gone()) return;
         vertices_[v].remove();
-        if (vertex_tree_) vertex_tree_->remove(v);
+        if (vertex_tree_)
+            vertex_tree_->remove(v);
+        else
+            vertex_rows_.remove(v);
         free_vertices_.push_back(v);
     }
     void remove_edge(Index e) {
         if (edges_[e].apex.is_gone()) return;
         edges_[e].apex.remove();
+        if (!vertex_tree_) apex_rows_.remove(e);
         free_edges_.push_back(e);
     }
 
@@ -1090,6 +1122,11 @@ private:
     SomeIndices alive_faces_;  // as long as there is no tree
     double top_ = HUGE_VAL;    // the diagram is nowhere higher
     bool is_top_known_ = false;
+    double flattest_ = 0;      // forms of less slope grow towards the poles of all faces but these
+    SomeIndices wide_faces_;
+    bool is_flattest_known_ = false;
+    // Of small diagrams: what of the vertices and of the edges' apexes most forms are compared with.
+    MarkRows vertex_rows_, apex_rows_;
     // Of large diagrams. The vertices tell where most forms win; faces are looked at when they do not.
     std::optional<VertexTree> vertex_tree_;
     std::optional<FaceTree> face_tree_;

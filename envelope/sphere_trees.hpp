@@ -4,10 +4,16 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <vector>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 #include "../core/small_vector.hpp"
 
@@ -92,6 +98,77 @@ struct Mark {
     bool is_above(const Linear& form) const {
         return height - form(p) > 2 * form.error + doubt + form.slope * error;
     }
+};
+
+/// The places and levels of numbered marks, side by side in short numbers: most forms are higher at most marks, which
+/// is seen of four marks at a time.
+class MarkRows {
+public:
+    void set(Index i, const Mark& mark) {
+        while (i / 4 >= rows_.size()) add_row();
+        Row& row = rows_[i / 4];
+        for (int k = 0; k < 3; ++k) row.p[k][i % 4] = static_cast<float>(mark.p[k]);
+        const auto level = static_cast<float>(std::max(mark.level, -0x1p127));
+        row.level[i % 4] = level + 0x1p-22f * std::abs(level) + least;
+    }
+    void remove(Index i) {
+        if (i / 4 < rows_.size()) rows_[i / 4].level[i % 4] = -HUGE_VALF;
+    }
+
+    /// Calls visit(i) for the marks that their level does not show to be below the form, and some more; ends where that
+    /// returns false.
+    template <class Visit>
+    bool search(const Linear& form, const Visit& visit) const {
+        const Short b(form);
+        for (const Row& row : rows_) {
+            unsigned rest = ~b.higher(row) & 15u;
+            for (auto i = 4 * static_cast<Index>(&row - rows_.data()); rest != 0; ++i, rest >>= 1)
+                if ((rest & 1u) != 0 && row.level[i % 4] != -HUGE_VALF && !visit(i)) return false;
+        }
+        return true;
+    }
+
+private:
+    static constexpr float least = std::numeric_limits<float>::min();
+    using Four = std::array<float, 4>;
+    struct alignas(16) Row {
+        std::array<Four, 3> p{};
+        Four level{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF, -HUGE_VALF};  // of numbers that no mark has
+    };
+
+    // A form, lower than the true one by 3 errors and by more than rounding adds where |p| <= 2. With v = 2^-24 that is
+    // 5 v |b| |p| for b and p, the products and two sums of them, 3 v (|b| |p| + |e|) for e and the last sum, and less
+    // than 2^-140 for underflow. A number that is none is not above any level.
+    struct Short {
+        Four b;
+
+        explicit Short(const Linear& form) {
+            for (int k = 0; k < 3; ++k) b[k] = static_cast<float>(form.b[k]);
+            const double e = form.e - 3 * form.error;
+            b[3] = static_cast<float>(e - 0x1p-19 * (form.slope + std::abs(e))) - least;
+        }
+        // Of which marks is it: a bit for each.
+#if defined(__SSE2__)
+        unsigned higher(const Row& row) const {
+            const auto term = [&](int k) { return _mm_mul_ps(_mm_set1_ps(b[k]), _mm_load_ps(row.p[k].data())); };
+            const __m128 value = _mm_add_ps(_mm_add_ps(_mm_add_ps(term(0), term(1)), term(2)), _mm_set1_ps(b[3]));
+            return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(value, _mm_load_ps(row.level.data()))));
+        }
+#else
+        unsigned higher(const Row& row) const {
+            unsigned bits = 0;
+            for (unsigned i = 0; i < 4; ++i) {
+                const float value = b[0] * row.p[0][i] + b[1] * row.p[1][i] + b[2] * row.p[2][i] + b[3];
+                if (value > row.level[i]) bits |= 1u << i;
+            }
+            return bits;
+        }
+#endif
+    };
+
+    [[gnu::noinline]] void add_row() { rows_.emplace_back(); }
+
+    std::vector<Row> rows_;
 };
 
 /// The octant of a cube about `center` in which p lies, and the centres of the octants' own cubes, of half the size.
