@@ -189,24 +189,23 @@ public:
     Hyperplane(const RadialBaseProblem& problem, FormId f) : functional_(vcell::functional(problem, f)) {
         const auto& [b, b0, square, k] = functional_;
         const double scale = 1 / std::sqrt(b.squaredNorm() + b0 * b0);
-        normal_ << scale * b, scale * b0;
-        k_ = scale * k;
-        power_ = scale * scale * square;
+        plane_.normal << scale * b, scale * b0;
+        plane_.k = scale * k;
+        plane_.power = scale * scale * square;
     }
     const Functional<Vec3, double>& functional() const { return functional_; }
-    const Vector4d& normal() const { return normal_; }
-    DistancePlane plane() const { return {normal_, k_, power_}; }
+    const DistancePlane& plane() const { return plane_; }
+    const Vector4d& normal() const { return plane_.normal; }
     // Of a homogeneous point of that weight.
-    double residual(const Vector4d& x, double weight) const { return normal_.dot(x) - weight * k_; }
-    double weight(const Vector4d& x) const { return normal_.dot(x) / k_; }
+    double residual(const Vector4d& x, double weight) const { return plane_.normal.dot(x) - weight * plane_.k; }
+    double weight(const Vector4d& x) const { return plane_.normal.dot(x) / plane_.k; }
     // Of u, with 1 / t = gradient.u + a constant.
-    Vec3 gradient() const { return normal_.head<3>() / k_; }
-    double steepness() const { return 1 / std::abs(k_); }
+    Vec3 gradient() const { return plane_.normal.head<3>() / plane_.k; }
+    double steepness() const { return 1 / std::abs(plane_.k); }
 
 private:
     Functional<Vec3, double> functional_;
-    Vector4d normal_;  // unit
-    double k_, power_;
+    DistancePlane plane_;
 };
 
 // To the common points of both. Where they are all but parallel, to those of the first.
@@ -248,7 +247,7 @@ Vector4d moved_to_meet(const Vector4d& x, const std::array<const Hyperplane*, 3>
 class RadialLifter {
 public:
     RadialLifter(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
-        : problem_(problem), diagram_(diagram), tolerance_(tolerance) {
+        : problem_(problem), diagram_(diagram), tolerance_(tolerance), origin_(problem.frame.origin.norm()) {
         if (problem_.is_sphere) hyperplanes_ = decltype(hyperplanes_)(problem_.objects.size());
     }
 
@@ -298,7 +297,7 @@ private:
             room > 0 ? (dW / W * -v.height + v.height_error) / room : std::numeric_limits<double>::infinity();
         // Normal, point, motion back: a handful of roundings each.
         return t * (turn + stretch) + along +
-               16 * u * (t + std::abs(v.point.y()) + problem_.frame.origin.norm());
+               16 * u * (t + std::abs(v.point.y()) + origin_);
     }
 
     Vector4d with_distance(const Vec3& p) const {
@@ -332,13 +331,13 @@ private:
         const Vec3 p = problem_.point(from.point, t);
         const Vector4d x(p.x(), p.y(), p.z(), t);
         error = vertex_error(from, t);
-        if (error <= 64 * u * (t + problem_.frame.origin.norm())) return x;
+        if (error <= 64 * u * (t + origin_)) return x;
         const std::span<const FormId> forms = diagram_.label(v);
         const auto is_circular = [&](FormId f) { return diagram_.is_circular(f); };
         if (!problem_.is_sphere || !std::ranges::all_of(forms.first(3), is_circular)) {
             const auto end = settled(v, {p, error});
             if (!end) return x;
-            error = end->error + 16 * u * (t + std::abs(p.y()) + problem_.frame.origin.norm());
+            error = end->error + 16 * u * (t + std::abs(p.y()) + origin_);
             return with_distance(end->point);
         }
         const Vector4d moved =
@@ -1333,11 +1332,11 @@ private:
     // their errors count twice. The trims are compared with the space curve on patches as computed, whose
     // control points are rounded; and all of it is moved back, as for vertices.
     void set_error(EdgeId e, CellEdge& edge) {
-        double square = problem_.frame.origin.squaredNorm(), end_error = 0;
+        double square = origin_ * origin_, end_error = 0;
         for (const Vector4d& p : edge.curve.points) square = std::max(square, p.head<3>().squaredNorm());
         const double far = std::sqrt(square);
         for (const std::uint32_t v : edge.vertices) end_error = std::max(end_error, cell_.vertices[v].error);
-        const double rounding = 16 * u * (far + problem_.frame.origin.norm());
+        const double rounding = 16 * u * (far + origin_);
         double off, trims;
         if (is_spline(e)) {
             off = errors_[e].curve + end_error;
@@ -1365,12 +1364,13 @@ private:
         const auto equations = axial_equations(edge);
         return AxialConic(problem_, (*equations)[0], (*equations)[1]).planes();
     }
-    double curve_error(EdgeId e, std::array<DistancePlane, 2> planes) {
+    double curve_error(EdgeId e, const std::array<DistancePlane, 2>& planes) const {
         // The difference of forms that are nearly alike has all its digits, and tells the edge.
         constexpr double nearly_alike = 1 - 0x1p-33;
-        if (problem_.is_sphere && std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike)
-            planes[1] = difference_plane(diagram_.edges[e].left, diagram_.edges[e].right);
-        return conic_distance(spans(e), planes, problem_.is_sphere);
+        if (!problem_.is_sphere || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
+            return conic_distance(spans(e), planes, problem_.is_sphere);
+        const DistancePlane difference = difference_plane(diagram_.edges[e].left, diagram_.edges[e].right);
+        return conic_distance(spans(e), {planes[0], difference}, problem_.is_sphere);
     }
 
     // In the chart -1 / t is (K (1 - z) + A x + B y + C (1 + z)) / 2 W at the unit normal (x, y, z). So
@@ -1556,6 +1556,7 @@ private:
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     double tolerance_;
+    const double origin_;  // how far the frame's is from the world's
     Decisions decisions_;
     Cell cell_;
     IdVector<VertexId, Vector4d> points_;                      // (p, t)
