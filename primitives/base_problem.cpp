@@ -10,6 +10,7 @@ namespace vcell {
 
 double nearest(const Exact& value) {
     const Interval around = value.enclosure();
+    if (around.lower() == around.upper()) return around.lower();
     return value + value < Exact(around.lower()) + around.upper() ? around.lower() : around.upper();
 }
 

@@ -118,6 +118,13 @@ private:
             // A wall that leans by less than its rounding stands upright: its foot would hide all of it.
             for (double& component : m)
                 if (std::abs(component) < frame_rounding) component = 0;
+            // The rotation is one of the axes then: only the difference is rounded.
+            if (is_axis_parallel_) {
+                const Difference distance(bound, origin_[axis]);
+                box_[s] = {m, sign * distance.high.value, s};
+                moved_ = std::max(moved_, std::abs(distance.low));
+                continue;
+            }
             // The side as it is: exact.m <= distance / norm.
             const auto& r = rotation_.rows;
             const std::array<const Exact*, 3> entries = axis == 0   ? std::array{&r[0].x, &r[1].x, &r[2].x}
