@@ -106,3 +106,41 @@ TEST_CASE("face tree: finds all faces in whose balls a form may be lower") {
         }
     }
 }
+
+TEST_CASE("mark rows: what is not below a form is found, and little else, at all scales and one ulp apart") {
+    Random random(test_seed());
+    for (const double scale : {1.0, 0x1p-100, 0x1p-140, 0x1p-300, 0x1p120, 0x1p300}) {
+        CAPTURE(scale);
+        MarkRows rows;
+        std::vector<Mark> marks;
+        const auto is_listed = [&](Index i) { return i % 7 != 3 || i == 3; };
+        const Linear level = random.form(0.5);
+        for (Index i = 0; i < 400; ++i) {
+            Mark m;
+            m.p = random.uniform(0.1, 2) * random.direction();
+            m.height = scale * (i % 2 == 0 ? level(m.p) : random.uniform(-3, 3));
+            m.doubt = i % 5 == 0 ? 0 : scale * 1e-14;
+            m.set_level(scale);
+            if (i % 50 == 49) m.doubt = m.level = HUGE_VAL;
+            if (i % 4 == 2) m.level = std::nextafter(m.level, random.uniform(-1, 1) * HUGE_VAL);
+            marks.push_back(m);
+            rows.set(i, m);
+        }
+        for (Index i = 0; i < 400; ++i)
+            if (!is_listed(i)) rows.remove(i);
+        rows.remove(1000);  // what was never set stays so
+        for (int i = 0; i < 50; ++i) {
+            const Linear f = i % 2 == 0 ? level : random.form(0);
+            const Linear form(scale * f.b, scale * (f.e + (i % 3 == 0 ? 1e-9 : 0)), scale * f.error);
+            std::set<Index> found;
+            CHECK(rows.search(form, [&](Index k) { return found.insert(k).second; }));
+            for (Index k = 0; k < marks.size(); ++k) {
+                CAPTURE(k);
+                if (is_listed(k) && !(form(marks[k].p) - 2 * form.error > marks[k].level)) CHECK(found.count(k) == 1);
+                if (scale == 1 && form(marks[k].p) > marks[k].level + 1e-4) CHECK(found.count(k) == 0);
+                if (!is_listed(k)) CHECK(found.count(k) == 0);
+            }
+            if (!found.empty()) CHECK_FALSE(rows.search(form, [](Index) { return false; }));
+        }
+    }
+}
