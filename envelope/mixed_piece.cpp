@@ -1134,10 +1134,12 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
     return Inside::Yes;
 }
 
-// The point where three forms are equal, with many digits: Newton's method with the Jacobian in doubles, whose steps gain
-// some 40 bits each once they are small, and Krawczyk's proof. The Jacobian is that of differences with many digits, and
-// where the step begins: of forms that are nearly one function along a line doubles keep little of it.
-std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
+// The point where three forms are equal, within 2^exponent of the chart's size: Newton's method with the Jacobian in
+// doubles, whose steps gain some 40 bits each once they are small, and Krawczyk's proof. The Jacobian is that of
+// differences with many digits, and where the step begins: of forms that are nearly one function along a line doubles
+// keep little of it.
+std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece::Vertex& v,
+                                                                const std::array<FormId, 3>& forms, int exponent) {
     Eigen::Matrix2d inverse;
     const auto jets = [&](const std::array<Wide, 2>& p) {
         return std::array{heights_.jet(forms[0], p[0], p[1]), heights_.jet(forms[1], p[0], p[1]), heights_.jet(forms[2], p[0], p[1])};
@@ -1152,7 +1154,7 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece:
         return std::array{Wide(inverse(0, 0)) * f + Wide(inverse(0, 1)) * g, Wide(inverse(1, 0)) * f + Wide(inverse(1, 1)) * g};
     };
     std::array<Wide, 2> p{Wide(v.point.x()), Wide(v.point.y())}, step = newton_step(p);
-    const double radius = std::ldexp(extent_, -240);
+    const double radius = std::ldexp(extent_, exponent);
     const auto small = [&](const Wide& w) { return w.enclosure().magnitude() < 0.25 * radius; };
     for (int i = 0; i < 20 && inverse.allFinite() && !(small(step[0]) && small(step[1])); ++i) {
         p = {(p[0] - step[0]).mid(), (p[1] - step[1]).mid()};
@@ -1174,10 +1176,13 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece:
 
 // Takes a vertex to where three forms are equal, as near as doubles go.
 bool MixedAnalysis::settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
-    const auto sharp = sharp_vertex(v, forms);
+    // Twice the digits of a double: each step more costs as much as everything else about a vertex.
+    constexpr int exponent = -100;
+    const auto sharp = sharp_vertex(v, forms, exponent);
     if (!sharp) return false;
     v.point = {(*sharp)[0].approximation(), (*sharp)[1].approximation()};
-    v.error = Interval::up(4 * std::numeric_limits<double>::epsilon() * v.point.norm() + std::numeric_limits<double>::min());
+    v.error = Interval::up(4 * std::numeric_limits<double>::epsilon() * v.point.norm() +
+                           std::ldexp(extent_, exponent + 1) + std::numeric_limits<double>::min());
     return true;
 }
 

@@ -249,7 +249,8 @@ private:
     bool locate_vertex(const Work& work, const std::array<FormId, 3>& forms, MixedPiece::Vertex& v);
     static bool leave_one_end(const Work& work, const std::array<FormId, 3>& forms);
     Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);
-    std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms,
+                                                    int exponent = -240);
     bool settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
     bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
