@@ -308,14 +308,16 @@ private:
             const auto excess = part.spheres->excess(c);
             // Hardly more than the curve itself may be off: else a finer look is worth while.
             constexpr double hardly = 16;
-            return excess && is_little(c, box, excess->lower(), hardly * distance_);
+            if (!excess) return false;
+            const double most = hardly * distance_;
+            const auto growth = part.spheres->growth(c.site, std::max(0.0, -excess->lower()), most);
+            return is_little(c, excess->lower(), growth ? *growth : this->growth(c, box), most);
         });
     }
     /// Is an excess that is no less than `least`, which is negative, within the allowance, and is what that
-    /// means for the boundary no more than `most`? That is noted then.
-    bool is_little(const Condition& c, const Vector<Interval>& box, double least, double most) const {
+    /// means for the boundary, where it grows by `growth` per length, no more than `most`? That is noted then.
+    bool is_little(const Condition& c, double least, double growth, double most) const {
         if (!(least >= -allowance(c))) return false;
-        const double growth = this->growth(c, box);
         if (!(growth > 0) || !(-least / growth <= most)) return false;
         nearer_ = std::max(nearer_, -least / growth);
         return true;
@@ -344,7 +346,7 @@ private:
             const double least = std::max((at_begin + Interval(std::min(0.0, change.lower()))).lower(),
                                           (at_end - Interval(std::max(0.0, change.upper()))).lower());
             if (least >= 0) return true;
-            return edges.is_little(c, box, least, HUGE_VAL);
+            return edges.is_little(c, least, edges.growth(c, box), HUGE_VAL);
         }
     };
 

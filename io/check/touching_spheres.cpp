@@ -138,28 +138,39 @@ bool TouchingSpheres::set_distance_at_three_places() {
     return finish_about_sphere();
 }
 
-// A distance is convex, with second derivatives of at most its inverse: it is below what is linear between
-// the ends by no more than length^2 / 8 by the least distance.
+// A distance is convex: it is below what is linear between the ends, by no more than length^2 / 8 by the least
+// distance, and above its share in any direction. That of the line's nearest point tells the least one.
 bool TouchingSpheres::set_distance_along_line() {
     const auto& sphere = std::get<Sphere>(space_->scene().base);
     const Vec3 from = origin_ - sphere.center;
-    std::array<Vec3, 2> at;
-    double most = 0;
+    std::array<double, 2> distance;
     for (std::size_t k = 0; k < 2; ++k) {
         Point& p = points_[k];
-        at[k] = Vec3(p.x, p.y, p.z) / p.w + from;
-        const double distance = at[k].norm();
-        p.t = (distance - sphere.radius) * p.w;
-        most = std::max(most, distance);
+        line_[k] = Vec3(p.x, p.y, p.z) / p.w + from;
+        distance[k] = line_[k].norm();
+        p.t = (distance[k] - sphere.radius) * p.w;
     }
-    const double length = (at[1] - at[0]).norm() * kAbove, least = most - length;
-    if (!(least > 0)) return false;
+    const Vec3 way = line_[1] - line_[0];
+    const double length = way.norm(), most = std::max(distance[0], distance[1]);
+    if (!(length > 0)) return false;
+    const double at_nearest = std::clamp(-line_[0].dot(way) / (length * length), 0.0, 1.0);
+    const Vec3 nearest = line_[0] + at_nearest * way;
+    const double size = nearest.norm();
+    const Vec3 toward = size > 0 ? Vec3(nearest / size) : Vec3(Vec3::Zero());
+    const std::array share{line_[0].dot(toward), line_[1].dot(toward)};
     const double reach = from.cwiseAbs().maxCoeff();
-    clearance_error_ = (length * length / (8 * least) + kFew * 4 * (most + reach + sphere.radius) +
-                        4 * (position_error_ + (most + reach) * weight_error_) / least_weight_) *
-                       kAbove;
+    const double rounding = (kFew * 4 * (most + reach + sphere.radius) +
+                             4 * (position_error_ + (most + reach) * weight_error_) / least_weight_) *
+                            kAbove;
+    const double least = std::max({std::min(share[0], share[1]), most - length, 0.0}) - rounding;
+    clearance_error_ = rounding;
+    sag_ = std::max(distance[0] - share[0], distance[1] - share[1]);
+    if (least > 0) sag_ = std::min(sag_, length * length / (8 * least));
+    sag_ = (sag_ + 2 * rounding) * kAbove;
     refer_to_base();
-    return finish();
+    if (!finish()) return false;
+    clearance_ = {std::max(clearance_.lower(), Interval::down(least - sphere.radius)), clearance_.upper()};
+    return true;
 }
 
 /// Where t is known as an interval only.
@@ -262,7 +273,32 @@ Interval TouchingSpheres::range(const Linear& f) const {
         lo = min(lo, v);
         hi = max(hi, v);
     }
-    return {Interval::down(lo.least() - off), Interval::up(hi.greatest() + off)};
+    const double sag = f.h * sag_;
+    return {Interval::down(lo.least() - (off + std::max(sag, 0.0))), Interval::up(hi.greatest() + (off - std::min(sag, 0.0)))};
+}
+
+/// A lower bound of f. Along a line where t counts as positive, t + R is at least the share of p - c in any direction:
+/// in that of the place where f is least the bound is f there.
+double TouchingSpheres::least_of(const Linear& f) const {
+    if (!(sag_ > 0) || !(f.h > 0)) return range(f).lower();
+    const auto& sphere = std::get<Sphere>(space_->scene().base);
+    const Vec3 way = (line_[1] - line_[0]).normalized();
+    const double along = line_[0].dot(way);
+    const Vec3 aside = line_[0] - along * way;
+    const double from_line = aside.norm();
+    // Sines of the angles between the way's normal and the directions of the ends, and of the least place.
+    const double first = along / line_[0].norm(), last = line_[1].dot(way) / line_[1].norm();
+    const double sine = std::min(std::max(-f.g.dot(way) / f.h, first), last);
+    Vec3 u = sine * way;
+    if (from_line > 0) u += std::sqrt(std::max(0.0, 1 - sine * sine)) / from_line * aside;
+    u *= 1 - kFew;
+    if (!(u.squaredNorm() <= 1 - kFew)) return range(f).lower();
+    const Vec3 from = origin_ - sphere.center;
+    // The sums of both terms are off by what either is, where they cancel too.
+    const double error = f.error + f.h * clearance_error_ +
+                         kFew * (std::abs(f.k) + f.g.cwiseAbs().dot(most_place_) +
+                                 f.h * (sum_of_magnitudes(from) + most_place_.sum() + sphere.radius));
+    return range({f.k + f.h * (u.dot(from) - sphere.radius), error * kAbove, f.g + f.h * u, 0}).lower();
 }
 
 /// Returns the largest magnitude, infinite where one is not a number.
@@ -367,8 +403,8 @@ std::optional<Interval> TouchingSpheres::excess(const Condition& c) const {
         return f ? std::optional(range(*f)) : std::nullopt;
     }
     if (!has_reference_) return std::nullopt;
-    const Interval all = range(difference(*ball, reference_center_, reference_radius_)) +
-                         Interval(-reference_error_, reference_error_);
+    const Linear f = difference(*ball, reference_center_, reference_radius_);
+    const Interval all = Interval(least_of(f), range(f).upper()) + Interval(-reference_error_, reference_error_);
     // e is F by s + t + rho, where s = t + rho + e is not negative. About a base ball s + t + rho is the sum of two
     // sides of a triangle, and of the difference of the radii.
     const double reach = (clearance_.lower() + ball->radius) * kBelow;
@@ -395,8 +431,7 @@ std::optional<double> TouchingSpheres::least(const Site& object) const {
         return f ? std::optional(range(*f).lower()) : std::nullopt;
     }
     if (!has_reference_) return std::nullopt;
-    return Interval::down(range(difference(*ball, reference_center_, reference_radius_)).lower() -
-                          reference_error_);
+    return Interval::down(least_of(difference(*ball, reference_center_, reference_radius_)) - reference_error_);
 }
 
 // Where e is less than 2 margin F is less than that times s + t + rho = 2 (t + rho) + e; excesses change by

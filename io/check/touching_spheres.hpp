@@ -97,6 +97,7 @@ private:
     Linear difference(const Sphere& ball, const Vec3& center, double radius) const;
     std::optional<Linear> plane_excess(const Site& plane) const;
     Interval range(const Linear& f) const;
+    double least_of(const Linear& f) const;
     std::optional<double> largest_square(const Vec3& center, double radius) const;
     struct Number {
         double value, error;
@@ -112,6 +113,8 @@ private:
     double most_clearance_ = 0;
     double position_error_ = 0, weight_error_ = 0;  // of the homogeneous coordinates
     double clearance_error_ = 0;                    // of t / w
+    std::array<Vec3, 2> line_;                      // from the base's center to its ends, of a line about a sphere
+    double sag_ = 0;                                // there t / w may be less by so much
     double least_weight_ = 0;
     Interval clearance_;
     Vec3 reference_center_;  // F of the reference is within reference_error_ of 0
