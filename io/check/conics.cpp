@@ -106,6 +106,58 @@ std::optional<Conic::Integrand> Conic::integrand(const Shadow& shadow) const {
     return std::nullopt;
 }
 
+Segment::Segment(const Span& span) {
+    const auto& [middle, slope] = std::array{span.coefficients[0], span.coefficients[1]};
+    for (const std::size_t k : {0, 1}) {
+        const auto at = [&](std::size_t i) { return k == 0 ? middle[i] - slope[i] : middle[i] + slope[i]; };
+        weights_[k] = at(3);
+        for (std::size_t i = 0; i < 3; ++i) {
+            relative_[k][i] = at(i);
+            ends_[k][i] = relative_[k][i] + span.origin[i] * weights_[k];
+        }
+        sizes_[k] = sqrt(square(ends_[k][0]) + square(ends_[k][1]) + square(ends_[k][2]));
+    }
+    // (p v + o v) x (q w) with q w = p' w + o w: p x p' + o x (p' v - p w), where what is large has cancelled.
+    const auto& [p, q] = relative_;
+    Triad<MidRad> way;
+    for (std::size_t i = 0; i < 3; ++i) way[i] = q[i] * weights_[0] - p[i] * weights_[1];
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        moment_[i] = (p[j] * q[k] - p[k] * q[j]) + (span.origin[j] * way[k] - span.origin[k] * way[j]);
+        product_ += ends_[0][i] * ends_[1][i];
+    }
+}
+
+MidRad Segment::length() const {
+    MidRad sum = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) sum += square(relative_[1][i] * weights_[0] - relative_[0][i] * weights_[1]);
+    return sqrt(sum) / (weights_[0] * weights_[1]);
+}
+
+// Seen from the centre the segment lies on a great circle, and the face in the plane where z t = K / A: with both ends p
+// and q at heights x and y over the centre's plane across the axis a, the triangle has the area
+// (K / A)^2 det(a, p, q) / (2 x y) and the solid angle [VanOosterom83]
+//     2 arctan(det(a, p, q) / (|p| |q| + x |q| + y |p| + p q)).
+std::optional<std::array<MidRad, 3>> Segment::beside(const Shadow& shadow) const {
+    const auto* form = std::get_if<Revolved>(&shadow);
+    if (!form || form->is_paraboloid || form->B.magnitude() != 0) return std::nullopt;
+    const auto inner = [&](const Triad<MidRad>& v) {
+        return form->axis[0] * v[0] + form->axis[1] * v[1] + form->axis[2] * v[2];
+    };
+    const MidRad x = inner(ends_[0]), y = inner(ends_[1]), determinant = inner(moment_);
+    if (!(x.lower() > 0) || !(y.lower() > 0)) return std::nullopt;
+    const MidRad share = determinant / (x * y) / form->A;
+    const MidRad sum = sizes_[0] * sizes_[1] + x * sizes_[1] + y * sizes_[0] + product_;
+    // The angle of a point that is off by less than its distance from the origin is off by less than the quotient of
+    // that by what is left of the distance; arctan itself by three units in its last place, as glibc's manual states.
+    const double off = (determinant.radius() + sum.radius()) * (1 + 0x1p-50),
+                 reach = std::hypot(determinant.mid(), sum.mid()) * (1 - 0x1p-50) - off;
+    if (!(reach > 0) || !(sum.lower() > 0)) return std::nullopt;
+    const double angle = std::atan2(determinant.mid(), sum.mid());
+    const MidRad shadow_of_face = 2.0 * MidRad::ball(angle, (off / reach) * (1 + 0x1p-50) + 0x1p-50 * std::abs(angle));
+    return std::array{form->volume * share, 0.5 * (form->K2 / form->A * share), shadow_of_face};
+}
+
 namespace {
 
 template <class T>

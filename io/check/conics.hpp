@@ -98,6 +98,23 @@ private:
     std::optional<Quadratic> size_, squared_size_;  ///< from a centre
 };
 
+/// A span of degree one about a sphere, beside flat faces: these have the triangle between its ends and the foot of
+/// their axis there, and nothing takes a rule.
+class Segment {
+public:
+    explicit Segment(const Span& span);
+
+    MidRad length() const;
+    /// Volume, area and shadow. None: the face is not flat, or the segment not all on its side of the centre.
+    std::optional<std::array<MidRad, 3>> beside(const Shadow& shadow) const;
+
+private:
+    std::array<Triad<MidRad>, 2> relative_, ends_;  ///< homogeneous, about the span's origin and the centre
+    std::array<MidRad, 2> weights_, sizes_;
+    Triad<MidRad> moment_;  ///< the product of both ends
+    MidRad product_;        ///< the inner one
+};
+
 /// Volume, area and shadow, per ds.
 template <class T>
 std::array<T, 3> densities(const Conic::Integrand& integrand, const T& s, const Conic::Place<T>& p);

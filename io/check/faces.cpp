@@ -256,9 +256,10 @@ private:
         for (const Condition& c : conditions_) {
             if (is_beside(c, box)) continue;
             const Sphere* rival = ball(c);
+            // In the order of what they take.
+            if (spheres_ && rival && own && !spheres_->may_be_least(*own, *rival, margin_)) continue;
             if (spheres_ && spheres_->is_farther(c.site, margin_)) continue;
             if (rival && own) {
-                if (spheres_ && !spheres_->may_be_least(*own, *rival, margin_)) continue;
                 if (!least) least.emplace(scene_.base, *own);
             }
             found.push_back({c, rival && least ? least->of(*rival) : std::nullopt});

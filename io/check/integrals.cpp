@@ -123,6 +123,7 @@ private:
     }
 
     Interval add_conic(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
+        if (const auto length = add_segment(e, shadows, span)) return *length;
         const Conic conic(span, std::holds_alternative<Sphere>(cell_.scene.base));
         std::array<std::optional<Conic::Integrand>, 2> integrands;
         for (std::size_t k = 0; k < 2; ++k) {
@@ -131,6 +132,24 @@ private:
             if (!integrands[k]) return add_direct(e, shadows, span);
         }
         return add_both(e, shadows, span, AlongConic{conic, integrands});
+    }
+
+    /// None: it takes rules.
+    std::optional<Interval> add_segment(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
+        if (span.degree() != 1 || !std::holds_alternative<Sphere>(cell_.scene.base)) return std::nullopt;
+        const Segment segment(span);
+        std::array<std::optional<std::array<MidRad, 3>>, 2> beside;
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (!shadows[k]) continue;
+            beside[k] = segment.beside(*shadows[k]);
+            if (!beside[k]) return std::nullopt;
+        }
+        for (std::size_t k = 0; k < 2; ++k)
+            if (beside[k]) {
+                const auto& [volume, area, shadow] = *beside[k];
+                add(uses_[e][k], volume.enclosure(), area.enclosure(), shadow.enclosure());
+            }
+        return segment.length().enclosure();
     }
 
     struct AlongConic {
