@@ -21,7 +21,7 @@ namespace {
 /// A site that may be nearer than the base somewhere, and the only places for that where they are known.
 struct Rival {
     Condition condition;
-    std::optional<SmallVector<Spot, 2>> spots;
+    std::optional<Spots> spots;
 };
 
 /// A rectangle of the patch, within the one of its loops.
@@ -249,7 +249,7 @@ private:
             return c.site.is_object() ? std::get_if<Sphere>(&scene_.objects[c.site.index]) : nullptr;
         };
         const Sphere* own = ball(own_[0]);
-        std::optional<LeastPlaces> least;
+        std::optional<LeastPlacesOfSites> least;
         std::vector<Rival> found;
         const Interval clearance = spheres_ ? spheres_->clearance() : space().clearance(box);
         Room::rivals(middle(box), (clearance + Interval(radius(box))).upper() + margin_, own_, conditions_);
@@ -259,10 +259,10 @@ private:
             // In the order of what they take.
             if (spheres_ && rival && own && !spheres_->may_be_least(*own, *rival, margin_)) continue;
             if (spheres_ && spheres_->is_farther(c.site, margin_)) continue;
-            if (rival && own) {
-                if (!least) least.emplace(scene_.base, *own);
-            }
-            found.push_back({c, rival && least ? least->of(*rival) : std::nullopt});
+            if (!least) least.emplace(scene_, own_[0].site);
+            const auto spots = least->of(c.site, 2 * stated_ + tie_width(c.site));
+            if (spots && spots->empty()) continue;
+            found.push_back({c, spots});
         }
         return found;
     }
@@ -284,8 +284,14 @@ private:
             return false;
         };
         std::erase_if(tile.rivals, [&](const Rival& rival) {
-            return is_beside(rival.condition, box) ||
-                   (rival.spots && std::ranges::all_of(*rival.spots, is_elsewhere));
+            if (is_beside(rival.condition, box)) return true;
+            if (!rival.spots) return false;
+            if (std::ranges::all_of(*rival.spots, is_elsewhere)) return true;
+            // A least value that is not negative is as good as none.
+            return tile.depth == 0 && std::ranges::all_of(*rival.spots, [&](const Spot& spot) {
+                const Vector<Interval> place = box_about(spot.center, spot.radius);
+                return is_elsewhere(spot) || space().excess(rival.condition, place).lower() >= 0;
+            });
         });
         if (tile.rivals.empty()) return;
         std::erase_if(tile.rivals, [test = Test(*this, tile.net, is_small)](const Rival& rival) {

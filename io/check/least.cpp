@@ -1,5 +1,9 @@
 #include "least.hpp"
 
+#include <cmath>
+
+#include "nets.hpp"
+
 namespace vcell::check {
 
 namespace {
@@ -9,6 +13,19 @@ Vector<MidRad> scaled(const MidRad& s, const Vector<MidRad>& a) { return s * a; 
 Vector<MidRad> unit(const Vec3& v) {
     const Vector<MidRad> w = to_vector<MidRad>(v);
     return scaled(MidRad(1.0) / sqrt(square(w)), w);
+}
+
+/// A ball about a box that holds the point. Its radius is infinite where nothing is known.
+Spot spot(const Vector<MidRad>& p) {
+    return {{p[0].mid(), p[1].mid(), p[2].mid()}, 1.0625 * (p[0].radius() + p[1].radius() + p[2].radius())};
+}
+
+/// Where the one is a unit vector along an axis no rounding blurs the product.
+MidRad inner(const Vector<MidRad>& m, const Vector<MidRad>& v) {
+    for (std::size_t i = 0; i < 3; ++i)
+        if (is_exactly(m[(i + 1) % 3], 0) && is_exactly(m[(i + 2) % 3], 0) && std::abs(m[i].mid()) == 1)
+            return m[i].mid() < 0 ? -v[i] : v[i];
+    return dot(m, v);
 }
 
 }  // namespace
@@ -88,26 +105,146 @@ MidRad LeastPlaces::along_from_base(const Ray& ray) const {
     return rest / (2.0 * (difference_ - dot(ray.way, q)));
 }
 
-std::optional<SmallVector<Spot, 2>> LeastPlaces::of(const Sphere& rival) const {
+std::optional<Spots> LeastPlaces::of(const Sphere& rival) const {
     const V center = to_vector<MidRad>(rival.center);
     const Ray from_own = ray(own_, center), from_base = ray_from_base(center);
     // Behind the own ball the rival's excess is not negative.
     if (!((from_own.length + own_radius_ - MidRad(rival.radius)).lower() >= 0)) return std::nullopt;
-    SmallVector<Spot, 2> spots;
+    Spots spots;
     // False where nothing is known.
     const auto add = [&](const Ray& ray, const MidRad& s) {
         if (!(s.radius() < HUGE_VAL)) return false;
         if (s.upper() < ray.length.lower()) return true;
-        const V p = ray.start + scaled(s, ray.way);
-        const double radius = 1.0625 * (p[0].radius() + p[1].radius() + p[2].radius());
-        spots.push_back({{p[0].mid(), p[1].mid(), p[2].mid()}, radius});
-        return radius < HUGE_VAL;
+        spots.push_back(spot(ray.start + scaled(s, ray.way)));
+        return spots.back().radius < HUGE_VAL;
     };
     // The own ball's excess at the rival's centre.
     const MidRad side = from_own.length - own_radius_ - (from_base.length - base_radius_);
     if (!(side.lower() > 0) && !add(from_own, along_from_own(from_own))) return std::nullopt;
     if (!(side.upper() < 0) && !add(from_base, along_from_base(from_base))) return std::nullopt;
     return spots;
+}
+
+MidRad LeastPlacesOfSites::Focus::distance(const V& p) const {
+    return is_plane ? inner(place, p) - radius : sqrt(square(p - place)) - radius;
+}
+
+LeastPlacesOfSites::Focus LeastPlacesOfSites::focus(const Sphere& ball) {
+    return {false, to_vector<MidRad>(ball.center), ball.radius};
+}
+LeastPlacesOfSites::Focus LeastPlacesOfSites::focus(const Plane& plane) {
+    const V n = unit(plane.normal);
+    return {true, n, inner(n, to_vector<MidRad>(plane.point))};
+}
+
+LeastPlacesOfSites::LeastPlacesOfSites(const Scene& scene, const Site& own) : scene_(scene) {
+    const auto* sphere = std::get_if<Sphere>(&scene.base);
+    const auto* plane = std::get_if<Plane>(&scene.base);
+    if (sphere) base_ = focus(*sphere);
+    if (plane) base_ = focus(*plane);
+    if (own.kind == Site::Kind::BoxSide) {
+        const int axis = static_cast<int>(own.index / 2);
+        const bool is_upper = own.index % 2;
+        side_ = focus(Plane{is_upper ? scene.box.max : scene.box.min, (is_upper ? -1.0 : 1.0) * Vec3::Unit(axis)});
+    }
+    if (!own.is_object()) return;
+    const Object& object = scene.objects[own.index];
+    if (const auto* ball = std::get_if<Sphere>(&object)) {
+        of_balls_.emplace(scene.base, *ball);
+        if (base_) own_ = focus(*ball);
+    } else if (const auto* other = std::get_if<Plane>(&object); other && sphere) {
+        // The face is on the side of a base ball that does not reach the plane.
+        Plane towards = *other;
+        if (focus(towards).distance(base_->place).mid() < 0) towards.normal = -towards.normal;
+        const Focus f = focus(towards);
+        if (!((f.distance(base_->place) - base_->radius).lower() > 0)) return;
+        own_ = f;
+        of_balls_.emplace(towards, *sphere);
+    }
+}
+
+std::optional<Spots> LeastPlacesOfSites::of(const Site& rival, double apart) const {
+    const Object* object = rival.is_object() ? &scene_.objects[rival.index] : nullptr;
+    const Sphere* ball = object ? std::get_if<Sphere>(object) : nullptr;
+    const Plane* plane = object ? std::get_if<Plane>(object) : nullptr;
+    if (side_) {
+        if (rival.kind == Site::Kind::BoxSide) return Spots();  // linear
+        if (!base_ || base_->is_plane) return std::nullopt;
+        if (plane) return Spots();
+        return ball ? of_ball_on_side(*ball) : std::nullopt;
+    }
+    if (ball) return of_balls_ ? of_balls_->of(*ball) : std::nullopt;
+    if (!base_ || !own_) return std::nullopt;
+    if (plane) return of_plane(*plane, apart);
+    if (rival.kind != Site::Kind::BoxSide) return std::nullopt;
+    const int axis = static_cast<int>(rival.index / 2);
+    return stationary_place(to_vector<MidRad>(Vec3::Unit(axis)));
+}
+
+/// Where on the bisector a linear function of gradient m is stationary, m of length one.
+///
+/// With n_o = v + a m and u = v - a m, v across m: of balls at distances s and d from their centres, s - d = delta the
+/// difference of the radii, the way between these is u d - n_o s = -delta v - (s + d) a m. That tells v, and a up to
+/// its sign, which is such that s + d is positive. Of a plane n_o is its normal, and of the two sites the other one is
+/// a ball: its distance d = (l + r) / (1 - u n_o), with l from its centre to the plane, and 1 - u n_o = 2 (m n_o)^2.
+std::optional<Spots> LeastPlacesOfSites::stationary_place(const V& m) const {
+    if (base_->is_plane && own_->is_plane) return Spots();  // linear
+    V start, way;
+    MidRad d;
+    if (base_->is_plane || own_->is_plane) {
+        const Focus &plane = base_->is_plane ? *base_ : *own_, &ball = base_->is_plane ? *own_ : *base_;
+        const MidRad along = inner(m, plane.place);
+        if (is_exactly(along, 0)) return Spots();
+        start = ball.place;
+        way = plane.place - scaled(2.0 * along, m);
+        d = (plane.distance(start) + ball.radius) / (2.0 * square(along));
+    } else {
+        const V between = own_->place - base_->place;
+        const MidRad delta = own_->radius - base_->radius, along = inner(m, between);
+        const V across = between - scaled(along, m);
+        const MidRad rest = square(delta) - square(across);
+        if (rest.upper() <= 0) return Spots();
+        if (!(rest.lower() > 0)) return std::nullopt;
+        const MidRad a = sqrt(rest / square(delta));
+        const bool is_ahead = along.mid() > 0;
+        start = base_->place;
+        way = (is_ahead ? a : -a) * m - scaled(MidRad(1.0) / delta, across);
+        d = 0.5 * ((is_ahead ? along : -along) / a - delta);
+        if (!(along.lower() > 0) && !(along.upper() < 0)) return std::nullopt;
+    }
+    if (d.upper() < 0) return Spots();
+    const Spot place = spot(start + scaled(d, way));
+    if (!(place.radius < HUGE_VAL)) return std::nullopt;
+    return Spots{place};
+}
+
+std::optional<Spots> LeastPlacesOfSites::of_plane(const Plane& rival, double apart) const {
+    if (base_->is_plane) return std::nullopt;
+    Plane towards = rival;
+    if (focus(towards).distance(base_->place).mid() < 0) towards.normal = -towards.normal;
+    const Focus f = focus(towards);
+    if (!((f.distance(base_->place) - base_->radius).lower() > apart)) return std::nullopt;
+    if (!own_->is_plane && !((f.distance(own_->place) + own_->radius).lower() >= 0)) return std::nullopt;
+    const auto lowest = stationary_place(f.place);
+    if (!lowest) return std::nullopt;
+    for (const Spot& s : *lowest)
+        if (!((f.distance(to_vector<MidRad>(s.center)) - s.radius).lower() > 0)) return std::nullopt;
+    return Spots();
+}
+
+std::optional<Spots> LeastPlacesOfSites::of_ball_on_side(const Sphere& rival) const {
+    const V &o = base_->place, c = to_vector<MidRad>(rival.center);
+    const MidRad above = side_->distance(o), rise = side_->distance(c);
+    if (!(above.lower() > 0)) return std::nullopt;
+    if (!(rise.lower() >= 0) && !(rise.upper() <= 0)) return std::nullopt;
+    const bool is_behind = rise.mid() < 0;
+    const MidRad height = is_behind ? -rise : rise;
+    if (height.lower() >= above.upper()) return Spots();
+    const V way = (is_behind ? c - scaled(2.0 * rise, side_->place) : c) - o;
+    if ((base_->radius - MidRad(rival.radius) - sqrt(square(way))).lower() >= 0) return Spots();
+    const Spot place = spot(o + scaled(above / (above - height), way));
+    if (!(place.radius < HUGE_VAL)) return std::nullopt;
+    return Spots{place};
 }
 
 }  // namespace vcell::check

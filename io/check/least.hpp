@@ -1,4 +1,4 @@
-/// Where away from a face's edges the excess of another ball may have its least value.
+/// Where away from a face's edges the excess of another site may have its least value.
 ///
 /// On the bisector of the base and its own object o the excess of a rival r is stationary where its gradient
 /// is parallel to that of o's: n_r - u to n_o - u, with the gradients n of their distances and u of the
@@ -8,13 +8,27 @@
 /// then, its excess is the distance of the centres less the difference of the radii, and that is not negative
 /// where it does not hold the own ball. What is left are two places, each on a ray that leaves a focus of the
 /// bisector, o's centre or the base's, through the rival's centre, and behind that. A ray from a focus meets
-/// the bisector once at most, and behind a centre on the focus's own side: there is one place at most.
+/// the bisector once at most, and behind a centre on the focus's own side: there is one place at most. The
+/// bisector of a base ball and a plane is that of a base plane and a ball.
+///
+/// Of a side of the box the gradient is a constant m, and n_o - u is parallel to it where u is n_o reflected in the
+/// plane across m: there is one place at most (stationary_place).
+///
+/// A plane's excess is l - t where it has the base on its side. Where n_r = u that is what the plane is away from the
+/// base's centre and its radius more, and where n_r = n_o so with the own ball: not negative unless that is behind the
+/// plane. A base ball that is farther from the plane than `apart` leaves all excesses beyond it below -apart; where
+/// edges tell that they are not, what a face has there is enclosed in it, and l has a least value in it.
+///
+/// On a side of the box the excess of a plane is less than linear by a distance, which is convex: it is least at the
+/// edges. That of a ball is |p - c| - |p - o| up to radii, with c on the base's side, as good as its reflection: it is
+/// least where the line from o through c meets the side, if c is nearer to the side.
 #pragma once
 
 #include <optional>
 
 #include "../../core/small_vector.hpp"
 #include "../../primitives/scene.hpp"
+#include "../../primitives/site.hpp"
 #include "midrad.hpp"
 #include "space.hpp"
 
@@ -26,13 +40,16 @@ struct Spot {
     double radius;
 };
 
+/// The only places where an excess may have a negative least value.
+using Spots = SmallVector<Spot, 2>;
+
+/// Of balls, on the bisector of the base and a ball.
 class LeastPlaces {
 public:
     LeastPlaces(const Object& base, const Sphere& own);
 
-    /// The only places where on the bisector the rival's excess may have a negative least value: two where it
-    /// is not clear on which side the rival is. None: where they are cannot be told.
-    std::optional<SmallVector<Spot, 2>> of(const Sphere& rival) const;
+    /// Two where it is not clear on which side the rival is. None: where they are cannot be told.
+    std::optional<Spots> of(const Sphere& rival) const;
 
 private:
     using V = Vector<MidRad>;
@@ -52,6 +69,35 @@ private:
     V own_, from_base_;   // the own ball's centre, and the way there
     MidRad own_radius_, base_radius_, difference_;  // of the radii, the own one less the base's
     MidRad height_;                                 // of the centre over a base plane
+};
+
+/// Of all sites, on a face of the base and a site.
+class LeastPlacesOfSites {
+public:
+    LeastPlacesOfSites(const Scene& scene, const Site& own);
+
+    /// None: where they are cannot be told. `apart`: more than what the face's edges may leave of the rival's excess.
+    std::optional<Spots> of(const Site& rival, double apart) const;
+
+private:
+    using V = Vector<MidRad>;
+
+    /// A ball, or a plane with its normal towards the face: what the bisector is equally far from.
+    struct Focus {
+        bool is_plane;
+        V place;        // the centre, or the unit normal
+        MidRad radius;  // of a plane, its distance from the origin
+        MidRad distance(const V& p) const;
+    };
+    static Focus focus(const Sphere& ball);
+    static Focus focus(const Plane& plane);
+    std::optional<Spots> stationary_place(const V& m) const;
+    std::optional<Spots> of_plane(const Plane& rival, double apart) const;
+    std::optional<Spots> of_ball_on_side(const Sphere& rival) const;
+
+    const Scene& scene_;
+    std::optional<LeastPlaces> of_balls_;
+    std::optional<Focus> base_, own_, side_;
 };
 
 }  // namespace vcell::check

@@ -1,4 +1,4 @@
-/// Where another ball's excess may be least on a bisector, against a search on a grid.
+/// Where another site's excess may be least on a face, against a search on a grid.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -100,6 +100,97 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
         }
     CHECK(told > 100);
     CHECK(found > 20);
+}
+
+TEST_CASE("least places of sites: excesses have no negative least value elsewhere, between balls, planes and sides") {
+    std::mt19937_64 rng(test_seed());
+    const auto uniform = [&](double lo, double hi) { return std::uniform_real_distribution(lo, hi)(rng); };
+    const auto direction = [&] { return Vec3(1, uniform(-0.5, 0.5), uniform(-0.5, 0.5)).normalized(); };
+    constexpr int n = 60;
+    std::array<int, 9> told{};
+    int found = 0;
+    for (int k = 0; k < 360; ++k) {
+        Scene scene;
+        const Sphere base{Vec3::Zero(), 0.5};
+        scene.base = base;
+        scene.box = {{-4, -4, -4}, {uniform(1, 3), 4, uniform(0.8, 2)}};
+        const auto object = [&](int kind) -> Object {
+            if (kind == 0) return Sphere{uniform(0.9, 2.5) * direction(), uniform(0, 1)};
+            return Plane{uniform(0.8, 2.5) * direction(), (k % 2 ? 1 : -1) * direction()};
+        };
+        const int own_kind = k % 3, rival_kind = k / 3 % 3;
+        scene.objects = {object(own_kind), object(rival_kind)};
+        const Site own = own_kind == 2 ? Site::box_side(1) : Site::object(0),
+                   rival = rival_kind == 2 ? Site::box_side(k % 2 ? 5 : 3) : Site::object(1);
+        const auto spots = LeastPlacesOfSites(scene, own).of(rival, 1e-3);
+        if (!spots) continue;
+        ++told[static_cast<std::size_t>(3 * own_kind + rival_kind)];
+        const Space<Interval> space(scene);
+        const auto excess_at = [&](const Site& site, const Vec3& p) {
+            return space.excess({site}, to_vector<Interval>(p)).mid();
+        };
+        // Along rays from the base's centre; what is beyond a plane is for the edges to tell.
+        std::vector<std::optional<Vec3>> points;
+        std::vector<double> excess;
+        const auto* plane = rival_kind == 1 ? &std::get<Plane>(scene.objects[1]) : nullptr;
+        for (int i = 0; i <= n; ++i)
+            for (int j = 0; j <= n; ++j) {
+                const double angle = 2.4 * (i / double(n) - 0.5), lift = 2.4 * (j / double(n) - 0.5);
+                const Vec3 way(std::cos(angle) * std::cos(lift), std::sin(angle) * std::cos(lift), std::sin(lift));
+                double lo = 0.5, hi = 30;
+                const bool is_met = excess_at(own, lo * way) > 0 && excess_at(own, hi * way) < 0;
+                for (int b = 0; b < 60; ++b) (excess_at(own, 0.5 * (lo + hi) * way) > 0 ? lo : hi) = 0.5 * (lo + hi);
+                const Vec3 p = lo * way;
+                const bool is_beyond =
+                    plane && plane->normal.dot(p - plane->point) * plane->normal.dot(-plane->point) < 0;
+                points.push_back(is_met && !is_beyond ? std::optional(p) : std::nullopt);
+                excess.push_back(points.back() ? excess_at(rival, p) : -HUGE_VAL);
+            }
+        for (int i = 1; i < n; ++i)
+            for (int j = 1; j < n; ++j) {
+                const std::size_t at = static_cast<std::size_t>(i * (n + 1) + j);
+                if (!(excess[at] < -1e-9) || !points[at]) continue;
+                double around = HUGE_VAL, spacing = 0;
+                for (int a = -1; a <= 1; ++a)
+                    for (int b = -1; b <= 1; ++b) {
+                        const std::size_t other = at + static_cast<std::size_t>(a * (n + 1) + b);
+                        if (other == at) continue;
+                        around = std::min(around, excess[other]);
+                        if (points[other]) spacing = std::max(spacing, (*points[other] - *points[at]).norm());
+                    }
+                if (around < excess[at]) continue;
+                ++found;
+                CAPTURE(k);
+                CAPTURE(points[at]->transpose());
+                CHECK(std::ranges::any_of(*spots, [&](const Spot& spot) {
+                    return (spot.center - *points[at]).norm() <= 3 * spacing + spot.radius;
+                }));
+            }
+    }
+    CHECK(std::ranges::all_of(told, [](int count) { return count > 4; }));
+    CHECK(found > 20);
+}
+
+TEST_CASE("least places of sites: enclosed to rounding on the bisector, where its normal is that of the side") {
+    Scene scene;
+    scene.base = Sphere{Vec3(0.1, 0.2, 0.3), 1};
+    scene.box = {{-9, -9, -9}, {9, 9, 9}};
+    scene.objects = {Sphere{Vec3(0.2, 0.3, 4), 2.5}, Plane{Vec3(0, 0, 3), Vec3(0.5, 0.25, 2)}};
+    const Space<Interval> space(scene);
+    for (const std::uint32_t own : {0u, 1u}) {
+        const auto spots = LeastPlacesOfSites(scene, Site::object(own)).of(Site::box_side(5), 0);
+        REQUIRE(spots);
+        REQUIRE(spots->size() == 1);
+        const auto& [p, radius] = spots->front();
+        CHECK(radius < 1e-12);
+        CHECK(space.excess({Site::object(own)}, to_vector<Interval>(p)).magnitude() < 1e-12);
+        const Vec3 normal = middle(space.gradient({Site::object(own)}, to_vector<Interval>(p)));
+        CHECK(normal.norm() > 0.1);
+        CHECK(normal.cross(Vec3::UnitZ()).norm() < 1e-12);
+    }
+    // Between balls of one radius it is a plane.
+    scene.objects[0] = Sphere{Vec3(0.2, 0.3, 4), 1};
+    CHECK(LeastPlacesOfSites(scene, Site::object(0)).of(Site::box_side(5), 0)->empty());
 }
 
 TEST_CASE(
