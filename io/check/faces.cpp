@@ -86,7 +86,7 @@ private:
         spheres_ = TouchingSpheres::on(whole.net, face.site, space());
         if (spheres_) spheres_->refer_to(face.site);
         const auto boundary = check_boundary(patch, whole.net);
-        const auto distance = follow_bisector(where, patch, whole);
+        const auto distance = follow_bisector(where, patch, whole, boundary);
         if (!distance) return;
         margin_ = std::max(width_, *distance);
         if (!exclude_others(where, patch, whole) || !boundary) return;
@@ -116,7 +116,13 @@ private:
 
     /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or, where halves are no
     /// nearer to it, by what its edges state.
-    std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole) {
+    std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole,
+                                          const std::optional<double>& boundary) {
+        if (spheres_)
+            if (const auto near = nearness_by_spheres(*spheres_); near && near->distance && near->size <= width_)
+                return near->distance;
+        if (boundary)
+            if (const auto distance = distance_inside(patch, whole.net, *boundary)) return distance;
         std::vector<Tile> tiles{whole};
         double most = 0;
         std::size_t count = 0;
@@ -154,15 +160,23 @@ private:
     };
     Nearness nearness(const Tile& tile, bool is_whole) const {
         // Tiles that are many times smaller are few, where gradients all but vanish: forms know of places.
-        constexpr int most_depth = 6;
-        if (spheres_ && tile.depth <= most_depth) {
+        constexpr int most_depth = 6, least_depth_of_forms = 4;
+        if (tile.depth <= most_depth) {
             const auto part = is_whole ? spheres_ : TouchingSpheres::on(tile.net, own_[0].site, space());
             if (const auto near = part ? nearness_by_spheres(*part) : std::nullopt) return *near;
+            // They cost as much as several halves.
+            if (is_of_spheres() && tile.depth < least_depth_of_forms) return {HUGE_VAL, std::nullopt};
         }
         const ExcessAlong along(space(), tile.net);
         double size = 0;
         for (const Condition& c : own_) size = std::max(size, magnitude(along.excess(c)).upper());
         return {size, distance(tile.net.box(), size)};
+    }
+    /// Is the bisector one of a ball and a ball or a plane?
+    bool is_of_spheres() const {
+        const auto is_tube = [](const Object& o) { return std::holds_alternative<Cylinder>(o); };
+        return std::holds_alternative<Sphere>(scene_.base) && own_[0].site.is_object() &&
+               !is_tube(scene_.objects[own_[0].site.index]);
     }
     /// None: it takes forms to tell.
     std::optional<Nearness> nearness_by_spheres(const TouchingSpheres& spheres) const {
@@ -173,23 +187,47 @@ private:
             size = std::max(size, magnitude(*e).upper());
         }
         if (!(size < HUGE_VAL)) return std::nullopt;
-        const double margin = kFirstMargin * size;
-        const auto growth = spheres.growth(own_[0].site, size, margin);
-        if (!growth) return Nearness{size, std::nullopt};
-        const double reach = (Interval(size) / sqrt(Interval(2.0) * *growth)).upper();
-        return Nearness{size, reach <= margin ? std::optional(reach) : std::nullopt};
+        return Nearness{size, distance_by_spheres(spheres, size)};
+    }
+    std::optional<double> distance_by_spheres(const TouchingSpheres& spheres, double size) const {
+        return distance_where([&](double margin) -> std::optional<double> {
+            const auto growth = spheres.growth(own_[0].site, size, margin);
+            return growth ? std::optional(sqrt(Interval(2.0) * *growth).lower()) : std::nullopt;
+        }, size);
+    }
+    /// Inside the loops, which lift to within `boundary` of their edges. None: it takes tiles to tell.
+    std::optional<double> distance_inside(const Patch& patch, const Net& net, double boundary) const {
+        const auto* base = std::get_if<Sphere>(&scene_.base);
+        if (!base || own_.size() > 1) return std::nullopt;
+        double reach = 0;
+        for (const auto& loop : patch.loops)
+            for (const Trim& trim : loop) {
+                if (!trim.curve->edge) return std::nullopt;
+                for (const auto& piece : edge_pieces_[*trim.curve->edge])
+                    for (std::size_t i = 0; i < piece.points.size(); ++i)
+                        reach = std::max(reach, (piece.control(i) - base->center).norm());
+            }
+        const auto inside = TouchingSpheres::inside(net, own_[0].site, space(), (reach + boundary) * (1 + 0x1p-40));
+        if (!inside || !(inside->excess <= width_)) return std::nullopt;
+        return distance_by_spheres(inside->spheres, inside->excess);
     }
     std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
 
     /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
+        return distance_where([&](double margin) -> std::optional<double> {
+            const Interval m(-margin, margin);
+            return sqrt(square(space().gradient(own_[0], {box[0] + m, box[1] + m, box[2] + m}))).lower();
+        }, size);
+    }
+    /// The same of the gradient's least length within a margin.
+    template <class Slope>
+    static std::optional<double> distance_where(const Slope& slope_within, double size) {
         double margin = kFirstMargin * size;
         for (int tries = 0; tries < 4; ++tries) {
-            const Interval m(-margin, margin);
-            const double slope =
-                sqrt(square(space().gradient(own_[0], {box[0] + m, box[1] + m, box[2] + m}))).lower();
-            if (!(slope > 0)) return std::nullopt;
-            const double reach = (Interval(size) / slope).upper();
+            const std::optional<double> slope = slope_within(margin);
+            if (!slope || !(*slope > 0)) return std::nullopt;
+            const double reach = (Interval(size) / *slope).upper();
             if (reach <= margin) return reach;
             margin = 1.25 * reach;
         }

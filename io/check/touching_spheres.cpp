@@ -21,6 +21,30 @@ const Sphere* as_ball(const Scene& scene, const Site& site) {
     return site.is_object() ? std::get_if<Sphere>(&scene.objects[site.index]) : nullptr;
 }
 
+/// Bernstein coefficients of a polynomial of degree (m, n).
+using Coefficients = std::array<double, (kMost + 1) * (kMost + 1)>;
+
+/// A lower bound of its values: halves are looked at as long as coefficients are far below those at the corners.
+double least_value(const Coefficients& c, int m, int n, int depth) {
+    const int count = (m + 1) * (n + 1);
+    const double least = *std::min_element(c.begin(), c.begin() + count);
+    const double at_corner = std::min({c[0], c[static_cast<std::size_t>(n)], c[static_cast<std::size_t>(m * (n + 1))],
+                                       c[static_cast<std::size_t>(count - 1)]});
+    if (depth == 0 || least >= 0.75 * at_corner) return least;
+    const int axis = depth % 2, degree = axis == 0 ? m : n, lines = axis == 0 ? n : m;
+    const auto at = [&](Coefficients& x, int line, int i) -> double& {
+        return x[static_cast<std::size_t>(axis == 0 ? i * (n + 1) + line : line * (n + 1) + i)];
+    };
+    Coefficients first = c, second = c;
+    for (int line = 0; line <= lines; ++line)
+        for (int k = 0; k <= degree; ++k) {
+            at(first, line, k) = at(second, line, 0);
+            for (int i = 0; i < degree - k; ++i)
+                at(second, line, i) = 0.5 * (at(second, line, i) + at(second, line, i + 1));
+        }
+    return std::min(least_value(first, m, n, depth - 1), least_value(second, m, n, depth - 1));
+}
+
 /// Adds sign a^2, a and r Bernstein coefficients times their binomials, of degrees (M, N) and (2 M, 2 N).
 template <int M, int N>
 void add_square(double sign, const double* a, double* r) {
@@ -53,6 +77,7 @@ TouchingSpheres::TouchingSpheres(const Net& net, const Space<Interval>& space)
             position_error_ = std::max({position_error_, p[0].radius(), p[1].radius(), p[2].radius()});
             weight_error_ = std::max(weight_error_, p[3].radius());
             least_weight_ = std::min(least_weight_, p[3].mid());
+            most_weight_ = std::max(most_weight_, p[3].mid());
         }
     least_weight_ = (least_weight_ - weight_error_) * kBelow;
     affine_.resize((points_.size() - 1) / Lanes::lanes + 1);
@@ -100,6 +125,66 @@ std::optional<TouchingSpheres> TouchingSpheres::on(const Net& patch, const Site&
     for (Point& p : result.points_)
         p.t = (f->k * p.w + f->g.x() * p.x + f->g.y() * p.y + f->g.z() * p.z) / -f->h;
     return result.finish_about_sphere() ? std::optional(result) : std::nullopt;
+}
+
+// With X = w (p - o), T = w t and D = T + R w, F of the base is G / w^2 with G = |X|^2 - D^2, and as |p - o| - (t + R) is F
+// by |p - o| + t + R, no more than |G| / (w D); likewise for the own ball. On the loops D^2 <= (w reach)^2 + |G|, and where
+// w is concave in one variable it is least on them.
+std::optional<TouchingSpheres::Inside> TouchingSpheres::inside(const Net& patch, const Site& own,
+                                                               const Space<Interval>& space, double reach) {
+    const auto* base = std::get_if<Sphere>(&space.scene().base);
+    const Sphere* ball = as_ball(space.scene(), own);
+    if (!base || !ball || ball->radius == base->radius || !(reach < HUGE_VAL)) return std::nullopt;
+    if (patch.degree_s() > kMost || patch.degree_t() > kMost) return std::nullopt;
+    TouchingSpheres result(patch, space);
+    if (!(result.least_weight_ > 0) || !result.is_weight_least_at_loops()) return std::nullopt;
+    const Linear f = result.difference(*ball, base->center, base->radius);
+    for (Point& p : result.points_) p.t = (f.k * p.w + f.g.x() * p.x + f.g.y() * p.y + f.g.z() * p.z) / -f.h;
+    double most = 0;  // of D
+    const auto least_of = [&](double radius) {
+        Coefficients c;
+        double largest = 0;
+        for (std::size_t i = 0; i < result.points_.size(); ++i) {
+            const Point& p = result.points_[i];
+            c[i] = p.t + radius * p.w;
+            largest = std::max(largest, std::abs(p.t) + radius * p.w);
+            most = std::max(most, c[i]);
+        }
+        most = most + kFew * largest + radius * result.weight_error_;
+        constexpr int depth = 4;
+        return least_value(c, result.m_, result.n_, depth) - kFew * largest - radius * result.weight_error_;
+    };
+    const double own_least = least_of(ball->radius), least = least_of(base->radius);
+    if (!(least > 0) || !(own_least > 0)) return std::nullopt;
+    const double numerator = result.largest_numerator(base->center, base->radius),
+                 own_numerator = result.largest_numerator(ball->center, ball->radius);
+    const double squared = least * least * kBelow - numerator;
+    if (!(squared > 0)) return std::nullopt;
+    const double least_weight = std::sqrt(squared) / reach * kBelow;
+    result.clearance_ = {-base->radius, most / least_weight * kAbove - base->radius * kBelow};
+    const double excess = (numerator / least + own_numerator / own_least) / least_weight * kAbove;
+    return excess < HUGE_VAL ? std::optional(Inside{result, excess}) : std::nullopt;
+}
+
+/// Does it grow or fall all along one variable, or are its second derivatives in it negative?
+bool TouchingSpheres::is_weight_least_at_loops() const {
+    const double error = 4 * (weight_error_ + 0x1p-52 * most_weight_);
+    for (const int axis : {0, 1}) {
+        const int degree = axis == 0 ? m_ : n_, lines = axis == 0 ? n_ : m_;
+        const auto weight = [&](int line, int i) {
+            return points_[static_cast<std::size_t>(axis == 0 ? i * (n_ + 1) + line : line * (n_ + 1) + i)].w;
+        };
+        bool grows = degree > 0, falls = grows, is_concave = degree > 1;
+        for (int line = 0; line <= lines; ++line)
+            for (int i = 1; i <= degree; ++i) {
+                const double step = weight(line, i) - weight(line, i - 1);
+                grows = grows && step > error;
+                falls = falls && step < -error;
+                if (i > 1) is_concave = is_concave && step - (weight(line, i - 1) - weight(line, i - 2)) < -error;
+            }
+        if (grows || falls || is_concave) return true;
+    }
+    return false;
 }
 
 bool TouchingSpheres::set_height() {
@@ -317,10 +402,16 @@ double TouchingSpheres::divide_by_weights(Coordinate coordinate, Lanes Affine::*
 }
 
 /// Of |p - c|^2 - (t + rho)^2, all over the curve.
+std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double radius) const {
+    const double bound = largest_numerator(center, radius) / (least_weight_ * least_weight_) * kAbove;
+    return bound < HUGE_VAL ? std::optional(bound) : std::nullopt;
+}
+
+/// The same times the squared weight.
 ///
 /// Of a product of polynomials Bernstein coefficients are means of products: the largest magnitudes multiply,
 /// and bounds on errors with them (forms.hpp).
-std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double radius) const {
+double TouchingSpheres::largest_numerator(const Vec3& center, double radius) const {
     constexpr std::size_t most = (kMost + 1) * (kMost + 1),
                           most_of_square = (2 * kMost + 1) * (2 * kMost + 1);
     std::array<double, most> scaled;
@@ -344,15 +435,14 @@ std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double
         error += own_error * (2 * largest + own_error);
         add_square(m_, n_, sign, scaled.data(), sum.data());
     };
-    double most_weight = 0, most_clearance = 0, most_position = 0;
+    double most_clearance = 0, most_position = 0;
     for (const Point& p : points_) {
-        most_weight = std::max(most_weight, p.w);
         most_clearance = std::max(most_clearance, std::abs(p.t));
         most_position = std::max({most_position, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     }
     const double reach = from.cwiseAbs().maxCoeff();
     const double position_error =
-        position_error_ + reach * weight_error_ + 0x1p-51 * (most_position + 2 * reach * most_weight);
+        position_error_ + reach * weight_error_ + 0x1p-51 * (most_position + 2 * reach * most_weight_);
     add(
         1, [&](const Point& p) { return p.x + from.x() * p.w; }, position_error);
     add(
@@ -361,7 +451,7 @@ std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double
         1, [&](const Point& p) { return p.z + from.z() * p.w; }, position_error);
     add(
         -1, [&](const Point& p) { return p.t + radius * p.w; },
-        radius * weight_error_ + 0x1p-52 * (most_clearance + 2 * radius * most_weight));
+        radius * weight_error_ + 0x1p-52 * (most_clearance + 2 * radius * most_weight_));
     double largest = 0;
     for (int i = 0; i <= 2 * m_; ++i)
         for (int j = 0; j <= 2 * n_; ++j) {
@@ -370,8 +460,7 @@ std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double
             if (!(x <= largest)) largest = x;
         }
     const double rounding = 0x1p-53 * static_cast<double>(4 * count + 16);
-    const double bound = (largest + error + rounding * size) / (least_weight_ * least_weight_) * kAbove;
-    return bound < HUGE_VAL ? std::optional(bound) : std::nullopt;
+    return (largest + error + rounding * size) * kAbove;
 }
 
 bool TouchingSpheres::refer_to(const Site& site) {

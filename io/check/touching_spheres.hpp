@@ -32,6 +32,12 @@ public:
     /// On a patch of a site's bisector.
     static std::optional<TouchingSpheres> on(const Net& patch, const Site& own, const Space<Interval>& space);
 
+    /// On a patch of the bisector of a base ball and a ball of another radius, inside loops that stay within `reach` of
+    /// the base's center: known of it are the upper end of the clearance and growth(). Where the patch runs far beyond
+    /// its loops, on() may know nothing.
+    struct Inside;
+    static std::optional<Inside> inside(const Net& patch, const Site& own, const Space<Interval>& space, double reach);
+
     /// Of all points.
     const Interval& clearance() const { return clearance_; }
 
@@ -98,7 +104,9 @@ private:
     std::optional<Linear> plane_excess(const Site& plane) const;
     Interval range(const Linear& f) const;
     double least_of(const Linear& f) const;
+    double largest_numerator(const Vec3& center, double radius) const;
     std::optional<double> largest_square(const Vec3& center, double radius) const;
+    bool is_weight_least_at_loops() const;
     struct Number {
         double value, error;
     };
@@ -115,11 +123,16 @@ private:
     double clearance_error_ = 0;                    // of t / w
     std::array<Vec3, 2> line_;                      // from the base's center to its ends, of a line about a sphere
     double sag_ = 0;                                // there t / w may be less by so much
-    double least_weight_ = 0;
+    double least_weight_ = 0, most_weight_ = 0;
     Interval clearance_;
     Vec3 reference_center_;  // F of the reference is within reference_error_ of 0
     double reference_radius_ = 0, reference_error_ = 0;
     bool has_reference_ = false;
+};
+
+struct TouchingSpheres::Inside {
+    TouchingSpheres spheres;
+    double excess;  ///< of the own site, at most
 };
 
 }  // namespace vcell::check
