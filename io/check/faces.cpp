@@ -69,7 +69,7 @@ private:
     }
 
     void judge(const Patch& patch) {
-        const std::string where = patch_path(patch.face, patch.index);
+        std::string where = patch_path(patch.face, patch.index);
         const CellFace& face = cell_.faces[patch.face];
         own_.clear();
         own_.push_back({face.site});
@@ -90,7 +90,7 @@ private:
         if (!distance) return;
         margin_ = std::max(width_, *distance);
         if (!exclude_others(where, patch, whole) || !boundary) return;
-        prove(where, std::max(*distance, *boundary));
+        prove(std::move(where), std::max(*distance, *boundary));
     }
 
     /// How far points between the trimming curves and the true arcs are from the true boundary; none where a
@@ -290,12 +290,16 @@ private:
         std::optional<LeastPlacesOfSites> least;
         std::vector<Rival> found;
         const Interval clearance = spheres_ ? spheres_->clearance() : space().clearance(box);
-        Room::rivals(middle(box), (clearance + Interval(radius(box))).upper() + margin_, own_, conditions_);
+        const auto* base = std::get_if<Sphere>(&scene_.base);
+        const Vec3 center = middle(box);
+        const double reach = (Interval(radius(box)) + Interval(margin_)).upper();
+        Room::rivals(center, (clearance + Interval(reach)).upper(), own_, conditions_);
         for (const Condition& c : conditions_) {
             if (is_beside(c, box)) continue;
             const Sphere* rival = ball(c);
             // In the order of what they take.
             if (spheres_ && rival && own && !spheres_->may_be_least(*own, *rival, margin_)) continue;
+            if (base && rival && own && LeastPlaces::do_rays_miss(*base, *own, *rival, center, reach)) continue;
             if (spheres_ && spheres_->is_farther(c.site, margin_)) continue;
             if (!least) least.emplace(scene_, own_[0].site);
             const auto spots = least->of(c.site, 2 * stated_ + tie_width(c.site));

@@ -1,5 +1,6 @@
 #include "least.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "nets.hpp"
@@ -123,6 +124,23 @@ std::optional<Spots> LeastPlaces::of(const Sphere& rival) const {
     if (!(side.lower() > 0) && !add(from_own, along_from_own(from_own))) return std::nullopt;
     if (!(side.upper() < 0) && !add(from_base, along_from_base(from_base))) return std::nullopt;
     return spots;
+}
+
+bool LeastPlaces::do_rays_miss(const Sphere& base, const Sphere& own, const Sphere& rival, const Vec3& center,
+                               double radius) {
+    const double from_own = (rival.center - own.center).norm(), from_base = (rival.center - base.center).norm();
+    // Where the rival holds the own ball of() knows nothing.
+    if (!(from_own + own.radius >= rival.radius * (1 + 0x1p-40))) return false;
+    const auto misses = [&](const Vec3& focus) {
+        const Vec3 way = rival.center - focus, to_ball = center - focus;
+        const double size = way.squaredNorm(), reach = to_ball.norm();
+        // The product is off by a few roundings of both lengths, and so are these.
+        const double least = radius * (1 + 0x1p-40) + 0x1p-45 * (reach + focus.cwiseAbs().maxCoeff());
+        return to_ball.cross(way).squaredNorm() > least * least * size;
+    };
+    const double side = (from_own - own.radius) - (from_base - base.radius),
+                 rounding = 0x1p-48 * (from_own + own.radius + from_base + base.radius);
+    return (side > rounding || misses(own.center)) && (side < -rounding || misses(base.center));
 }
 
 MidRad LeastPlacesOfSites::Focus::distance(const V& p) const {

@@ -156,6 +156,11 @@ private:
         const Space<T>& space;
         Vector<T> point;
         T distance;  ///< of the stated point
+        T clearance = space.clearance(point);
+
+        T excess(const Condition& c) const {
+            return c.site.is_object() ? space.object_excess(c.site.index, point, clearance) : space.excess(c, point);
+        }
     };
 
     void judge(std::size_t i) {
@@ -245,7 +250,7 @@ private:
         if (most > v.error && !last) return false;
         double tie = 0, nearer = 0;
         for (const Condition& c : conditions) {
-            const T e = place.space.excess(c, place.point);
+            const T e = place.excess(c);
             if (lower_bound(magnitude(e)) > tie_width(c.site)) {
                 // Beside the stated point the sites may all be equally far: three of them meet elsewhere.
                 certificate_.refute(
@@ -259,7 +264,7 @@ private:
         }
         std::string note;
         for (const Condition& c : rivals(v, place)) {
-            const T e = place.space.excess(c, place.point);
+            const T e = place.excess(c);
             if (lower_bound(e) > 0) continue;
             if (lower_bound(e) <= 0 && upper_bound(e) >= 0) {
                 if (!last) return false;
@@ -299,7 +304,7 @@ private:
     template <class T>
     const std::vector<Condition>& rivals(const CellVertex& v, const Place<T>& place) const {
         const double reach =
-            upper_bound(place.space.clearance(place.point)) + 2 * upper_bound(place.distance);
+            upper_bound(place.clearance) + 2 * upper_bound(place.distance);
         std::vector<Condition>& found = rivals_;
         Room::rivals(v.point, reach + rounding(), {}, found);
         for (std::uint32_t s = 0; geometry_.is_plane() && s < 6; ++s)
@@ -321,7 +326,7 @@ private:
         const std::string where = vertex_path(i);
         double width = 0, steepest = 0;
         for (const Condition& c : conditions) {
-            const Interval e = magnitude(space().excess(c, place.point));
+            const Interval e = magnitude(place.excess(c));
             if (e.lower() > 2 * v.error + tie_width(c.site))
                 return certificate_.refute(
                     where, fmt::format("{} and the base differ by {:.3g}", title(c.site), e.lower()),
@@ -330,7 +335,7 @@ private:
             steepest = std::max(steepest, sqrt(square(space().gradient(c, place.point))).lower());
         }
         for (const Condition& c : rivals(v, place)) {
-            const Interval e = space().excess(c, place.point);
+            const Interval e = place.excess(c);
             if (e.upper() < -2 * v.error - tie_width(c.site))
                 return certificate_.refute(
                     where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
