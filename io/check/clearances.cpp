@@ -65,14 +65,27 @@ private:
     double radius_;
 };
 
-std::array<Part, 2> halves(const Part& part) {
+Control at(const Part& part, double t) {
+    SmallVector<Control, 6> level = part.points;
+    for (std::size_t d = level.size() - 1; d > 0; --d)
+        for (std::size_t j = 0; j < d; ++j) level[j] = (1 - t) * level[j] + t * level[j + 1];
+    return level[0];
+}
+
+/// Cut where the parabola through three heights is highest or lowest: beside the true place quotients of coefficients
+/// are monotonic, and the bound is attained.
+std::array<Part, 2> cut(const Part& part, const Heights& heights) {
+    const auto height = [&](const Control& c) { return heights.at(c.head<3>() / c[3]); };
+    const double first = height(part.points.front()), middle = height(at(part, 0.5)), last = height(part.points.back());
+    const double bend = first - 2 * middle + last, place = 0.5 + 0.25 * (first - last) / bend;
+    const double t = place > 0x1p-4 && place < 1 - 0x1p-4 ? place : 0.5;
     std::array<Part, 2> result{part, part};
     SmallVector<Control, 6> level = part.points;
     const std::size_t d = level.size() - 1;
     for (std::size_t i = 0; i <= d; ++i) {
         result[0].points[i] = level[0];
         result[1].points[d - i] = level[d - i];
-        for (std::size_t j = 0; j < d - i; ++j) level[j] = 0.5 * (level[j] + level[j + 1]);
+        for (std::size_t j = 0; j < d - i; ++j) level[j] = (1 - t) * level[j] + t * level[j + 1];
     }
     return result;
 }
@@ -100,7 +113,7 @@ Interval greatest(std::vector<Part> parts, const Heights& heights, double sign, 
             left = std::max(left, part.bound);
             break;
         }
-        for (Part& half : halves(part)) {
+        for (Part& half : cut(part, heights)) {
             half.range = heights.range(half);
             bound(half);
             meet(half);
@@ -136,9 +149,9 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
         for (const auto& piece : pieces) {
             Part part{{}, {}, 0};
             for (std::size_t i = 0; i < piece.points.size(); ++i) {
-                const Triad<Interval> p = frame.point(piece.control(i));
+                const Triad<double> p = frame.about(piece.control(i));
                 const double w = piece.weight(i);
-                part.points.push_back({w * p[0].mid(), w * p[1].mid(), w * p[2].mid(), w});
+                part.points.push_back({w * p[0], w * p[1], w * p[2], w});
             }
             part.range = heights.range(part);
             parts.push_back(std::move(part));

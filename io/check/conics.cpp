@@ -36,10 +36,11 @@ std::optional<Quadratic> size_of(const Triad<Quadratic>& n) {
     double off = 0;
     for (int k = 0; k <= 4; ++k) {
         MidRad sum = 0.0;
-        for (int i = std::max(0, k - 2); i <= std::min(2, k); ++i) {
+        for (int i = std::max(0, k - 2); 2 * i <= k; ++i) {
             const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k - i);
-            for (const Quadratic& x : n) sum += x.c[a] * x.c[b];
-            sum = sum - q.c[a] * q.c[b];
+            MidRad product = n[0].c[a] * n[0].c[b] + n[1].c[a] * n[1].c[b] + n[2].c[a] * n[2].c[b] - q.c[a] * q.c[b];
+            if (a < b) product = 2.0 * product;
+            sum += product;
         }
         off += sum.magnitude();
     }

@@ -34,16 +34,24 @@ MidRad artanh_ratio(const MidRad& x) {
     return Interval(std::max(1.0, least.lower()), greatest.upper());
 }
 
-/// Below 1/4 by the series 1 + x^2 / 3 + x^4 / 5 + ..., of which the rest is less than 2^-58: terms are positive, and
-/// Horner's rule is off by less than 2^-48 of their sum.
+namespace {
+
+/// 1 + x^2 / 3 + x^4 / 5 + ... of so many terms.
+template <int Terms>
+Approximate artanh_series(const Approximate& square_of_x) {
+    Approximate sum = 1.0 / (2 * Terms - 1);
+    for (int k = Terms - 2; k >= 0; --k) sum = sum * square_of_x + 1.0 / (2 * k + 1);
+    return sum;
+}
+
+}  // namespace
+
+/// Below 1/2 by the series, of which the rest is less than 2^-58. By Horner's rule the k-th term, which is below
+/// 4^-k / (2 k + 1), goes through 2 k + 2 roundings: all of them are less than four of the sum.
 Approximate artanh_ratio(const Approximate& x) {
-    if (abs(x).greatest() < 0.25) {
-        constexpr int terms = 14;
-        const Approximate square_of_x = square(x);
-        Approximate sum = 1.0 / (2 * terms - 1);
-        for (int k = terms - 2; k >= 0; --k) sum = sum * square_of_x + 1.0 / (2 * k + 1);
-        return sum;
-    }
+    const double most = abs(x).greatest();
+    if (most < 0.25) return artanh_series<14>(square(x));
+    if (most < 0.5) return artanh_series<28>(square(x));
     return Approximate::of([&](std::size_t k) {
         return std::abs(x[k]) < 0x1p-13 ? 1 + x[k] * x[k] / 3 : std::atanh(x[k]) / x[k];
     });

@@ -16,9 +16,8 @@ std::vector<std::vector<Triad<double>>> corners_of_faces(const Cell& cell, const
     for (std::size_t e = 0; e < uses.size(); ++e) {
         if (uses[e].empty()) continue;
         for (const auto& control : cell.edges[e].curve.points) {
-            const Triad<Interval> p = frame.point(control.head<3>());
-            for (const EdgeUse& use : uses[e])
-                corners[use.face].push_back({p[0].mid(), p[1].mid(), p[2].mid()});
+            const Triad<double> p = frame.about(control.head<3>());
+            for (const EdgeUse& use : uses[e]) corners[use.face].push_back(p);
         }
     }
     return corners;

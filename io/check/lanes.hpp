@@ -5,6 +5,10 @@
 #include <cmath>
 #include <cstddef>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include "midrad.hpp"
 
 namespace vcell::check {
@@ -50,18 +54,14 @@ public:
     }
     Lanes& operator+=(const Lanes& o) { return *this = *this + o; }
     friend Lanes square(const Lanes& a) { return a * a; }
-    friend Lanes sqrt(const Lanes& a) {
-        return of([&](std::size_t k) { return std::sqrt(a[k]); });
-    }
+    friend Lanes sqrt(const Lanes& a) { return {root(a.values_[0]), root(a.values_[1])}; }
     friend Lanes abs(const Lanes& a) { return {size(a.values_[0]), size(a.values_[1])}; }
     /// The second where it is not less or not a number.
     friend Lanes max(const Lanes& a, const Lanes& b) {
-        return {b.values_[0] < a.values_[0] ? a.values_[0] : b.values_[0],
-                b.values_[1] < a.values_[1] ? a.values_[1] : b.values_[1]};
+        return {greater(a.values_[0], b.values_[0]), greater(a.values_[1], b.values_[1])};
     }
     friend Lanes min(const Lanes& a, const Lanes& b) {
-        return {a.values_[0] < b.values_[0] ? a.values_[0] : b.values_[0],
-                a.values_[1] < b.values_[1] ? a.values_[1] : b.values_[1]};
+        return {lesser(a.values_[0], b.values_[0]), lesser(a.values_[1], b.values_[1])};
     }
 
 private:
@@ -69,7 +69,17 @@ private:
     using Pair [[gnu::vector_size(16)]] = double;
 
     Lanes(Pair first, Pair second) : values_{first, second} {}
+#if defined(__SSE2__)
+    static Pair size(Pair x) { return _mm_andnot_pd(_mm_set1_pd(-0.0), x); }
+    static Pair root(Pair x) { return _mm_sqrt_pd(x); }
+    static Pair greater(Pair a, Pair b) { return _mm_max_pd(a, b); }
+    static Pair lesser(Pair a, Pair b) { return _mm_min_pd(a, b); }
+#else
     static Pair size(Pair x) { return x < 0 ? -x : x; }
+    static Pair root(Pair x) { return {std::sqrt(x[0]), std::sqrt(x[1])}; }
+    static Pair greater(Pair a, Pair b) { return a > b ? a : b; }
+    static Pair lesser(Pair a, Pair b) { return a < b ? a : b; }
+#endif
 
     Pair values_[2]{};
 };

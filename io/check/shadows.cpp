@@ -276,6 +276,17 @@ Triad<Interval> Frame::point(const Vec3& p) const {
     return turned(d);
 }
 
+Triad<double> Frame::about(const Vec3& p) const {
+    const Vec3 d = (p - origin_) / unit_;
+    if (!rows_) return {d[0], d[1], d[2]};
+    Triad<double> q;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto& row = (*rows_)[i];
+        q[i] = row[0].mid() * d[0] + row[1].mid() * d[1] + row[2].mid() * d[2];
+    }
+    return q;
+}
+
 Triad<MidRad> Frame::way(const Vec3& from, const Vec3& to) const {
     Triad<MidRad> d;
     for (int i = 0; i < 3; ++i) d[static_cast<std::size_t>(i)] = MidRad(length(to[i])) - length(from[i]);
@@ -288,6 +299,26 @@ Triad<MidRad> Frame::way(const Vec3& from, const Vec3& to) const {
 Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(d.x()), d.y(), d.z()}); }
 
 // --- Curves -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Taylor coefficients of a line or a conic about its middle.
+void set_middle(const SmallVector<std::array<MidRad, 4>, 5>& p, SmallVector<std::array<MidRad, 4>, 4>& c) {
+    const std::size_t last = p.size() - 1;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const MidRad sum = p[0][i] + p[last][i];
+        c[1][i] = 0.5 * (p[last][i] - p[0][i]);
+        if (last == 2) {
+            const MidRad twice = 2.0 * p[1][i];
+            c[0][i] = 0.25 * (sum + twice);
+            c[2][i] = 0.25 * (sum - twice);
+        } else {
+            c[0][i] = 0.5 * sum;
+        }
+    }
+}
+
+}  // namespace
 
 std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     const auto difference = [](const Triad<Interval>& p, const Triad<Interval>& place) {
@@ -345,6 +376,12 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         // de Casteljau points of level d - k at the middle.
         Span span;
         span.coefficients.resize(d + 1);
+        for (std::size_t i = 0; i < 3; ++i) span.origin[i] = place[i].mid();
+        if (d <= 2) {
+            set_middle(piece, span.coefficients);
+            result.push_back(std::move(span));
+            continue;
+        }
         level = piece;
         double binomial = 1, half_power = std::ldexp(1.0, -curve.degree);
         for (std::size_t order = d + 1; order-- > 0;) {
@@ -360,8 +397,6 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
             half_power *= 2;
         }
         for (std::size_t i = 0; i < 3; ++i) {
-            span.origin[i] = place[i].mid();
-            if (d <= 2) continue;
             const MidRad off = MidRad(place[i]) - span.origin[i];
             for (auto& c : span.coefficients) c[i] += off * c[3];
         }

@@ -34,6 +34,8 @@ public:
     explicit Frame(const Scene& scene);
 
     Triad<Interval> point(const Vec3& p) const;
+    /// About where that is: to a few roundings of the numbers of p and of the frame's origin.
+    Triad<double> about(const Vec3& p) const;
     Triad<Interval> direction(const Vec3& d) const;  ///< keeps its length
     /// From one point to another near by: as exact as it is short.
     Triad<MidRad> way(const Vec3& from, const Vec3& to) const;
