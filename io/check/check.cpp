@@ -16,6 +16,9 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     const SceneGeometry geometry(cell.scene);
     certify_structure(cell, geometry, certificate);
     if (!certificate.holds()) return certificate;  // what follows evaluates all of it
+    // Two of each edge and about three of each face.
+    certificate.elements.reserve(cell.vertices.size() + 2 * cell.edges.size() + 3 * cell.faces.size() +
+                                 cell.neighbors.size() + 32);
     const Subject subject(cell, geometry, certificate);
     certify_tiling(subject, options, certificate);
     certify_vertices(subject, options, certificate);

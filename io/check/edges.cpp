@@ -31,7 +31,7 @@ public:
 private:
     void judge(std::size_t i) {
         const CellEdge& e = cell_.edges[i];
-        const std::string where = edge_path(i);
+        std::string where = edge_path(i);
         if (e.sites[0] == e.sites[1] && !rim_[i])
             return certificate_.refute(where + ".sites", fmt::format("are {} twice", title(e.sites[0])));
         if (!check_ends(i)) return;
@@ -44,7 +44,10 @@ private:
 
         const Vec3 origin = e.curve.points.front().head<3>();
         std::vector<Part> parts;
-        for (const auto& span : spans<3>(e.curve, origin)) parts.push_back(part(Net(span, origin), 0));
+        if (const auto span = only_span<3>(e.curve, origin))
+            parts.push_back(part(Net(*span, origin), 0));
+        else
+            for (const auto& each : spans<3>(e.curve, origin)) parts.push_back(part(Net(each, origin), 0));
         error_ = full_error(i);
         EdgeBound bound{0, 0, HUGE_VAL};
         if (!follow_arc(where, parts, bound)) return;
@@ -58,7 +61,7 @@ private:
                 fmt::format("is {:.3g}, the curve is within {:.3g} of the true one", e.error, bound.distance),
                 e.error);
         bounds_[i] = bound;
-        prove(where, std::max(bound.distance, nearer_));
+        prove(std::move(where), std::max(bound.distance, nearer_));
     }
 
     bool check_ends(std::size_t i) {
@@ -183,11 +186,15 @@ private:
 
     bool follow_arc(const std::string& where, const std::vector<Part>& whole, EdgeBound& bound) {
         const double width = std::max(tie_width(conditions_[0].site), tie_width(conditions_[1].site));
-        std::vector<Part> parts = whole;
         std::size_t count = 0;
-        while (!parts.empty()) {
-            const Part part = std::move(parts.back());
-            parts.pop_back();
+        std::vector<Part> parts;  // halves
+        for (std::size_t next = 0; next < whole.size() || !parts.empty();) {
+            std::optional<Part> last;
+            if (!parts.empty()) {
+                last.emplace(std::move(parts.back()));
+                parts.pop_back();
+            }
+            const Part& part = last ? *last : whole[next++];
             std::optional<Distances> known = by_spheres(part);
             if (!known || !known->found || !(known->found->distance <= error_ + width / known->found->slope))
                 known = by_forms(part);

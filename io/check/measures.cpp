@@ -44,7 +44,8 @@ public:
     }
 
 private:
-    double unit(int dimension) const { return std::pow(frame_.unit(), dimension); }
+    static double power(double x, int dimension) { return dimension == 1 ? x : x * power(x, dimension - 1); }
+    double unit(int dimension) const { return power(frame_.unit(), dimension); }
     static Interval pi() { return {std::numbers::pi, std::nextafter(std::numbers::pi, 4)}; }
 
     /// How far an edge may be from the true one, in the frame's unit: what was proved of it. Where nothing was,
@@ -65,14 +66,14 @@ private:
             for (const auto& use : uses_[e]) uses[e].push_back({use.face, use.reversed});
         }
         // As exact as coordinates are.
-        const std::array<double, 3> enough{0x1p-44 * std::pow(size_, 3), 0x1p-44 * std::pow(size_, 2), 0x1p-44 * size_};
+        const std::array<double, 3> enough{0x1p-44 * power(size_, 3), 0x1p-44 * power(size_, 2), 0x1p-44 * size_};
         integrals_ = integrate_faces(cell_, frame_, uses, bands, enough, 1 << std::clamp(options_.effort - 4, 0, 20),
                                      options_.effort >= kEffortOfProofs);
     }
 
     /// Judges a number with its bound, both as stated. `slack`: what the edges' errors may change; `dimension` of
     /// the length in its unit.
-    void judge(const std::string& where, double stated, double bound, Interval enclosure, double slack,
+    void judge(std::string where, double stated, double bound, Interval enclosure, double slack,
                int dimension, bool is_proved = true) {
         const double u = unit(dimension);
         if (!std::isfinite(stated)) return note(where, "was not measured");
@@ -89,10 +90,10 @@ private:
                                        fmt::format("is {} -+ {:.3g}, integration gives {} -+ {:.3g}", stated, bound,
                                                    enclosure.mid() * u, own * u),
                                        least * u);
-        const double rounding = kRounding * std::pow(size_, dimension) + slack;
+        const double rounding = kRounding * power(size_, dimension) + slack;
         // What a length may be off by where curves keep to the scene's tolerance, however close they are in fact: four
         // times that, as in judge_edges().
-        const double tolerated = 4 * scene_tolerance() / frame_.unit() * std::pow(size_, dimension - 1);
+        const double tolerated = 4 * scene_tolerance() / frame_.unit() * power(size_, dimension) / size_;
         if (b > std::max(kLargestExcess * (own + rounding), tolerated))
             return certificate_.refute(
                 where, fmt::format("a bound of {:.3g} on its error excludes nothing, {:.3g} would do", bound, most * u),
@@ -101,12 +102,12 @@ private:
         if (b < 0x1p-54 * std::abs(value) && !is_exact)
             return certificate_.refute(
                 where, fmt::format("a bound of {:.3g} on its error is less than its own last place", bound), most * u);
-        if (most > b && enclosure.radius() > b + slack + kBlur * std::pow(size_, dimension))
+        if (most > b && enclosure.radius() > b + slack + kBlur * power(size_, dimension))
             return certificate_.leave_open(
                 where, fmt::format("is {} -+ {:.3g}, enclosed no better than within {:.3g} of {}", stated, bound, own * u,
                                    enclosure.mid() * u),
                 most * u);
-        certificate_.prove(where, most * u, is_proved ? "" : "what quadrature leaves out is estimated");
+        certificate_.prove(std::move(where), most * u, is_proved ? "" : "what quadrature leaves out is estimated");
     }
 
     void judge_edges() {

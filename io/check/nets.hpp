@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "../../core/bspline.hpp"
@@ -45,18 +46,33 @@ std::array<MidRad, N> blend(const std::array<MidRad, N>& a, const std::array<Mid
     return r;
 }
 
+/// A curve's control point, homogeneous about an origin.
+template <int Dim>
+typename Span<Dim>::Point homogeneous(const RationalCurve<Dim>& c, std::size_t i,
+                                      const Eigen::Matrix<double, Dim, 1>& origin) {
+    typename Span<Dim>::Point p;
+    const double w = c.points[i][Dim];
+    p[Dim] = w;
+    for (int k = 0; k < Dim; ++k) p[k] = w * (MidRad(c.points[i][k]) - origin[k]);
+    return p;
+}
+/// Where a curve has no knots inside its domain it is one span.
+template <int Dim>
+std::optional<Span<Dim>> only_span(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
+    if (c.points.size() != static_cast<std::size_t>(c.degree) + 1) return std::nullopt;
+    if (c.knots[0] != c.knots[c.degree] || c.knots[c.degree + 1] != c.knots[2 * c.degree + 1]) return std::nullopt;
+    Span<Dim> span{c.domain_begin(), c.domain_end(), {}};
+    for (std::size_t i = 0; i < c.points.size(); ++i) span.points.push_back(homogeneous(c, i, origin));
+    return span;
+}
+
 /// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom at
 /// (a, ..., a, b, ..., b) with j times b.
 template <int Dim>
 std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
     using Point = typename Span<Dim>::Point;
     const int d = c.degree;
-    const auto homogeneous = [&](int i) {
-        Point p;
-        p[Dim] = c.points[i][Dim];
-        for (int k = 0; k < Dim; ++k) p[k] = c.points[i][Dim] * (MidRad(c.points[i][k]) - origin[k]);
-        return p;
-    };
+    const auto homogeneous = [&](int i) { return check::homogeneous(c, static_cast<std::size_t>(i), origin); };
     std::vector<Span<Dim>> result;
     for (int k = d; k + d + 1 < static_cast<int>(c.knots.size()); ++k) {
         const double a = c.knots[k], b = c.knots[k + 1];

@@ -131,6 +131,9 @@ private:
         for (const Patch& patch : patches_)
             for (std::size_t l = 0; l < patch.loops.size(); ++l) {
                 const auto where = [&] { return loop_path(patch.face, patch.index, l); };
+                begins_.clear();
+                for (const Trim& trim : patch.loops[l])
+                    begins_.push_back(lift(patch, trim.pieces.front().control(0).cwiseMax(patch.lo).cwiseMin(patch.hi)));
                 check_head_to_tail(patch, patch.loops[l], where);
                 if (is_as_small_as_rounding(patch)) continue;
                 const int turn = orientation(patch, patch.loops[l]);
@@ -144,19 +147,15 @@ private:
     /// The sign of a loop's area: that of the polygon through points of it, if it is larger than what lies between
     /// the chords and the curves, of which each stays in the hull of its control points, and than a band along the loop
     /// as wide as rounding of these points and the errors of their edges. 0: the parts are too small to tell.
-    static int orientation(const Patch& patch, const std::vector<Trim>& loop) {
+    int orientation(const Patch& patch, const std::vector<Trim>& loop) const {
         double off = kPlaceRounding * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs()).maxCoeff();
-        for (const Trim& trim : loop) {
-            const Vec2 uv = trim.pieces.front().control(0).cwiseMax(patch.lo).cwiseMin(patch.hi);
-            off = std::max(off, trim.error * parameters_per_length(lift(patch, uv)).maxCoeff());
-        }
-        std::vector<Bezier<2>> parts;
-        for (const Trim& trim : loop) parts.insert(parts.end(), trim.pieces.begin(), trim.pieces.end());
-        const Vec2 origin = parts.front().control(0);
-        constexpr int most_halvings = 7;
-        for (int k = 0;; ++k) {
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            off = std::max(off, loop[i].error * parameters_per_length(begins_[i]).maxCoeff());
+        const Vec2 origin = loop.front().pieces.front().control(0);
+        struct Polygon {
             double area = 0, between = 0, length = 0;
-            for (const auto& part : parts) {
+
+            void add(const Bezier<2>& part, const Vec2& origin) {
                 const std::size_t last = part.points.size() - 1;
                 const Vec2 p = part.control(0) - origin, q = part.control(last) - origin, chord = q - p;
                 area += p.x() * q.y() - p.y() * q.x();
@@ -174,15 +173,30 @@ private:
                 if (above > below)
                     between += 2 * (above - below) * (chord.squaredNorm() > 0 ? (after - before) / chord.squaredNorm() : HUGE_VAL);
             }
-            const double rest = between + 2 * off * length;
-            if (area > rest) return 1;
-            if (area < -rest) return -1;
-            if (k == most_halvings) return 0;
+        };
+        const auto sign_of = [&](const Polygon& polygon) {
+            const double rest = polygon.between + 2 * off * polygon.length;
+            return polygon.area > rest ? 1 : polygon.area < -rest ? -1 : 0;
+        };
+        Polygon whole;
+        for (const Trim& trim : loop)
+            for (const auto& part : trim.pieces) whole.add(part, origin);
+        if (const int sign = sign_of(whole)) return sign;
+        std::vector<Bezier<2>> parts;
+        for (const Trim& trim : loop) parts.insert(parts.end(), trim.pieces.begin(), trim.pieces.end());
+        constexpr int most_halvings = 7;
+        for (int k = 0; k < most_halvings; ++k) {
             std::vector<Bezier<2>> halves;
+            Polygon finer;
             for (const auto& part : parts)
-                for (auto& half : part.halves()) halves.push_back(std::move(half));
+                for (auto& half : part.halves()) {
+                    finer.add(half, origin);
+                    halves.push_back(std::move(half));
+                }
+            if (const int sign = sign_of(finer)) return sign;
             parts = std::move(halves);
         }
+        return 0;
     }
 
     static bool is_outside(const Patch& patch, const std::vector<Trim>& hole) {
@@ -240,7 +254,7 @@ private:
             const Vec2 a = evaluate(trim.pieces, trim.end()), b = evaluate(next.pieces, next.begin());
             if (a == b) continue;
             const SurfacePoint s = lift(patch, a);
-            const double gap = (lift(patch, b).p - s.p).norm();
+            const double gap = (begins_[(i + 1) % loop.size()].p - s.p).norm();
             const double errors = trim.error + next.error + (head ? 2 * cell_.vertices[*head].error : 0);
             if (gap > errors + surface_rounding(patch, s, a))
                 return note(where(), fmt::format("gap of {:.3g} after curve {}", gap, i));
@@ -367,6 +381,8 @@ private:
             note(patch_path(found[0]->face, found[0]->index), *what);
         return true;
     }
+
+    std::vector<SurfacePoint> begins_;  // where the curves of the loop under judgement start
 };
 
 }  // namespace

@@ -229,20 +229,26 @@ bool TouchingSpheres::set_distance_along_line() {
     const auto& sphere = std::get<Sphere>(space_->scene().base);
     const Vec3 from = origin_ - sphere.center;
     std::array<double, 2> distance;
+    std::array<Vec3, 2> ends;
     for (std::size_t k = 0; k < 2; ++k) {
         Point& p = points_[k];
-        line_[k] = Vec3(p.x, p.y, p.z) / p.w + from;
-        distance[k] = line_[k].norm();
+        ends[k] = Vec3(p.x, p.y, p.z) / p.w + from;
+        distance[k] = ends[k].norm();
         p.t = (distance[k] - sphere.radius) * p.w;
     }
-    const Vec3 way = line_[1] - line_[0];
-    const double length = way.norm(), most = std::max(distance[0], distance[1]);
-    if (!(length > 0)) return false;
-    const double at_nearest = std::clamp(-line_[0].dot(way) / (length * length), 0.0, 1.0);
-    const Vec3 nearest = line_[0] + at_nearest * way;
-    const double size = nearest.norm();
-    const Vec3 toward = size > 0 ? Vec3(nearest / size) : Vec3(Vec3::Zero());
-    const std::array share{line_[0].dot(toward), line_[1].dot(toward)};
+    way_ = ends[1] - ends[0];
+    const double length = way_.norm(), most = std::max(distance[0], distance[1]);
+    if (!(length > 0) || !(distance[0] > 0) || !(distance[1] > 0)) return false;
+    way_ /= length;
+    const double along = ends[0].dot(way_);
+    across_ = ends[0] - along * way_;
+    const double aside = across_.norm();
+    across_ = aside > 0 ? Vec3(across_ / aside) : Vec3(Vec3::Zero());
+    sines_ = {along / distance[0], ends[1].dot(way_) / distance[1]};
+    const Vec3 toward = along >= 0                     ? Vec3(ends[0] / distance[0])
+                        : ends[1].dot(way_) <= 0 ? Vec3(ends[1] / distance[1])
+                                                       : across_;
+    const std::array share{ends[0].dot(toward), ends[1].dot(toward)};
     const double reach = from.cwiseAbs().maxCoeff();
     const double rounding = (kFew * 4 * (most + reach + sphere.radius) +
                              4 * (position_error_ + (most + reach) * weight_error_) / least_weight_) *
@@ -367,15 +373,8 @@ Interval TouchingSpheres::range(const Linear& f) const {
 double TouchingSpheres::least_of(const Linear& f) const {
     if (!(sag_ > 0) || !(f.h > 0)) return range(f).lower();
     const auto& sphere = std::get<Sphere>(space_->scene().base);
-    const Vec3 way = (line_[1] - line_[0]).normalized();
-    const double along = line_[0].dot(way);
-    const Vec3 aside = line_[0] - along * way;
-    const double from_line = aside.norm();
-    // Sines of the angles between the way's normal and the directions of the ends, and of the least place.
-    const double first = along / line_[0].norm(), last = line_[1].dot(way) / line_[1].norm();
-    const double sine = std::min(std::max(-f.g.dot(way) / f.h, first), last);
-    Vec3 u = sine * way;
-    if (from_line > 0) u += std::sqrt(std::max(0.0, 1 - sine * sine)) / from_line * aside;
+    const double sine = std::min(std::max(-f.g.dot(way_) / f.h, sines_[0]), sines_[1]);
+    Vec3 u = sine * way_ + std::sqrt(std::max(0.0, 1 - sine * sine)) * across_;
     u *= 1 - kFew;
     if (!(u.squaredNorm() <= 1 - kFew)) return range(f).lower();
     const Vec3 from = origin_ - sphere.center;

@@ -121,8 +121,11 @@ private:
     double most_clearance_ = 0;
     double position_error_ = 0, weight_error_ = 0;  // of the homogeneous coordinates
     double clearance_error_ = 0;                    // of t / w
-    std::array<Vec3, 2> line_;                      // from the base's center to its ends, of a line about a sphere
-    double sag_ = 0;                                // there t / w may be less by so much
+    // Along a line about a sphere t / w may be less by `sag_`. As seen from the base's center: the way and the direction
+    // across, and the sines of the angles between that and the ends.
+    double sag_ = 0;
+    Vec3 way_, across_;
+    std::array<double, 2> sines_;
     double least_weight_ = 0, most_weight_ = 0;
     Interval clearance_;
     Vec3 reference_center_;  // F of the reference is within reference_error_ of 0

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -88,16 +89,23 @@ public:
     TrimJudge(const Patch& patch, const Net& net, const Trim& trim, const Subject& subject)
         : patch_(patch), trim_(*trim.curve), edge_(subject.cell.edges[*trim.curve->edge].curve), net_(net) {}
 
+    /// Where neither curve has knots: the most frequent case.
+    std::optional<Pair> only_pair() const {
+        const double near = kPlaceRounding * (edge_.domain_end() - edge_.domain_begin());
+        if (!(std::abs(trim_.curve.domain_begin() - edge_.domain_begin()) <= near) ||
+            !(std::abs(trim_.curve.domain_end() - edge_.domain_end()) <= near))
+            return std::nullopt;
+        auto trim = only_span<2>(trim_.curve, patch_.lo);
+        auto edge = trim ? only_span<3>(edge_, net_.origin()) : std::nullopt;
+        if (!edge) return std::nullopt;
+        if (trim_.reversed) std::ranges::reverse(edge->points);
+        return Pair{std::move(*trim), std::move(*edge)};
+    }
     /// Spans between the knots of both curves, which may differ by rounding.
     std::vector<Pair> pairs() const {
         auto trims = spans<2>(trim_.curve, patch_.lo);
         auto edges = spans<3>(edge_, net_.origin());
         const double near = kPlaceRounding * (edge_.domain_end() - edge_.domain_begin());
-        if (trims.size() == 1 && edges.size() == 1 && std::abs(trims[0].begin - edges[0].begin) <= near &&
-            std::abs(trims[0].end - edges[0].end) <= near) {
-            if (trim_.reversed) std::ranges::reverse(edges[0].points);
-            return {{std::move(trims[0]), std::move(edges[0])}};
-        }
         std::vector<double> ends;  // of spans, in the edge's parameters
         for (const auto& s : edges) {
             ends.push_back(s.begin);
@@ -412,7 +420,9 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
     const std::size_t e = *trim.curve->edge;
     const double error = 2 * subject.full_error(e);
     const TrimJudge judge(patch, net, trim, subject);
-    std::vector<Pair> pairs = judge.pairs();
+    std::vector<Pair> pairs;
+    std::optional<Pair> next = judge.only_pair();
+    if (!next) pairs = judge.pairs();
     const auto points = [&](double t) {
         const Vec2 uv = evaluate(trim.pieces, t);
         const Vec3 p =
@@ -422,9 +432,12 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
     };
     double most = 0;
     std::size_t count = 0;
-    while (!pairs.empty()) {
-        const Pair pair = std::move(pairs.back());
-        pairs.pop_back();
+    for (; next || !pairs.empty(); next.reset()) {
+        if (!next) {
+            next.emplace(std::move(pairs.back()));
+            pairs.pop_back();
+        }
+        const Pair& pair = *next;
         double gap = judge.gap_at_places(pair);
         if (!(gap <= error + kRounding * patch.control_size)) gap = judge.gap(pair);
         // What rounding of (u, v) makes on the surface is looked at where it may matter.
