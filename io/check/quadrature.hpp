@@ -167,20 +167,22 @@ bool is_rounding_below(const F& f, double middle, double half, const std::array<
 }
 
 /// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit
-/// of width; values in plain doubles are off by `rounding`.
+/// of width; values in plain doubles are off by `rounding`. `first`: those at the first places, where they are known.
 template <std::size_t N, class F>
 void add_plain(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
-               const std::array<double, N>& rounding, const std::array<double, N>& missing,
-               std::array<Interval, N>& sum) {
+               const std::array<Approximate, N>* first, const std::array<double, N>& rounding,
+               const std::array<double, N>& missing, std::array<Interval, N>& sum) {
     std::array<Approximate, N> totals{}, sizes{};
-    for (std::size_t k = 0; k < rule.packs; ++k) {
-        const std::array<Approximate, N> value = f(Approximate(middle) + half_width.mid() * rule.places[k]);
+    const auto add_pack = [&](std::size_t k, const std::array<Approximate, N>& value) {
         for (std::size_t i = 0; i < N; ++i) {
             const Approximate term = rule.weights[k] * value[i];
             totals[i] += term;
             sizes[i] += abs(term);
         }
-    }
+    };
+    if (first) add_pack(0, *first);
+    for (std::size_t k = first ? 1 : 0; k < rule.packs; ++k)
+        add_pack(k, f(Approximate(middle) + half_width.mid() * rule.places[k]));
     // Weights add up to 2. Their own rounding and that of the sum are relative to its terms.
     for (std::size_t i = 0; i < N; ++i) {
         const MidRad part = MidRad::ball(totals[i].sum(), (2 * rounding[i] + 0x1p-46 * sizes[i].sum()) * (1 + 0x1p-40));
@@ -215,7 +217,7 @@ template <std::size_t N, class F>
 bool integrate(const F& f, double a, double b, const std::array<double, N>& enough, std::array<Interval, N>& sum,
                Effort& effort) {
     // The first ellipse seldom holds no pole, and bounds cost as much as several nodes.
-    constexpr std::size_t first_ellipse = 1, first_rule = 1;
+    constexpr std::size_t first_ellipse = 1, first_rule = 1, frequent_rule = 2;
     // Rounding may be so many times larger than what a rule leaves out.
     constexpr double poor = 1024;
     const double middle = 0.5 * (a + b), half = Interval::up(0.5 * (b - a));
@@ -225,11 +227,13 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
     if constexpr (requires { f.is_singular(Disc()); })
         while (first < ellipses.size() && f.is_singular(around(first, middle, half))) ++first;
     std::array<double, N> missing, most, rounding;
+    std::array<Approximate, N> places;  // values at the first places of the rule that is taken most
     if (first < ellipses.size()) {
-        // Of plain values: centers of discs may be far larger.
-        const auto value = f(Approximate(middle));
+        // Of plain values: centers of discs may be far larger. The first place of an odd number is the middle.
+        static_assert(node_counts[frequent_rule] % 2 == 1);
+        places = f(Approximate(middle) + half_width.mid() * gauss(frequent_rule).places[0]);
         for (std::size_t i = 0; i < N; ++i) {
-            missing[i] = std::max(enough[i], detail::value_rounding * std::abs(value[i][0]));
+            missing[i] = std::max(enough[i], detail::value_rounding * std::abs(places[i][0]));
             most[i] = poor * missing[i];
         }
     }
@@ -242,7 +246,7 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
         bool is_plain = true;
         for (std::size_t i = 0; i < N; ++i) is_plain = is_plain && rounding[i] <= most[i];
         if (is_plain || detail::is_rounding_below(f, middle, half, most, rounding))
-            detail::add_plain(f, middle, half_width, gauss(r), rounding, missing, sum);
+            detail::add_plain(f, middle, half_width, gauss(r), r == frequent_rule ? &places : nullptr, rounding, missing, sum);
         else
             detail::add_enclosed(f, middle, half_width, gauss(r), missing, sum);
         return true;
