@@ -191,6 +191,7 @@ private:
     }
     std::optional<double> distance_by_spheres(const TouchingSpheres& spheres, double size) const {
         return distance_where([&](double margin) -> std::optional<double> {
+            if (!own_[0].site.is_object()) return 1.0;
             const auto growth = spheres.growth(own_[0].site, size, margin);
             return growth ? std::optional(sqrt(Interval(2.0) * *growth).lower()) : std::nullopt;
         }, size);

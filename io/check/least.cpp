@@ -215,7 +215,11 @@ std::optional<Spots> LeastPlacesOfSites::stationary_place(const V& m) const {
         if (is_exactly(along, 0)) return Spots();
         start = ball.place;
         way = plane.place - scaled(2.0 * along, m);
-        d = (plane.distance(start) + ball.radius) / (2.0 * square(along));
+        const MidRad reach = plane.distance(start) + ball.radius, squared = 2.0 * square(along);
+        d = reach / squared;
+        // Where the plane is all but along m the place is far outside of the box, in which the face is.
+        const double farthest = scene_.box.diagonal() + sqrt(square(start - to_vector<MidRad>(scene_.box.min))).upper();
+        if (reach.lower() > (squared.magnitude() * 2) * farthest) return Spots();
     } else {
         const V between = own_->place - base_->place;
         const MidRad delta = own_->radius - base_->radius, along = inner(m, between);
@@ -245,9 +249,10 @@ std::optional<Spots> LeastPlacesOfSites::of_plane(const Plane& rival, double apa
     if (!own_->is_plane && !((f.distance(own_->place) + own_->radius).lower() >= 0)) return std::nullopt;
     const auto lowest = stationary_place(f.place);
     if (!lowest) return std::nullopt;
+    Spots beyond;
     for (const Spot& s : *lowest)
-        if (!((f.distance(to_vector<MidRad>(s.center)) - s.radius).lower() > 0)) return std::nullopt;
-    return Spots();
+        if (!((f.distance(to_vector<MidRad>(s.center)) - s.radius).lower() > 0)) beyond.push_back(s);
+    return beyond;
 }
 
 std::optional<Spots> LeastPlacesOfSites::of_ball_on_side(const Sphere& rival) const {
@@ -257,7 +262,15 @@ std::optional<Spots> LeastPlacesOfSites::of_ball_on_side(const Sphere& rival) co
     if (!(rise.lower() >= 0) && !(rise.upper() <= 0)) return std::nullopt;
     const bool is_behind = rise.mid() < 0;
     const MidRad height = is_behind ? -rise : rise;
-    if (height.lower() >= above.upper()) return Spots();
+    // Of two centres on one side coordinates tell which one is nearer, exactly.
+    int axis = 0;
+    while (is_exactly(side_->place[static_cast<std::size_t>(axis)], 0)) ++axis;
+    const Vec3 &center = rival.center, &from = std::get<Sphere>(scene_.base).center;
+    const bool is_upward = side_->place[static_cast<std::size_t>(axis)].mid() > 0;
+    const bool is_farther = is_behind   ? height.lower() >= above.upper()
+                            : is_upward ? center[axis] >= from[axis]
+                                        : center[axis] <= from[axis];
+    if (is_farther) return Spots();
     const V way = (is_behind ? c - scaled(2.0 * rise, side_->place) : c) - o;
     if ((base_->radius - MidRad(rival.radius) - sqrt(square(way))).lower() >= 0) return Spots();
     const Spot place = spot(o + scaled(above / (above - height), way));

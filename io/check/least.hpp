@@ -17,7 +17,7 @@
 /// A plane's excess is l - t where it has the base on its side. Where n_r = u that is what the plane is away from the
 /// base's centre and its radius more, and where n_r = n_o so with the own ball: not negative unless that is behind the
 /// plane. A base ball that is farther from the plane than `apart` leaves all excesses beyond it below -apart; where
-/// edges tell that they are not, what a face has there is enclosed in it, and l has a least value in it.
+/// edges tell that they are not, what a face has there is enclosed in it, and l is least in it at its one place.
 ///
 /// On a side of the box the excess of a plane is less than linear by a distance, which is convex: it is least at the
 /// edges. That of a ball is |p - c| - |p - o| up to radii, with c on the base's side, as good as its reflection: it is
