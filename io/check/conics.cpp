@@ -135,8 +135,8 @@ MidRad Segment::length() const {
     return sqrt(sum) / (weights_[0] * weights_[1]);
 }
 
-// Seen from the centre the segment lies on a great circle, and the face in the plane where z t = K / A: with both ends p
-// and q at heights x and y over the centre's plane across the axis a, the triangle has the area
+// Seen from the centre the segment lies on a great circle, and the face in the plane where z t = K / A: with both ends
+// p and q at heights x and y over the centre's plane across the axis a, the triangle has the area
 // (K / A)^2 det(a, p, q) / (2 x y) and the solid angle [VanOosterom83]
 //     2 arctan(det(a, p, q) / (|p| |q| + x |q| + y |p| + p q)).
 std::optional<std::array<MidRad, 3>> Segment::beside(const Shadow& shadow) const {

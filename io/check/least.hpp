@@ -51,7 +51,8 @@ public:
     /// Two where it is not clear on which side the rival is. None: where they are cannot be told.
     std::optional<Spots> of(const Sphere& rival) const;
     /// About a base ball: does the ray that leads to the place, or both, miss a ball? Then no place is in it.
-    static bool do_rays_miss(const Sphere& base, const Sphere& own, const Sphere& rival, const Vec3& center, double radius);
+    static bool do_rays_miss(const Sphere& base, const Sphere& own, const Sphere& rival, const Vec3& center,
+                             double radius);
 
 private:
     using V = Vector<MidRad>;

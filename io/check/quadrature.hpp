@@ -246,7 +246,8 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
         bool is_plain = true;
         for (std::size_t i = 0; i < N; ++i) is_plain = is_plain && rounding[i] <= most[i];
         if (is_plain || detail::is_rounding_below(f, middle, half, most, rounding))
-            detail::add_plain(f, middle, half_width, gauss(r), r == frequent_rule ? &places : nullptr, rounding, missing, sum);
+            detail::add_plain(f, middle, half_width, gauss(r), r == frequent_rule ? &places : nullptr, rounding,
+                              missing, sum);
         else
             detail::add_enclosed(f, middle, half_width, gauss(r), missing, sum);
         return true;

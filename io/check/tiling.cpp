@@ -132,8 +132,10 @@ private:
             for (std::size_t l = 0; l < patch.loops.size(); ++l) {
                 const auto where = [&] { return loop_path(patch.face, patch.index, l); };
                 begins_.clear();
-                for (const Trim& trim : patch.loops[l])
-                    begins_.push_back(lift(patch, trim.pieces.front().control(0).cwiseMax(patch.lo).cwiseMin(patch.hi)));
+                for (const Trim& trim : patch.loops[l]) {
+                    const Vec2 uv = trim.pieces.front().control(0);
+                    begins_.push_back(lift(patch, uv.cwiseMax(patch.lo).cwiseMin(patch.hi)));
+                }
                 check_head_to_tail(patch, patch.loops[l], where);
                 if (is_as_small_as_rounding(patch)) continue;
                 const int turn = orientation(patch, patch.loops[l]);

@@ -127,9 +127,9 @@ std::optional<TouchingSpheres> TouchingSpheres::on(const Net& patch, const Site&
     return result.finish_about_sphere() ? std::optional(result) : std::nullopt;
 }
 
-// With X = w (p - o), T = w t and D = T + R w, F of the base is G / w^2 with G = |X|^2 - D^2, and as |p - o| - (t + R) is F
-// by |p - o| + t + R, no more than |G| / (w D); likewise for the own ball. On the loops D^2 <= (w reach)^2 + |G|, and where
-// w is concave in one variable it is least on them.
+// With X = w (p - o), T = w t and D = T + R w, F of the base is G / w^2 with G = |X|^2 - D^2, and |p - o| - (t + R),
+// which is F by |p - o| + t + R, no more than |G| / (w D); likewise for the own ball. On the loops D^2 <= (w reach)^2 +
+// |G|, and where w grows, falls or is concave all along one variable it is least on them.
 std::optional<TouchingSpheres::Inside> TouchingSpheres::inside(const Net& patch, const Site& own,
                                                                const Space<Interval>& space, double reach) {
     const auto* base = std::get_if<Sphere>(&space.scene().base);
@@ -365,7 +365,8 @@ Interval TouchingSpheres::range(const Linear& f) const {
         hi = max(hi, v);
     }
     const double sag = f.h * sag_;
-    return {Interval::down(lo.least() - (off + std::max(sag, 0.0))), Interval::up(hi.greatest() + (off - std::min(sag, 0.0)))};
+    return {Interval::down(lo.least() - (off + std::max(sag, 0.0))),
+            Interval::up(hi.greatest() + (off - std::min(sag, 0.0)))};
 }
 
 /// A lower bound of f. Along a line where t counts as positive, t + R is at least the share of p - c in any direction:

@@ -121,8 +121,8 @@ private:
     double most_clearance_ = 0;
     double position_error_ = 0, weight_error_ = 0;  // of the homogeneous coordinates
     double clearance_error_ = 0;                    // of t / w
-    // Along a line about a sphere t / w may be less by `sag_`. As seen from the base's center: the way and the direction
-    // across, and the sines of the angles between that and the ends.
+    // Along a line about a sphere t / w may be less by `sag_`. As seen from the base's center: the way and the
+    // direction across, and the sines of the angles between that and the ends.
     double sag_ = 0;
     Vec3 way_, across_;
     std::array<double, 2> sines_;
