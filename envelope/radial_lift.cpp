@@ -1437,10 +1437,10 @@ private:
         const Vector4d &from = points_[start(e)], &to = points_[end(e)];
         const bool is_upward = from.y() < to.y();
         const FormId left = diagram_.edges[e].left, right = diagram_.edges[e].right;
-        bool is_exact = true;
+        bool is_decided = true;
         for (const RadialBaseProblem::GeneratorTie& tie : problem_.generator_ties) {
             if (tie.before != (is_upward ? left : right) || tie.after != (is_upward ? right : left)) continue;
-            is_exact = is_exact && tie.is_exact;
+            is_decided = is_decided && tie.is_decided;
             edge.extra_sites.push_back(tie.site);
             for (const VertexId v : {start(e), end(e)}) {
                 auto& sites = cell_.vertices[v.value].sites;
@@ -1449,7 +1449,7 @@ private:
             }
         }
         sort_unique(edge.extra_sites);
-        if (is_exact) return;
+        if (is_decided) return;
         ++decisions_.assumed;
         std::string sites = to_string(edge.sites[0]) + ", " + to_string(edge.sites[1]);
         for (const Site site : edge.extra_sites) sites += ", " + to_string(site);

@@ -44,6 +44,32 @@ bool is_between(const RadialForm& j, const RadialForm& a, const RadialForm& b) {
     return cross(to_a, to_b).is_zero() && dot(to_a, to_b).sign() == Sign::Negative;
 }
 
+// How far distances from the middle one change when its F gives way to one between those of a and b, by the
+// header's map from F to m and delta. With J = (X, w) of the middle one, the mean P = J - E and M of both,
+//
+//     m' - m = 2 (P_X M_J - J_X M_P) / (M_P M_J) = 2 (J_X (M_J - M_P) - E_X M_J) / (M_P M_J)
+//
+// and likewise delta' - delta; M_J - M_P = 2 (J_X.E_X - J_w E_w) - |E_X|^2 + E_w^2. All terms have a factor E, so
+// intervals cancel nothing. What counts is that P lies between A and B: any s of (0, 1) will do.
+double move_between(const RadialForm& j, const RadialForm& a, const RadialForm& b, double s) {
+    const auto scaled = [](const RadialForm& f) { return ExactVector(f.b[0], f.b[2], f.b0); };
+    const Exact ab = a.c[0] * b.c[0];
+    const ExactVector e = ab * scaled(j) - (j.c[0] * (1.0 - Exact(s)) * b.c[0]) * scaled(a) -
+                          (j.c[0] * Exact(s) * a.c[0]) * scaled(b);
+    const Interval two(2.0), cj = j.c[0].enclosure(), over = two / (cj * ab.enclosure());
+    const std::array<Interval, 3> E{over * e.x.enclosure(), over * e.y.enclosure(), over * e.z.enclosure()},
+        J{two * j.b[0].enclosure() / cj, two * j.b[2].enclosure() / cj, two * j.b0.enclosure() / cj};
+    const Interval MJ = square(J[0]) + square(J[1]) - square(J[2]),
+                   change = two * (J[0] * E[0] + J[1] * E[1] - J[2] * E[2]) - square(E[0]) - square(E[1]) +
+                            square(E[2]),
+                   scale = two / ((MJ - change) * MJ);
+    std::array<Interval, 3> moves;
+    for (int k = 0; k < 3; ++k) moves[k] = scale * (J[k] * change - E[k] * MJ);
+    const double move = (sqrt(square(moves[0]) + square(moves[1])) + Interval(moves[2].magnitude())).upper();
+    const bool is_told = s > 0 && s < 1 && (MJ - change).lower() > 0 && std::isfinite(move);
+    return is_told ? move : std::numeric_limits<double>::infinity();
+}
+
 // Is it so up to narrow_tie of `value`?
 bool is_nearly_between(const Nearness& j, const Nearness& a, const Nearness& b, double value) {
     const Vec3 to_a(a.x - j.x, a.z - j.z, a.w - j.w), to_b(b.x - j.x, b.z - j.z, b.w - j.w);
@@ -89,11 +115,15 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
         const Nearness* following = here.front();
         for (const Nearness* n : here) {
             if (n == current || n == following) continue;
-            const bool is_exact = is_between(forms[n->form], forms[current->form], forms[following->form]);
-            const AxialTie tie{n->form, current->form, following->form, is_exact};
-            if ((is_exact || is_nearly_between(*n, *current, *following, following->at(next))) &&
-                std::ranges::find(ties, tie) == ties.end())
-                ties.push_back(tie);
+            const RadialForm &j = forms[n->form], &a = forms[current->form], &b = forms[following->form];
+            AxialTie tie{n->form, current->form, following->form, 0};
+            if (!is_between(j, a, b)) {
+                if (!is_nearly_between(*n, *current, *following, following->at(next))) continue;
+                const Vec3 to_j(n->x - current->x, n->z - current->z, n->w - current->w),
+                    to_b(following->x - current->x, following->z - current->z, following->w - current->w);
+                tie.move = move_between(j, a, b, to_j.dot(to_b) / to_b.squaredNorm());
+            }
+            if (std::ranges::find(ties, tie) == ties.end()) ties.push_back(tie);
         }
         current = following;
         angle = next;

@@ -6,7 +6,15 @@
 /// others, l F_a + (1 - l) F_b with 0 < l < 1, it is less than the greater of these, except where all three
 /// are equal. So it is with the fourth line or tube of the base's radius on a circle around a line of points
 /// as far from all: in square lattices, say. Where coordinates are rounded, as of hexagonal lattices, F_j
-/// comes out nearer by parts of 2^-53 over a strip as narrow: a tie is taken for granted up to `narrow_tie`.
+/// comes out nearer by parts of 2^-53 over a strip as narrow, up to `narrow_tie`.
+///
+/// The coefficients of F are those of a tube about m whose radius is that of the base plus delta,
+///
+///     F = 2 (m.u + delta) / N,  N = |m|^2 - delta^2;     m = 2 X / M,  delta = 2 w / M,  M = |X|^2 - w^2 = 4 / N
+///
+/// with X = 2 m / N and w = 2 delta / N. So every F near F_j belongs to a tube near the middle one, and the mean
+/// of F_a and F_b that is next to F_j to one that is never nearer than these two: `move` bounds how far distances
+/// from the middle one change when it gives way to that.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +33,7 @@ constexpr double narrow_tie = 0x1p-40;
 struct AxialTie {
     std::uint32_t middle;
     std::uint32_t before, after;  ///< the nearer ones on both sides, as the angle grows
-    bool is_exact;                ///< otherwise up to narrow_tie
+    double move;                  ///< 0: exact; a bound on how far the middle one gives way otherwise
 
     bool operator==(const AxialTie&) const = default;
 };

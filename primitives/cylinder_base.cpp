@@ -25,18 +25,21 @@ using Kind = InputError::Kind;
 // canonical = rotation . (world - origin) / norm. What objects are to each other stays exact; the base's axis turns by a
 // few 2^-53 to become the y axis, or not at all where its length is a double.
 struct CylinderFrame {
-    Vec3 axis;  // scaled, noise rounded to zero
+    Vec3 along;  // scaled: what becomes the y axis, but for rounding
+    Vec3 axis;   // the same, noise rounded to zero
     Vec3 origin;
     ExactRotation rotation;
     const Exact& norm;
-    double turn;  // of the axis
+    double turn;  // of the base's axis
 
-    CylinderFrame(const Cylinder& base, const Box& box)
-        : axis(without_noise(scaled_axis(base.axis))),
+    CylinderFrame(const Scene& scene, const Cylinder& base)
+        : along(direction(scene, base)),
+          axis(without_noise(along)),
           origin(base.point),
           rotation(axis, 1),
           norm(rotation.norm),
           turn(rotation.turn(scaled_axis(base.axis), 1)) {
+        const Box& box = scene.box;
         const Vec3 center = 0.5 * box.min + 0.5 * box.max;
         Eigen::Index k = 0;
         axis.cwiseAbs().maxCoeff(&k);
@@ -52,6 +55,35 @@ struct CylinderFrame {
     CylinderFrame(const CylinderFrame&) = delete;
     CylinderFrame& operator=(const CylinderFrame&) = delete;
 
+    // A rotation in doubles, from a quaternion that is nearly a half turn, say.
+    static constexpr double bundle_rounding = 0x1p-48;
+    // The tubes of a bundle about the base that was turned in doubles have one direction and lean towards the base by
+    // its rounding: where three of them tie along a line, strips would be as narrow. As the base turns anyhow it turns
+    // to the first direction that three of these have in common, unless there are tubes along it. Fewer lean as they
+    // do.
+    static Vec3 direction(const Scene& scene, const Cylinder& base) {
+        const Vec3 own = scaled_axis(base.axis), axis = without_noise(own);
+        if (ExactRotation(axis, 1).turn(own, 1) == 0) return own;
+        constexpr int fewest = 3;
+        std::vector<std::pair<Vec3, int>> leaning;  // directions, and how many tubes have them
+        for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+            const auto* tube = std::get_if<Cylinder>(&scene.objects[i]);
+            if (tube == nullptr || !scene.competes(i)) continue;
+            const ExactVector d(scaled_axis(tube->axis)), across = cross(d, ExactVector(own));
+            if (across.is_zero()) return own;
+            const double sine = Vec3(nearest(across.x), nearest(across.y), nearest(across.z)).norm() /
+                                (scaled_axis(tube->axis).norm() * own.norm());
+            if (!(sine < bundle_rounding)) continue;
+            const auto same = std::ranges::find_if(
+                leaning, [&](const auto& known) { return cross(d, ExactVector(known.first)).is_zero(); });
+            if (same == leaning.end())
+                leaning.emplace_back(scaled_axis(tube->axis), 1);
+            else
+                ++same->second;
+        }
+        const auto bundle = std::ranges::find_if(leaning, [](const auto& known) { return known.second >= fewest; });
+        return bundle == leaning.end() ? own : bundle->first;
+    }
     // A cosine of pi/2 in a direction that was turned in doubles is no lean: the base would end on sides of the box
     // that it runs along. The base turns with its frame anyhow, by about as much, and `turn` counts it.
     static Vec3 without_noise(Vec3 axis) {
@@ -81,7 +113,7 @@ public:
         : scene_(scene),
           base_(base),
           unit_(unit),
-          frame_(base, scene.box),
+          frame_(scene, base),
           motion_(frame_.rounded()),
           stretch_(stretch()),
           objects_(scene) {}
@@ -95,6 +127,8 @@ public:
     }
 
 private:
+    // In box diagonals, some times the rounding of coordinates.
+    static constexpr double tie_rounding = 0x1p-50;
     // In box diagonals. A line that runs into a side obliquely has no clearance there: distances just before
     // are all but 0 on one side of it only. Half a double's digits: the rounding of the axis is as small a
     // part of the last circle as that is of the box.
@@ -303,11 +337,11 @@ private:
     }
     static ExactVector direction(const CylinderForm& f) { return ExactVector(Vec3(f.ax, f.ay, f.az)); }
 
-    // Parallel in the scene as it is, or now that the base's axis has turned.
+    // Parallel to what the base's axis turns to, before or after rounding.
     bool is_along_base(const CylinderForm& f) const {
         const ExactVector a = direction(f), image = frame_.turned(a);
         return (image.x.sign() == Sign::Zero && image.z.sign() == Sign::Zero) ||
-               cross(a, ExactVector(scaled_axis(base_.axis))).is_zero();
+               cross(a, ExactVector(frame_.along)).is_zero();
     }
 
     // The chart is turned about the axis, u = chart n / W, by an angle that no input favours: a symmetric
@@ -421,7 +455,13 @@ private:
                                                           : e.form);
         }
         const std::vector<AxialTie> ties = find_axial_ties(forms);
-        for (const AxialTie& tie : ties) entries[tie.middle].is_kept = false;
+        // In a turned scene places are rounded: what that hides counts as motion, and the rest as an assumption.
+        const double most_rounded = frame_.turn > 0 ? tie_rounding * scene_.box.diagonal() : 0;
+        double rounded = 0;
+        for (const AxialTie& tie : ties) {
+            entries[tie.middle].is_kept = false;
+            if (tie.move <= most_rounded) rounded = std::max(rounded, tie.move);
+        }
         for (Entry& e : entries) {
             if (!e.is_kept) continue;
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
@@ -432,11 +472,11 @@ private:
         for (const AxialTie& tie : ties)
             for (const Site site : entries[tie.middle].sites)
                 problem.generator_ties.push_back(
-                    {site, entries[tie.before].id, entries[tie.after].id, tie.is_exact});
+                    {site, entries[tie.before].id, entries[tie.after].id, tie.move <= most_rounded});
         found.add_twins(objects_);
         problem.frame = motion_;
         problem.unit = unit_;
-        problem.moved = moved();
+        problem.moved = moved() + rounded;
         problem.is_sphere = false;
         problem.radius = base_.radius;
         problem.stretch = stretch_;

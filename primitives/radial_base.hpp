@@ -87,7 +87,7 @@ struct RadialBaseProblem {
     struct GeneratorTie {
         Site site;
         FormId before, after;  ///< the nearer ones on both sides, as the angle about the y axis grows
-        bool is_exact;         ///< otherwise up to narrow_tie
+        bool is_decided;       ///< exact, or in the scene as it was moved; otherwise up to narrow_tie
     };
     std::vector<GeneratorTie> generator_ties;
     /// As in PlaneBaseProblem.

@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "../../envelope/exact_heights.hpp"
 #include "../../envelope/voronoi_cell.hpp"
@@ -34,6 +36,39 @@ Cell check_decided(const Scene& scene) {
         for (const Site site : v.sites) CHECK(std::abs(testing::boundary_residual(scene, site, v.point)) < 1e-10);
     }
     return cell;
+}
+
+Scene scene_around(const Object& base, double half, std::vector<Object> objects) {
+    Scene scene;
+    scene.base = base;
+    scene.objects = std::move(objects);
+    scene.box = {Vec3::Constant(-half), Vec3::Constant(half)};
+    return scene;
+}
+
+// Nothing is assumed; vertices are as far from their objects as from the base, and from no other one less.
+Cell check_decided_around(const Scene& scene) {
+    Cell cell = voronoi_cell(scene);
+    CHECK(cell.report.decisions.assumed == 0);
+    CHECK(cell.vertices.size() >= 4);
+    for (const CellVertex& v : cell.vertices) {
+        const double r = testing::distance_to(scene.base, v.point);
+        CHECK(std::abs(r - v.radius) <= v.error + 1e-13);
+        for (const Site site : v.sites)
+            if (site.is_object())
+                CHECK(std::abs(testing::distance_to(scene.objects[site.index], v.point) - r) <= 2 * v.error + 1e-13);
+        for (const Object& o : scene.objects) CHECK(testing::distance_to(o, v.point) >= r - 2 * v.error - 1e-13);
+    }
+    return cell;
+}
+
+std::vector<Object> square_bundle(const Eigen::Matrix3d& frame, double radius) {
+    std::vector<Object> tubes;
+    for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j)
+            if (i != 0 || j != 0)
+                tubes.push_back(Cylinder{frame * Vec3(i, j, 0), frame * Vec3::UnitZ(), radius});
+    return tubes;
 }
 
 }  // namespace
@@ -115,4 +150,23 @@ TEST_CASE("have_equal_gradients: of lines that cross over the point, not of thos
     CHECK_FALSE(have_equal_gradients(family, lines[0], lines[1], beside));
     CHECK(compare_exactly(family, lines[0], form(2), crossing) == Sign::Negative);
     CHECK(have_equal_slopes(family, lines[0], lines[1], beside, 1, -3));
+}
+
+TEST_CASE("ties: around a tube of a square bundle that was turned in doubles four meet in a line") {
+    std::mt19937_64 rng(test_seed());
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < 12; ++i) {
+        CAPTURE(i);
+        const Vec3 axis = Vec3(normal(rng), normal(rng), normal(rng)).normalized();
+        const Eigen::Matrix3d frame =
+            Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
+        const double radius = i % 2 == 0 ? 0.2 : 0;
+        const Cell cell = check_decided_around(
+            scene_around(Cylinder{Vec3::Zero(), axis, radius}, 2, square_bundle(frame, radius)));
+        CHECK(cell.report.moved > 0);
+        CHECK(cell.report.moved < 1e-13);
+        std::set<Site> extra;
+        for (const CellEdge& edge : cell.edges) extra.insert(edge.extra_sites.begin(), edge.extra_sites.end());
+        CHECK(extra == std::set{Site::object(0), Site::object(2), Site::object(5), Site::object(7)});
+    }
 }
