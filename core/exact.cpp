@@ -1,5 +1,6 @@
 #include "exact.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -67,6 +68,24 @@ std::pair<Exact, Exact> Exact::sqrt_bounds(int bits) const {
     const Integer root = sqrt(shifted, rest);
     const long e = (e_ - odd) / 2 - k;
     return {Exact(root, e), Exact(rest.is_zero() ? root : Integer(root + 1), e)};
+}
+
+void divide_by_common_factor(std::span<Exact> values) {
+    Exact::Integer factor = 0;
+    long least = std::numeric_limits<long>::max();
+    for (Exact& v : values) {
+        if (v.m_.is_zero()) continue;
+        const unsigned zeros = lsb(abs(v.m_));
+        v.m_ /= Exact::Integer(1) << zeros;
+        v.e_ += static_cast<long>(zeros);
+        least = std::min(least, v.e_);
+        factor = gcd(factor, v.m_);
+    }
+    for (Exact& v : values) {
+        if (v.m_.is_zero()) continue;
+        if (factor != 1) v.m_ /= factor;
+        v.e_ -= least;
+    }
 }
 
 Sign sign(const OneRoot& v) {

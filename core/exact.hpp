@@ -6,6 +6,7 @@
 #pragma once
 
 #include <boost/multiprecision/cpp_int.hpp>
+#include <span>
 #include <utility>
 
 #include "interval.hpp"
@@ -46,6 +47,8 @@ public:
     /// Enclosure of the non-negative square root, relative width about 2^-bits before rounding.
     /// Pre: *this >= 0. Returns lower and upper bounds, equal for the square of a dyadic number.
     std::pair<Exact, Exact> sqrt_bounds(int bits) const;
+    /// Multiplies all of them by one positive number that makes their digits few.
+    friend void divide_by_common_factor(std::span<Exact> values);
 
 private:
     // 512 bits in place cover almost every predicate without touching the heap.
@@ -60,6 +63,8 @@ private:
     Integer m_ = 0;
     long e_ = 0;
 };
+
+void divide_by_common_factor(std::span<Exact> values);
 
 /// a + b sqrt(c), c >= 0: coordinates of the points where two circles (or lines) of rational
 /// coefficients meet. Arithmetic stays within one field: operands must share c.

@@ -11,6 +11,7 @@
 #include "../primitives/height_conics.hpp"
 #include "crossing_tie.hpp"
 #include "mixed_terms.hpp"
+#include "space_tie.hpp"
 #include "touching.hpp"
 
 namespace vcell {
@@ -733,14 +734,14 @@ bool MixedAnalysis::join_without_touching(Work& work) {
             ++decisions_.by_multiprecision;
             if (!is_tie && is_above) return true;
             const std::array forms{f, g, h};
-            const auto exact = is_tie ? exact_tie(forms, touching->at[0], touching->at[1]) : std::nullopt;
+            const auto exact = exact_touch(forms, is_tie, touching->at, work.piece.box);
             Touch t{{touching->place, std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2)), f,
                      {f, g, h}},
                     f,
                     g,
-                    exact && have_gradients_in_line(heights_.family(), forms, *exact)};
-            if (t.decided) {
-                const auto [x, y] = enclosure(*exact);
+                    exact.has_value()};
+            if (exact) {
+                const auto& [x, y] = *exact;
                 t.vertex.point = {x.mid(), y.mid()};
                 t.vertex.error = reach(x, y);
             }
@@ -1194,14 +1195,55 @@ std::optional<RationalPoint> MixedAnalysis::exact_tie(std::span<const FormId> fo
     return all_tie(heights_.family(), forms, *p) ? std::move(p) : std::nullopt;
 }
 
-// Do all forms that tie in a vertex as far as digits tell do so exactly, in a rational point? As there is only one point
-// in which three of them do, it is the vertex then.
+// Is a form's height certainly one that its equation has?
+bool MixedAnalysis::is_met(FormId f, const Interval& x, const Interval& y) const {
+    return heights_.value(f, x, y).sign() == (heights_.family().radial.empty() ? Sign::Positive : Sign::Negative);
+}
+
+// The place about which three forms tie as far as digits tell, if they do so exactly and touch there. On the one
+// trisector in the box and its surroundings the third one's height above it bends one way, so that there is one such
+// place at most.
+std::optional<IntervalPoint> MixedAnalysis::exact_touch(std::span<const FormId> forms, bool is_tie,
+                                                        const std::array<Wide, 2>& at,
+                                                        const std::array<double, 4>& box) {
+    if (!is_tie) return std::nullopt;
+    if (const auto p = exact_tie(forms, at[0], at[1]); p && have_gradients_in_line(heights_.family(), forms, *p))
+        return enclosure(*p);
+    const double near = 0.25 * std::min(box[1] - box[0], box[3] - box[2]);
+    decisions_.by_exact += forms.size() - 1;
+    for (const SpacePoint& p : SpaceTie(heights_.family(), forms).tangencies()) {
+        const auto place = chart_point(heights_.family(), p);
+        if (!place) continue;
+        const auto& [x, y] = *place;
+        const double off = std::max((x - at[0].enclosure()).magnitude(), (y - at[1].enclosure()).magnitude());
+        if (off < near && is_met(forms[0], x, y)) return place;
+    }
+    return std::nullopt;
+}
+
+// Do all forms that tie in a vertex as far as digits tell do so exactly? In a rational point, and as there is only one
+// point in which three of them do, it is the vertex then; or wherever three of them do; or in the point that all
+// equations leave.
 bool MixedAnalysis::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
     const auto box = sharp_vertex(v, forms);
     if (!box) return false;
-    const auto p = exact_tie(v.ties, (*box)[0], (*box)[1]);
-    if (!p) return false;
-    const auto [x, y] = enclosure(*p);
+    if (const auto p = exact_tie(v.ties, (*box)[0], (*box)[1])) {
+        const auto [x, y] = enclosure(*p);
+        v.point = {x.mid(), y.mid()};
+        v.error = reach(x, y);
+        return true;
+    }
+    const Interval x = (*box)[0].enclosure(), y = (*box)[1].enclosure();
+    if (!is_met(forms[0], x, y)) return false;
+    const FormFamily& family = heights_.family();
+    const SpaceTie tie(family, forms);
+    const auto is_theirs = [&](FormId f) { return std::ranges::find(forms, f) != forms.end() || tie.implies(f); };
+    const auto is_vertex = [&](const SpacePoint& p) {
+        const auto at = wide_chart_point(family, p);
+        return at && (*box)[0].contains((*at)[0]) && (*box)[1].contains((*at)[1]);
+    };
+    if (!std::ranges::all_of(v.ties, is_theirs) && !std::ranges::any_of(SpaceTie(family, v.ties).points(), is_vertex))
+        return false;
     v.point = {x.mid(), y.mid()};
     v.error = reach(x, y);
     return true;
@@ -1310,16 +1352,47 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
         apex.differences[i][j].curvature =
             heights_.curvature(r[i].form, bx, by) - heights_.curvature(r[j].form, bx, by);
     }
-    if (apex.rim) {
+    if (apex.rim)
         for (const PieceSide* side : work.sides_at(*apex.rim))
             apex.decided = apex.decided && is_on_line(*exact, side->a, side->b, side->c);
-        return apex;
-    }
+    apex.decided = apex.decided || is_tie_in_space(work, apex, touching);
+    if (apex.rim) return apex;
     const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
     apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
     apex.point = rounded;
     apex.decided = apex.decided || (2 * touching.size() == n * (n - 1) && is_tie_of_planes(work, apex));
     return apex;
+}
+
+// Do the equations of all forms leave a point of the piece, or of the rim where the apex is there, in which those that
+// touch have equal gradients? As the curvature of their difference lets the first two have these once in the piece,
+// it is the apex.
+bool MixedAnalysis::is_tie_in_space(const Work& work, const Apex& apex,
+                                    std::span<const std::array<std::size_t, 2>> touching) const {
+    const HeightCurvature<Interval>& bend = *apex.differences[touching[0][0]][touching[0][1]].curvature;
+    if (!(bend.xx * bend.yy - square(bend.xy)).sign()) return false;
+    const FormFamily& family = heights_.family();
+    const std::vector<FormId> forms = work.forms();
+    const SpaceTie tie(family, forms);
+    std::vector<SpacePoint> candidates = tie.points();
+    if (candidates.empty()) candidates = tie.tangencies();
+    return std::ranges::any_of(candidates, [&](const SpacePoint& p) {
+        const auto place = chart_point(family, p);
+        if (!place || !is_met(forms[0], (*place)[0], (*place)[1])) return false;
+        const auto is_on_rim = [&](const PieceSide& side) {
+            const auto at = work.sides_at(*apex.rim);
+            return std::ranges::any_of(at, [&](const PieceSide* s) { return s->id == side.id; }) &&
+                   is_on_line(family, p, {side.a, side.b, side.c});
+        };
+        const auto is_inside = [&](const PieceSide& side) {
+            const Interval off = Interval(side.a) * (*place)[0] + Interval(side.b) * (*place)[1] + Interval(side.c);
+            return off.sign() == Sign::Positive || (apex.rim && is_on_rim(side));
+        };
+        return std::ranges::all_of(work.boundary.sides, is_inside) &&
+               std::ranges::all_of(touching, [&](const std::array<std::size_t, 2>& pair) {
+                   return have_equal_gradients(family, forms[pair[0]], forms[pair[1]], p);
+               });
+    });
 }
 
 // Where grad f = grad g, with many digits.
@@ -1635,16 +1708,15 @@ bool MixedAnalysis::join_at_pinch(Work& work) {
     if (!is_tie && !is_narrow) return false;
     const std::array forms{f, g, h};
     MixedPiece::Vertex node{pinch->place, std::max(pinch->width, std::ldexp(extent_, assumed_exponent / 2)), f, {f, g, h}};
-    const auto exact = is_tie ? exact_tie(forms, pinch->at[0], pinch->at[1]) : std::nullopt;
-    const bool is_decided = exact && have_gradients_in_line(heights_.family(), forms, *exact);
-    if (is_decided) {
-        const auto [x, y] = enclosure(*exact);
+    const auto exact = exact_touch(forms, is_tie, pinch->at, work.piece.box);
+    if (exact) {
+        const auto& [x, y] = *exact;
         node.point = {x.mid(), y.mid()};
         node.error = reach(x, y);
     }
     const std::uint32_t v = add_vertex(node);
     for (const Change& from : c) lead_to(v, from);
-    if (!is_decided) assume(node.point, node.error, node.ties);
+    if (!exact) assume(node.point, node.error, node.ties);
     return true;
 }
 

@@ -236,6 +236,8 @@ private:
     struct Apex;
     std::optional<Apex> find_apex(const Work& work);
     std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g, const Eigen::Vector2d& start) const;
+    bool is_tie_in_space(const Work& work, const Apex& apex,
+                         std::span<const std::array<std::size_t, 2>> touching) const;
     bool is_tie_of_planes(const Work& work, const Apex& apex) const;
     bool join_at_tie(Work& work);
     bool divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const;
@@ -254,6 +256,9 @@ private:
     bool settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
     bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    bool is_met(FormId f, const Interval& x, const Interval& y) const;
+    std::optional<IntervalPoint> exact_touch(std::span<const FormId> forms, bool is_tie, const std::array<Wide, 2>& at,
+                                             const std::array<double, 4>& box);
     std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other);
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
 

@@ -5,6 +5,7 @@
 
 #include "../core/errors.hpp"
 #include "mixed_terms.hpp"
+#include "space_tie.hpp"
 
 namespace vcell {
 
@@ -529,8 +530,28 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     const IntervalPoint place = exact ? enclosure(*exact) : line.at(p.enclosure());
     tie.point = {place[0].mid(), place[1].mid()};
     tie.error = reach(place[0], place[1]);
+    // Any two have a difference, or where they touch a slope of it, that is zero once on the stretch: so what the
+    // equations leave is that place.
+    const auto is_tie_in_space = [&] {
+        const FormFamily& family = heights_.family();
+        const SpaceTie::ChartLine side{line.side.a, line.side.b, line.side.c};
+        if (!SpaceTie::can_see(family, side)) return false;
+        const SpaceTie in_space(family, forms, side);
+        std::vector<SpacePoint> candidates = in_space.points();
+        if (candidates.empty()) candidates = in_space.tangencies();
+        return std::ranges::any_of(candidates, [&](const SpacePoint& x) {
+            const auto at = chart_point(family, x);
+            if (!at || !is_met(forms[0], (*at)[0], (*at)[1])) return false;
+            const Interval s_at = (*at)[line.by_x ? 0 : 1];
+            if (!(s_at.lower() >= s0 && s_at.upper() <= s1)) return false;
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t j = i + 1; j < n; ++j)
+                    if (!slope(i, j).sign() && !have_equal_slopes(family, forms[i], forms[j], x, side)) return false;
+            return true;
+        });
+    };
     // One root of two forms with a slope needs no assumption.
-    if (!decided && (touching || n > 2))
+    if (!decided && (touching || n > 2) && !is_tie_in_space())
         assume(tie.point, std::ldexp(extent_, touching ? assumed_exponent / 2 : assumed_exponent), tie.ties);
     return tie;
 }

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <array>
 #include <vector>
 
 #include "../../core/exact.hpp"
@@ -162,5 +163,22 @@ TEST_CASE("Exact: square roots of squares are exact") {
         const auto [lo, hi] = (r * r).sqrt_bounds(20);
         CHECK(lo == r);
         CHECK(hi == r);
+    }
+}
+
+TEST_CASE("Exact: a common factor is left out, and nothing else") {
+    std::mt19937_64 rng(test_seed());
+    for (int i = 0; i < 200; ++i) {
+        const double factor = std::abs(hostile_double(rng));
+        std::array<Exact, 4> values;
+        for (Exact& v : values) v = Exact(factor) * Exact(static_cast<double>(rng() % 7) - 3);
+        const std::array before = values;
+        divide_by_common_factor(values);
+        for (std::size_t j = 0; j < 4; ++j) {
+            CHECK(values[j].sign() == before[j].sign());
+            for (std::size_t k = 0; k < 4; ++k) CHECK(values[j] * before[k] == values[k] * before[j]);
+            CHECK(values[j] <= Exact(3.0));
+            CHECK(values[j] >= Exact(-3.0));
+        }
     }
 }

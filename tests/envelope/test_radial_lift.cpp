@@ -930,8 +930,7 @@ TEST_CASE("cells: what touches an edge of two others is a vertex of it") {
                 return std::ranges::find(v.sites, third) != v.sites.end();
             });
             CHECK((lift < 0 ? meets >= 2 : meets == (lift == 0)));
-            // Around a tube the three tie exactly; around a ball they are taken to.
-            CHECK(cell.report.decisions.assumed == (lift == 0 && std::holds_alternative<Sphere>(base)));
+            CHECK(cell.report.decisions.assumed == 0);
             if (lift != 0) continue;
             const auto vertex = std::ranges::find_if(cell.vertices, [&](const CellVertex& v) {
                 return std::ranges::find(v.sites, third) != v.sites.end();

@@ -3,13 +3,17 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cfloat>
 #include <cmath>
 #include <random>
 #include <set>
 
 #include "../../envelope/exact_heights.hpp"
+#include "../../envelope/space_tie.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../primitives/plane_base.hpp"
+#include "../../primitives/radial_base.hpp"
 #include "cell_checks.hpp"
 #include "test_support.hpp"
 
@@ -60,6 +64,11 @@ Cell check_decided_around(const Scene& scene) {
         for (const Object& o : scene.objects) CHECK(testing::distance_to(o, v.point) >= r - 2 * v.error - 1e-13);
     }
     return cell;
+}
+
+// Vertices in which at least so many sites meet.
+std::ptrdiff_t crowded_vertices(const Cell& cell, std::size_t sites) {
+    return std::ranges::count_if(cell.vertices, [&](const CellVertex& v) { return v.sites.size() >= sites; });
 }
 
 std::vector<Object> square_bundle(const Eigen::Matrix3d& frame, double radius) {
@@ -168,5 +177,83 @@ TEST_CASE("ties: around a tube of a square bundle that was turned in doubles fou
         std::set<Site> extra;
         for (const CellEdge& edge : cell.edges) extra.insert(edge.extra_sites.begin(), edge.extra_sites.end());
         CHECK(extra == std::set{Site::object(0), Site::object(2), Site::object(5), Site::object(7)});
+    }
+}
+
+TEST_CASE("ties: parallel tubes touch the edge of two others around a ball in an irrational direction") {
+    for (const double radius : {0.0, 0.25}) {
+        CAPTURE(radius);
+        const Cell cell = check_decided_around(scene_around(
+            Sphere{Vec3::Zero(), radius}, 2, square_bundle(Eigen::Matrix3d::Identity(), radius)));
+        for (const std::uint32_t corner : {0u, 2u, 5u, 7u})
+            CHECK(std::ranges::count_if(cell.vertices, [&](const CellVertex& v) {
+                      return std::ranges::find(v.sites, Site::object(corner)) != v.sites.end();
+                  }) == 1);
+    }
+}
+
+TEST_CASE("ties: tubes all but across a tube tie over a point of its axis, where a rectangle of them is centred") {
+    const double h = std::sqrt(0.75);
+    for (const Vec3& axis : {Vec3(0.98, -0.064, 0.19), Vec3(0.47, 0.84, 0.28)}) {
+        std::vector<Object> tubes;
+        for (const double x : {-0.5, 0.5})
+            for (const double y : {-h, h}) tubes.push_back(Cylinder{{x, y, 0}, Vec3::UnitZ(), 0.2});
+        const Cell cell = check_decided_around(scene_around(Cylinder{Vec3::Zero(), axis, 0.2}, 2, tubes));
+        CHECK(crowded_vertices(cell, 4) == 2);
+    }
+}
+
+TEST_CASE("ties: four balls of a lattice tie in irrational directions from a tube, and some touch") {
+    std::vector<Object> balls;
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y)
+            for (int z = -2; z <= 2; ++z)
+                if (x * x + y * y > 0 && x * x + y * y + z * z <= 5)
+                    balls.push_back(Sphere{0.5 * Vec3(x, y, z), 0.125});
+    for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0.05, 0.02, 1)}) {
+        CAPTURE(axis.transpose());
+        check_decided_around(scene_around(Cylinder{Vec3::Zero(), axis, 0.125}, 1.25, balls));
+    }
+}
+
+TEST_CASE("SpaceTie: tells what ties where two planes of balls meet, and an ulp that it does not") {
+    const auto problem_of = [](double off) {
+        return radial_base_problem(scene_around(
+            Cylinder{Vec3::Zero(), {1, 2, 3}, 0.25}, 4,
+            {Sphere{{1, 0, 0}, 0.25}, Sphere{{1, 1, 0}, 0.25}, Sphere{{1, 0, 1}, 0.25},
+             Sphere{{1, 1, 1 + off}, 0.25}}));
+    };
+    for (const double off : {0.0, DBL_EPSILON}) {
+        const auto problem = problem_of(off);
+        const std::array three{FormId{0}, FormId{1}, FormId{2}};
+        CHECK(SpaceTie(problem.family, three).implies(FormId{3}) == (off == 0));
+        for (const FormId f : three) CHECK(SpaceTie(problem.family, three).implies(f));
+    }
+}
+
+TEST_CASE("SpaceTie: tubes touch at the point of their line next to the ball, only if they are on one circle") {
+    for (const double off : {0.0, DBL_EPSILON}) {
+        const auto problem = radial_base_problem(scene_around(
+            Sphere{Vec3::Zero(), 0.25}, 4,
+            {Cylinder{{1, 0, 0}, {0, 0, 1}, 0.25}, Cylinder{{0, 1, 0}, {0, 0, 1}, 0.25},
+             Cylinder{{1 + off, 1, 0}, {0, 0, 1}, 0.25}}));
+        const std::array<FormId, 3> tubes = [&] {
+            std::array<FormId, 3> found;
+            for (const FormId f : problem.sites.ids())
+                if (const Site site = problem.sites[f].front(); site.is_object()) found[site.index] = f;
+            return found;
+        }();
+        const auto points = SpaceTie(problem.family, tubes).tangencies();
+        int ahead = 0;
+        for (const SpacePoint& p : points) {
+            const auto place = chart_point(problem.family, p);
+            if (!place) continue;
+            ++ahead;
+            const Vec3 u = problem.normal({(*place)[0].mid(), (*place)[1].mid()});
+            CHECK((u - Vec3(1, 1, 0).normalized()).norm() < 1e-14);
+            for (const FormId f : tubes) CHECK(passes_through(problem.family, f, p));
+            CHECK_FALSE(have_equal_gradients(problem.family, tubes[0], tubes[1], p));
+        }
+        CHECK(ahead == (off == 0));
     }
 }
