@@ -208,7 +208,7 @@ private:
         const Vec3& c = sphere.center;
         const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
         const RadialForm f = form(ball);
-        if (!is_positive(f.c))
+        if (!is_positive(f.c) || touched_before_turn(ball))
             objects_.fail(
                 Kind::TouchesBase, i,
                 ball.rho >= base_.radius ? "contains a cross section of the base" : "lies in the base");
@@ -218,6 +218,18 @@ private:
             objects_.leave_out_unmet(i);
         else
             objects_.balls.add(ball, i);
+    }
+
+    // Is C = 0 or less about the base as it is given? A ball about a point of its axis would come off that as the base
+    // turns, by so little that nothing near it could be told.
+    bool touched_before_turn(const Ball& ball) const {
+        if (frame_.turn == 0) return false;
+        const Vec3 center(ball.cx, ball.cy, ball.cz);
+        const ExactVector d(scaled_axis(base_.axis)), c = ExactVector(center) - ExactVector(base_.point),
+            across = cross(c, d);
+        const Exact delta = Exact(ball.rho) - base_.radius, y = frame_.turned(frame_.from_origin(center)).y;
+        return (dot(across, across) - delta * delta * dot(d, d)).sign() != Sign::Positive &&
+               y >= frame_.norm * stretch_[0] && y <= frame_.norm * stretch_[1];
     }
 
     // Clear of the solid cylinder over the stretch: of the circles at both ends, on one side.

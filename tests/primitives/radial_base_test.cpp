@@ -468,6 +468,9 @@ TEST_CASE("radial base: objects that touch, contain or lie in the base are error
     check(tube, Cylinder{at(0, 0, 5), {0, 0, -1}, 3}, "contains a cross section");
     check(tube, Cylinder{at(0, 0, 5), {1, 0, 0}, 1}, "lies in the base, or runs through it");
     check(tube, Cylinder{at(3, 0, 5), {0, 0, 1}, 5}, "contains a cross section");
+    // About a point of an axis whose length is no double.
+    check(Cylinder{o, {1, 0, 1}, 0.5}, Sphere{at(2, 0, 2), 0.5}, "contains a cross section");
+    check(Cylinder{o, {1, 1, 0}, 0.5}, Sphere{at(-1.5, -1.5, 0), 0.5}, "contains a cross section");
     // A ball in line with the axis beyond the box is not seen: no error.
     const RadialBaseProblem problem = problem_of(scene_of(tube, {Sphere{at(0, 0, 14), 1}}));
     CHECK(!form_of(problem, Site::object(0)).valid());
