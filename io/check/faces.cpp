@@ -436,10 +436,12 @@ private:
 
     /// Is a tile certainly outside the loops? No curve meets it, and they do not wind around it.
     bool is_outside(const Patch& patch, const Tile& tile) const {
+        // A patch may be no wider than its numbers' rounding, below which halves of a piece do not shrink.
+        const Vec2 least_size = kNearEdge * (patch.hi - patch.lo) + kRough * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop)
                 for (const auto& piece : trim.pieces)
-                    if (meets(piece, tile, kNearEdge * (patch.hi - patch.lo))) return false;
+                    if (meets(piece, tile, least_size)) return false;
         return !inside(patch, 0.5 * (tile.lo + tile.hi), rounding()).value_or(true);
     }
 

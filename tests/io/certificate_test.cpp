@@ -116,6 +116,20 @@ TEST_CASE("certify: a vertical tube's cone is circular") {
     CHECK_MESSAGE(c.holds(), listing(c));
 }
 
+// The plane's side of the box leaves a face of 2e-31: halves of its trims do not shrink.
+TEST_CASE("certify: a face as thin as its numbers' rounding") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {-2, 1, -1}};
+    for (const double x : {-2, 2})
+        for (const double y : {-1, 1})
+            for (const double z : {-2, 2}) scene.objects.push_back(Sphere{{x, y, z}, 0});
+    scene.box = {{-3, -3, -3}, {3, 3, 3}};
+    const Cell cell = voronoi_cell(scene);
+    REQUIRE(std::ranges::any_of(cell.faces, [](const CellFace& f) { return f.area < 1e-29; }));
+    const Certificate c = certify(cell);
+    CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
+}
+
 TEST_CASE("certify: kinds of conics about a sphere are told exactly") {
     using enum CurveKind;
     // Circles lie across an axis that all three centres share, and 2^-50 beside it are ellipses. A ball at (4, 0, 3)
