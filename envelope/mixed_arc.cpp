@@ -136,19 +136,25 @@ public:
         : sections_(sections), first_(sections[0] ? 0 : 1), out_(out) {}
 
     void add(const Vector3d& a, const Vector3d& b, int halvings = 10) {
-        // Of the middle weight over the outer ones' mean: below it the parameter runs too unevenly.
-        constexpr double smallest_shoulder = 0.5;
+        // Of the middle weight over the outer ones' mean: elsewhere the parameter runs too unevenly.
+        constexpr double smallest_shoulder = 0.5, largest_shoulder = 4;
         const Section& section = *sections_[first_];
         if (section.through_apex()) return add_line(a, b);
         const Section::Quadratics q = between(section, a, b);
-        const double v = 0.5 * (q.from.y() + q.to.y()), vv = q.from.y() * q.to.y();
-        if (q.m[1] < smallest_shoulder * std::sqrt(q.m[0] * q.m[2]) && halvings > 0) {
-            const Vector3d middle = section.point(0.25 * (q.m[0] + 2 * q.m[1] + q.m[2]),
-                                                  0.25 * (q.n[0] + 2 * q.n[1] + q.n[2]), v, v * v);
+        const double shoulder = q.m[1] / std::sqrt(q.m[0] * q.m[2]);
+        if (!(shoulder >= smallest_shoulder && shoulder <= largest_shoulder) && halvings > 0) {
+            // Where the weights of the ends count alike.
+            const double t = 1 / (1 + std::sqrt(q.m[2] / q.m[0])), s = 1 - t;
+            const auto at = [&](const std::array<double, 3>& c) {
+                return s * s * c[0] + 2 * s * t * c[1] + t * t * c[2];
+            };
+            const double v = s * q.from.y() + t * q.to.y();
+            const Vector3d middle = section.point(at(q.m), at(q.n), v, v * v);
             add(a, middle, halvings - 1);
             add(middle, b, halvings - 1);
             return;
         }
+        const double v = 0.5 * (q.from.y() + q.to.y()), vv = q.from.y() * q.to.y();
         MixedSpan span;
         span.degree = 2;
         span.points[0] << a, q.m[0];

@@ -76,6 +76,30 @@ public:
         return result;
     }
 
+    /// The range of the curve's length: from its chord's to its control polygon's, which crosses no plane less often than
+    /// the curve does [Cauchy-Crofton]. Pre: positive weights, otherwise the upper end is infinite.
+    std::array<double, 2> length_range() const {
+        // Powers about t = -1, whose differences are those of the control points but for a binomial.
+        std::array<Eigen::Vector4d, largest_degree + 1> b = a_;
+        for (int k = 0; k < degree_; ++k)
+            for (int i = degree_ - 1; i >= k; --i) b[i] -= b[i + 1];
+        double scale = 1, binomial = 1;
+        for (int k = 0; k <= degree_; ++k) {
+            b[k] *= scale / binomial;
+            scale *= 2;
+            binomial *= static_cast<double>(degree_ - k) / (k + 1);
+        }
+        for (int level = 0; level < degree_; ++level)
+            for (int k = degree_; k > level; --k) b[k] += b[k - 1];
+        double polygon = 0;
+        for (int k = 0; k <= degree_; ++k) {
+            if (!(b[k].w() > 0)) return {0, std::numeric_limits<double>::infinity()};
+            b[k] /= b[k].w();
+            if (k > 0) polygon += (b[k] - b[k - 1]).norm();
+        }
+        return {(b[degree_] - b[0]).norm(), polygon};
+    }
+
     template <class T>
     SpanPoint<T> at(const T& t) const {
         std::array<T, 4> p, d;
@@ -129,8 +153,15 @@ void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Int
         good = good && bounds[k].magnitude() <= largest_growth * size[k] + std::numeric_limits<double>::min();
     if (!good && may_halve) return integrate_halves();
     for (std::size_t k = 0; k < N; ++k) {
-        // Where halving ended without a bound, the whole part.
-        const double truncation = good ? 2 * quadrature::truncation * bounds[k].magnitude() : 2 * size[k];
+        double truncation = 2 * quadrature::truncation * bounds[k].magnitude();
+        // Where halving ended without a bound, what is known of the whole part.
+        if (!good) {
+            truncation = 2 * size[k];
+            if constexpr (requires { integrand.range(span); }) {
+                const std::array<double, 2> range = integrand.range(span);
+                truncation = std::max({0.0, value[k] - range[0], range[1] - value[k]});
+            }
+        }
         sum[k] += {value[k], truncation + term_rounding * size[k]};
     }
 }
@@ -147,6 +178,7 @@ struct LengthIntegrand {
         return {sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1)};
     }
     std::array<double, 1> sizes(const SpanPoint<double>& p) const { return (*this)(p); }
+    static std::array<double, 2> range(const PowerSpan& span) { return span.length_range(); }
 };
 
 /// The length of a span, with its proven bound.

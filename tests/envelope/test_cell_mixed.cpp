@@ -163,6 +163,18 @@ TEST_CASE("mixed cell: an upright cylinder beside the region has a circular cone
         }
 }
 
+TEST_CASE("mixed cell: the edge on a side next to an axis, all but two lines") {
+    const double beside = 1e-6;
+    const Scene scene = scene_of({Cylinder{{1 + beside, 0.25, 0}, {-8.7e-6, -3.9e-6, 1}, 0}}, 2);
+    const Cell cell = voronoi_cell(scene);
+    const auto edges = edges_between(cell, Site::object(0), Site::box_side(1));
+    REQUIRE(edges.size() == 1);
+    CHECK(edges[0]->kind == CurveKind::Hyperbola);
+    // Its height is the distance from the axis's foot, but for the axis's lean and distance.
+    CHECK(std::abs(edges[0]->length - std::numbers::sqrt2 * (1.25 + 0.75)) <= 1e-4);
+    CHECK(edges[0]->length_error < 1e-6);
+}
+
 TEST_CASE("mixed cell: plane sections of an elliptic cone are named by exact signs") {
     // Axis (3, 0, 4) / 5 through the apex's foot; a plane of slope g along x has the eccentricity |4 g + 3|
     // / 5.
