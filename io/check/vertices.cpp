@@ -190,9 +190,9 @@ private:
             if (decide(i, conditions, place, false)) return;
         }
         // Wide arithmetic: many roundings closer, where doubles leave a question open.
-        const auto finer = enclose(wide_, three, v.point, reach(), 16);
+        const auto finer = enclose(wide(), three, v.point, reach(), 16);
         if (!finer) return judge_touching(i, conditions);
-        const Place<Wide> place{wide_, finer->box(), finer->distance(v.point)};
+        const Place<Wide> place{wide(), finer->box(), finer->distance(v.point)};
         decide(i, conditions, place, true);
     }
 
@@ -354,7 +354,13 @@ private:
               fmt::format("bisectors touch: {} sites tie, verified to {:.3g}", v.sites.size(), width));
     }
 
-    Space<Wide> wide_{scene_};
+    /// Made where it is asked for: few cells need it.
+    const Space<Wide>& wide() {
+        if (!wide_) wide_.emplace(scene_);
+        return *wide_;
+    }
+
+    std::optional<Space<Wide>> wide_;
     std::vector<Condition> conditions_;  // of the vertex under judgement
     mutable std::vector<Condition> rivals_;
 };
