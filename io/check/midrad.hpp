@@ -59,6 +59,10 @@ public:
     }
     MidRad& operator+=(const MidRad& o) { return *this = *this + o; }
 
+    /// Halves are exact, or off by half the least double.
+    friend MidRad mean(const MidRad& a, const MidRad& b) {
+        return rounded(0.5 * (a.mid_ + b.mid_), 0.5 * (a.radius_ + b.radius_));
+    }
     friend MidRad square(const MidRad& a) {
         return rounded(a.mid_ * a.mid_, a.radius_ * (2 * std::abs(a.mid_) + a.radius_));
     }

@@ -1,5 +1,9 @@
 #include "nets.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace vcell::check {
 
 Net::Net(const RationalPatch& patch, const Vec3& origin) : Net(patch.degree_u, patch.degree_v, origin) {
@@ -30,10 +34,45 @@ Vector<Interval> Net::position(const Point& p) const {
     return x;
 }
 
+namespace {
+
+/// The least interval that holds some by midpoint and radius, rounded outward once: rounding keeps their order.
+class Hull {
+public:
+    void meet(double mid, double radius) {
+        if (!(radius < HUGE_VAL)) {
+            lo_ = -HUGE_VAL;
+            hi_ = HUGE_VAL;
+            return;
+        }
+        lo_ = std::min(lo_, mid - radius);
+        hi_ = std::max(hi_, mid + radius);
+    }
+    void meet(const MidRad& x) { meet(x.mid(), x.radius()); }
+    Interval enclosure() const { return {Interval::down(lo_), Interval::up(hi_)}; }
+
+private:
+    double lo_ = HUGE_VAL, hi_ = -HUGE_VAL;
+};
+
+}  // namespace
+
+// Where p is within r of its midpoint p0 and w within v of w0, p / w - p0 / w0 = ((p - p0) - (p0 / w0) (w - w0)) / w.
+// The quotient's midpoint goes through two roundings, and the sum with the origin through one.
 const Vector<Interval>& Net::box() const {
     if (has_box_) return box_;
-    box_ = position(points_[0]);
-    for (std::size_t i = 1; i < points_.size(); ++i) box_ = hull(box_, position(points_[i]));
+    std::array<Hull, 3> all;
+    for (const Point& p : points_) {
+        const double w = p[3].mid(), rest = w - p[3].radius(), share = 1 / w;
+        const double per_rest = rest > 0 ? (1 + 0x1p-40) / rest : HUGE_VAL, quotient = w == 1 ? 0 : 0x1p-51;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double q = share * p[k].mid(), x = q + origin_[static_cast<Eigen::Index>(k)];
+            const double radius = (p[k].radius() + std::abs(q) * p[3].radius()) * per_rest + quotient * std::abs(q) +
+                                  0x1p-52 * std::abs(x) + std::numeric_limits<double>::min();
+            all[k].meet(x, radius);
+        }
+    }
+    for (std::size_t k = 0; k < 3; ++k) box_[k] = all[k].enclosure();
     has_box_ = true;
     return box_;
 }
@@ -48,30 +87,29 @@ const Sizes& Net::sizes() const {
 
 // x' = (N' - w' x) / w, with x about the middle of the net, where it is smallest.
 Vector<Interval> Net::derivative(int axis) const {
-    const int degree = axis == 0 ? m_ : n_;
+    const int degree = axis == 0 ? m_ : n_, step = axis == 0 ? n_ + 1 : 1;
+    if (degree == 0) return {};
     const Vector<Interval>& whole = box();
     const Vec3 center = middle(whole) - origin_;
-    const auto about = [&](const Point& p) {
-        return Point{p[0] - center[0] * p[3], p[1] - center[1] * p[3], p[2] - center[2] * p[3], p[3]};
-    };
-    std::array<Interval, 4> slope;
-    Interval weight = at(0, 0)[3].enclosure();
-    bool first = true;
+    std::array<Hull, 4> slopes;
+    Hull weights;
+    const Point* to = points_.data();
     for (int i = 0; i <= m_; ++i)
-        for (int j = 0; j <= n_; ++j) {
-            weight = hull(weight, at(i, j)[3].enclosure());
+        for (int j = 0; j <= n_; ++j, ++to) {
+            weights.meet((*to)[3]);
             if ((axis == 0 ? i : j) == 0) continue;
-            const Point to = about(at(i, j)), from = about(axis == 0 ? at(i - 1, j) : at(i, j - 1));
-            for (std::size_t k = 0; k < 4; ++k) {
-                const Interval d = (static_cast<double>(degree) * (to[k] - from[k])).enclosure();
-                slope[k] = first ? d : hull(slope[k], d);
-            }
-            first = false;
+            const Point& from = *(to - step);
+            const MidRad weight = (*to)[3] - from[3];
+            for (std::size_t k = 0; k < 3; ++k)
+                slopes[k].meet((*to)[k] - from[k] - center[static_cast<Eigen::Index>(k)] * weight);
+            slopes[3].meet(weight);
         }
+    const auto slope = [&](std::size_t k) { return static_cast<double>(degree) * slopes[k].enclosure(); };
+    const Interval weight = weights.enclosure(), of_weight = slope(3);
     Vector<Interval> result;
     for (std::size_t k = 0; k < 3; ++k) {
-        const Interval x = whole[k] - origin_[k] - center[k];
-        result[k] = (slope[k] - slope[3] * x) / weight;
+        const auto at = static_cast<Eigen::Index>(k);
+        result[k] = (slope(k) - of_weight * (whole[k] - origin_[at] - center[at])) / weight;
     }
     return result;
 }
@@ -79,16 +117,15 @@ Vector<Interval> Net::derivative(int axis) const {
 std::array<Net, 2> Net::halves(int axis) const {
     std::array<Net, 2> h{*this, *this};
     const int n = axis == 0 ? m_ : n_, lines = axis == 0 ? n_ : m_;
-    const auto point = [axis](Net& net, int line, int i) -> Point& {
-        return axis == 0 ? net.at(i, line) : net.at(line, i);
-    };
-    for (int line = 0; line <= lines; ++line)
+    const int step = axis == 0 ? n_ + 1 : 1, next_line = axis == 0 ? 1 : n_ + 1;
+    Point *first = &h[0].at(0, 0), *second = &h[1].at(0, 0);
+    for (int line = 0; line <= lines; ++line, first += next_line, second += next_line)
         for (int k = 0; k <= n; ++k) {
-            point(h[0], line, k) = point(h[1], line, 0);
+            first[k * step] = second[0];
             for (int i = 0; i < n - k; ++i) {
-                Point& p = point(h[1], line, i);
-                const Point& q = point(h[1], line, i + 1);
-                for (std::size_t c = 0; c < 4; ++c) p[c] = 0.5 * (p[c] + q[c]);
+                Point& p = second[i * step];
+                const Point& q = second[(i + 1) * step];
+                for (std::size_t c = 0; c < 4; ++c) p[c] = mean(p[c], q[c]);
             }
         }
     return h;

@@ -39,7 +39,7 @@ std::array<Span<Dim>, 2> halves(const Span<Dim>& span) {
         h[0].points[k] = h[1].points[0];
         for (int i = 0; i < d - k; ++i)
             for (std::size_t c = 0; c <= Dim; ++c)
-                h[1].points[i][c] = 0.5 * (h[1].points[i][c] + h[1].points[i + 1][c]);
+                h[1].points[i][c] = mean(h[1].points[i][c], h[1].points[i + 1][c]);
     }
     return h;
 }
