@@ -45,6 +45,27 @@ double least_value(const Coefficients& c, int m, int n, int depth) {
     return std::min(least_value(first, m, n, depth - 1), least_value(second, m, n, depth - 1));
 }
 
+/// binomial(m, i) binomial(n, j), at i (n + 1) + j, by m and n. Known to the compiler: few cells have as many edges as
+/// entries.
+template <int Most>
+struct ProductsOfBinomials {
+    static constexpr std::size_t count = Most + 1;
+    std::array<std::array<std::array<double, count * count>, count>, count> of{};
+
+    constexpr ProductsOfBinomials() {
+        std::array<std::array<double, count>, count> pascal{};
+        for (std::size_t n = 0; n < count; ++n)
+            for (std::size_t k = 0; k <= n; ++k)
+                pascal[n][k] = k == 0 || k == n ? 1 : pascal[n - 1][k - 1] + pascal[n - 1][k];
+        for (std::size_t m = 0; m < count; ++m)
+            for (std::size_t n = 0; n < count; ++n)
+                for (std::size_t i = 0; i <= m; ++i)
+                    for (std::size_t j = 0; j <= n; ++j) of[m][n][i * (n + 1) + j] = pascal[m][i] * pascal[n][j];
+    }
+};
+constexpr ProductsOfBinomials<kMost> products_of_binomials;
+constexpr ProductsOfBinomials<2 * kMost> products_of_square;
+
 /// Adds sign a^2, a and r Bernstein coefficients times their binomials, of degrees (M, N) and (2 M, 2 N).
 template <int M, int N>
 void add_square(double sign, const double* a, double* r) {
@@ -414,23 +435,23 @@ std::optional<double> TouchingSpheres::largest_square(const Vec3& center, double
 double TouchingSpheres::largest_numerator(const Vec3& center, double radius) const {
     constexpr std::size_t most = (kMost + 1) * (kMost + 1),
                           most_of_square = (2 * kMost + 1) * (2 * kMost + 1);
-    std::array<double, most> scaled;
+    std::array<double, most> scaled{};
     std::array<double, most_of_square> sum;
     const std::size_t count = points_.size(),
                       count_of_square = static_cast<std::size_t>((2 * m_ + 1) * (2 * n_ + 1));
     std::fill_n(sum.begin(), count_of_square, 0.0);
     const Vec3 from = origin_ - center;
     double size = 0, error = 0;
+    const auto m = static_cast<std::size_t>(m_), n = static_cast<std::size_t>(n_);
+    const auto& factors = products_of_binomials.of[m][n];
+    const auto& divisors = products_of_square.of[2 * m][2 * n];
     const auto add = [&](double sign, auto coordinate, double own_error) {
         double largest = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const double x = coordinate(points_[i]);
             largest = std::max(largest, std::abs(x));
-            scaled[i] = x;
+            scaled[i] = x * factors[i];
         }
-        for (int i = 0; i <= m_; ++i)
-            for (int j = 0; j <= n_; ++j)
-                scaled[static_cast<std::size_t>(i * (n_ + 1) + j)] *= binomial(m_, i) * binomial(n_, j);
         size += largest * largest;
         error += own_error * (2 * largest + own_error);
         add_square(m_, n_, sign, scaled.data(), sum.data());
@@ -453,12 +474,10 @@ double TouchingSpheres::largest_numerator(const Vec3& center, double radius) con
         -1, [&](const Point& p) { return p.t + radius * p.w; },
         radius * weight_error_ + 0x1p-52 * (most_clearance + 2 * radius * most_weight_));
     double largest = 0;
-    for (int i = 0; i <= 2 * m_; ++i)
-        for (int j = 0; j <= 2 * n_; ++j) {
-            const double x = std::abs(sum[static_cast<std::size_t>(i * (2 * n_ + 1) + j)]) /
-                             (binomial(2 * m_, i) * binomial(2 * n_, j));
-            if (!(x <= largest)) largest = x;
-        }
+    for (std::size_t i = 0; i < count_of_square; ++i) {
+        const double x = std::abs(sum[i]) / divisors[i];
+        if (!(x <= largest)) largest = x;
+    }
     const double rounding = 0x1p-53 * static_cast<double>(4 * count + 16);
     return (largest + error + rounding * size) * kAbove;
 }
