@@ -43,7 +43,8 @@ private:
         std::ranges::stable_partition(conditions_, is_first);
 
         const Vec3 origin = e.curve.points.front().head<3>();
-        std::vector<Part> parts;
+        std::vector<Part>& parts = parts_;
+        parts.clear();
         if (const auto span = only_span<3>(e.curve, origin))
             parts.push_back(part(Net(*span, origin), 0));
         else
@@ -362,6 +363,7 @@ private:
     double error_ = 0;                   // of the edge under judgement, those of its ends included
     double excess_ = 0;                  // of its two sites, at most
     double distance_ = 0;                // what was proved of it
+    std::vector<Part> parts_;            // of it, one for each span
     std::vector<Condition> rivals_;      // of the part under judgement
     mutable double nearer_ = 0;          // how far from the boundary a site that is a little nearer leaves it
 };

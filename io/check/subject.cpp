@@ -32,8 +32,10 @@ void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certifica
     Patch patch{f, p, &trimmed.surface, geometry.scale(), {}, infinite, -infinite, infinite, -infinite};
     for (const auto& c : trimmed.surface.points)
         patch.control_size = std::max(patch.control_size, c.head<3>().cwiseAbs().maxCoeff());
+    patch.loops.reserve(trimmed.loops.size());
     for (const auto& loop : trimmed.loops) {
         auto& trims = patch.loops.emplace_back();
+        trims.reserve(loop.size());
         for (const TrimCurve& trim : loop) {
             trims.push_back(
                 {&trim, trim.edge ? cell.edges[*trim.edge].error : tolerance(), pieces(trim.curve)});

@@ -184,19 +184,26 @@ private:
         for (const Trim& trim : loop)
             for (const auto& part : trim.pieces) whole.add(part, origin);
         if (const int sign = sign_of(whole)) return sign;
-        std::vector<Bezier<2>> parts;
-        for (const Trim& trim : loop) parts.insert(parts.end(), trim.pieces.begin(), trim.pieces.end());
+        std::vector<Bezier<2>> parts, halves;
         constexpr int most_halvings = 7;
         for (int k = 0; k < most_halvings; ++k) {
-            std::vector<Bezier<2>> halves;
+            halves.clear();
             Polygon finer;
-            for (const auto& part : parts)
+            const auto halve = [&](const Bezier<2>& part) {
                 for (auto& half : part.halves()) {
                     finer.add(half, origin);
                     halves.push_back(std::move(half));
                 }
+            };
+            if (k == 0) {
+                halves.reserve(2 * loop.size());
+                for (const Trim& trim : loop) std::ranges::for_each(trim.pieces, halve);
+            } else {
+                halves.reserve(2 * parts.size());
+                std::ranges::for_each(parts, halve);
+            }
             if (const int sign = sign_of(finer)) return sign;
-            parts = std::move(halves);
+            parts.swap(halves);
         }
         return 0;
     }
