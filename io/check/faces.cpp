@@ -123,7 +123,8 @@ private:
                 return near->distance;
         if (boundary)
             if (const auto distance = distance_inside(patch, whole.net, *boundary)) return distance;
-        std::vector<Tile> tiles{whole};
+        std::vector<Tile> tiles;
+        tiles.push_back(whole);
         double most = 0;
         std::size_t count = 0;
         while (!tiles.empty()) {
@@ -250,8 +251,11 @@ private:
     // --- Nothing nearer -----------------------------------------------------------------------------
 
     bool exclude_others(const std::string& where, const Patch& patch, const Tile& whole) {
-        std::vector<Tile> tiles{whole};
-        tiles.back().rivals = rivals(whole.net);
+        auto found = rivals(whole.net);
+        if (found.empty()) return true;
+        std::vector<Tile> tiles;
+        tiles.push_back(whole);
+        tiles.back().rivals = std::move(found);
         std::size_t count = 0;
         while (!tiles.empty()) {
             Tile tile = std::move(tiles.back());
@@ -337,9 +341,8 @@ private:
             });
         });
         if (tile.rivals.empty()) return;
-        std::erase_if(tile.rivals, [test = Test(*this, tile.net, is_small)](const Rival& rival) {
-            return test(rival.condition);
-        });
+        const Test test(*this, tile.net, is_small);
+        std::erase_if(tile.rivals, [&](const Rival& rival) { return test(rival.condition); });
     }
 
     /// A rival that is nearer at p by more than rounding.
@@ -414,12 +417,22 @@ private:
             const bool balls = are_balls(c);
             const Vector<Interval> gradient =
                 balls ? space.gradient_difference(c, own, box_) : space.gradient(c, box_);
+            const Changes& known = changes();
             const Interval change =
-                magnitude(dot(gradient, net_.derivative(0))) + magnitude(dot(gradient, net_.derivative(1)));
-            const Vector<Interval> corner = net_.corner(0, 0);
-            Interval excess = space.excess(c, corner);
-            if (balls) excess = excess - space.excess(own, corner) - Interval(faces_.width_);
+                magnitude(dot(gradient, known.slopes[0])) + magnitude(dot(gradient, known.slopes[1]));
+            Interval excess = space.excess(c, known.corner);
+            if (balls) excess = excess - space.excess(own, known.corner) - Interval(faces_.width_);
             return (excess - change).lower() >= -faces_.tie_width(c.site);
+        }
+
+        /// Of the tile's points along both parameters, from a corner on: the same for all rivals.
+        struct Changes {
+            std::array<Vector<Interval>, 2> slopes;
+            Vector<Interval> corner;
+        };
+        const Changes& changes() const {
+            if (!changes_) changes_ = Changes{{net_.derivative(0), net_.derivative(1)}, net_.corner(0, 0)};
+            return *changes_;
         }
 
         const Faces& faces_;
@@ -430,6 +443,7 @@ private:
         double radius_;
         Slope base_, own_;
         bool is_small_;
+        mutable std::optional<Changes> changes_;  // made where they are asked for
     };
 
     // --- Inside the trims ---------------------------------------------------------------------------
