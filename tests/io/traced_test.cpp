@@ -34,6 +34,22 @@ long double precise_antiderivative(const Revolved& r, long double b) {
 
 }  // namespace
 
+TEST_CASE("artanh_ratio: plain values are off by no more than the antiderivative's error counts with") {
+    std::mt19937_64 rng(test_seed());
+    for (const double most : {0x1p-9, 0x1p-8, 0.0625, 0.25, 0.4, 0.75, 0.999})
+        for (int k = 0; k < 1000; ++k) {
+            std::uniform_real_distribution<double> number(-most, most);
+            const auto x = Approximate::of([&](std::size_t) { return number(rng); });
+            const Approximate value = artanh_ratio(x);
+            for (std::size_t lane = 0; lane < Approximate::lanes; ++lane) {
+                CAPTURE(x[lane]);
+                if (x[lane] == 0) continue;
+                const long double precise = std::atanh(static_cast<long double>(x[lane])) / x[lane];
+                CHECK(std::abs(value[lane] - precise) <= 0x1p-48 * precise);
+            }
+        }
+}
+
 TEST_CASE("traced: bounds what plain doubles are off by, all over a range") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);

@@ -5,12 +5,53 @@
 #include <random>
 
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/nets.hpp"
 #include "../../io/check/trim_curves.hpp"
 #include "../../io/trims.hpp"
 #include "../test_support.hpp"
 #include "random_scenes.hpp"
 
 namespace vcell::check {
+
+TEST_CASE("nets: boxes and derivatives hold points and slopes, of halves too") {
+    std::mt19937_64 rng(test_seed());
+    const auto number = [&](double lo, double hi) { return std::uniform_real_distribution(lo, hi)(rng); };
+    for (int round = 0; round < 200; ++round) {
+        const Vec3 origin(number(-9, 9), number(-9, 9), number(-9, 9));
+        Net net(2, round % 2 == 0 ? 2 : 0, origin);
+        for (int i = 0; i <= net.degree_s(); ++i)
+            for (int j = 0; j <= net.degree_t(); ++j)
+                net.at(i, j) = {number(-1, 1), number(-1, 1), number(-1, 1), number(0.5, 2)};
+        const std::array halves = net.halves(0);
+        const long double s = number(0, 1), t = number(0, 1);
+        // Of the whole, and in the half that s lies in.
+        const Net& half = halves[s < 0.5L ? 0 : 1];
+        std::array<long double, 4> n{}, dn{};
+        for (int i = 0; i <= net.degree_s(); ++i)
+            for (int j = 0; j <= net.degree_t(); ++j) {
+                const auto basis = [](int d, int k, long double x) -> std::array<long double, 2> {
+                    if (d == 0) return {1, 0};
+                    if (k == 0) return {(1 - x) * (1 - x), -2 * (1 - x)};
+                    if (k == 1) return {2 * x * (1 - x), 2 - 4 * x};
+                    return {x * x, 2 * x};
+                };
+                const auto u = basis(2, i, s), v = basis(net.degree_t(), j, t);
+                for (std::size_t k = 0; k < 4; ++k) {
+                    n[k] += u[0] * v[0] * net.at(i, j)[k].mid();
+                    dn[k] += u[1] * v[0] * net.at(i, j)[k].mid();
+                }
+            }
+        for (std::size_t k = 0; k < 3; ++k) {
+            const long double x = n[k] / n[3] + origin[static_cast<Eigen::Index>(k)],
+                              dx = (dn[k] - dn[3] * n[k] / n[3]) / n[3];
+            CAPTURE(round);
+            CHECK((net.box()[k].lower() <= x && x <= net.box()[k].upper()));
+            CHECK((half.box()[k].lower() <= x && x <= half.box()[k].upper()));
+            CHECK((net.derivative(0)[k].lower() <= dx && dx <= net.derivative(0)[k].upper()));
+            CHECK((half.derivative(0)[k].lower() <= dx / 2 && dx / 2 <= half.derivative(0)[k].upper()));
+        }
+    }
+}
 
 TEST_CASE("trimming curves: the bound of their gaps is none too small, and not much too large") {
     std::mt19937_64 rng(test_seed());
