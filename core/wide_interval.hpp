@@ -123,7 +123,19 @@ public:
 
 private:
     static Float infinity() { return std::numeric_limits<Float>::infinity(); }
-    static Float root(const Float& x) { return isinf(x) ? x : Float(sqrt(x)); }
+    // Within 1.6 u: Newton's method for y = 1 / sqrt(m), x = m 2^e, doubles the digits of a double until half of
+    // all are known. With r = m y, y (m - r^2) / 2 brings the others; there only the roundings of r^2 and of the sum
+    // count.
+    static Float root(const Float& x) {
+        if (x == 0 || isinf(x)) return x;
+        const int e = exponent_above(x) & ~1;
+        const Float m = ldexp(x, -e);
+        Float y = 1 / std::sqrt(m.template convert_to<double>());
+        for (int known = 50; known < Bits / 2 + 8; known = 2 * known - 2)
+            y += ldexp(Float(y * (1 - m * y * y)), -1);
+        const Float r = m * y;
+        return ldexp(Float(r + ldexp(Float(y * (m - r * r)), -1)), e / 2);
+    }
 
     // Bounds are zero or of magnitude 2^(+-exponent_limit) at most, give or take one rounding. So no
     // operation on them leaves the exponent range (about 2^(+-2^30)), and it yields zero only when its
