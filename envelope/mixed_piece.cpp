@@ -135,6 +135,7 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::s
 }
 
 std::optional<double> MixedAnalysis::steepness_across(double along_x, double along_y) const {
+    if (normals_) return std::nullopt;  // supports bound no gradients of forms alone
     double x = 0, y = 0;
     for (std::size_t i = 0; i < spreads_.size(); ++i)
         for (std::size_t j = 0; j < std::min(i, most_compared_in_pairs); ++j) {
