@@ -141,7 +141,7 @@ public:
         return finish();
     }
 
-    static constexpr double circumference = 4;  // of a cylinder in half-angle coordinates
+    static constexpr double circumference = MixedAnalysis::circumference;
 
 private:
     std::vector<FormId> all_forms() const {
@@ -352,9 +352,11 @@ private:
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             return solve(part.piece, candidates, share, 0);
         const double size = extent(r) / analysis_.extent_at({r.x0, r.x1}, {r.y0, r.y1});
-        const bool at_floor = size <= MixedAnalysis::floor_width;
+        const bool at_floor = size <= MixedAnalysis::floor_width,
+                   is_small = extent(r) <=
+                              MixedAnalysis::tie_width * analysis_.tie_extent_at({r.x0, r.x1}, {r.y0, r.y1});
         if (candidates.size() <= most_competitors ||
-            (size <= MixedAnalysis::tie_width && candidates.size() <= most_tied) || size <= MixedAnalysis::node_width) {
+            (is_small && candidates.size() <= most_tied) || size <= MixedAnalysis::node_width) {
             if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
                 done_ += share;
                 if (options_.progress) options_.progress(done_);

@@ -648,7 +648,8 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
         if (work.width < sharp_width * work.extent) cull_sharply(work);
         plain = bends && is_plain(work);
     }
-    const bool near_tie = !plain && work.rivals.size() > 1 && work.width <= tie_width * work.extent;
+    const bool near_tie =
+        !plain && work.rivals.size() > 1 && work.width <= tie_width * tie_extent_at({x0, x1}, {y0, y1});
     if (!plain && !near_tie && !at_floor) return std::nullopt;
     ++decisions_.by_interval;
 

@@ -133,6 +133,8 @@ public:
     /// As floor_width, along a side, where no more than one direction has to be told apart.
     static constexpr double side_floor_width = 0x1p-44;
 
+    static constexpr double circumference = 4;  // of a cylinder in half-angle coordinates
+
     MixedAnalysis(const FormFamily& family, double extent);
 
     /// What widths about a place are parts of: the region's extent. Over a sphere, whose chart reaches the farther the
@@ -141,6 +143,13 @@ public:
         if (!supports_) return extent_;
         const auto least = [](const Interval& i) { return std::max({0.0, i.lower(), -i.upper()}); };
         return std::min(extent_, 2 * (1 + least(x) * least(x) + least(y) * least(y)));
+    }
+
+    /// What tie_width is a part of: the same, but over a cylinder no more than its circumference. Otherwise all
+    /// pieces of a long one would count as small, and be asked for ties that are not there.
+    double tie_extent_at(const Interval& x, const Interval& y) const {
+        const double extent = extent_at(x, y);
+        return heights_.family().chart == RadialChart::HalfAngle ? std::min(extent, circumference) : extent;
     }
 
     const Heights& heights() const { return heights_; }
