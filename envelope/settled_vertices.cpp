@@ -103,7 +103,15 @@ public:
         if (!best) return;
         vertex.point = best->point;
         vertex.error = best->error;
-        set_height(vertex, first);
+        vertex.height_error = std::numeric_limits<double>::infinity();  // that height was another point's
+        settle_height(v);
+    }
+
+    // Where all meet, the form that is flattest tells the height best.
+    void settle_height(VertexId v) {
+        MinimizationDiagram::Vertex& vertex = diagram_.vertices[v];
+        for (const FormId f : diagram_.label(v))
+            if (diagram_.is_circular(f)) set_height(vertex, family_.exact(f));
     }
 
 private:
@@ -117,8 +125,10 @@ private:
         const Interval height = over_W(f.K * (x * x + y * y) + f.A * x + f.B * y + f.C),
                        slope = sqrt(square(over_W(two * f.K * x + f.A)) + square(over_W(two * f.K * y + f.B)));
         const Interval e(vertex.error);
+        const double error = (height.radius() + e * (slope + e * over_W(f.K).magnitude())).upper();
+        if (!(error < vertex.height_error)) return;
         vertex.height = height.mid();
-        vertex.height_error = (height.radius() + e * (slope + e * over_W(f.K).magnitude())).upper();
+        vertex.height_error = error;
     }
 
     const FormFamily& family_;
@@ -132,6 +142,7 @@ void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram) {
     for (const VertexId v : diagram.vertices.ids()) {
         const MinimizationDiagram::Vertex& vertex = diagram.vertices[v];
         if (!is_settled(vertex, vertex.error)) settler.settle(v);
+        if (!is_settled(vertex, vertex.height_error)) settler.settle_height(v);
     }
 }
 

@@ -9,7 +9,8 @@
 namespace vcell {
 
 /// Finds vertices again that are known by far fewer digits than doubles have, from exact residuals. A vertex at which
-/// no three curves are told apart, or that is not of circular forms alone, stays as it is.
+/// no three curves are told apart, or that is not of circular forms alone, stays where it is. A
+/// height that is known by few digits is found again on the circular form that is flattest there.
 void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram);
 
 /// (A, B) of f - g = K |p|^2 + A x + B y + ... about p, to rounding, times a positive factor.
