@@ -30,7 +30,7 @@ public:
           arcs_(problem.family, diagram),
           mixed_(problem, diagram, tolerance) {}
 
-    Cell lift(bool with_measures) {
+    LiftedCell lift(bool with_measures) {
         add_vertices();
         add_edges();
         add_faces();
@@ -42,7 +42,10 @@ public:
         }
         cell_.report.decisions = diagram_.decisions;
         cell_.report.decisions += arcs_.decisions();
-        return std::move(cell_);
+        IdVector<EdgeId, double> positions;
+        positions.reserve(cell_.edges.size());
+        for (const CellEdge& e : cell_.edges) positions.push_back(e.error);
+        return {std::move(cell_), std::move(positions)};
     }
 
 private:
@@ -447,8 +450,8 @@ private:
 
 }  // namespace
 
-Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
-          bool with_measures) {
+LiftedCell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+                bool with_measures) {
     return Lifter(problem, diagram, tolerance).lift(with_measures);
 }
 

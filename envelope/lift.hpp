@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../primitives/plane_base.hpp"
-#include "cell.hpp"
+#include "lifted_cell.hpp"
 #include "minimization_diagram.hpp"
 
 namespace vcell {
@@ -20,7 +20,7 @@ namespace vcell {
 /// and face i of the cell.
 /// Measures are left out (CellOptions::measure) without `with_measures`.
 /// Pre: diagram is the lower envelope of problem.family over problem.region; tolerance > 0.
-Cell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
-          bool with_measures = true);
+LiftedCell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+                bool with_measures = true);
 
 }  // namespace vcell

@@ -251,7 +251,7 @@ public:
         if (problem_.is_sphere) hyperplanes_ = decltype(hyperplanes_)(problem_.objects.size());
     }
 
-    Cell lift(bool with_measures) {
+    LiftedCell lift(bool with_measures) {
         add_vertices();
         add_kinds();
         add_arcs();
@@ -266,7 +266,7 @@ public:
             rank_neighbors(cell_);
         cell_.report.decisions = diagram_.decisions;
         cell_.report.decisions += decisions_;
-        return std::move(cell_);
+        return {std::move(cell_), std::move(positions_)};
     }
 
 private:
@@ -1583,8 +1583,8 @@ private:
 
 }  // namespace
 
-Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
-          bool with_measures) {
+LiftedCell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+                bool with_measures) {
     return RadialLifter(problem, diagram, tolerance).lift(with_measures);
 }
 

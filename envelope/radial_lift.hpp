@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../primitives/radial_base.hpp"
-#include "cell.hpp"
+#include "lifted_cell.hpp"
 #include "minimization_diagram.hpp"
 
 namespace vcell {
@@ -22,7 +22,7 @@ namespace vcell {
 /// Everything else (faces of cylinders over a sphere, edges beside them or beside balls and skew cylinders over a
 /// cylinder) has patches of the bisector's rational parametrization and splines within `tolerance` (length) of
 /// the true arc. Pre: diagram is the lower envelope of problem.family over the whole base; tolerance > 0.
-Cell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
-          bool with_measures = true);
+LiftedCell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
+                bool with_measures = true);
 
 }  // namespace vcell

@@ -19,12 +19,17 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector4d;
 
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// A unit vector from a foot, and how far away a centre or axis is about which it turns.
+// A unit vector from a foot, and the way from the centre or axis about which it turns; from a plane none.
 struct Direction {
     Vec3 g = Vec3::Zero();
     double distance = infinity;
+    Vec3 from_center = Vec3::Zero();
+    Vec3 axis = Vec3::Zero();  // a tube's, a unit vector
+    double rounding = 4 * u;   // of g
+    bool is_ball = false, is_tube = false;
     const Vec3* center = nullptr;  // of a ball
 
     // Per length, but for the factor in Row::variation(): nothing of a plane.
@@ -39,21 +44,25 @@ Vec3 unit_direction(const Object& object) {
 }
 
 Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
+    Direction d;
     if (const auto* plane = std::get_if<Plane>(&object)) {
-        return {unit.dot(p - plane->point) < 0 ? Vec3(-unit) : unit};
+        d.g = unit.dot(p - plane->point) < 0 ? Vec3(-unit) : unit;
+        return d;
     }
-    Vec3 m;
-    const Vec3* center = nullptr;
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
-        center = &sphere->center;
-        m = p - sphere->center;
+        d.is_ball = true;
+        d.center = &sphere->center;
+        d.from_center = p - sphere->center;
     } else {
-        const auto& cylinder = std::get<Cylinder>(object);
-        m = p - cylinder.point;
-        m -= unit.dot(m) * unit;
+        d.is_tube = true;
+        d.axis = unit;
+        d.from_center = p - std::get<Cylinder>(object).point;
+        d.from_center -= unit.dot(d.from_center) * unit;
     }
-    const double distance = m.norm();
-    return {distance > 0 ? Vec3(m / distance) : Vec3::UnitZ().eval(), distance, center};
+    d.distance = d.from_center.norm();
+    if (d.is_tube) d.rounding += 4 * u * (p - std::get<Cylinder>(object).point).norm() / d.distance;
+    d.g = d.distance > 0 ? Vec3(d.from_center / d.distance) : Vec3::UnitZ().eval();
+    return d;
 }
 
 // A row of M, and by how much it may change over a length.
@@ -61,48 +70,64 @@ struct Row {
     Vec3 value;
     double nearest = infinity;  // of the distances of its feet's centres and axes
     double turn = 0;            // of its unit vectors in all, per length
-    Direction object{};  // of an object that has one
-    double shift = 2;    // of its equation, in motions
+    Direction object{};         // of an object that has one
+    double shift = 2;           // of its equation, in motions
     bool has_object = false;
+    double rounding = 0;        // of its value
 
     // A vector of length d that moves by r < d turns by an angle whose sine is r / d at most: its unit vector moves by
     // sqrt(2) r / d at most, which 3/2 is above.
-    double variation(double radius) const { return radius < nearest ? 1.5 * turn * radius : infinity; }
+    double variation(double radius) const { return radius < nearest ? 1.5 * turn * radius + rounding : infinity; }
 };
 
-// The row of two objects' difference, in which the base takes no part; between balls its equation has the shift
-// given. From balls at a distance r the unit vectors turn nearly alike where their centres are next to each other: the
-// derivative of m / |m| changes by at most 3 / |m|^2 of their distance.
+// The difference of two unit vectors. They turn nearly alike where centres or axes are next to each other. A derivative
+// is the projection across g, or on t = axis x g of a tube, over the distance |m|. Let centres or axes be `apart` at the
+// point, seen along m, and axes differ by `tilt`; within half the lesser distance h is what is left of either, the ways m
+// differ by b = apart + tilt h at most, g by b / h, t by tilt + b / h, the projections by as much, and 1 / |m| by b / h^2.
+Row difference(const Direction& b, const Direction& a) {
+    Row row{b.g - a.g, std::min(a.distance, b.distance), a.turn() + b.turn()};
+    row.rounding = a.rounding + b.rounding;
+    if (!(a.is_ball && b.is_ball) && !(a.is_tube && b.is_tube)) return row;
+    if (a.is_ball && row.nearest > 0) {
+        // m_b / |m_b| - m_a / |m_a|, of which nothing cancels but in m_b - m_a, the centres' difference.
+        const Vec3 way = *a.center - *b.center;
+        row.value = (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
+        row.rounding = 32 * u * way.norm() / row.nearest;
+    }
+    const double tilt = std::min((b.axis - a.axis).norm(), (b.axis + a.axis).norm());
+    const double half = 0.5 * row.nearest,
+                 apart = (b.from_center - a.from_center).norm() + tilt * half + row.rounding * row.nearest,
+                 turn = (tilt + 2 * apart / half) / half;
+    if (half > 0 && turn < row.turn) {
+        row.nearest = half;
+        row.turn = turn;
+    }
+    return row;
+}
+
+// The row of two objects' difference, in which the base takes no part; between balls its equation has the shift given.
 Row difference(const Row& b, const Row& a, double shift) {
     if (!a.has_object || !b.has_object)
-        return {b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift};
-    Row row{b.object.g - a.object.g, std::min(a.object.distance, b.object.distance), a.object.turn() + b.object.turn(),
-            {}, std::max(a.shift, b.shift)};
-    if (a.object.center != nullptr && b.object.center != nullptr) {
-        row.shift = shift;
-        const double apart = (*b.object.center - *a.object.center).norm();
-        // Within half the distance centres are no nearer than the other half.
-        const double half = 0.5 * (row.nearest - apart);
-        if (half > 0 && 3 * apart < row.turn * half * half) {
-            row.nearest = half;
-            row.turn = 3 * apart / (half * half);
-        }
-    }
+        return {b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift, false,
+                a.rounding + b.rounding};
+    Row row = difference(b.object, a.object);
+    row.shift = a.object.is_ball && b.object.is_ball ? shift : std::max(a.shift, b.shift);
     return row;
 }
 
 class Motion {
 public:
-    Motion(Cell& cell, double moved, double balls_moved)
-        : cell_(cell),
+    Motion(LiftedCell& lifted, double moved, double balls_moved)
+        : cell_(lifted.cell),
+          positions_(lifted.positions),
           moved_(moved),
           between_balls_(2 * balls_moved / moved),
-          most_(cell.scene.box.diagonal()),
+          most_(cell_.scene.box.diagonal()),
           room_(std::sqrt(moved * most_)),
-          equations_(cell.vertices.size()) {
-        base_unit_ = unit_direction(cell.scene.base);
-        units_.reserve(cell.scene.objects.size());
-        for (const Object& object : cell.scene.objects) units_.push_back(unit_direction(object));
+          equations_(cell_.vertices.size()) {
+        base_unit_ = unit_direction(cell_.scene.base);
+        units_.reserve(cell_.scene.objects.size());
+        for (const Object& object : cell_.scene.objects) units_.push_back(unit_direction(object));
         find_equations();
     }
 
@@ -115,7 +140,8 @@ public:
         }
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
             CellEdge& e = cell_.edges[i];
-            e.error = std::min(most_, e.error + of_edge(e, is_rim_[i]));
+            const double position = positions_[EdgeId{static_cast<std::uint32_t>(i)}];
+            e.error = std::min(most_, std::max(e.error, position + of_edge(e, position, is_rim_[i])));
         }
     }
 
@@ -172,8 +198,10 @@ private:
         }
         if (site.kind == Site::Kind::End) return {base_unit_};
         const Direction object = from_foot(cell_.scene.objects[site.index], units_[site.index], p);
-        return {object.g - base.g, std::min(object.distance, base.distance), object.turn() + base.turn(), object, 2,
-                true};
+        Row row = difference(object, base);
+        row.object = object;
+        row.has_object = true;
+        return row;
     }
 
     // The motion by the three equations that tell the point best; none where no bisectors cross.
@@ -231,7 +259,7 @@ private:
         }
     };
 
-    double of_edge(const CellEdge& e, bool is_rim) const {
+    double of_edge(const CellEdge& e, double position, bool is_rim) const {
         const RationalCurve3& c = e.curve;
         const std::array terms{Term{e.sites[0]}, Term{e.sites[1], is_rim}};
         if (stays(terms[0]) && stays(terms[1])) return 0;
@@ -244,7 +272,7 @@ private:
                 const Vector4d& p = c.points[i + k];
                 piece.points[k] << p.w() * p.head<3>(), p.w();
             }
-            most = std::max(most, of_piece(terms, e.error, piece, halvings));
+            most = std::max(most, of_piece(terms, position, piece, halvings));
         }
         return most;
     }
@@ -290,6 +318,7 @@ private:
     static constexpr int most_halvings = 1000;  // of an edge
 
     Cell& cell_;
+    const IdVector<EdgeId, double>& positions_;
     const double moved_;
     const double between_balls_;  // the shift of two balls' difference
     const double most_;
@@ -302,8 +331,8 @@ private:
 
 }  // namespace
 
-void add_scene_motion(Cell& cell, double moved, double balls_moved) {
-    if (moved > 0) Motion(cell, moved, balls_moved).run();
+void add_scene_motion(LiftedCell& lifted, double moved, double balls_moved) {
+    if (moved > 0) Motion(lifted, moved, balls_moved).run();
 }
 
 }  // namespace vcell

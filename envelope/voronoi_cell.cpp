@@ -145,12 +145,13 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    Cell cell = lift(problem, diagram,
-                     decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options.measure);
+    LiftedCell lifted = lift(problem, diagram,
+                             decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options.measure);
+    Cell& cell = lifted.cell;
     drop_isolated_vertices(cell);
     cell.report.moved = std::max(problem.moved, decided.moved);
     cell.scene = std::move(decided.scene);
-    add_scene_motion(cell, cell.report.moved, decided.moved);
+    add_scene_motion(lifted, cell.report.moved, decided.moved);
     // Over a plane all parameters of patches are lengths. Elsewhere some are, and stay in the decided scene's unit.
     scale(cell, decided.unit, std::is_same_v<decltype(problem), PlaneBaseProblem>);
     cell.scene = scene;
@@ -163,7 +164,7 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     for (const Assumption& a : diagram.assumptions)
         warnings.push_back(message(a, "taken to meet in one point over", problem));
     warnings.insert(warnings.begin(), problem.warnings.begin(), problem.warnings.end());
-    return cell;
+    return std::move(cell);
 }
 
 }  // namespace

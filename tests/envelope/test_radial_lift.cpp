@@ -37,7 +37,7 @@ Cell cell_of(const Scene& scene) {
             ? lower_envelope_on_sphere(problem.family)
             : lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1]);
     REQUIRE_FALSE(diagram.dcel.find_defect());
-    Cell cell = lift(problem, diagram, 1e-7 * scene.box.diagonal());
+    Cell cell = lift(problem, diagram, 1e-7 * scene.box.diagonal()).cell;
     cell.scene = scene;
     return cell;
 }

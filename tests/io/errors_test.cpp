@@ -304,6 +304,14 @@ TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state r
     }
 }
 
+TEST_CASE("errors: hostile motion: what a scene moved by moves edges beside a twin of the base ball by as little") {
+    CHECK(largest_edge_error(hostile("planes_beside_twin")) < 1e-7);
+}
+
+TEST_CASE("errors: hostile motion: edges are where they are, however badly their trims are told") {
+    CHECK(largest_edge_error(hostile("needle_beside_plane")) < 1e-5);
+}
+
 TEST_CASE("errors: conics and splines of all bases stay within what they state") {
     const std::array bases{
         Object(Plane{{0, 0, -1}, {0, 0, 1}}), Object(Plane{{0.1, 0, -0.9}, {0.1, -0.2, 1}}),
