@@ -811,8 +811,10 @@ void add_conic(const std::array<Vector4d, 3>& points, const RadialFace& left, co
 
 void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const RadialFace& right,
                  RadialIntegrals& sum) {
-    const Vec3 moment = from.cross(to);
-    const double length = (to - from).norm(), size = term_rounding * moment.norm();
+    // Ends may be next to each other as seen from the centre: what is left of from x to is that of their
+    // difference.
+    const Vec3 along = to - from, moment = from.cross(along);
+    const double length = along.norm(), size = term_rounding * from.norm() * length;
     sum.length += {length, term_rounding * length};
     for (const int side : {0, 1}) {
         const auto& face = std::get<radial_integrals::RoundFace>(side == 0 ? left : right);

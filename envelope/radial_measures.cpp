@@ -192,12 +192,12 @@ private:
         areas_[face].add(sign * side.area.value, side.area.error);
     }
 
-    // What an edge that is off by `error` changes: strips of its length. Of a conic the integrand's own
-    // derivative across the strip counts; elsewhere the gap between the two bisectors, which closes towards
-    // the true edge. Both doubled, and to first order.
+    // What an edge that is off by `error` changes: strips of its length, which may itself be off by as much at
+    // either end. Of a conic the integrand's own derivative across the strip counts; elsewhere the gap between
+    // the two bisectors, which closes towards the true edge. Both doubled, and to first order.
     void add_position_error(double error, std::uint32_t left, std::uint32_t right, const RadialIntegrals& sum,
                             bool is_smooth) {
-        const double length = 2 * sum.length.value;
+        const double length = 2 * sum.length.value + 4 * error;
         if (is_smooth) {
             for (const std::uint32_t side : {left, right}) {
                 const auto& round = std::get<radial_integrals::RoundFace>(faces_[side]);

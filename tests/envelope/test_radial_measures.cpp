@@ -338,6 +338,41 @@ TEST_CASE("radial measures: the length of a conic around a cylinder is within it
     CHECK(checked >= 2);
 }
 
+TEST_CASE("radial measures: faces as small as rounding are no larger than their boundary allows") {
+    // Balls of a cubic lattice, each coordinate up to one unit in the last place off: where eight cells met
+    // there are faces of that size. A flat face is no larger than a disk of its perimeter.
+    std::mt19937 rng(1);
+    std::uniform_int_distribution<int> step(-1, 1);
+    int tiny = 0;
+    for (int repeat = 0; repeat < 20; ++repeat) {
+        std::vector<Object> balls;
+        for (const double x : {-1.0, 0.0, 1.0})
+            for (const double y : {-1.0, 0.0, 1.0})
+                for (const double z : {-1.0, 0.0, 1.0}) {
+                    if (x == 0 && y == 0 && z == 0) continue;
+                    const auto off = [&](double value) { return value * (1 + 0x1p-52 * step(rng)); };
+                    balls.push_back(Sphere{Vec3(off(x), off(y), off(z)), 0.25});
+                }
+        const Cell cell = voronoi_cell(over(Sphere{Vec3::Zero(), 0.25}, balls, cube(2.5)));
+        std::vector<double> perimeters(cell.faces.size());
+        for (std::size_t i = 0; i < cell.faces.size(); ++i)
+            for (const TrimmedPatch& patch : cell.faces[i].patches)
+                for (const auto& loop : patch.loops)
+                    for (const TrimCurve& trim : loop)
+                        if (trim.edge.has_value()) {
+                            const CellEdge& edge = cell.edges[*trim.edge];
+                            perimeters[i] += edge.length + edge.length_error;
+                        }
+        for (std::size_t i = 0; i < cell.faces.size(); ++i) {
+            if (!(perimeters[i] < 1e-9)) continue;
+            ++tiny;
+            CHECK(cell.faces[i].area <=
+                  perimeters[i] * perimeters[i] / (4 * pi) + cell.faces[i].area_error);
+        }
+    }
+    CHECK(tiny > 20);
+}
+
 TEST_CASE("radial measures: a ball between two big ones is a solid of revolution") {
     // t = k / (delta + c z), z the cosine of the angle from the axis, by Simpson's rule.
     for (const double rho : {1.0, 2.5, 3.4}) {
