@@ -71,13 +71,9 @@ public:
     }
     void clear() { size_ = 0; }
     void push_back(const T& item) {
-        if (size_ < capacity_) {
-            std::construct_at(data_ + size_, item);
-        } else {
-            const T copy = item;  // of an element, perhaps
-            grow(2 * capacity_);
-            std::construct_at(data_ + size_, copy);
-        }
+        if (size_ == capacity_) [[unlikely]]
+            return push_back_grown(item);
+        std::construct_at(data_ + size_, item);
         ++size_;
     }
     template <class... Args>
@@ -152,6 +148,11 @@ private:
     }
     void make_room(std::size_t count) {
         if (size_ + count > capacity_) grow(std::max(size_ + count, 2 * capacity_));
+    }
+    void push_back_grown(T item) {  // a copy: of an element, perhaps
+        grow(2 * capacity_);
+        std::construct_at(data_ + size_, item);
+        ++size_;
     }
     void grow(std::size_t capacity) {
         T* const room = std::allocator<T>().allocate(capacity);

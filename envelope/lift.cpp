@@ -255,8 +255,8 @@ private:
 
     void add_edges() {
         cell_.edges.reserve(diagram_.edges.size());
-        Range heights{std::numeric_limits<double>::infinity(), 0};
         for (const EdgeId e : diagram_.edges.ids()) {
+            Range heights{std::numeric_limits<double>::infinity(), 0};
             const MinimizationDiagram::Edge& from = diagram_.edges[e];
             CellEdge edge;
             edge.sites[0] = main_site(from.left);
@@ -276,21 +276,23 @@ private:
                 edge.error = circular_edge_error(e);
             }
             edge.error += motion_back(edge.curve);
+            add_highest(heights[1], edge.error);
             cell_.edges.push_back(std::move(edge));
         }
-        // Every height is convex: over a face it is largest on the face's boundary.
         for (const VertexId v : diagram_.vertices.ids())
-            heights[1] = std::max(heights[1], diagram_.vertices[v].height);
-        max_height_ = heights[1];
+            add_highest(diagram_.vertices[v].height, cell_.vertices[v.value].error);
     }
 
-    // Within an edge's error of the clearance of a point of the true edge.
+    // Every height is convex: over a face it is largest on the face's boundary. A point of the boundary as written is
+    // within `error` of one of the true boundary, and the other way round.
+    void add_highest(double height, double error) {
+        const std::array<double, 3> of_part{height, height - error, height + error};
+        for (int i = 0; i < 3; ++i) highest_[i] = std::max(highest_[i], of_part[i]);
+    }
     void set_max_clearance() {
-        double error = 0;
-        for (const CellVertex& v : cell_.vertices) error = std::max(error, v.error);
-        for (const CellEdge& e : cell_.edges) error = std::max(error, e.error);
-        cell_.measures.max_clearance = max_height_;
-        cell_.measures.max_clearance_error = error + 16 * u * max_height_;
+        const auto [height, least, most] = highest_;
+        cell_.measures.max_clearance = height;
+        cell_.measures.max_clearance_error = std::max(height - least, most - height) + 16 * u * height;
     }
 
     std::vector<TrimCurve> loop(CcbId ccb) const {
@@ -445,7 +447,7 @@ private:
     const ChartArcs arcs_;
     const MixedArcs mixed_;
     Cell cell_;
-    double max_height_ = 0;
+    std::array<double, 3> highest_{};  // of the boundary as written, and bounds of the true one's
 };
 
 }  // namespace
