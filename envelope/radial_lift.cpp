@@ -665,6 +665,7 @@ private:
         const std::size_t count = diagram_.dcel.face_count();
         loops_.resize(count);
         roundings_.resize(count, 0);
+        is_flat_.resize(problem_.objects.size());
         patches_.reserve(count);
         for (const FaceId face : diagram_.face_forms.ids()) {
             const FormId form = diagram_.face_forms[face];
@@ -672,6 +673,7 @@ private:
                 patches_.push_back({});
                 continue;
             }
+            is_flat_[form] = is_flat(problem_, form);
             const std::vector<CcbId>& inner = diagram_.dcel.inner_ccbs(face);
             loops_[face].assign(inner.begin(), inner.end());
             if (const CcbId outer = diagram_.dcel.outer_ccb(face); outer.valid())
@@ -1410,7 +1412,7 @@ private:
         for (const unsigned side : {0u, 1u}) {
             if (side == 1 && edge.on_rim()) continue;
             const FormId form = side == 0 ? edge.left : edge.right;
-            if (is_flat(problem_, form)) continue;
+            if (is_flat_[form]) continue;
             if (!planes) planes = distance_planes(e);
             // Rays that graze the bisector tell little of where a point of it is.
             constexpr double grazing = 64;
@@ -1575,6 +1577,7 @@ private:
     IdVector<FaceId, SmallVector<CcbId, 2>> loops_;  // the outer one first
     IdVector<FaceId, RadialPatch> patches_;
     IdVector<FaceId, double> roundings_;  // of their control points
+    IdVector<FormId, char> is_flat_;      // of forms with a face: is the bisector a plane?
     IdVector<FaceId, bool> wide_;         // Confocal
     IdVector<FaceId, Sectors> sectors_;
     FitEffort effort_;

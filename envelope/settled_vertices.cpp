@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 
 // Is such an error next to nothing against a vertex's coordinates and height? Any larger one is worth exact residuals.
 bool is_settled(const MinimizationDiagram::Vertex& v, double error) {
-    constexpr double enough_digits = 0x1p-36;
+    constexpr double enough_digits = 0x1p-33;
     return error <= enough_digits * (std::abs(v.point.x()) + std::abs(v.point.y()) + std::abs(v.height));
 }
 
@@ -104,7 +104,6 @@ public:
         vertex.point = best->point;
         vertex.error = best->error;
         vertex.height_error = std::numeric_limits<double>::infinity();  // that height was another point's
-        settle_height(v);
     }
 
     // Where all meet, the form that is flattest tells the height best.

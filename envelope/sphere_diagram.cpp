@@ -346,6 +346,7 @@ private:
         edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
         edge.apex.set_level(steepest_);
         edge.is_point = are_one_point(p, q).value_or(false);
+        has_points_ = has_points_ || edge.is_point;
     }
 
     // Are both ends exactly one point? None where there are no exact numbers, of forms that are not the family's. The three
@@ -980,7 +981,7 @@ private:
         for (const auto& [place, f] : faces) {
             Index h = faces_[f].start;
             do {
-                if (edge_map[h >> 1] == none && !edges_[h >> 1].is_point && !add_edge(out, h >> 1, vertex_map, edge_map))
+                if (edge_map[h >> 1] == none && !is_within_point(h) && !add_edge(out, h >> 1, vertex_map, edge_map))
                     return std::nullopt;
                 h = half_edges_[h].next;
             } while (h != faces_[f].start);
@@ -992,13 +993,13 @@ private:
         const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
         for (const auto& [place, f] : faces) {
             for_cycle(f, [&](Index h) {
-                if (edges_[h >> 1].is_point) return;
+                if (is_within_point(h)) return;
                 Index next = half_edges_[h].next;
-                while (edges_[next >> 1].is_point) next = half_edges_[next].next;
+                while (is_within_point(next)) next = half_edges_[next].next;
                 out.dcel.link(half_edge(h), half_edge(next));
             });
             Index start = faces_[f].start;
-            while (edges_[start >> 1].is_point) start = half_edges_[start].next;
+            while (is_within_point(start)) start = half_edges_[start].next;
             if (f == pole_face)
                 out.dcel.add_inner_ccb(Dcel::unbounded_face(), half_edge(start));
             else
@@ -1010,9 +1011,11 @@ private:
         return out;
     }
 
+    // Edges are looked at only where any of them is a point.
+    bool is_within_point(Index h) const { return has_points_ && edges_[h >> 1].is_point; }
     bool is_point(Index face) const {
-        bool is = true;
-        for_cycle(face, [&](Index h) { is = is && edges_[h >> 1].is_point; });
+        bool is = has_points_;
+        if (is) for_cycle(face, [&](Index h) { is = is && is_within_point(h); });
         return is;
     }
 
@@ -1119,6 +1122,7 @@ private:
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
     SomeIndices free_vertices_, free_edges_;
+    bool has_points_ = false;  // among the edges
     SomeIndices alive_faces_;  // as long as there is no tree
     double top_ = HUGE_VAL;    // the diagram is nowhere higher
     bool is_top_known_ = false;
