@@ -192,10 +192,16 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
 // direction changes by d, t changes by t |d| / |s| at most; where the height does, by |n_y| / |s| of that.
 double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, bool is_sphere) {
     double most = 0;
+    if (is_sphere) {
+        for (const ConicSpan& span : spans)
+            most = std::max({most, span.from.w(), span.middle.w() / span.weight, span.to.w()});
+        const double least = std::abs(plane.k) * (1 - rounding);
+        return least > 0 ? 1 + most / least : infinity;
+    }
     for (const ConicSpan& span : spans) {
         bool is_turned = false;  // at the first point
         for (const Vector4d* X : {&span.from, &span.middle, &span.to}) {
-            const double reach = is_sphere ? 0 : plane.normal.y() * X->y(),
+            const double reach = plane.normal.y() * X->y(),
                          at_axis = X == &span.middle ? span.weight * plane.k : plane.k, k = at_axis - reach,
                          least = std::abs(k) - rounding * (std::abs(at_axis) + std::abs(reach));
             if (X == &span.from) is_turned = !(k > 0);
