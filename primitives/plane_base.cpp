@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -300,6 +301,59 @@ std::vector<Site> sides_through(const Plane& base, const Box& box, Site first, S
         if (height.sign() == Sign::Zero) sides.push_back(third);
     }
     return sides;
+}
+
+// The point of the base on two sides of the box, times a positive factor: exact in world coordinates.
+struct WorldPoint {
+    ExactVector p;
+    Exact factor;
+};
+WorldPoint world_corner(const Plane& base, const Box& box, Site first, Site second) {
+    const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
+    const Exact turn(base.normal[k] < 0 ? -1.0 : 1.0), n = turn * base.normal[k];
+    std::array<Exact, 3> p;
+    p[k] = n * Exact(base.point[k]);
+    for (const Site side : {first, second}) {
+        const std::uint32_t axis = side.index / 2;
+        const Exact place(place_of(box, side));
+        p[axis] = n * place;
+        p[k] -= turn * base.normal[axis] * (place - base.point[axis]);
+    }
+    return {{p[0], p[1], p[2]}, n};
+}
+
+// Sign of the least of |a x (p - q)|^2 - (rho |a|)^2 over the base's region, q on the cylinder's axis. It is convex: least
+// where the axis meets the base, if that is inside, or else on a side. Exact in world coordinates.
+Sign lowest_in_world(const Cylinder& cylinder, const Plane& base, const Box& box, std::span<const WorldPoint> corners) {
+    const ExactVector a(cylinder.axis), q(cylinder.point), n(base.normal), b(base.point);
+    const Exact square = Exact(cylinder.radius) * cylinder.radius * dot(a, a);
+    Sign best = Sign::Positive;
+    const auto consider = [&](const Exact& value) { best = std::min(best, value.sign()); };
+    if (const Exact slope = dot(n, a); slope.sign() != Sign::Zero) {
+        // q + t a with t = n.(b - q) / n.a.
+        const Exact along = dot(n, b - q);
+        const Exact turn(slope.sign() == Sign::Negative ? -1.0 : 1.0);
+        const ExactVector from_q = along * a;
+        const std::array<Exact, 3> at{from_q.x, from_q.y, from_q.z};
+        bool is_inside = true;
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double bound : {box.min[axis], box.max[axis]}) {
+                const Exact beyond = turn * (at[axis] - slope * (Exact(bound) - cylinder.point[axis]));
+                is_inside = is_inside && (bound == box.min[axis] ? beyond : -beyond).sign() != Sign::Negative;
+            }
+        if (is_inside) consider(-square);
+    }
+    const auto polar = [&](const WorldPoint& p, const WorldPoint& r) {
+        return dot(cross(a, p.p - p.factor * q), cross(a, r.p - r.factor * q)) - square * p.factor * r.factor;
+    };
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        // As in Region::lowest().
+        const WorldPoint &p = corners[i], &r = corners[(i + 1) % corners.size()];
+        const Exact pp = polar(p, p), pr = polar(p, r);
+        consider(pp);
+        if (pr.sign() == Sign::Negative) consider(pp * polar(r, r) - pr * pr);
+    }
+    return best;
 }
 
 // ---- Objects against the region ---------------------------------------------------------------------
@@ -649,6 +703,14 @@ private:
         placed_planes_.push_back(h);
     }
 
+    const std::vector<WorldPoint>& world_corners() {
+        if (world_corners_.empty())
+            for (std::size_t i = 0; i < sides_.size(); ++i)
+                world_corners_.push_back(world_corner(
+                    base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
+        return world_corners_;
+    }
+
     static CylinderForm world_form(const Cylinder& cylinder) {
         const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
         return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
@@ -675,7 +737,10 @@ private:
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const CylinderForm form = form_of(i);
         const CylinderTrace trace = trace_on_base(form);
-        const Sign clear = region_.lowest(trace, Exact());
+        Sign clear = region_.lowest(trace, Exact());
+        // A base that has turned by rounding may part from what touches it in the scene.
+        if (!frame_->is_exact())
+            clear = std::min(clear, lowest_in_world(cylinder, base_, scene_.box, world_corners()));
         if (clear != Sign::Positive) fail_touching(i, -clear, region_.lowest_point(trace));
         const bool is_level =
             dot(ExactVector(cylinder.axis), ExactVector(base_.normal)).sign() == Sign::Zero;
@@ -884,6 +949,7 @@ private:
     const std::shared_ptr<const PlaneFrame> frame_;
     const std::array<BoxSide, 6>& box_;
     const std::vector<RegionSide> sides_;
+    std::vector<WorldPoint> world_corners_;  // of the region, once a cylinder asks for them
     const Region region_;
     const double unit_;
 

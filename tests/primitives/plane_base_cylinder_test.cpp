@@ -133,6 +133,38 @@ TEST_CASE("cylinders: the height's point is equally far from base and cylinder")
     CHECK(tried > 100);
 }
 
+TEST_CASE("cylinders: over a base whose normal has no length in doubles, touching is what it is in the scene") {
+    // Lines through a point of a side of the region, and past it.
+    int tried = 0;
+    for (const Vec3& normal : {Vec3(-1, -1, 1), Vec3(1, 2, -2.5), Vec3(3, -1, 1), Vec3(0.5, 0.25, 1)})
+        for (const double y : {-2.0, -0.5, 0.0, 1.0, 2.5})
+            for (const Vec3& along : {Vec3(1, 1, 0), Vec3(1, 0, 3), Vec3(-2, 1, 1)})
+                for (const double beyond : {0.0, 0x1p-30}) {
+                    // On the base, x = 3 or a little more; z is exact where its digits are few.
+                    const double x = 3 + beyond, z = -(normal.x() * x + normal.y() * y) / normal.z();
+                    if (std::abs(z) >= 3 || Exact(z) * normal.z() != -(Exact(normal.x()) * x + Exact(normal.y()) * y))
+                        continue;
+                    if (normal.dot(along) == 0) continue;
+                    Scene scene;
+                    scene.base = Plane{{0, 0, 0}, normal};
+                    scene.objects = {Cylinder{{x, y, z}, along, 0}};
+                    scene.box = {Vec3::Constant(-3), Vec3::Constant(3)};
+                    std::string what = "accepted";
+                    try {
+                        plane_base_problem(scene);
+                    } catch (const InputError& error) {
+                        CHECK(error.kind == Kind::TouchesBase);
+                        what = error.what();
+                    }
+                    ++tried;
+                    if (beyond == 0)
+                        CHECK(what.find("touches the base region at (") != std::string::npos);
+                    else
+                        CHECK(what == "accepted");
+                }
+    CHECK(tried > 40);
+}
+
 TEST_CASE("cylinders: cutting and touching the base region is exact to the last bit") {
     const auto below = [](double x) { return std::nextafter(x, 0.0); };
     // Parallel to the base, above it; and with its lowest line at a corner or along a side.
