@@ -14,6 +14,8 @@ constexpr double split_ratio = 0.48643;
 constexpr int most_sectors = 2000;
 // Arms are enclosed in sectors of this part of the line between two corners, or as narrow as the set allows.
 constexpr double narrow_sector = 0x1p-5;
+// Narrower ones are none in doubles, but where the line starts.
+constexpr double least_sector = 0x1p-53;
 
 class FanSearch {
 public:
@@ -76,7 +78,7 @@ private:
             }
         }
         const double middle = lo + split_ratio * (hi - lo);
-        return middle > lo && middle < hi && search(lo, middle, lowest) && search(middle, hi, lowest);
+        return hi - lo > least_sector && search(lo, middle, lowest) && search(middle, hi, lowest);
     }
     // In two adjacent sectors one form is lowest.
     bool enter(std::size_t i) {
