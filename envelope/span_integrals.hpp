@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "complex_ball.hpp"
@@ -102,19 +103,33 @@ public:
 
     template <class T>
     SpanPoint<T> at(const T& t) const {
+        // From the span's middle on: of disks a quotient's numerator and weight would otherwise part as far as the curve
+        // is from the origin.
+        constexpr bool is_disk = !std::is_same_v<T, double>;
+        Eigen::Vector3d middle;
+        if constexpr (is_disk) middle = a_[0].head<3>() / a_[0].w();
+        const auto coefficient = [&](int k, int i) {
+            if constexpr (is_disk)
+                if (i < 3) return a_[k][i] - middle[i] * a_[k].w();
+            return a_[k][i];
+        };
         std::array<T, 4> p, d;
         for (int i = 0; i < 4; ++i) {
-            p[i] = T(a_[degree_][i]);
+            p[i] = T(coefficient(degree_, i));
             d[i] = T(0.0);
         }
         for (int k = degree_ - 1; k >= 0; --k)
             for (int i = 0; i < 4; ++i) {
                 d[i] = d[i] * t + p[i];
-                p[i] = p[i] * t + T(a_[k][i]);
+                p[i] = p[i] * t + T(coefficient(k, i));
             }
         const T w = T(1.0) / p[3];
         const T x = p[0] * w, y = p[1] * w, z = p[2] * w;
-        return {x, y, z, (d[0] - x * d[3]) * w, (d[1] - y * d[3]) * w, (d[2] - z * d[3]) * w};
+        const T x1 = (d[0] - x * d[3]) * w, y1 = (d[1] - y * d[3]) * w, z1 = (d[2] - z * d[3]) * w;
+        if constexpr (is_disk)
+            return {T(middle.x()) + x, T(middle.y()) + y, T(middle.z()) + z, x1, y1, z1};
+        else
+            return {x, y, z, x1, y1, z1};
     }
 
 private:

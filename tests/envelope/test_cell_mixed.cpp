@@ -175,6 +175,20 @@ TEST_CASE("mixed cell: the edge on a side next to an axis, all but two lines") {
     CHECK(edges[0]->length_error < 1e-6);
 }
 
+TEST_CASE("mixed cell: beside the tip of a cone integrals end with a bound") {
+    // The line meets the base just beyond the region's side.
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.objects = {Cylinder{{-1.8823237457685806, -1.0495716582220769, 0.6164977389338517},
+                              {-0.0015416368939749044, -0.8397210799108941, -0.5430157744568468},
+                              0}};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    const Cell cell = voronoi_cell(scene);
+    REQUIRE(cell.faces.size() == 2);
+    for (const CellFace& face : cell.faces) CHECK(face.area_error < 1e-3);
+    CHECK(cell.measures.volume_error < 1e-3);
+}
+
 TEST_CASE("mixed cell: plane sections of an elliptic cone are named by exact signs") {
     // Axis (3, 0, 4) / 5 through the apex's foot; a plane of slope g along x has the eccentricity |4 g + 3|
     // / 5.
