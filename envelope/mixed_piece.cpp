@@ -1722,8 +1722,13 @@ bool MixedAnalysis::join_at_pinch(Work& work) {
     return true;
 }
 
-// What is left of a piece counts as a point: a vertex of the rim in which all rivals meet is that point.
+// What is left of a piece counts as a point: a vertex of the rim in which all rivals meet is that point. Where it reaches
+// into a cylinder's trace on the base, heights have no bound, and nothing speaks for that.
 void MixedAnalysis::join_at_center(Work& work) {
+    const auto& [x0, x1, y0, y1] = work.piece.box;
+    for (const Spread& s : work.rivals)
+        if (!std::isfinite(heights_.value(s.form, Interval(x0, x1), Interval(y0, y1)).width()))
+            throw TieError({work.middle(), work.width, work.forms()});
     work.clear_inside();
     assume(work.middle(), work.width, work.forms());
     if (work.changes.empty()) return;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "../../core/errors.hpp"
 #include "../../core/wide_interval.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "cell_checks.hpp"
@@ -187,6 +188,16 @@ TEST_CASE("mixed cell: beside the tip of a cone integrals end with a bound") {
     REQUIRE(cell.faces.size() == 2);
     for (const CellFace& face : cell.faces) CHECK(face.area_error < 1e-3);
     CHECK(cell.measures.volume_error < 1e-3);
+}
+
+TEST_CASE("mixed cell: a tip on the region's side but for rounding is refused, not taken for a vertex") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {-0.27285974738253327, -0.14050574738063482, -0.9517382482654301}};
+    scene.objects = {Cylinder{{2.0000000000000004, 1.3660254037844382, 1.339763025238506e-15},
+                              {-3.6357659319872473e-16, 6.492827250843478e-16, 1.0000000000000013},
+                              0}};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    CHECK_THROWS_AS(voronoi_cell(scene), UndecidedError);
 }
 
 TEST_CASE("mixed cell: plane sections of an elliptic cone are named by exact signs") {
