@@ -273,20 +273,6 @@ double place_of(const Box& box, Site side) {
     return (side.index % 2 == 0 ? box.min : box.max)[side.index / 2];
 }
 
-// On which side of the plane is the point of the base on two sides of the box? Exact in world coordinates.
-// Pre: the three meet in one point.
-Sign side_of_corner(const Plane& plane, const Plane& base, const Box& box, Site first, Site second) {
-    const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
-    Exact value = plane.normal[k] * (Exact(base.point[k]) - plane.point[k]), across;
-    for (const Site side : {first, second}) {
-        const std::uint32_t axis = side.index / 2;
-        const Exact place(place_of(box, side));
-        value += plane.normal[axis] * (place - plane.point[axis]);
-        across += base.normal[axis] * (place - base.point[axis]);
-    }
-    return (base.normal[k] * value - plane.normal[k] * across).sign() * Exact(base.normal[k]).sign();
-}
-
 // The sides of the box through the point of the base on two of them, exact in world coordinates: the region's own
 // sides are rounded, and where three run through one point no two of them tell of the third.
 std::vector<Site> sides_through(const Plane& base, const Box& box, Site first, Site second) {
@@ -320,6 +306,12 @@ WorldPoint world_corner(const Plane& base, const Box& box, Site first, Site seco
         p[k] -= turn * base.normal[axis] * (place - base.point[axis]);
     }
     return {{p[0], p[1], p[2]}, n};
+}
+
+// On which side of the plane is the corner? Exact.
+Sign side_of(const Plane& plane, const WorldPoint& corner) {
+    const ExactVector n(plane.normal);
+    return (dot(n, corner.p) - corner.factor * dot(n, ExactVector(plane.point))).sign();
 }
 
 // Sign of the least of |a x (p - q)|^2 - (rho |a|)^2 over the base's region, q on the cylinder's axis. It is convex: least
@@ -675,9 +667,7 @@ private:
         for (const ExactPoint& c : corners) signs.push_back((h.n.x * c.x + h.n.y * c.y + h.d * c.d).sign());
         // A base that has turned by rounding may part from what touches it in the scene.
         for (std::size_t c = 0; c < corners.size() && !frame_->is_exact(); ++c) {
-            const Sign side = side_of_corner(plane, base_, scene_.box,
-                                             sides_[(c + sides_.size() - 1) % sides_.size()].site, sides_[c].site);
-            if (side != signs[c]) signs[c] = Sign::Zero;
+            if (side_of(plane, world_corners()[c]) != signs[c]) signs[c] = Sign::Zero;
         }
         const auto differs = std::adjacent_find(signs.begin(), signs.end(), std::not_equal_to<>());
         const auto zero = std::find(signs.begin(), signs.end(), Sign::Zero);

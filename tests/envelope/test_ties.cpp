@@ -21,11 +21,16 @@ using namespace vcell;
 
 namespace {
 
-Scene scene_over(const Plane& base, std::vector<Object> objects) {
+Scene scene_around(const Object& base, double half, std::vector<Object> objects) {
     Scene scene;
     scene.base = base;
     scene.objects = std::move(objects);
-    scene.box = {{-1, -1, -1}, {1, 1, 1}};
+    scene.box = {Vec3::Constant(-half), Vec3::Constant(half)};
+    return scene;
+}
+
+Scene scene_over(const Plane& base, std::vector<Object> objects) {
+    Scene scene = scene_around(base, 1, std::move(objects));
     scene.tolerance = 1e-3;  // these tests are about what meets where
     return scene;
 }
@@ -40,14 +45,6 @@ Cell check_decided(const Scene& scene) {
         for (const Site site : v.sites) CHECK(std::abs(testing::boundary_residual(scene, site, v.point)) < 1e-10);
     }
     return cell;
-}
-
-Scene scene_around(const Object& base, double half, std::vector<Object> objects) {
-    Scene scene;
-    scene.base = base;
-    scene.objects = std::move(objects);
-    scene.box = {Vec3::Constant(-half), Vec3::Constant(half)};
-    return scene;
 }
 
 // Nothing is assumed; vertices are as far from their objects as from the base, and from no other one less.
