@@ -136,7 +136,8 @@ public:
         : sections_(sections), first_(sections[0] ? 0 : 1), out_(out) {}
 
     void add(const Vector3d& a, const Vector3d& b, int halvings = 10) {
-        // Of the middle weight over the outer ones' mean: elsewhere the parameter runs too unevenly.
+        // The middle weight is kept within these multiples of the outer ones' mean: beyond them the parameter runs too
+        // unevenly for what integrates along it.
         constexpr double smallest_shoulder = 0.5, largest_shoulder = 4;
         const Section& section = *sections_[first_];
         if (section.through_apex()) return add_line(a, b);

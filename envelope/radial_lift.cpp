@@ -212,8 +212,11 @@ private:
 Vector4d moved(const Vector4d& x, double weight, const std::array<const Hyperplane*, 2>& planes) {
     const auto& [p, q] = planes;
     const double a = p->residual(x, weight), b = q->residual(x, weight), inner = p->normal().dot(q->normal());
+    // The step only brings a control point nearer, its error is bounded afterwards: of planes within 2^-15 (of a radian)
+    // of each other the second would move it along both by rounding.
+    constexpr double least_sine2 = 0x1p-30;
     const double determinant = 1 - inner * inner;
-    if (determinant < 0x1p-30) return x - a * p->normal();
+    if (determinant < least_sine2) return x - a * p->normal();
     return x - ((a - inner * b) * p->normal() + (b - inner * a) * q->normal()) / determinant;
 }
 

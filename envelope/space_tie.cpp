@@ -121,7 +121,7 @@ Linear line_equation(const FormFamily& family, const SpaceTie::ChartLine& l) {
     return {zero, l.b, zero, zero, l.c};  // across the axis
 }
 
-// Of a quadric in n variables.
+// The value of a quadric in n variables.
 OneRoot value(const Row& q, std::span<const OneRoot> x) {
     const std::size_t n = x.size();
     OneRoot sum{{}, {}, x[0].c};
@@ -141,7 +141,7 @@ Conic matrix(const Row& q) {
     return m;
 }
 
-// Of symmetric matrices.
+// The adjugate of a symmetric matrix, which is symmetric, too.
 Conic adjugate(const Conic& m) {
     Conic a;
     for (std::size_t i = 0; i < 3; ++i)
@@ -297,7 +297,7 @@ SpacePoint SpaceTie::to_space(const std::vector<OneRoot>& y) const {
     return p;
 }
 
-// Of a quadric on a line; only what is a double root where that is asked for.
+// The points of a quadric on a line; where asked for, only a double root, in which the line touches it.
 std::vector<SpacePoint> SpaceTie::roots(const Row& q, bool is_double) const {
     const Exact &a = q[term(2, 0, 0)], &b = q[term(2, 0, 1)], &c = q[term(2, 1, 1)];
     const Exact discriminant = b * b - 4.0 * a * c;
@@ -430,7 +430,7 @@ namespace {
 
 using Gradient = std::array<OneRoot, 4>;
 
-// Of an equation, with respect to p and t.
+// An equation's derivatives by p and t.
 Gradient gradient(const Row& q, const SpacePoint& p) {
     Gradient d;
     for (std::size_t i = 0; i < 4; ++i) {

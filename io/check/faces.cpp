@@ -425,7 +425,8 @@ private:
             return (excess - change).lower() >= -faces_.tie_width(c.site);
         }
 
-        /// Of the tile's points along both parameters, from a corner on: the same for all rivals.
+        /// How the tile's points change along both parameters, from a corner on. It is the same for all rivals, and found
+        /// once for that.
         struct Changes {
             std::array<Vector<Interval>, 2> slopes;
             Vector<Interval> corner;
