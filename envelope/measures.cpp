@@ -440,11 +440,17 @@ private:
 
     void measure_cylinder_face(FaceId id) {
         const CylinderFrame& frame = mixed_.frame(id);
+        double extent = 0;
+        for_each_half_edge(id, [&](HalfEdgeId h) {
+            for (const MixedSpan& span : mixed_.spans(Dcel::edge(h)))
+                for (int k = 0; k <= span.degree; ++k)
+                    extent = std::max(extent, (span.points[k].head<2>() - frame.origin()).norm());
+        });
         BoundedSum volume, area;
         for_each_half_edge(id, [&](HalfEdgeId h) {
             const double sign = is_forward(h) ? 1 : -1;
             for (const MixedSpan& span : mixed_.spans(Dcel::edge(h))) {
-                const FaceIntegrals part = face_integrals(frame, span);
+                const FaceIntegrals part = face_integrals(frame, extent, span);
                 volume.add(sign * part.volume.value, part.volume.error);
                 area.add(sign * part.area.value, part.area.error);
             }

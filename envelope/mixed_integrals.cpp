@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "chart_arc.hpp"
 #include "span_integrals.hpp"
@@ -13,6 +14,7 @@ namespace vcell {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 using span_integrals::integrate;
 using span_integrals::PowerSpan;
 using span_integrals::SpanPoint;
@@ -125,6 +127,37 @@ struct CylinderIntegrand {
     }
 };
 
+// About the cone's tip instead, over whose projection A the height is -rho: with q = p - A, R = |q| and the direction n
+// of q, f + rho = h(n) R and the surface's stretch sqrt(2 (1 - n.d)) / d_z are known along each ray, and what lies
+// between A and the span is
+//     height:  (h R / 3 - rho / 2) q x q',    chart:  q x q' / 2,    surface: stretch q x q' / 2.
+// Points and A are rounded by up to u times `far`.
+struct ConeIntegrand {
+    double far;
+    Vector2d d;
+    double d_z, rho;
+
+    /// Of spans about A.
+    ConeIntegrand(const CylinderHeight& height, double far)
+        : far(far), d(height.axis().head<2>()), d_z(height.axis().z()), rho(height.rho()) {}
+
+    template <class T>
+    std::array<T, 3> operator()(const SpanPoint<T>& p) const {
+        const T R = sqrt(p.x * p.x + p.y * p.y), turn = p.x * p.y1 - p.y * p.x1;
+        const T aslant = T(1.0) - (T(d.x()) * p.x + T(d.y()) * p.y) / R;
+        return {(T(1 / (3 * d_z)) * aslant * R - T(0.5 * rho)) * turn, T(0.5) * turn,
+                T(std::numbers::sqrt2 / (2 * d_z)) * sqrt(aslant) * turn};
+    }
+    std::array<double, 3> sizes(const SpanPoint<double>& p) const {
+        const double step = std::hypot(p.x1, p.y1), noise = u * far / term_rounding, R = std::hypot(p.x, p.y) + noise;
+        // The difference has the rounding of 1; and the direction turns with A.
+        const double aslant = 1 - (d.x() * p.x + d.y() * p.y) / R + 1.0 / 32;
+        const double stretch = sqrt(2 * aslant) / d_z, turning = d.norm() / (d_z * d_z);
+        return {(aslant * R / (3 * d_z) + noise * turning + 0.5 * rho) * R * step, 0.5 * R * step,
+                0.5 * (stretch * R + turning * noise) * step};
+    }
+};
+
 template <class Integrand>
 FaceIntegrals integrals(const Integrand& integrand, const PowerSpan& span) {
     std::array<Integral, 3> sum{};
@@ -150,15 +183,23 @@ FaceIntegrals face_integrals(const CircularForm& f, const Vector2d& origin, cons
     return integrals(CircularIntegrand(f, origin), power_span(span));
 }
 
-FaceIntegrals face_integrals(const CylinderFrame& frame, const MixedSpan& span) {
-    MixedSpan turned = span;
+FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, const MixedSpan& span) {
+    MixedSpan moved = span;
     double far = 0;
-    for (int k = 0; k <= span.degree; ++k) {
-        const Vector2d p = span.points[k].head<2>();
-        far = std::max(far, p.norm() + frame.origin().norm());
-        turned.points[k].head<2>() = frame.turned(p - frame.origin());
+    for (int k = 0; k <= span.degree; ++k)
+        far = std::max(far, span.points[k].head<2>().norm() + frame.origin().norm());
+    const CylinderHeight& height = frame.height();
+    if (frame.eps() * extent > 0.5) {
+        const Vector3d& c = height.point();
+        const double along = (c.z() + height.rho()) / height.axis().z();
+        const Vector2d tip = c.head<2>() - along * height.axis().head<2>();
+        for (int k = 0; k <= span.degree; ++k) moved.points[k].head<2>() -= tip;
+        return integrals(ConeIntegrand(height, 4 * (far + (height.reach() + std::abs(along)) / height.axis().z())),
+                         power_span(moved));
     }
-    return integrals(CylinderIntegrand(frame, 4 * far), power_span(turned));
+    for (int k = 0; k <= span.degree; ++k)
+        moved.points[k].head<2>() = frame.turned(span.points[k].head<2>() - frame.origin());
+    return integrals(CylinderIntegrand(frame, 4 * far), power_span(moved));
 }
 
 Integral space_length(const MixedSpan& span) {

@@ -336,9 +336,10 @@ Share TurnedFace::size(const Ray& ray) const {
 
 // ---- Sides of the box over a cylinder ---------------------------------------------------------------
 
-FlatFace::FlatFace(const Plane& side, double y)
+// The face's edges meet but for rounding. As seen from a point near by the gaps between them are next to nothing.
+FlatFace::FlatFace(const Plane& side, const Vec3& near)
     : normal(side.normal.normalized()), offset(normal.dot(side.point)) {
-    point = Vec3(0, y, 0) + (offset - normal.y() * y) * normal;
+    point = near + (offset - normal.dot(near)) * normal;
 }
 
 // Boundaries run clockwise as seen from the base, counter-clockwise from outside.
@@ -351,7 +352,7 @@ Share FlatFace::share(const SpanPoint<double>& p) const {
 
 Share FlatFace::size(const SpanPoint<double>& p) const {
     const Vec3 q = Vec3(p.x, p.y, p.z) - point;
-    const double turn = (q.norm() + std::abs(p.y)) * Vec3(p.x1, p.y1, p.z1).norm();
+    const double turn = (q.norm() + noise * Vec3(p.x, p.y, p.z).norm()) * Vec3(p.x1, p.y1, p.z1).norm();
     return {(std::abs(offset - normal.y() * point.y()) + std::abs(q.y())) * turn, turn};
 }
 
@@ -461,7 +462,7 @@ Share SkewFace::size(const Ray& ray) const {
 
 // ---- Spans ------------------------------------------------------------------------------------------
 
-RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, double y) {
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const Vec3& near) {
     using namespace radial_integrals;
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
     if (problem.is_sphere) {
@@ -469,10 +470,10 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, doubl
         return RoundFace(problem, form);
     }
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
-    if (is_skew) return SkewFace(problem, *cylinder, y);
+    if (is_skew) return SkewFace(problem, *cylinder, near.y());
     if (problem.sites[form].front().kind == Site::Kind::BoxSide)
-        return FlatFace(std::get<Plane>(problem.objects[form]), y);
-    return TurnedFace(problem, form, y);
+        return FlatFace(std::get<Plane>(problem.objects[form]), near);
+    return TurnedFace(problem, form, near.y());
 }
 
 double least_distance(const RadialFace& face) {

@@ -132,7 +132,7 @@ struct FlatFace {
     Vec3 point;     ///< of the plane, near the face
     double offset;  ///< normal.p = offset
 
-    FlatFace(const Plane& side, double y);
+    FlatFace(const Plane& side, const Vec3& near);
     double least_distance() const { return std::numeric_limits<double>::infinity(); }
     Share share(const SpanPoint<double>& p) const;
     Share size(const SpanPoint<double>& p) const;
@@ -158,8 +158,8 @@ using RadialFace =
     std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace, radial_integrals::TurnedFace,
                  radial_integrals::FlatFace, radial_integrals::SkewFace>;
 
-/// `y`: a height of the face (cylinder base); integrals over heights start there.
-RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, double y);
+/// `near` (cylinder base): a point near the face, in height, too; integrals start there.
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const Vec3& near);
 
 /// The bisector's least distance from the base's centre or axis, where that is a minimum inside the base's
 /// stretch; infinite if there is none.

@@ -86,7 +86,8 @@ private:
     struct Reach {
         std::array<double, 2> y{std::numeric_limits<double>::infinity(),
                                 -std::numeric_limits<double>::infinity()};
-        double nearest = std::numeric_limits<double>::infinity(), farthest = 0, y_nearest = 0;
+        double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+        Vec3 at_nearest = Vec3::Zero();
 
         void add(const Vec3& p) {
             y = {std::min(y[0], p.y()), std::max(y[1], p.y())};
@@ -94,11 +95,14 @@ private:
             farthest = std::max(farthest, distance);
             if (!(distance < nearest)) return;
             nearest = distance;
-            y_nearest = p.y();
+            at_nearest = p;
         }
         // The face's integrals along the axis start between its ends; or in a tip, where rounding turns
         // points about the axis by most, and which then counts for nothing.
-        double start() const { return nearest < 0x1p-10 * farthest ? y_nearest : 0.5 * (y[0] + y[1]); }
+        Vec3 start() const {
+            const double height = nearest < 0x1p-10 * farthest ? at_nearest.y() : 0.5 * (y[0] + y[1]);
+            return {at_nearest.x(), height, at_nearest.z()};
+        }
     };
 
     void add_faces() {
@@ -117,7 +121,7 @@ private:
             if (!form.valid()) continue;
             cell_faces_[f.value] = static_cast<std::uint32_t>(faces_.size());
             faces_.push_back(
-                make_radial_face(problem_, form, reaches.empty() ? 0 : reaches[f.value].start()));
+                make_radial_face(problem_, form, reaches.empty() ? Vec3::Zero() : reaches[f.value].start()));
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
             const double least = least_distance(faces_.back());
