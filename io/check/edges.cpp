@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -228,6 +229,9 @@ private:
         return true;
     }
 
+    /// Parts after which a rival's gradients are not asked alone.
+    static constexpr std::size_t kFewParts = 16;
+
     /// Halvings after which gradients that are still parallel somewhere are taken to be so at a point.
     static constexpr int kTouching = 12;
 
@@ -274,6 +278,16 @@ private:
             if (task.part.depth > 0) drop_farther(task.part, task.rivals);
             if (task.rivals.empty()) continue;
             std::erase_if(task.rivals, Farther{*this, task.part.net});
+            // A rival that all but ties along the whole edge: polynomials tell that in one part.
+            if (count >= kFewParts) {
+                const ExcessAlong along(space(), task.part.net);
+                std::erase_if(task.rivals, [&](const Condition& c) {
+                    if (is_held(c.site, conditions_)) return true;
+                    if (ties_at_ends(c, whole)) return false;
+                    const double least = along.excess(c).lower();
+                    return least >= 0 || is_little(c, least, this->growth(c, task.part.net.box()), HUGE_VAL);
+                });
+            }
             if (task.rivals.empty()) continue;
             for (const int end : {0, 1})
                 for (const Condition& c : task.rivals) {
@@ -295,6 +309,15 @@ private:
                 tasks.push_back({part(std::move(half), task.part.depth + 1), task.rivals});
         }
         return true;
+    }
+
+    /// Is a site as near as the base at the ends of all spans? Then the edge may be one of more sites.
+    bool ties_at_ends(const Condition& c, const std::vector<Part>& whole) const {
+        return std::ranges::all_of(whole, [&](const Part& p) {
+            return std::ranges::all_of(std::array{0, 1}, [&](int end) {
+                return !(space().excess(c, p.net.corner(end, 0)).lower() > allowance(c));
+            });
+        });
     }
 
     /// Sites beside the edge's own that may be nearer than the base somewhere on the curve.

@@ -242,7 +242,14 @@ private:
                 for (const Condition& c : own_) {
                     const Interval e = space().excess(c, tile.net.corner(i, j));
                     const Vec2 uv(i == 0 ? tile.lo.x() : tile.hi.x(), j == 0 ? tile.lo.y() : tile.hi.y());
-                    if (magnitude(e).lower() > 2 * std::max(width_, stated_) && inside(patch, uv, rounding()).value_or(true))
+                    const double allowed = 2 * std::max(width_, stated_);
+                    if (!(magnitude(e).lower() > allowed)) continue;
+                    const auto is_inside = inside(patch, uv, rounding());
+                    // Excesses change by twice the distance at most: from inside the loops to what is near them.
+                    const SurfacePoint s = lift(patch, uv);
+                    const Vec2 near = kNearEdge * (patch.hi - patch.lo);
+                    const double reach = near.x() * s.pu.norm() + near.y() * s.pv.norm();
+                    if (is_inside.value_or(magnitude(e).lower() > allowed + 4 * reach))
                         return e.mid();
                 }
         return std::nullopt;
@@ -379,8 +386,10 @@ private:
             const Vec3 &g = own_.direction, &h = rival.direction;
             const double change = g.norm() * rival.turn + h.norm() * own_.turn + own_.turn * rival.turn;
             if (g.cross(h).norm() > (1 + kRough) * change + 4 * kRough) return true;
-            if (are_balls(c)) return are_balls_apart(c) || is_farther(c);
-            return is_small_ && is_farther(c);
+            const bool balls = are_balls(c);
+            if (balls && are_balls_apart(c)) return true;
+            if ((balls || is_small_) && is_farther(c)) return true;
+            return is_small_ && faces_.is_held(c.site, faces_.own_);
         }
 
     private:

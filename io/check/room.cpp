@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "containment.hpp"
+
 namespace vcell::check {
 
 void Room::rivals(const Vec3& p, double reach, std::span<const Condition> own,
@@ -17,6 +19,14 @@ void Room::rivals(const Vec3& p, double reach, std::span<const Condition> own,
     for (std::uint32_t s = 0; s < 6; ++s)
         if (!geometry_.is_end(s)) add(Site::box_side(s));
     for (std::uint32_t e = 0; geometry_.is_cylinder() && e < 2; ++e) add(Site::end(e));
+}
+
+bool Room::is_held(const Site& site, std::span<const Condition> own) const {
+    if (!site.is_object()) return false;
+    const Object& object = scene_.objects[site.index];
+    return base_contains(scene_.base, object) || std::ranges::any_of(own, [&](const Condition& c) {
+        return c.site.is_object() && contains(scene_.objects[c.site.index], object);
+    });
 }
 
 std::optional<std::string> Room::contradiction(const Vec3& p, double error,

@@ -55,6 +55,8 @@ protected:
     /// are ends of the base cylinder's stretch are no sites beside them.
     void rivals(const Vec3& p, double reach, std::span<const Condition> own,
                 std::vector<Condition>& found) const;
+    /// Is a site nowhere nearer than the base and the given ones, by what contains it?
+    bool is_held(const Site& site, std::span<const Condition> own) const;
     /// Half the squared gradient of an excess: what it grows by at least per length on the way towards an
     /// object's base, where the other sites' excesses grow, too.
     double growth(const Condition& c, const Vector<Interval>& box) const {

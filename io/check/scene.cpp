@@ -372,7 +372,7 @@ std::vector<std::string> SceneGeometry::names_about_cylinder(const Object& o) co
     const Vec3 turn = normal_.cross(cylinder.axis.normalized());
     std::vector<std::string> names;
     if (turn.norm() <= kRounding) names.push_back(equal ? "plane" : "hyperbolic cylinder");
-    if (turn.norm() == 0) return names;
+    if (are_parallel(std::get<Cylinder>(scene_.base).axis, cylinder.axis)) return names;
     if (!equal) {
         names.push_back("quartic");
         return names;

@@ -87,7 +87,12 @@ private:
 class TrimJudge {
 public:
     TrimJudge(const Patch& patch, const Net& net, const Trim& trim, const Subject& subject)
-        : patch_(patch), trim_(*trim.curve), edge_(subject.cell.edges[*trim.curve->edge].curve), net_(net) {}
+        : surface_(*patch.surface),
+          lo_(patch.lo),
+          hi_(patch.hi),
+          trim_(*trim.curve),
+          edge_(subject.cell.edges[*trim.curve->edge].curve),
+          net_(&net) {}
 
     /// Where neither curve has knots: the most frequent case.
     std::optional<Pair> only_pair() const {
@@ -95,16 +100,16 @@ public:
         if (!(std::abs(trim_.curve.domain_begin() - edge_.domain_begin()) <= near) ||
             !(std::abs(trim_.curve.domain_end() - edge_.domain_end()) <= near))
             return std::nullopt;
-        auto trim = only_span<2>(trim_.curve, patch_.lo);
-        auto edge = trim ? only_span<3>(edge_, net_.origin()) : std::nullopt;
+        auto trim = only_span<2>(trim_.curve, lo_);
+        auto edge = trim ? only_span<3>(edge_, net_->origin()) : std::nullopt;
         if (!edge) return std::nullopt;
         if (trim_.reversed) std::ranges::reverse(edge->points);
         return Pair{std::move(*trim), std::move(*edge)};
     }
     /// Spans between the knots of both curves, which may differ by rounding.
     std::vector<Pair> pairs() const {
-        auto trims = spans<2>(trim_.curve, patch_.lo);
-        auto edges = spans<3>(edge_, net_.origin());
+        auto trims = spans<2>(trim_.curve, lo_);
+        auto edges = spans<3>(edge_, net_->origin());
         const double near = kPlaceRounding * (edge_.domain_end() - edge_.domain_begin());
         std::vector<double> ends;  // of spans, in the edge's parameters
         for (const auto& s : edges) {
@@ -147,7 +152,7 @@ public:
     /// negative, with magnitudes that add up to more: so many roundings are relative to the largest N times powers of
     /// those.
     double gap_at_places(const Pair& pair) const {
-        const int m = net_.degree_s(), n = net_.degree_t(), d = pair.trim.degree(), e = pair.edge.degree();
+        const int m = net_->degree_s(), n = net_->degree_t(), d = pair.trim.degree(), e = pair.edge.degree();
         if (m > 2 || n > 2 || d > 2) return HUGE_VAL;
         const int degree = (m + n) * d + e;
         if (degree > Places::most_degree) return HUGE_VAL;
@@ -171,7 +176,7 @@ public:
             if (!(aside <= 0x1p-44 * least_weight)) return HUGE_VAL;
             off += 2 * aside;
         }
-        const Sizes& of_net = net_.sizes();
+        const Sizes& of_net = net_->sizes();
         Sizes of_edge;
         for (const auto& p : pair.edge.points) of_edge.meet(p);
         if (!(least_weight > 0) || !(of_net.least_weight > 0) || !(of_edge.least_weight > 0)) return HUGE_VAL;
@@ -214,7 +219,7 @@ public:
     template <class M, class N, class D, class E>
     std::array<Lanes, 3> largest(const Places& places, M m, N n, D d, E e, const std::array<std::array<double, 3>, 2>& a,
                                  const std::array<std::array<double, 3>, 2>& b, const Span<3>& edge) const {
-        const Net::Point* const net = &net_.at(0, 0);
+        const Net::Point* const net = &net_->at(0, 0);
         const auto* const curve = &edge.points[0];
         std::array<Lanes, 3> most{};
         for (std::size_t pack = 0; pack < places.packs; ++pack) {
@@ -267,7 +272,7 @@ public:
     /// Bounds |S(c(t)) - C(t)|: S's homogeneous coordinates along c are polynomials in t, and so are those of
     /// the difference.
     double gap(const Pair& pair) const {
-        const int m = net_.degree_s(), n = net_.degree_t(), d = pair.trim.degree();
+        const int m = net_->degree_s(), n = net_->degree_t(), d = pair.trim.degree();
         if ((m + n) * d + pair.edge.degree() > kMaxBinomial) return HUGE_VAL;
         const std::array<Form, 4> lifted =
             lift(Powers(pair.trim, 0, extent(0), m), Powers(pair.trim, 1, extent(1), n));
@@ -283,8 +288,39 @@ public:
         return sqrt(sum).upper();
     }
 
+    /// The same with the patch as it is around the trim, about a point there: weights and places that are many times as
+    /// large elsewhere leave no rounding here. `near`: the point in space.
+    double gap_near(const Pair& pair, const Vec3& near) const {
+        Vec2 least = Vec2::Constant(HUGE_VAL), most = -least;
+        for (const auto& p : pair.trim.points)
+            for (const int k : {0, 1}) {
+                const double x = lo_[k] + p[static_cast<std::size_t>(k)].mid() / p[2].mid();
+                least[k] = std::min(least[k], x);
+                most[k] = std::max(most[k], x);
+            }
+        // With a margin; and a trim along one of the parameters is wide only across it.
+        constexpr double margin = 0x1p-6;
+        const Vec2 wide = Vec2::Constant(margin * (most - least).maxCoeff());
+        TrimJudge around = *this;
+        around.lo_ = (least - wide).cwiseMax(lo_);
+        around.hi_ = (most + wide).cwiseMin(hi_);
+        if (!(around.lo_.array() < around.hi_.array()).all()) return HUGE_VAL;
+        const Net net = net_over(surface_, around.lo_, around.hi_, near);
+        around.net_ = &net;
+        const auto moved = [](auto points, const auto& from, const auto& to) {
+            for (auto& p : points)
+                for (std::size_t k = 0; k + 1 < p.size(); ++k)
+                    p[k] = p[k] + (MidRad(from[static_cast<Eigen::Index>(k)]) - to[static_cast<Eigen::Index>(k)]) * p.back();
+            return points;
+        };
+        Pair there = pair;
+        there.trim.points = moved(pair.trim.points, lo_, around.lo_);
+        there.edge.points = moved(pair.edge.points, net_->origin(), near);
+        return around.gap(there);
+    }
+
 private:
-    MidRad extent(int axis) const { return MidRad(patch_.hi[axis]) - patch_.lo[axis]; }
+    MidRad extent(int axis) const { return MidRad(hi_[axis]) - lo_[axis]; }
 
     /// With s = a / w the place between the patch's sides along a trimming curve and b = w - a: all
     /// a^i b^(degree - i), as coefficients times binomials.
@@ -385,7 +421,7 @@ private:
             factors.clear();
             for (int i = 0; i <= m; ++i)
                 for (int j = 0; j <= n; ++j) {
-                    const MidRad& c = net_.at(i, j)[k];
+                    const MidRad& c = net_->at(i, j)[k];
                     factors.push_back(binomial(m, i) * binomial(n, j) * c.mid());
                     size = std::max(size, std::abs(c.mid()));
                     error = std::max(error, c.radius());
@@ -403,10 +439,11 @@ private:
         return lifted;
     }
 
-    const Patch& patch_;
+    const RationalPatch& surface_;
+    Vec2 lo_, hi_;  // of the net
     const TrimCurve& trim_;
     const RationalCurve3& edge_;
-    const Net& net_;
+    const Net* net_;
 };
 
 }  // namespace
@@ -430,6 +467,8 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
         const SurfacePoint s = lift(patch, uv);
         return std::pair((s.p - p).norm(), surface_rounding(patch, s, uv));
     };
+    // Where as many are not enough it is rounding that counts.
+    constexpr std::size_t kFewHalves = 4;
     double most = 0;
     std::size_t count = 0;
     for (; next || !pairs.empty(); next.reset()) {
@@ -440,6 +479,10 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
         const Pair& pair = *next;
         double gap = judge.gap_at_places(pair);
         if (!(gap <= error + kRounding * patch.control_size)) gap = judge.gap(pair);
+        if (count >= kFewHalves && !(gap <= error + kRounding * patch.control_size)) {
+            const Vec2 uv = evaluate(trim.pieces, std::midpoint(pair.trim.begin, pair.trim.end));
+            gap = std::min(gap, judge.gap_near(pair, lift(patch, uv).p));
+        }
         // What rounding of (u, v) makes on the surface is looked at where it may matter.
         if (gap <= error + kRounding * patch.control_size ||
             gap <= error + points(std::midpoint(pair.trim.begin, pair.trim.end)).second) {

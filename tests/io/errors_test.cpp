@@ -284,6 +284,8 @@ TEST_CASE("errors: hostile steep faces: areas along a sharp bend have bounds") {
         CAPTURE(name);
         for (const CellFace& face : hostile(name).faces) CHECK(face.area_error < 1e-4);
     }
+    // From the cone's tip, which is next to the region, its directions are known.
+    for (const CellFace& face : hostile("tip_beside_region").faces) CHECK(face.area_error < 1e-10);
 }
 
 TEST_CASE("errors: hostile nodes: what rounding blurs takes no halvings from the rest of an edge") {

@@ -1,0 +1,83 @@
+#include "containment.hpp"
+
+#include <array>
+
+#include "../../core/exact.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+using Vector = std::array<Exact, 3>;
+
+Vector exact(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vector from(const Vec3& a, const Vec3& b) {
+    return {Exact(b.x()) - Exact(a.x()), Exact(b.y()) - Exact(a.y()), Exact(b.z()) - Exact(a.z())};
+}
+Exact dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+bool are_orthogonal(const Vector& a, const Vector& b) { return dot(a, b).sign() == Sign::Zero; }
+Exact squared_sine(const Vector& a, const Vector& b) {  // times both squared lengths
+    const Exact along = dot(a, b);
+    return dot(a, a) * dot(b, b) - along * along;
+}
+
+/// Is squared <= (outer - inner)^2 scale, and inner no more than outer?
+bool fits(const Exact& squared, double outer, double inner, const Exact& scale) {
+    const Exact room = Exact(outer) - Exact(inner);
+    return room.sign() != Sign::Negative && (room * room * scale - squared).sign() != Sign::Negative;
+}
+
+bool contains(const Sphere& holder, const Sphere& held) {
+    const Vector way = from(holder.center, held.center);
+    return fits(dot(way, way), holder.radius, held.radius, 1.0);
+}
+bool contains(const Cylinder& holder, const Sphere& held) {
+    const Vector axis = exact(holder.axis);
+    return fits(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius, dot(axis, axis));
+}
+bool contains(const Cylinder& holder, const Cylinder& held) {
+    return squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero &&
+           contains(holder, Sphere{held.point, held.radius});
+}
+bool contains(const Plane& holder, const Sphere& held) {
+    return held.radius == 0 && are_orthogonal(exact(holder.normal), from(holder.point, held.center));
+}
+bool contains(const Plane& holder, const Cylinder& held) {
+    return are_orthogonal(exact(holder.normal), exact(held.axis)) && contains(holder, Sphere{held.point, held.radius});
+}
+bool contains(const Plane& holder, const Plane& held) {
+    return squared_sine(exact(holder.normal), exact(held.normal)).sign() == Sign::Zero &&
+           contains(holder, Sphere{held.point, 0});
+}
+template <class Holder, class Held>
+bool contains(const Holder&, const Held&) {
+    return false;
+}
+
+bool is_behind(const Plane& base, const Sphere& ball) {
+    const Vector normal = exact(base.normal);
+    const Exact height = dot(normal, from(base.point, ball.center)), radius(ball.radius);
+    return height.sign() != Sign::Positive &&
+           (height * height - radius * radius * dot(normal, normal)).sign() != Sign::Negative;
+}
+bool is_behind(const Plane& base, const Cylinder& tube) {
+    return are_orthogonal(exact(base.normal), exact(tube.axis)) && is_behind(base, Sphere{tube.point, tube.radius});
+}
+bool is_behind(const Plane& base, const Plane& plane) {
+    return squared_sine(exact(base.normal), exact(plane.normal)).sign() == Sign::Zero &&
+           is_behind(base, Sphere{plane.point, 0});
+}
+
+}  // namespace
+
+bool contains(const Object& holder, const Object& held) {
+    return std::visit([](const auto& a, const auto& b) { return contains(a, b); }, holder, held);
+}
+
+bool base_contains(const Object& base, const Object& held) {
+    if (const auto* plane = std::get_if<Plane>(&base))
+        return std::visit([&](const auto& o) { return is_behind(*plane, o); }, held);
+    return contains(base, held);
+}
+
+}  // namespace vcell::check
