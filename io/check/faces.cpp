@@ -114,8 +114,8 @@ private:
 
     // --- On the bisector ----------------------------------------------------------------------------
 
-    /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or, where halves are no
-    /// nearer to it, by what its edges state.
+    /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or no more than its boundary
+    /// is; or, where halves are no nearer to it, by what its edges state.
     std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole,
                                           const std::optional<double>& boundary) {
         if (spheres_)
@@ -132,7 +132,8 @@ private:
             tiles.pop_back();
             const Nearness near = nearness(tile, count == 0);
             const bool is_rounding = 2 * near.size > std::exchange(tile.excess, near.size);
-            if (near.distance && (near.size <= width_ || (is_rounding && near.size <= stated_))) {
+            if (near.distance && (near.size <= width_ || *near.distance <= boundary.value_or(0) ||
+                                  (is_rounding && near.size <= stated_))) {
                 most = std::max(most, *near.distance);
                 continue;
             }
@@ -219,8 +220,24 @@ private:
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
         return distance_where([&](double margin) -> std::optional<double> {
             const Interval m(-margin, margin);
-            return sqrt(square(space().gradient(own_[0], {box[0] + m, box[1] + m, box[2] + m}))).lower();
+            const Vector<Interval> around{box[0] + m, box[1] + m, box[2] + m};
+            const double slope = sqrt(square(space().gradient(own_[0], around))).lower();
+            return slope > 0 ? slope : slope_between_balls(around, size + 2 * margin);
         }, size);
+    }
+    /// The least length of the gradient where the excess is at most `size`, between a base ball and another: at the
+    /// distances s and s + d + e from their centres, which are L apart, its square is (L^2 - (d + e)^2) / (s (s + d + e)).
+    /// Far out gradients are short and turn within a box, and this does not look at directions.
+    double slope_between_balls(const Vector<Interval>& box, double size) const {
+        const auto* base = std::get_if<Sphere>(&scene_.base);
+        const Sphere* own =
+            own_[0].site.is_object() ? std::get_if<Sphere>(&scene_.objects[own_[0].site.index]) : nullptr;
+        if (!base || !own) return 0;
+        const auto from = [&](const Vec3& center) { return sqrt(square(box - to_vector<Interval>(center))); };
+        const Interval length = square(to_vector<Interval>(own->center) - to_vector<Interval>(base->center)),
+                       change = Interval(own->radius) - base->radius + Interval(-size, size);
+        const Interval squared = (length - square(change)) / (from(base->center) * from(own->center));
+        return squared.lower() > 0 ? sqrt(Interval(squared.lower())).lower() : 0;
     }
     /// The same of the gradient's least length within a margin.
     template <class Slope>
