@@ -1,6 +1,8 @@
 #include "containment.hpp"
 
+#include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 
 #include "../../core/exact.hpp"
 
@@ -21,6 +23,17 @@ Exact squared_sine(const Vector& a, const Vector& b) {  // times both squared le
     return dot(a, a) * dot(b, b) - along * along;
 }
 
+/// What doubles tell: false where exact numbers need not be asked. The part of a squared length, of numbers of the size
+/// of the ways' ends, that all their roundings are far below.
+constexpr double blur = 0x1p-40;
+bool may_fit(const Vec3& way, double size, const Vec3& axis, double room) {
+    return way.cross(axis).squaredNorm() <= (room * room + blur * size * size) * axis.squaredNorm();
+}
+bool may_be_parallel(const Vec3& a, const Vec3& b) { return may_fit(a, a.norm(), b, 0); }
+bool may_be_orthogonal(const Vec3& a, const Vec3& b, double size) {
+    return std::abs(a.dot(b)) <= blur * a.norm() * size;
+}
+
 /// Is squared <= (outer - inner)^2 scale, and inner no more than outer?
 bool fits(const Exact& squared, double outer, double inner, const Exact& scale) {
     const Exact room = Exact(outer) - Exact(inner);
@@ -32,22 +45,27 @@ bool contains(const Sphere& holder, const Sphere& held) {
     return fits(dot(way, way), holder.radius, held.radius, 1.0);
 }
 bool contains(const Cylinder& holder, const Sphere& held) {
+    if (!may_fit(held.center - holder.point, held.center.norm() + holder.point.norm(), holder.axis,
+                 holder.radius - held.radius))
+        return false;
     const Vector axis = exact(holder.axis);
     return fits(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius, dot(axis, axis));
 }
 bool contains(const Cylinder& holder, const Cylinder& held) {
-    return squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero &&
-           contains(holder, Sphere{held.point, held.radius});
+    return may_be_parallel(holder.axis, held.axis) && contains(holder, Sphere{held.point, held.radius}) &&
+           squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero;
 }
 bool contains(const Plane& holder, const Sphere& held) {
-    return held.radius == 0 && are_orthogonal(exact(holder.normal), from(holder.point, held.center));
+    return held.radius == 0 &&
+           may_be_orthogonal(holder.normal, held.center - holder.point, held.center.norm() + holder.point.norm()) &&
+           are_orthogonal(exact(holder.normal), from(holder.point, held.center));
 }
 bool contains(const Plane& holder, const Cylinder& held) {
-    return are_orthogonal(exact(holder.normal), exact(held.axis)) && contains(holder, Sphere{held.point, held.radius});
+    return contains(holder, Sphere{held.point, held.radius}) && are_orthogonal(exact(holder.normal), exact(held.axis));
 }
 bool contains(const Plane& holder, const Plane& held) {
-    return squared_sine(exact(holder.normal), exact(held.normal)).sign() == Sign::Zero &&
-           contains(holder, Sphere{held.point, 0});
+    return contains(holder, Sphere{held.point, 0}) &&
+           squared_sine(exact(holder.normal), exact(held.normal)).sign() == Sign::Zero;
 }
 template <class Holder, class Held>
 bool contains(const Holder&, const Held&) {
@@ -61,10 +79,12 @@ bool is_behind(const Plane& base, const Sphere& ball) {
            (height * height - radius * radius * dot(normal, normal)).sign() != Sign::Negative;
 }
 bool is_behind(const Plane& base, const Cylinder& tube) {
-    return are_orthogonal(exact(base.normal), exact(tube.axis)) && is_behind(base, Sphere{tube.point, tube.radius});
+    return may_be_orthogonal(base.normal, tube.axis, tube.axis.norm()) &&
+           are_orthogonal(exact(base.normal), exact(tube.axis)) && is_behind(base, Sphere{tube.point, tube.radius});
 }
 bool is_behind(const Plane& base, const Plane& plane) {
-    return squared_sine(exact(base.normal), exact(plane.normal)).sign() == Sign::Zero &&
+    return may_be_parallel(base.normal, plane.normal) &&
+           squared_sine(exact(base.normal), exact(plane.normal)).sign() == Sign::Zero &&
            is_behind(base, Sphere{plane.point, 0});
 }
 

@@ -282,10 +282,11 @@ private:
             if (count >= kFewParts) {
                 const ExcessAlong along(space(), task.part.net);
                 std::erase_if(task.rivals, [&](const Condition& c) {
-                    if (is_held(c.site, conditions_)) return true;
-                    if (ties_at_ends(c, whole)) return false;
                     const double least = along.excess(c).lower();
-                    return least >= 0 || is_little(c, least, this->growth(c, task.part.net.box()), HUGE_VAL);
+                    if (least >= 0) return true;
+                    if (!ties_at_ends(c, whole) && is_little(c, least, this->growth(c, task.part.net.box()), HUGE_VAL))
+                        return true;
+                    return is_held(c.site, conditions_);
                 });
             }
             if (task.rivals.empty()) continue;

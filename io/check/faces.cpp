@@ -31,6 +31,7 @@ struct Tile {
     std::vector<Rival> rivals;
     double excess = HUGE_VAL;  // a bound on its site's in the tile it is a half of
     int depth = 0;             // of halving
+    bool is_inside = false;    // of the loops, as far as is known
 
     std::array<Tile, 2> halves() const {
         // Across the longer way; any choice will do.
@@ -41,8 +42,8 @@ struct Tile {
                 ? 0
                 : 1;
         auto nets = net.halves(axis);
-        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals, excess, depth + 1},
-                              Tile{std::move(nets[1]), lo, hi, rivals, excess, depth + 1}};
+        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals, excess, depth + 1, is_inside},
+                              Tile{std::move(nets[1]), lo, hi, rivals, excess, depth + 1, is_inside}};
         h[0].hi[axis] = h[1].lo[axis] = std::midpoint(lo[axis], hi[axis]);
         return h;
     }
@@ -281,7 +282,11 @@ private:
         tiles.push_back(whole);
         tiles.back().rivals = std::move(found);
         std::size_t count = 0;
+        bool are_held_dropped = false;
         while (!tiles.empty()) {
+            if (count > kFew && !std::exchange(are_held_dropped, true))
+                for (Tile& t : tiles)
+                    std::erase_if(t.rivals, [&](const Rival& r) { return is_held(r.condition.site, own_); });
             Tile tile = std::move(tiles.back());
             tiles.pop_back();
             drop(tile, count > kFew);
@@ -405,8 +410,7 @@ private:
             if (g.cross(h).norm() > (1 + kRough) * change + 4 * kRough) return true;
             const bool balls = are_balls(c);
             if (balls && are_balls_apart(c)) return true;
-            if ((balls || is_small_) && is_farther(c)) return true;
-            return is_small_ && faces_.is_held(c.site, faces_.own_);
+            return (balls || is_small_) && is_farther(c);
         }
 
     private:
@@ -475,15 +479,18 @@ private:
 
     // --- Inside the trims ---------------------------------------------------------------------------
 
-    /// Is a tile certainly outside the loops? No curve meets it, and they do not wind around it.
-    bool is_outside(const Patch& patch, const Tile& tile) const {
+    /// Is a tile certainly outside the loops? No curve meets it, and they do not wind around it. If they do, its halves
+    /// are inside, too.
+    bool is_outside(const Patch& patch, Tile& tile) const {
+        if (tile.is_inside) return false;
         // A patch may be no wider than its numbers' rounding, below which halves of a piece do not shrink.
         const Vec2 least_size = kNearEdge * (patch.hi - patch.lo) + kRough * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop)
                 for (const auto& piece : trim.pieces)
                     if (meets(piece, tile, least_size)) return false;
-        return !inside(patch, 0.5 * (tile.lo + tile.hi), rounding()).value_or(true);
+        tile.is_inside = inside(patch, 0.5 * (tile.lo + tile.hi), rounding()).value_or(true);
+        return !tile.is_inside;
     }
 
     /// Unless false, may be met: pieces of less than `least_size` are not told apart from the tile.
