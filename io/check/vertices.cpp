@@ -267,6 +267,7 @@ private:
             const T e = place.excess(c);
             if (lower_bound(e) > 0) continue;
             if (lower_bound(e) <= 0 && upper_bound(e) >= 0) {
+                if (is_held(c.site, conditions)) continue;
                 if (!last) return false;
                 const std::string lack =
                     fmt::format("lack {}, which ties to {:.3g}", title(c.site), upper_bound(magnitude(e)));
@@ -340,7 +341,7 @@ private:
                 return certificate_.refute(
                     where, fmt::format("{} is {:.3g} nearer than the base", title(c.site), -e.upper()),
                     -e.upper());
-            if (e.lower() <= 0 && e.upper() >= 0 && conditions.size() < 3)
+            if (e.lower() <= 0 && e.upper() >= 0 && conditions.size() < 3 && !is_held(c.site, conditions))
                 return certificate_.refute(
                     where + ".sites",
                     fmt::format("lack {}, which ties to {:.3g}", title(c.site), magnitude(e).upper()));
