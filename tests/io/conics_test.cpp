@@ -96,6 +96,36 @@ std::array<Interval, 3> in_two_variables(const Fan& fan, const std::vector<Ratio
 
 }  // namespace
 
+TEST_CASE("quadrature: an estimate covers what its rules leave out, however near poles are") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> place(-1.2, 1.2), logarithm(-6, 2);
+    for (int k = 0; k < 2000; ++k) {
+        // Poles at p -+ i r along either axis.
+        const double p = place(rng), q = place(rng), r = std::exp2(logarithm(rng)), w = std::exp2(logarithm(rng));
+        CAPTURE(p);
+        CAPTURE(r);
+        CAPTURE(q);
+        CAPTURE(w);
+        const auto primitive = [](double x, double about, double away) { return std::atan((x - about) / away) / away; };
+        const double along = primitive(1, p, r) - primitive(-1, p, r), across = primitive(1, q, w) - primitive(0, q, w);
+        const auto density = [&]<class T>(const T& s, const T& t) {
+            const T one(1.0), x = s - T(p), y = t - T(q);
+            const T value = one / ((x * x + T(r * r)) * (y * y + T(w * w)));
+            return std::array<T, 1>{value};
+        };
+        for (const double enough : {1e-3, 1e-6, 1e-12}) {
+            CAPTURE(enough);
+            std::array<Interval, 1> sum{};
+            Effort effort{100'000};
+            REQUIRE(estimate<1>(density, {-1, 0}, {1, 1}, {enough}, sum, effort));
+            // The rules' values and the arctangents are rounded.
+            const double rounding = 0x1p-46 * (std::abs(primitive(1, p, r)) + std::abs(primitive(-1, p, r))) *
+                                    (std::abs(primitive(1, q, w)) + std::abs(primitive(0, q, w)));
+            CHECK(std::abs(sum[0].mid() - along * across) <= sum[0].radius() + rounding);
+        }
+    }
+}
+
 TEST_CASE("conics: integrands multiplied out are those of their points") {
     std::mt19937_64 rng(test_seed());
     int compared = 0, plain = 0;
