@@ -692,7 +692,47 @@ std::array<double, 2> half_square(const SpanPoint<double>& p, bool is_sphere) {
     return {0.5 * (p.x * p.x + y * y + p.z * p.z), p.x * p.x1 + y * p.y1 + p.z * p.z1};
 }
 
-// The range of t along a span whose ends have slopes of different signs contains what is between them.
+// At most as many extremes as that has t along a span, inside: t^2 = p.p / w^2, of which the derivative is a positive
+// factor times p.(p' w - p w'). In the Bernstein basis a polynomial has no more zeros in [0, 1] than its coefficients
+// have changes of sign [Farin02, sec. 5.3, Descartes].
+int most_extremes(const PowerSpan& span, bool is_sphere) {
+    constexpr int most = PowerSpan::largest_degree;
+    const int d = span.degree();
+    const auto points = span.control_points();
+    // Times binomials, so that products are convolutions.
+    std::array<Vector4d, most + 1> p;
+    std::array<Vector4d, most> slope;
+    double binomial = 1;
+    for (int k = 0; k <= d; ++k) {
+        p[k] = binomial * points[k];
+        if (!is_sphere) p[k].y() = 0;
+        binomial *= static_cast<double>(d - k) / (k + 1);
+    }
+    for (int k = 0; k < d; ++k) slope[k] = (k + 1) * p[k + 1] - (d - k) * p[k];
+    std::array<Vec3, 2 * most> turn;
+    turn.fill(Vec3::Zero());
+    for (int i = 0; i <= d; ++i)
+        for (int k = 0; k < d; ++k) turn[i + k] += p[i].w() * slope[k].head<3>() - slope[k].w() * p[i].head<3>();
+    std::array<double, 3 * most> sum{};
+    double size = 0, steepest = 0;
+    for (int i = 0; i <= d; ++i) {
+        size = std::max(size, p[i].squaredNorm());
+        for (int k = 0; k < 2 * d; ++k) sum[i + k] += p[i].head<3>().dot(turn[k]);
+    }
+    for (int k = 0; k < d; ++k) steepest = std::max(steepest, slope[k].norm());
+    // Coefficients below that are what rounding leaves, by which t hardly turns.
+    const double rounding = 16 * std::numeric_limits<double>::epsilon() * size * steepest;
+    int changes = 0;
+    double last = 0;
+    for (int k = 0; k < 3 * d; ++k) {
+        if (std::abs(sum[k]) <= rounding) continue;
+        changes += sum[k] * last < 0;
+        last = sum[k];
+    }
+    return changes;
+}
+
+// The range of t along a span that has one extreme inside at most.
 void extend_by_extreme(Range& range, const PowerSpan& span, bool is_sphere) {
     const auto at = [&](double s) { return half_square(span.at(s), is_sphere); };
     const auto extend_by = [&](double square) {
@@ -728,6 +768,12 @@ void extend_by_extreme(Range& range, const PowerSpan& span, bool is_sphere) {
     }
     extend_by(first[0]);
     extend_by(last[0]);
+}
+
+// The range of t along a span.
+void extend_by_extremes(Range& range, const PowerSpan& span, bool is_sphere, int halvings = 12) {
+    if (halvings == 0 || most_extremes(span, is_sphere) <= 1) return extend_by_extreme(range, span, is_sphere);
+    for (const int side : {0, 1}) extend_by_extremes(range, span.half(side), is_sphere, halvings - 1);
 }
 
 // What a face takes of a point of its boundary.
@@ -846,7 +892,7 @@ void add_span(std::span<const Vector4d> points, bool is_conic, bool is_sphere, c
     }
     sum.length += parts[4];
     sum.end_area += parts[5];
-    extend_by_extreme(sum.distance, span, is_sphere);
+    extend_by_extremes(sum.distance, span, is_sphere);
     extend_by_gaps(sum.gap, span, is_sphere, left, right);
 }
 

@@ -77,9 +77,10 @@ public:
         return result;
     }
 
-    /// The range of the curve's length: from its chord's to its control polygon's, which crosses no plane less often than
-    /// the curve does [Cauchy-Crofton]. Pre: positive weights, otherwise the upper end is infinite.
-    std::array<double, 2> length_range() const {
+    int degree() const { return degree_; }
+
+    /// Homogeneous: (w x, w y, w z, w), the first degree() + 1.
+    std::array<Eigen::Vector4d, largest_degree + 1> control_points() const {
         // Powers about t = -1, whose differences are those of the control points but for a binomial.
         std::array<Eigen::Vector4d, largest_degree + 1> b = a_;
         for (int k = 0; k < degree_; ++k)
@@ -92,6 +93,13 @@ public:
         }
         for (int level = 0; level < degree_; ++level)
             for (int k = degree_; k > level; --k) b[k] += b[k - 1];
+        return b;
+    }
+
+    /// The range of the curve's length: from its chord's to its control polygon's, which crosses no plane less often than
+    /// the curve does [Cauchy-Crofton]. Pre: positive weights, otherwise the upper end is infinite.
+    std::array<double, 2> length_range() const {
+        auto b = control_points();
         double polygon = 0;
         for (int k = 0; k <= degree_; ++k) {
             if (!(b[k].w() > 0)) return {0, std::numeric_limits<double>::infinity()};
