@@ -36,6 +36,15 @@ double cpu_seconds() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+// The first scene of a family would pay for the program's pages.
+void warm_up(const Scene& scene) {
+    try {
+        voronoi_cell(scene);
+    } catch (const UndecidedError&) {
+    } catch (const InputError&) {
+    }
+}
+
 // The seconds, if there is a cell.
 std::optional<double> measure(const Scene& scene) {
     const double start = cpu_seconds();
@@ -69,6 +78,7 @@ void measure_family(GrowthBase base, Mix mix, const Limits& limits) {
     constexpr double expected_growth = 17.8;  // 10^1.25
     constexpr unsigned fewest_seeds = 3;
     const std::string name = name_of(base) + "," + name_of(mix);
+    warm_up(growth_scene(base, mix, 10, 1));
     std::vector<double> times;
     for (unsigned n = 10; n <= limits.max_n; n *= 10) {
         const double expected = times.empty() ? 0 : expected_growth * median(times);
