@@ -1,11 +1,13 @@
 #include "chart_arc.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <array>
 #include <limits>
 #include <numbers>
 
 #include "../arrangement/circle_kernel.hpp"
+#include "../core/errors.hpp"
+#include "../primitives/message.hpp"
 #include "settled_vertices.hpp"
 
 namespace vcell {
@@ -175,17 +177,22 @@ void ChartArcs::add_circular_arc(EdgeId e, double turn) {
 // their errors, and for forms so much alike that the gradient of their difference is lost in rounding.
 double ChartArcs::exact_turn(EdgeId e, double turn) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-    const Vector2d& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))].point;
-    const Vector2d& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))].point;
+    const MinimizationDiagram::Vertex& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
+    const MinimizationDiagram::Vertex& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
     const Circle c = circle(edge.left, edge.right);
-    const double chord = (q - p).norm();
+    const Vector2d from = p.point - c.center, to = q.point - c.center;
+    const double chord = (q.point - p.point).norm(), area = turn * cross(from, to);
     if (chord > 0.5 * c.radius) {
-        const Vector2d from = p - c.center, to = q - c.center;
-        const double angle = std::atan2(turn * cross(from, to), from.dot(to));
+        const double angle = std::atan2(area, from.dot(to));
         return angle >= 0 ? angle : angle + 2 * std::numbers::pi;
     }
+    // The area is at least 0.96 times the radius and the chord: more than what the ends are off, times the radius.
+    const double off = 2 * (p.error + q.error) + 16 * u * (c.center.norm() + c.radius);
+    const bool is_major = ends_at_circular(e) ? is_major_arc(e, c)
+                          : chord > off       ? area < 0
+                                              : !is_taken_beyond(e, c, turn, off);
     const double minor = 2 * std::asin(0.5 * chord / c.radius);
-    return is_major_arc(e, c) ? 2 * std::numbers::pi - minor : minor;
+    return is_major ? 2 * std::numbers::pi - minor : minor;
 }
 
 // Sign of K in f - g = K |p|^2 + ...; open where both have a quadratic part: K = k_f/w_f - k_g/w_g.
@@ -223,12 +230,55 @@ ChartArcs::Circle ChartArcs::circle(FormId f, FormId g) const {
     return {{-0.5 * (A.enclosure() / k).mid(), -0.5 * (B.enclosure() / k).mid()}, std::abs(r.mid())};
 }
 
+// What takes over at an end: a circular form, if there is one.
+FormId ChartArcs::circular_successor(EdgeId e, VertexId v) const {
+    const std::span<const FormId> along = diagram_.label(e);
+    for (const FormId f : diagram_.label(v))
+        if (diagram_.is_circular(f) && std::find(along.begin(), along.end(), f) == along.end()) return f;
+    return {};
+}
+
+bool ChartArcs::ends_at_circular(EdgeId e) const {
+    const auto is_known = [&](VertexId v) {
+        return circular_successor(e, v).valid() || !diagram_.sides(v).empty();
+    };
+    return is_known(diagram_.dcel.origin(Dcel::half_edge(e))) && is_known(diagram_.dcel.target(Dcel::half_edge(e)));
+}
+
+// Where the ends are within `off` of each other the longer arc is all but the whole circle, and nothing is lower anywhere
+// on it but between them.
+bool ChartArcs::is_taken_beyond(EdgeId e, const Circle& c, double turn, double off) {
+    const FormId along = diagram_.edges[e].left;
+    const auto height = [&](FormId form, const Interval& x, const Interval& y) {
+        const ExactForm f = family_.exact(form);
+        return (f.K.enclosure() * (square(x) + square(y)) + f.A.enclosure() * x + f.B.enclosure() * y +
+                f.C.enclosure()) /
+               f.W.enclosure();
+    };
+    const std::array ends{diagram_.dcel.origin(Dcel::half_edge(e)), diagram_.dcel.target(Dcel::half_edge(e))};
+    for (const int end : {0, 1}) {
+        const FormId third = circular_successor(e, ends[end]);
+        if (!third.valid()) continue;
+        const Vector2d spoke = diagram_.vertices[ends[end]].point - c.center;
+        for (const double angle : {0x1p-2, 0x1p-6, 0x1p-10, 0x1p-14}) {
+            if (angle * c.radius <= 4 * off) break;
+            const Vector2d p = c.center + turned(spoke, (end == 0 ? -turn : turn) * angle);
+            const Interval x = Interval::ball(p.x(), off), y = Interval::ball(p.y(), off);
+            ++decisions_.by_interval;
+            if ((height(third, x, y) - height(along, x, y)).upper() < 0) return true;
+        }
+    }
+    const Vector2d& p = diagram_.vertices[ends[0]].point;
+    throw UndecidedError("an edge's ends are not told apart around (" + to_text(p.x()) + ", " + to_text(p.y()) +
+                         ") in the chart");
+}
+
 // Of the two arcs between the end points, is the edge the longer one? Decided by the exact order of four
-// points on the circle. Pre: the chord is at most half the radius. The longer arc holds the circle's leftmost
-// or rightmost point, or both; the shorter one neither, or one that is next to the end points.
+// points on the circle. Pre: the chord is at most half the radius, circular forms or sides take over at both ends. The
+// longer arc holds the circle's leftmost or rightmost point, or both; the shorter one neither, or one that is next to the
+// end points.
 bool ChartArcs::is_major_arc(EdgeId e, const Circle& c) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-    const std::span<const FormId> along = diagram_.label(e);
     CircleKernel kernel;
     kernel.reset(&family_);
     const FormPair curve{kernel.add_form(edge.left), kernel.add_form(edge.right)};
@@ -236,14 +286,9 @@ bool ChartArcs::is_major_arc(EdgeId e, const Circle& c) {
     // along the edge at its start and grows at its end, which names one of the two crossings.
     const auto end_point = [&](VertexId v, Sign orientation) {
         FormPair other;
-        const auto labels = diagram_.label(v);
-        const auto third = std::find_if(labels.begin(), labels.end(), [&](FormId f) {
-            return std::find(along.begin(), along.end(), f) == along.end();
-        });
-        if (third != labels.end()) {
-            other = {curve.f, kernel.add_form(*third)};
+        if (const FormId third = circular_successor(e, v); third.valid()) {
+            other = {curve.f, kernel.add_form(third)};
         } else {
-            assert(!diagram_.sides(v).empty());
             const ConvexRegion::Side& side = diagram_.region.sides[diagram_.sides(v).front()];
             other = {CircleKernel::zero_form(), kernel.add_line(side.a, side.b, side.c)};
         }

@@ -98,6 +98,9 @@ private:
     Sign curvature_sign(FormId f, FormId g);
     Circle circle(FormId f, FormId g) const;
     double exact_turn(EdgeId e, double turn);
+    FormId circular_successor(EdgeId e, VertexId v) const;
+    bool ends_at_circular(EdgeId e) const;
+    bool is_taken_beyond(EdgeId e, const Circle& circle, double turn, double off);
     bool is_major_arc(EdgeId e, const Circle& circle);
 
     const FormFamily& family_;

@@ -59,11 +59,25 @@ double tube_area_size(double K, double E2, double v) {
     const double s2 = E2 + v * v, s = sqrt(s2), far = std::abs(v);  // asinh x < x
     return far * s * (K + 0.25 * (E2 + s2));
 }
+// The same over first <= x <= v.
+double tube_area(double K, double E2, double first, double v) {
+    return first == 0 ? tube_area(K, E2, v) : tube_area(K, E2, v) - tube_area(K, E2, first);
+}
+double tube_area_size(double K, double E2, double first, double v) {
+    const double most2 = std::max(first * first, v * v);
+    return first == 0 ? tube_area_size(K, E2, v)
+                      : (std::abs(v - first) + noise * std::abs(first)) * (K + most2) * sqrt(E2 + most2);
+}
 
 // The integral of (K + x^2)^2 over 0 <= x <= v.
 double tube_square(double K, double v) {
     const double v2 = v * v;
     return v * (K * K + v2 * (2 * K / 3 + 0.2 * v2));
+}
+double tube_square(double K, double first, double v) { return tube_square(K, v) - tube_square(K, first); }
+double tube_square_size(double K, double first, double v) {
+    const double most = K + std::max(first * first, v * v);
+    return (std::abs(v - first) + noise * std::abs(first)) * most * most;
 }
 
 }  // namespace
@@ -222,12 +236,13 @@ Share RoundFace::size(const Ray& ray) const {
 
 // ---- Cylinders over a sphere ------------------------------------------------------------------------
 
-TubeFace::TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder) {
+TubeFace::TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face) {
     axis = cylinder.axis.normalized();
     foot = cylinder.point - axis.dot(cylinder.point) * axis;
     length = foot.norm();
     delta = cylinder.radius - problem.radius;
     K = (length - delta) * (length + delta);
+    first = face.start(axis.dot(face.near));
 }
 
 double TubeFace::distance(const Ray& ray) const {
@@ -253,33 +268,38 @@ Share TubeFace::share(const Ray& ray) const {
     const double angle = dot(axis, cross(p, dp)) / (r * r);
     const double E2 = length * length + delta * delta + 2 * delta * dot(foot, p) / r;
     const double half = r / (K + v * v);  // 1 / (2 q)
-    const double volume = half * (half * tube_square(K, v) - delta * v * (K + v * v / 3));
-    return {volume / 3 * angle, 2 * half * half * tube_area(K, E2, v) * angle};
+    const double linear = v * (K + v * v / 3) - first * (K + first * first / 3);
+    const double volume = half * (half * tube_square(K, first, v) - delta * linear);
+    return {volume / 3 * angle, 2 * half * half * tube_area(K, E2, first, v) * angle};
 }
 
 Share TubeFace::size(const Ray& ray) const {
     const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
     const double t = distance(ray), condition = 1 + (length + std::abs(delta)) / R, r = t + delta;
     const double step = t * norm(ray.du) * (1 + t * (length / t + std::abs(A)) / R);
-    const double v = std::abs(t * A) + noise * t, half = r / (K + v * v), E = length + std::abs(delta),
-                 E2 = E * E;
-    const double volume = half * (half * tube_square(K, v) + std::abs(delta) * v * (K + v * v / 3)) / 3;
-    return {volume * condition * step / r, 2 * half * half * tube_area_size(K, E2, v) * condition * step / r};
+    // Away from `first` by more, for the rounding of the place.
+    const double at = t * A, v = at + std::copysign(noise * t, at - first), half = r / (K + at * at),
+                 E = length + std::abs(delta), E2 = E * E;
+    const double linear = (std::abs(v - first) + noise * std::abs(first)) * (K + std::max(first * first, v * v));
+    const double volume = half * (half * tube_square_size(K, first, v) + std::abs(delta) * linear) / 3;
+    return {volume * condition * step / r, 2 * half * half * tube_area_size(K, E2, first, v) * condition * step / r};
 }
 
 // ---- Over a cylinder, no root ------------------------------------------------------------------------
 
-TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, double y) : least(infinity) {
+TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Around& face) : least(infinity) {
     const auto across = [](const Vec3& p) { return Vec3(p.x(), 0, p.z()); };
     const Object& object = problem.objects[form];
     is_round = false;
-    slope = start = 0;
+    slope = first = 0;
+    start = face.near.y();
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
         const double delta = sphere->radius - problem.radius;
         b = across(sphere->center);
         b0 = delta;
         K = (b.norm() - delta) * (b.norm() + delta);
         start = sphere->center.y();
+        first = face.start(face.near.y() - start);
         is_round = true;
         if (start >= problem.stretch[0] && start <= problem.stretch[1]) least = 0.5 * (b.norm() - delta);
         return;
@@ -289,13 +309,11 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, double y) 
         b = across(cylinder->point);
         b0 = delta;
         K = (b.norm() - delta) * (b.norm() + delta);
-        start = y;
         return;
     }
     const auto& plane = std::get<Plane>(object);
     Vec3 normal = plane.normal.normalized();
-    start = y;
-    K = normal.dot(plane.point) - normal.y() * y;
+    K = normal.dot(plane.point) - normal.y() * start;
     if (K < 0) {
         normal = -normal;
         K = -K;
@@ -318,7 +336,7 @@ Share TurnedFace::share(const Ray& ray) const {
     const double along = dot(b, ray.u), beta = b0 + along, v = ray.y - start;
     const double element = -0.5 * turn(ray) / (beta * beta);
     const double H2 = b0 * b0 + b.squaredNorm() + 2 * b0 * along;  // beta^2 + beta'^2
-    if (is_round) return {0.25 * tube_square(K, v) * element, tube_area(K, H2, v) * element};
+    if (is_round) return {0.25 * tube_square(K, first, v) * element, tube_area(K, H2, first, v) * element};
     const double sv = slope * v;
     const double volume = v * (K * K + sv * (K + sv / 3));
     const double area = v * (K + 0.5 * sv) * sqrt(H2 + 0.25 * slope * slope);
@@ -327,9 +345,13 @@ Share TurnedFace::share(const Ray& ray) const {
 
 Share TurnedFace::size(const Ray& ray) const {
     const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm();
-    const double v = std::abs(ray.y - start) + noise * std::abs(ray.y);
-    const double element = 0.5 * norm(ray.du) / (beta * beta) * (1 + reach / beta);
-    if (is_round) return {0.25 * tube_square(K, v) * element, tube_area_size(K, reach * reach, v) * element};
+    const double element = 0.5 * norm(ray.du) / (beta * beta) * (1 + reach / beta), rounding = noise * std::abs(ray.y);
+    if (is_round) {
+        const double at = ray.y - start, v = at + std::copysign(rounding, at - first);
+        return {0.25 * tube_square_size(K, first, v) * element,
+                tube_area_size(K, reach * reach, first, v) * element};
+    }
+    const double v = std::abs(ray.y - start) + rounding;
     const double sv = std::abs(slope) * v;
     return {0.25 * v * (K * K + sv * (K + sv)) * element, v * (K + sv) * std::hypot(reach, slope) * element};
 }
@@ -462,18 +484,18 @@ Share SkewFace::size(const Ray& ray) const {
 
 // ---- Spans ------------------------------------------------------------------------------------------
 
-RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const Vec3& near) {
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const radial_integrals::Around& face) {
     using namespace radial_integrals;
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
     if (problem.is_sphere) {
-        if (cylinder != nullptr) return TubeFace(problem, *cylinder);
+        if (cylinder != nullptr) return TubeFace(problem, *cylinder, face);
         return RoundFace(problem, form);
     }
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
-    if (is_skew) return SkewFace(problem, *cylinder, near.y());
+    if (is_skew) return SkewFace(problem, *cylinder, face.near.y());
     if (problem.sites[form].front().kind == Site::Kind::BoxSide)
-        return FlatFace(std::get<Plane>(problem.objects[form]), near);
-    return TurnedFace(problem, form, near.y());
+        return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
+    return TurnedFace(problem, form, face);
 }
 
 double least_distance(const RadialFace& face) {

@@ -97,12 +97,23 @@ struct RoundFace {
     Share size(const Ray& ray) const;
 };
 
+/// Points of a face's boundary: one of them, and how far apart they are.
+struct Around {
+    Vec3 near = Vec3::Zero();
+    double extent = std::numeric_limits<double>::infinity();
+
+    /// Where integrals start along an axis on which `near` is at v: at 0, or where that is far from a small face at v. What
+    /// rounding moves points sideways counts with the distance from there.
+    double start(double v) const { return std::abs(v) > 4 * extent ? v : 0; }
+};
+
 /// Cylinders over a sphere.
 struct TubeFace {
     Vec3 axis, foot;          ///< d, c
     double length, delta, K;  ///< length: |c|
+    double first;             ///< along the axis, from the foot: integrals start there
 
-    TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder);
+    TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
     double least_distance() const { return 0.5 * (length - delta); }
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
@@ -116,9 +127,10 @@ struct TurnedFace {
     /// C = K + slope v + [is_round] v^2, v = y - start. Round: slope = 0.
     double start, K, slope;
     bool is_round;
+    double first;  ///< v at which integrals start. Not round: 0
     double least;
 
-    TurnedFace(const RadialBaseProblem& problem, FormId form, double y);
+    TurnedFace(const RadialBaseProblem& problem, FormId form, const Around& face);
     double least_distance() const { return least; }
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
@@ -158,8 +170,8 @@ using RadialFace =
     std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace, radial_integrals::TurnedFace,
                  radial_integrals::FlatFace, radial_integrals::SkewFace>;
 
-/// `near` (cylinder base): a point near the face, in height, too; integrals start there.
-RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const Vec3& near);
+/// Over a cylinder integrals along the axis start at the height of `face.near`.
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const radial_integrals::Around& face);
 
 /// The bisector's least distance from the base's centre or axis, where that is a minimum inside the base's
 /// stretch; infinite if there is none.

@@ -82,15 +82,15 @@ private:
         return problem_.is_sphere && cell_.edges[e.value].kind != CurveKind::Spline;
     }
 
-    // Over a cylinder: heights and distances from the axis at which a face's edges start.
+    // Where a face's edges start; and over a cylinder their distances from the axis.
     struct Reach {
-        std::array<double, 2> y{std::numeric_limits<double>::infinity(),
-                                -std::numeric_limits<double>::infinity()};
+        Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
         double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
         Vec3 at_nearest = Vec3::Zero();
 
         void add(const Vec3& p) {
-            y = {std::min(y[0], p.y()), std::max(y[1], p.y())};
+            least = least.cwiseMin(p);
+            most = most.cwiseMax(p);
             const double distance = std::hypot(p.x(), p.z());
             farthest = std::max(farthest, distance);
             if (!(distance < nearest)) return;
@@ -99,15 +99,19 @@ private:
         }
         // The face's integrals along the axis start between its ends; or in a tip, where rounding turns
         // points about the axis by most, and which then counts for nothing.
-        Vec3 start() const {
-            const double height = nearest < 0x1p-10 * farthest ? at_nearest.y() : 0.5 * (y[0] + y[1]);
-            return {at_nearest.x(), height, at_nearest.z()};
+        radial_integrals::Around around() const {
+            const double height = nearest < 0x1p-10 * farthest ? at_nearest.y() : 0.5 * (least.y() + most.y());
+            return {{at_nearest.x(), height, at_nearest.z()}, (most - least).norm()};
         }
     };
 
     void add_faces() {
-        std::vector<Reach> reaches(problem_.is_sphere ? 0 : diagram_.dcel.face_count());
-        if (!problem_.is_sphere)
+        // Around a sphere only tubes ask for it.
+        const bool are_asked = !problem_.is_sphere || std::ranges::any_of(problem_.objects, [](const Object& o) {
+            return std::holds_alternative<Cylinder>(o);
+        });
+        std::vector<Reach> reaches(are_asked ? diagram_.dcel.face_count() : 0);
+        if (are_asked)
             for (const EdgeId e : diagram_.edges.ids()) {
                 const Vec3 p =
                     problem_.frame.to_canonical(cell_.edges[e.value].curve.points.front().head<3>());
@@ -120,8 +124,8 @@ private:
             const FormId form = diagram_.face_forms[f];
             if (!form.valid()) continue;
             cell_faces_[f.value] = static_cast<std::uint32_t>(faces_.size());
-            faces_.push_back(
-                make_radial_face(problem_, form, reaches.empty() ? Vec3::Zero() : reaches[f.value].start()));
+            faces_.push_back(make_radial_face(
+                problem_, form, are_asked ? reaches[f.value].around() : radial_integrals::Around()));
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
             const double least = least_distance(faces_.back());

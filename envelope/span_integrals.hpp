@@ -218,7 +218,7 @@ inline Integral length(const PowerSpan& span) {
 /// integrand(p, sizes) gives the values at p, and puts down their sizes where it is given room for them.
 template <std::size_t N, class Integrand>
 void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_difference,
-                         std::array<Integral, N>& sum, int halvings = 12) {
+                         std::array<Integral, N>& sum, int halvings, int& budget) {
     using Node = quadrature::NestedRule::Node;
     constexpr quadrature::NestedRule rule;
     std::array<double, N> fine{}, coarse{}, all{}, size{};
@@ -253,9 +253,10 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, doub
         coarse = std::exchange(fine, all);
         good = are_near(fine, coarse);
     }
-    if (!good && halvings > 0) {
+    if (!good && halvings > 0 && budget > 0) {
+        --budget;
         for (const int side : {0, 1})
-            integrate_estimated(span.half(side), integrand, largest_difference, sum, halvings - 1);
+            integrate_estimated(span.half(side), integrand, largest_difference, sum, halvings - 1, budget);
         return;
     }
     for (std::size_t k = 0; k < N; ++k) {
@@ -263,6 +264,14 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, doub
         const double truncation = good && size[k] > 0 ? 10 * difference * (difference / size[k]) : difference;
         sum[k] += {fine[k], truncation + term_rounding * size[k]};
     }
+}
+
+template <std::size_t N, class Integrand>
+void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_difference,
+                         std::array<Integral, N>& sum) {
+    // Towards each of a few sharp turns; where a span has no smooth part more are no better.
+    int budget = 64;
+    integrate_estimated(span, integrand, largest_difference, sum, 12, budget);
 }
 
 }  // namespace span_integrals
