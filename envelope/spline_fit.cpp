@@ -495,7 +495,8 @@ public:
         : sides_(sides), plane_(plane) {}
 
     void add(const Points& points, const std::array<Trim, 2>& trims) {
-        const Part part{points, trims};
+        Part part{points, trims};
+        part.balance();
         bound_ = bound_ + refined(part, bound(part), deepest);
     }
     FitError error() const {
@@ -507,6 +508,17 @@ private:
         Points points;
         std::array<Trim, 2> trims;
 
+        // The same curves at parameters that make the weights at the ends alike: halves are then as long.
+        void balance() {
+            const double factor = std::sqrt(points[0].w() / points[2].w());
+            if (!(factor > 4) && !(factor < 0.25)) return;
+            const auto scale = [factor](auto& controls) {
+                double power = 1;
+                for (std::size_t k = 1; k < controls.size(); ++k) controls[k] *= power *= factor;
+            };
+            scale(points);
+            for (Trim& trim : trims) scale(trim);
+        }
         double length() const {
             double sum = 0;
             for (int i = 1; i < 3; ++i)
@@ -536,12 +548,15 @@ private:
     // Slopes and weights vary along a part, and what is proved of all of it at once may be far too much: parts are halved
     // until there is a proof, and on while that gains a factor of four.
     Bound refined(const Part& part, const Bound& whole, int depth) {
-        if (depth == 0 || halvings_ == 0) return whole;
+        // What could only be sharper leaves alone what is needed for proofs.
+        int& halvings = whole.is_proved() ? sharpenings_ : halvings_;
+        if (depth == 0 || halvings == 0) return whole;
         if (whole.is_proved() && whole.proved.space <= sharp * part.length()) return whole;
-        --halvings_;
+        --halvings;
         std::array<Part, 2> half;
         divide(part.points, half[0].points, half[1].points);
         for (int side = 0; side < 2; ++side) divide(part.trims[side], half[0].trims[side], half[1].trims[side]);
+        for (Part& h : half) h.balance();
         const std::array<Bound, 2> of_half{bound(half[0]), bound(half[1])};
         if (whole.is_proved()) {
             const Bound both = of_half[0] + of_half[1];
@@ -651,7 +666,7 @@ private:
     const std::array<ArcSide, 2> sides_;
     const SectionSurface& plane_;
     Bound bound_;
-    int halvings_ = most_halvings;
+    int halvings_ = most_halvings, sharpenings_ = most_halvings;
 };
 
 }  // namespace
