@@ -6,7 +6,7 @@
 
 #include "arrangement/arrangement.hpp"
 #include "core/core.hpp"
-#include "core/solver/curve_fit.hpp"
-#include "core/solver/solver.hpp"
+#include "core/solver/fit/curve_fit.hpp"
+#include "core/solver/roots/solver.hpp"
 #include "envelope/envelope.hpp"
 #include "primitives/primitives.hpp"

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "../core/exact.hpp"
-#include "../envelope/minimization_diagram.hpp"
+#include "../core/numbers/exact.hpp"
+#include "../envelope/diagram/minimization_diagram.hpp"
 
 namespace vcell {
 

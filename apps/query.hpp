@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "../primitives/plane_base.hpp"
-#include "../primitives/radial_base.hpp"
+#include "../primitives/bases/plane_base.hpp"
+#include "../primitives/bases/radial_base.hpp"
 
 namespace vcell {
 

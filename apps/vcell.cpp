@@ -18,8 +18,8 @@
 #include "../envelope/voronoi_cell.hpp"
 #include "../io/check/check.hpp"
 #include "../io/io.hpp"
-#include "../io/text.hpp"
-#include "../primitives/decided_scene.hpp"
+#include "../io/files/text.hpp"
+#include "../primitives/objects/decided_scene.hpp"
 #include "progress.hpp"
 #include "query.hpp"
 

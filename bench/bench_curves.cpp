@@ -19,9 +19,9 @@
 #include <random>
 #include <vector>
 
-#include "../core/cylinder_form.hpp"
-#include "../core/solver/curve_fit.hpp"
-#include "../core/solver/polynomial.hpp"
+#include "../primitives/forms/cylinder_form.hpp"
+#include "../core/solver/fit/curve_fit.hpp"
+#include "../core/solver/systems/polynomial.hpp"
 #include "median.hpp"
 
 namespace vcell::bench {
@@ -70,7 +70,7 @@ bool negative(const Jet<T, N>& x) {
     return negative(x.value);
 }
 
-// The polynomials C, beta and A of core/cylinder_form.hpp in the monomials of x and y.
+// The polynomials C, beta and A of primitives/forms/cylinder_form.hpp in the monomials of x and y.
 class CylinderHeight {
 public:
     explicit CylinderHeight(const CylinderForm& f) {

@@ -27,9 +27,9 @@
 #include <string>
 #include <vector>
 
-#include "../envelope/mixed_arc.hpp"
+#include "../envelope/lift/mixed_arc.hpp"
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/scene_file.hpp"
+#include "../io/files/scene_file.hpp"
 #include "bench_main.hpp"
 #include "cell_check.hpp"
 #include "mixed_scene.hpp"

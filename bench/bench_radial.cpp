@@ -40,7 +40,7 @@
 #include <vector>
 
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/scene_file.hpp"
+#include "../io/files/scene_file.hpp"
 #include "bench_main.hpp"
 #include "cell_check.hpp"
 #include "median.hpp"

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "../core/solver/solver.hpp"
+#include "../primitives/bisectors/vertex_system.hpp"
 #include "bench_main.hpp"
 
 namespace vcell::bench {

@@ -13,7 +13,7 @@
 #include <numbers>
 #include <string>
 
-#include "../primitives/scene.hpp"
+#include "../primitives/objects/scene.hpp"
 #include "mixed_scene.hpp"
 
 namespace vcell::bench {

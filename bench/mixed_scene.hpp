@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "../primitives/scene.hpp"
+#include "../primitives/objects/scene.hpp"
 
 namespace vcell::bench {
 

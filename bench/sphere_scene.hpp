@@ -11,8 +11,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "../envelope/minimization_diagram.hpp"
-#include "../primitives/objects.hpp"
+#include "../envelope/diagram/minimization_diagram.hpp"
+#include "../primitives/objects/objects.hpp"
 
 namespace vcell::bench {
 

@@ -3,10 +3,10 @@
 
 #include "platform.hpp"
 
-#include "bspline.hpp"
-#include "circular_form.hpp"
+#include "curves/bspline.hpp"
+#include "curves/circular_form.hpp"
 #include "errors.hpp"
-#include "exact.hpp"
+#include "numbers/exact.hpp"
 #include "ids.hpp"
-#include "interval.hpp"
-#include "sign.hpp"
+#include "numbers/interval.hpp"
+#include "numbers/sign.hpp"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "../core/bspline.hpp"
-#include "../core/sign.hpp"
-#include "../primitives/scene.hpp"
-#include "../primitives/site.hpp"
+#include "../core/curves/bspline.hpp"
+#include "../core/numbers/sign.hpp"
+#include "../primitives/objects/scene.hpp"
+#include "../primitives/objects/site.hpp"
 
 namespace vcell {
 

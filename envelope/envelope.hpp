@@ -2,5 +2,5 @@
 #pragma once
 
 #include "cell.hpp"
-#include "minimization_diagram.hpp"
+#include "diagram/minimization_diagram.hpp"
 #include "voronoi_cell.hpp"

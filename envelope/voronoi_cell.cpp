@@ -10,14 +10,14 @@
 #include <utility>
 
 #include "../core/platform.hpp"
-#include "../primitives/decided_scene.hpp"
-#include "../primitives/plane_base.hpp"
-#include "../primitives/radial_base.hpp"
-#include "lift.hpp"
-#include "minimization_diagram.hpp"
-#include "radial_lift.hpp"
-#include "scene_motion.hpp"
-#include "settled_vertices.hpp"
+#include "../primitives/objects/decided_scene.hpp"
+#include "../primitives/bases/plane_base.hpp"
+#include "../primitives/bases/radial_base.hpp"
+#include "lift/lift.hpp"
+#include "diagram/minimization_diagram.hpp"
+#include "lift/radial_lift.hpp"
+#include "lift/scene_motion.hpp"
+#include "diagram/settled_vertices.hpp"
 
 namespace vcell {
 

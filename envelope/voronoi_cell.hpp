@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "../primitives/scene.hpp"
+#include "../primitives/objects/scene.hpp"
 #include "cell.hpp"
 
 namespace vcell {

@@ -1,6 +1,6 @@
 // All common points of two ellipses, proved; the nearly tangent case to the last digit.
 #include <cstdio>
-#include <vcell/core/solver/solver.hpp>
+#include <vcell/core/solver/roots/solver.hpp>
 
 // x^2 + 4 y^2 = 4 and 4 x^2 + (y - h)^2 = 4, in any number type.
 struct Ellipses {

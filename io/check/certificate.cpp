@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "../json_writer.hpp"
+#include "../files/json_writer.hpp"
 
 namespace vcell {
 

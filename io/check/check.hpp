@@ -7,7 +7,7 @@
 ///     faces.hpp);
 ///   - faces tile the base region: each base point lies under one of them (tiling.hpp);
 ///   - measures enclosed by integrals of its own (measures.hpp).
-/// Bounds are rounded outwards (core/interval.hpp).
+/// Bounds are rounded outwards (core/numbers/interval.hpp).
 #pragma once
 
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "../../core/exact.hpp"
+#include "../../core/numbers/exact.hpp"
 
 namespace vcell::check {
 

@@ -1,7 +1,7 @@
 /// Objects that hold others, decided exactly: what is held is nowhere nearer than its holder.
 #pragma once
 
-#include "../../primitives/objects.hpp"
+#include "../../primitives/objects/objects.hpp"
 
 namespace vcell::check {
 

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "../../core/bspline.hpp"
+#include "../../core/curves/bspline.hpp"
 #include "../../core/small_vector.hpp"
-#include "../../primitives/objects.hpp"
+#include "../../primitives/objects/objects.hpp"
 
 namespace vcell::check {
 

@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <span>
 
-#include "../../core/interval.hpp"
+#include "../../core/numbers/interval.hpp"
 #include "../../core/small_vector.hpp"
 #include "midrad.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../../core/exact.hpp"
+#include "../../core/numbers/exact.hpp"
 
 namespace vcell::check {
 namespace {

@@ -27,8 +27,8 @@
 #include <optional>
 
 #include "../../core/small_vector.hpp"
-#include "../../primitives/scene.hpp"
-#include "../../primitives/site.hpp"
+#include "../../primitives/objects/scene.hpp"
+#include "../../primitives/objects/site.hpp"
 #include "midrad.hpp"
 #include "space.hpp"
 

@@ -1,6 +1,6 @@
 /// Real intervals by midpoint and radius, in arithmetic that rounds to nearest [Rump99]: a product takes one
 /// product of midpoints, where one of bounds takes four. Wide intervals are better kept by their bounds
-/// (core/interval.hpp).
+/// (core/numbers/interval.hpp).
 ///
 /// Midpoints are rounded once by each operation, by at most 2^-53 of themselves or, where they are subnormal,
 /// half the least double. Each radius grows by 2^-52 of the midpoint and by 2^-50 of itself, which is more
@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../../core/interval.hpp"
+#include "../../core/numbers/interval.hpp"
 
 namespace vcell::check {
 

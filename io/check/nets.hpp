@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "../../core/bspline.hpp"
+#include "../../core/curves/bspline.hpp"
 #include "../../core/small_vector.hpp"
 #include "curves.hpp"
 #include "forms.hpp"

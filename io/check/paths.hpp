@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "../../primitives/site.hpp"
+#include "../../primitives/objects/site.hpp"
 
 namespace vcell::check {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <variant>
 
-#include "../../core/exact.hpp"
+#include "../../core/numbers/exact.hpp"
 
 namespace vcell::check {
 

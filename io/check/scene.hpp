@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "../../primitives/scene.hpp"
-#include "../../primitives/site.hpp"
+#include "../../primitives/objects/scene.hpp"
+#include "../../primitives/objects/site.hpp"
 #include "curves.hpp"
 
 namespace vcell::check {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "../../primitives/scene.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 namespace vcell::check {
 

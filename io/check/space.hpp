@@ -15,10 +15,10 @@
 #include <variant>
 #include <vector>
 
-#include "../../core/interval.hpp"
-#include "../../core/wide_interval.hpp"
-#include "../../primitives/scene.hpp"
-#include "../../primitives/site.hpp"
+#include "../../core/numbers/interval.hpp"
+#include "../../core/numbers/wide_interval.hpp"
+#include "../../primitives/objects/scene.hpp"
+#include "../../primitives/objects/site.hpp"
 
 namespace vcell::check {
 

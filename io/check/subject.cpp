@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "../trims.hpp"
+#include "../pictures/trims.hpp"
 #include "paths.hpp"
 
 namespace vcell::check {

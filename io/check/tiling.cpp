@@ -11,7 +11,7 @@
 #include <random>
 #include <utility>
 
-#include "../trims.hpp"
+#include "../pictures/trims.hpp"
 
 namespace vcell::check {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "../trims.hpp"
+#include "../pictures/trims.hpp"
 #include "lanes.hpp"
 #include "nets.hpp"
 

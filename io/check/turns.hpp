@@ -6,7 +6,7 @@
 #include <cmath>
 #include <variant>
 
-#include "../../primitives/scene.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 namespace vcell::check {
 

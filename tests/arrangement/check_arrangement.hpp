@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "vcell/arrangement/point_location.hpp"
+#include "vcell/arrangement/sweep/point_location.hpp"
 
 namespace vcell {
 

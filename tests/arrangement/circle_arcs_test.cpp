@@ -11,7 +11,7 @@
 
 #include "check_arrangement.hpp"
 #include "test_support.hpp"
-#include "vcell/arrangement/circle_arcs.hpp"
+#include "vcell/arrangement/circles/circle_arcs.hpp"
 
 using namespace vcell;
 using Arc = CircleArcs::Arc;
@@ -68,7 +68,7 @@ public:
         arcs.cut_arc(l, from, end(s.x1, s.y1), pieces);
     }
 
-    FormFamily family;
+    CircularFamily family;
     std::vector<FormId> forms;
     CircleKernel kernel;
     CircleArcs arcs;

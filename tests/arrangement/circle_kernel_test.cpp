@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "../../arrangement/circle_kernel.hpp"
+#include "../../arrangement/circles/circle_kernel.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;
@@ -21,7 +21,7 @@ struct Ball {
 
 struct Forms {
     std::vector<Ball> balls;
-    FormFamily family;
+    CircularFamily family;
 
     explicit Forms(std::vector<Ball> list) : balls(std::move(list)) {
         for (const Ball& b : balls)
@@ -293,7 +293,7 @@ TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp 
         for (int i = 0; i < 3; ++i) slope[i] = m[i] * Eigen::Vector2d(t[0], t[1]);
         slope[3] = slope[0] + m[3] * Eigen::Vector2d(-t[1], t[0]);
 
-        FormFamily family;
+        CircularFamily family;
         for (int i = 0; i < 4; ++i) {
             const Eigen::Vector2d center = -w[i] * slope[i];
             family.forms.push_back({1, center.x(), center.y(), 0, 0, -center.squaredNorm(), w[i]});

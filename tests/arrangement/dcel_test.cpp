@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "vcell/arrangement/dcel.hpp"
+#include "vcell/arrangement/dcel/dcel.hpp"
 
 using namespace vcell;
 

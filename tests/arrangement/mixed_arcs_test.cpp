@@ -7,8 +7,8 @@
 
 #include "check_arrangement.hpp"
 #include "test_support.hpp"
-#include "vcell/arrangement/mixed_arcs.hpp"
-#include "vcell/arrangement/overlay.hpp"
+#include "vcell/arrangement/curves/mixed_arcs.hpp"
+#include "vcell/arrangement/sweep/overlay.hpp"
 
 using namespace vcell;
 using Arc = CurveArcs::Arc;

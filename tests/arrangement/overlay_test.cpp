@@ -5,7 +5,7 @@
 #include "check_arrangement.hpp"
 #include "segment_geometry.hpp"
 #include "test_support.hpp"
-#include "vcell/arrangement/overlay.hpp"
+#include "vcell/arrangement/sweep/overlay.hpp"
 
 using namespace vcell;
 using Geometry = SegmentGeometry;

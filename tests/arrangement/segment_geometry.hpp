@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "vcell/arrangement/arc_geometry.hpp"
+#include "vcell/arrangement/sweep/arc_geometry.hpp"
 
 namespace vcell {
 

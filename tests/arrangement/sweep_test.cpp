@@ -10,7 +10,7 @@
 #include "polyline_geometry.hpp"
 #include "segment_geometry.hpp"
 #include "test_support.hpp"
-#include "vcell/arrangement/sweep.hpp"
+#include "vcell/arrangement/sweep/sweep.hpp"
 
 using namespace vcell;
 using Segment = SegmentGeometry::Arc;

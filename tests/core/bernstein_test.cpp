@@ -4,7 +4,7 @@
 #include <random>
 
 #include "test_support.hpp"
-#include "vcell/core/bernstein.hpp"
+#include "vcell/core/curves/bernstein.hpp"
 
 using namespace vcell;
 

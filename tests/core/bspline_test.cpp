@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "../../core/bspline.hpp"
+#include "../../core/curves/bspline.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;

@@ -1,4 +1,4 @@
-#include "../../core/compensated.hpp"
+#include "../../core/numbers/compensated.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "../../core/exact.hpp"
+#include "../../core/numbers/exact.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "../../core/exact.hpp"
+#include "../../core/numbers/exact.hpp"
 #include "../test_support.hpp"
 #include "hostile.hpp"
 

@@ -4,7 +4,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <utility>
 
-#include "../../core/exact.hpp"
+#include "../../core/numbers/exact.hpp"
 #include "../test_support.hpp"
 #include "hostile.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "../../core/errors.hpp"
-#include "../../core/sign.hpp"
+#include "../../core/numbers/sign.hpp"
 
 using namespace vcell;
 

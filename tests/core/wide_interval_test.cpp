@@ -4,7 +4,7 @@
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "../../core/wide_interval.hpp"
+#include "../../core/numbers/wide_interval.hpp"
 #include "../test_support.hpp"
 #include "hostile.hpp"
 

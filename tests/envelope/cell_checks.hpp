@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "../../envelope/cell.hpp"
-#include "../../primitives/plane_base.hpp"
+#include "../../primitives/bases/plane_base.hpp"
 
 namespace vcell::testing {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "../../envelope/minimization_diagram.hpp"
+#include "../../envelope/diagram/minimization_diagram.hpp"
 
 namespace vcell {
 

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "../../envelope/minimization_diagram.hpp"
+#include "../../envelope/diagram/minimization_diagram.hpp"
 
 namespace vcell::oracle {
 

@@ -22,8 +22,8 @@
 #include <variant>
 #include <vector>
 
-#include "../../envelope/minimization_diagram.hpp"
-#include "../../primitives/radial_base.hpp"
+#include "../../envelope/diagram/minimization_diagram.hpp"
+#include "../../primitives/bases/radial_base.hpp"
 
 namespace vcell::radial {
 

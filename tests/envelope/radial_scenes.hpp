@@ -7,7 +7,7 @@
 #include <random>
 #include <variant>
 
-#include "../../primitives/scene.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 namespace vcell::radial {
 

@@ -8,7 +8,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 
 namespace vcell {

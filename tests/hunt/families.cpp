@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "../../core/errors.hpp"
-#include "../../io/scene_file.hpp"
-#include "../../primitives/decided_scene.hpp"
-#include "../../primitives/plane_base.hpp"
-#include "../../primitives/radial_base.hpp"
+#include "../../io/files/scene_file.hpp"
+#include "../../primitives/objects/decided_scene.hpp"
+#include "../../primitives/bases/plane_base.hpp"
+#include "../../primitives/bases/radial_base.hpp"
 
 namespace vcell::hunt {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "../../primitives/scene.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 namespace vcell::hunt {
 

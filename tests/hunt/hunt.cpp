@@ -10,7 +10,7 @@
 #include <iostream>
 #include <map>
 
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "families.hpp"
 #include "trial.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "../../primitives/scene.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 namespace vcell::hunt {
 

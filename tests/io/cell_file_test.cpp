@@ -1,4 +1,4 @@
-#include "../../io/cell_file.hpp"
+#include "../../io/files/cell_file.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "../../core/errors.hpp"
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "sample_cells.hpp"
 
 using namespace vcell;

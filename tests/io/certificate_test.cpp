@@ -18,7 +18,7 @@
 #include "../../io/check/scene.hpp"
 #include "../../io/check/site_tree.hpp"
 #include "../../io/check/turns.hpp"
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 
 namespace vcell {

@@ -13,7 +13,7 @@
 
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 
 namespace vcell {

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "../../envelope/voronoi_cell.hpp"
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;

@@ -5,9 +5,9 @@
 #include <random>
 
 #include "../../core/errors.hpp"
-#include "../../io/cell_file.hpp"
+#include "../../io/files/cell_file.hpp"
 #include "../../io/check/check.hpp"
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "sample_cells.hpp"
 #include "test_support.hpp"
 

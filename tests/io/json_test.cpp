@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "../../core/errors.hpp"
-#include "../../io/json_reader.hpp"
-#include "../../io/json_writer.hpp"
-#include "../../io/text.hpp"
+#include "../../io/files/json_reader.hpp"
+#include "../../io/files/json_writer.hpp"
+#include "../../io/files/text.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;

@@ -1,4 +1,4 @@
-#include "../../io/mesh.hpp"
+#include "../../io/pictures/mesh.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,7 +11,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
-#include "../../io/obj.hpp"
+#include "../../io/pictures/obj.hpp"
 #include "sample_cells.hpp"
 #include "test_support.hpp"
 

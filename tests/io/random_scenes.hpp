@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "../../primitives/scene.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 namespace vcell {
 

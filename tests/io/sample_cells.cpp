@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "../../core/errors.hpp"
-#include "../../io/cell_file.hpp"
-#include "../../io/scene_file.hpp"
+#include "../../io/files/cell_file.hpp"
+#include "../../io/files/scene_file.hpp"
 
 namespace vcell {
 

@@ -1,4 +1,4 @@
-#include "../../io/scene_file.hpp"
+#include "../../io/files/scene_file.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "../../core/errors.hpp"
-#include "../../io/files.hpp"
+#include "../../io/files/files.hpp"
 #include "sample_cells.hpp"
 #include "test_support.hpp"
 

@@ -1,4 +1,4 @@
-#include "../../io/svg.hpp"
+#include "../../io/pictures/svg.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "../../envelope/voronoi_cell.hpp"
-#include "../../io/site_style.hpp"
+#include "../../io/pictures/site_style.hpp"
 #include "sample_cells.hpp"
 
 using namespace vcell;

@@ -7,7 +7,7 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/nets.hpp"
 #include "../../io/check/trim_curves.hpp"
-#include "../../io/trims.hpp"
+#include "../../io/pictures/trims.hpp"
 #include "../test_support.hpp"
 #include "random_scenes.hpp"
 

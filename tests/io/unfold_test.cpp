@@ -1,4 +1,4 @@
-#include "../../io/unfold.hpp"
+#include "../../io/pictures/unfold.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 
 #include "../../envelope/voronoi_cell.hpp"
-#include "../../io/scene_file.hpp"
-#include "../../primitives/radial_base.hpp"
+#include "../../io/files/scene_file.hpp"
+#include "../../primitives/bases/radial_base.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;

@@ -1,4 +1,4 @@
-#include "../../primitives/bisector.hpp"
+#include "../../primitives/bisectors/bisector.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "../../primitives/height_conics.hpp"
+#include "../../primitives/bisectors/height_conics.hpp"
 
 #include <doctest/doctest.h>
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "../../primitives/nested_cylinders.hpp"
-#include "../../primitives/solids.hpp"
+#include "../../primitives/bases/nested_cylinders.hpp"
+#include "../../primitives/bases/solids.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "../../core/errors.hpp"
-#include "../../primitives/plane_base.hpp"
-#include "../../primitives/solids.hpp"
+#include "../../primitives/bases/plane_base.hpp"
+#include "../../primitives/bases/solids.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;

@@ -1,4 +1,4 @@
-#include "../../primitives/plane_base.hpp"
+#include "../../primitives/bases/plane_base.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "../../primitives/radial_base.hpp"
+#include "../../primitives/bases/radial_base.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,8 +10,8 @@
 #include <random>
 
 #include "../../core/errors.hpp"
-#include "../../primitives/nested_balls.hpp"
-#include "../../primitives/sphere_chart.hpp"
+#include "../../primitives/bases/nested_balls.hpp"
+#include "../../primitives/charts/sphere_chart.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;

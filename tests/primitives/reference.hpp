@@ -6,8 +6,8 @@
 #include <cmath>
 #include <variant>
 
-#include "../../core/exact.hpp"
-#include "../../primitives/objects.hpp"
+#include "../../core/numbers/exact.hpp"
+#include "../../primitives/objects/objects.hpp"
 
 namespace vcell {
 

@@ -1,4 +1,4 @@
-#include "../../primitives/scene.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "../../core/errors.hpp"
-#include "../../primitives/site.hpp"
+#include "../../primitives/objects/site.hpp"
 
 using namespace vcell;
 using Kind = InputError::Kind;

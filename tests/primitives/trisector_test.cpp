@@ -1,4 +1,4 @@
-#include "../../primitives/trisector.hpp"
+#include "../../primitives/bisectors/trisector.hpp"
 
 #include <doctest/doctest.h>
 

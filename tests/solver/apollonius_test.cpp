@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "../../core/solver/solver.hpp"
+#include "../../primitives/bisectors/vertex_system.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "../../core/solver/solver.hpp"
+#include "../../core/solver/roots/solver.hpp"
 
 using namespace vcell;
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "../../core/solver/curve.hpp"
+#include "../../core/solver/curves/curve.hpp"
 
 namespace vcell::testing {
 

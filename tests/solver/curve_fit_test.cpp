@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "../../core/solver/curve_fit.hpp"
+#include "../../core/solver/fit/curve_fit.hpp"
 #include "curve_check.hpp"
 #include "system_file.hpp"
 

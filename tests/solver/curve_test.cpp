@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "../../core/cylinder_form.hpp"
+#include "../../primitives/forms/cylinder_form.hpp"
 #include "curve_check.hpp"
 #include "system_file.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <random>
 
-#include "../../core/solver/box.hpp"
-#include "../../core/solver/polynomial.hpp"
+#include "../../core/solver/newton/box.hpp"
+#include "../../core/solver/systems/polynomial.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "../../core/solver/solver.hpp"
+#include "../../core/solver/roots/solver.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "../../core/solver/solver.hpp"
+#include "../../core/solver/roots/solver.hpp"
 
 using namespace vcell;
 

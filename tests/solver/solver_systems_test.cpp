@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "../../core/solver/solver.hpp"
+#include "../../core/solver/roots/solver.hpp"
 #include "system_file.hpp"
 
 using namespace vcell;

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "../../core/solver/polynomial.hpp"
-#include "../../core/solver/quadratic_system.hpp"
+#include "../../core/solver/systems/polynomial.hpp"
+#include "../../primitives/bisectors/vertex_system.hpp"
 #include "../test_support.hpp"
 
 namespace vcell::testing {

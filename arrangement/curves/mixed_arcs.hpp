@@ -1,0 +1,193 @@
+/// Arcs of lines, circles, rational Bezier curves and traced curves in any mix: a model of ArcGeometry.
+///
+/// Every x-monotone piece of a curve is a MonotoneGraph y(x). Two of them are intersected once, by isolating
+/// the zeros of the difference of their heights: parts of the common x-range are halved until over each of
+/// them the difference has no zero, or is strictly monotone. All other answers follow from the zeros of each
+/// pair and from the differences' signs between them, so they do not contradict each other.
+///
+/// Signs climb the ladder: bands about traced curves (counted by_double: a double with a proven bound),
+/// double intervals, exact numbers among lines and circles, 320-bit intervals. Differences below 2^-200 of
+/// the scale of the arcs' coordinates, and what 320 bits cannot tell, are assumed to be zero and counted.
+///
+/// Identity is combinatorial first. A point knows the pieces on which it lies, from its origin and from what
+/// has been decided. A curve may be labelled as {f = g} for a pair of functions: a point on {i = j} and {i =
+/// k} lies on {j = k}, and the crossing of any two of the three is the same point.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "../../core/ids.hpp"
+#include "../sweep/arc_geometry.hpp"
+#include "monotone_graph.hpp"
+#include "traced_curve.hpp"
+
+namespace vcell {
+
+struct MixedPointTag {
+    static constexpr char letter = 'p';
+};
+struct MixedCurveTag {
+    static constexpr char letter = 'k';
+};
+struct MixedBranchTag {
+    static constexpr char letter = 'b';
+};
+using MixedPointId = Id<MixedPointTag>;
+using MixedCurveId = Id<MixedCurveTag>;
+using MixedBranchId = Id<MixedBranchTag>;
+
+class CurveArcs {
+public:
+    using Point = MixedPointId;
+    /// A piece of a branch: of a line, of half a circle, of a Bezier or traced curve between its turns in x.
+    struct Arc {
+        MixedBranchId branch;
+        Point left, right;
+    };
+    /// The curve is (part of) the set where functions f and g, by the caller's numbers, are equal.
+    struct Label {
+        std::uint32_t f, g;
+    };
+
+    // --- Curves. Equal lines, circles and Bezier curves become one curve. ------------------------------
+
+    /// k |p - c|^2 + a x + b y + e = 0, the doubles being exact (w is ignored).
+    /// Pre: a line, or a circle of positive radius.
+    MixedCurveId add_circular(const CircularForm& form, std::optional<Label> label = {});
+    MixedCurveId add_line(double a, double b, double e, std::optional<Label> label = {}) {
+        return add_circular({.a = a, .b = b, .e = e}, label);
+    }
+    MixedCurveId add_circle(double cx, double cy, double squared_radius, std::optional<Label> label = {}) {
+        return add_circular({.k = 1, .cx = cx, .cy = cy, .e = -squared_radius}, label);
+    }
+    /// Control points (x, y, w), exact. Pre: degree 1 to 16, w > 0; x is not constant (add_line).
+    MixedCurveId add_bezier(std::vector<Eigen::Vector3d> points);
+    /// Throws InputError as cut_traced_curve does.
+    MixedCurveId add_traced(const TracedCurve& curve, std::optional<Label> label = {});
+
+    // --- Points and arcs of them. ----------------------------------------------------------------------
+
+    /// A point given by exact coordinates.
+    Point point(double x, double y);
+    /// The common points of two different lines or circles, ascending; exact.
+    std::vector<Point> crossings(MixedCurveId c, MixedCurveId d);
+    /// Appends the whole curve as x-monotone arcs. Pre: c is no line.
+    void cut(MixedCurveId c, std::vector<Arc>& out) const;
+    /// Pre: p and q are different points of the line.
+    Arc segment(MixedCurveId line, Point p, Point q);
+    /// The part of an arc between two different points on it.
+    Arc sub_arc(const Arc& a, Point p, Point q);
+
+    /// A box of doubles around the point.
+    std::array<Interval, 2> box(Point p) const { return {points_[p].x, points_[p].y}; }
+    /// A box of 320-bit numbers around it.
+    std::pair<Wide, Wide> fine_box(Point p);
+    const Decisions& decisions() const { return decisions_; }
+    /// Where a coincidence was assumed, one point for each in the order of the decisions.
+    const std::vector<Eigen::Vector2d>& assumed_at() const { return assumed_at_; }
+
+    // --- ArcGeometry. ----------------------------------------------------------------------------------
+
+    Sign compare_xy(Point p, Point q);
+    Sign compare_y_at_x(Point p, const Arc& a);
+    Sign compare_y_right_of(const Arc& a, const Arc& b, Point p);
+    Point left(const Arc& a) const { return a.left; }
+    Point right(const Arc& a) const { return a.right; }
+    bool is_vertical(const Arc& a) const { return !branches_[a.branch].graph; }
+    void intersect(const Arc& a, const Arc& b, ArcIntersections<Point, Arc>& out);
+    std::pair<Arc, Arc> split(const Arc& a, Point p) const {
+        return {{a.branch, a.left, p}, {a.branch, p, a.right}};
+    }
+
+private:
+    class Isolation;
+
+    /// x / denominator, y / denominator. denominator > 0.
+    struct ExactPoint {
+        OneRoot x, y;
+        Exact denominator;
+    };
+    struct PointData {
+        Interval x, y;
+        std::function<std::pair<Wide, Wide>()> refine;
+        std::shared_ptr<const ExactPoint> exact;  // or none
+        std::vector<MixedBranchId> on;            // branches known to hold the point
+        std::optional<std::pair<Wide, Wide>> fine;
+    };
+    struct Branch {
+        MixedCurveId curve;
+        std::shared_ptr<const MonotoneGraph> graph;  // none: vertical
+        Point left, right;                           // none: a line
+        Point anchor;                                // of a vertical line: some point on it
+    };
+    struct Curve {
+        enum class Kind : std::uint8_t { Line, Circle, Bezier, Traced } kind;
+        std::vector<MixedBranchId> branches;
+        std::vector<Label> labels;
+        CircularForm form;
+        ExactForm exact;
+        std::shared_ptr<const RationalBezier> bezier;
+        bool circular() const { return kind == Kind::Line || kind == Kind::Circle; }
+    };
+    /// The common points of two branches a < b, ascending, and the sign of a - b in height left of each of
+    /// them and right of the last. Zero: not in the common range. Branches that coincide have neither.
+    struct Meeting {
+        bool coincide = false;
+        std::vector<Point> points;
+        std::vector<Sign> signs;
+    };
+
+    using Classes = IdVector<MixedPointId, MixedPointId>;  // disjoint sets
+
+    Point add_point(PointData data);
+    Point add_exact_point(ExactPoint p);
+    MixedBranchId add_branch(MixedCurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
+                             Point right);
+    static Point representative(Classes& classes, Point p);
+    Point representative(Point p) const { return representative(equal_to_, p); }
+    void unite(Point p, Point q);
+    void note_on(Point p, MixedBranchId b);
+    void assume(const Interval& x, const Interval& y);
+    bool known_on(Point p, MixedBranchId b) const;
+
+    struct Comparison {
+        Sign sign;
+        bool assumed = false;
+    };
+    Comparison compare_coordinate(Point p, Point q, int axis);
+    Sign compare_x(Point p, Point q);
+    Sign side_of(Point p, MixedBranchId b);
+    Sign exact_side_of(const ExactPoint& p, MixedBranchId b) const;
+    bool on_half(Point p, MixedBranchId b) const;
+
+    const Meeting& meeting(MixedBranchId a, MixedBranchId b);
+    Meeting meet(MixedBranchId a, MixedBranchId b);
+    Meeting meet_vertical(MixedBranchId vertical, MixedBranchId b);
+    Meeting with_signs_between(MixedBranchId a, MixedBranchId b, std::vector<Point> points);
+    Sign sign_between(MixedBranchId a, MixedBranchId b, std::optional<Point> l, std::optional<Point> r);
+    std::vector<Point> exact_points(const Curve& c, const Curve& d);
+    std::optional<Point> later_left(MixedBranchId a, MixedBranchId b);
+    std::optional<Point> earlier_right(MixedBranchId a, MixedBranchId b);
+
+    mutable Classes equal_to_, equal_x_;
+    IdVector<MixedPointId, PointData> points_;
+    IdVector<MixedCurveId, Curve> curves_;
+    IdVector<MixedBranchId, Branch> branches_;
+    std::map<std::pair<double, double>, Point> given_;
+    std::map<std::pair<MixedCurveId, MixedCurveId>, std::vector<Point>> exact_points_;
+    std::map<std::pair<MixedBranchId, MixedBranchId>, Meeting> meetings_;
+    IdVector<MixedBranchId, std::vector<Point>> points_on_;  // the reverse of PointData::on
+    Decisions decisions_;
+    std::vector<Eigen::Vector2d> assumed_at_;
+};
+
+static_assert(ArcGeometry<CurveArcs>);
+
+}  // namespace vcell

@@ -1,0 +1,191 @@
+/// A minimization diagram under construction, small and changed in place.
+///
+/// Its faces are compared one by one with a challenger (the paper's comparison of two surfaces over an
+/// overlay face, [HE, section 2.1]): where the challenger wins, its arcs are inserted, the face relabelled
+/// and edges between equal labels removed. A diagram that consists of one face needs no overlay, so sites
+/// can be merged in one at a time without ever computing the crossing of two unrelated trisectors; the
+/// general merge takes the overlay of two diagrams and a challenger for each of its faces.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "../../arrangement/circles/circle_arcs.hpp"
+#include "../../arrangement/circles/circle_kernel.hpp"
+#include "../diagram/minimization_diagram.hpp"
+
+namespace vcell {
+
+class WorkDiagram {
+public:
+    using Index = std::uint32_t;
+    static constexpr Index none = UINT32_MAX;
+
+    struct Vertex {
+        PointId point;
+        Index out = none;          ///< some half-edge that leaves it; none: isolated
+        Index isolated_in = none;  ///< the face of an isolated vertex
+        Index ties = none;         ///< index into ties_: all forms that attain the minimum, if not just the faces'
+        Index challenger_ties = none;  ///< the same in the challenging diagram, while two are merged
+        Index stamp = 0;
+        Sign sign = Sign::Zero;    ///< of challenger - defender, while stamp is current
+        bool alive = true;
+        double height, height_error;       ///< encloses the minimum at the vertex
+        // While stamp is current: the challenger's slope, and a lower bound of |challenger - defender|.
+        double slope_x, slope_y, margin;
+    };
+    struct HalfEdge {
+        Index next, prev, origin, face;
+        FormId label;  ///< the lowest form on its left; none outside the polygon
+    };
+    /// Half-edges 2e and 2e + 1; curve directs 2e. Rim curves are {zero_form, line}, inside on their left.
+    struct Edge {
+        FormPair curve;
+        CircleKernel::ArcBounds bounds;
+        Index ties = none, challenger_ties = none;
+        Index stamp = 0;
+        Sign sign = Sign::Zero;
+        bool rim = false;
+        bool alive = true;
+    };
+    struct Face {
+        FormId site;
+        std::array<double, 4> box;
+        double x = 0, y = 0, rx = 0, ry = 0;  ///< the box's centre and half sides
+        CircleKernel::Place place;            ///< of the site's form there
+        Index outer = none;         ///< a half-edge of the outer boundary component
+        std::vector<Index> inner;   ///< a half-edge of each inner boundary component
+        std::vector<Index> isolated;
+        bool alive = true;
+    };
+
+    explicit WorkDiagram(CircleKernel& kernel) : kernel_(kernel) {}
+
+    /// One face labelled `site` in the convex polygon of these lines (counter-clockwise, positive inside).
+    /// Pre: the lines are forms of the kernel; consecutive ones meet in the polygon's corners.
+    void start(std::span<const FormId> lines, FormId site);
+
+    /// Merges in one more form.
+    void insert(FormId challenger);
+
+    /// Becomes the diagram of the forms of both, by overlay. Pre: neither is this one; both have this
+    /// one's kernel, the same polygon, and no form in common.
+    void merge(const WorkDiagram& defender, const WorkDiagram& challenger);
+
+    CircleKernel& kernel() const { return kernel_; }
+    const std::vector<Vertex>& vertices() const { return vertices_; }
+    const std::vector<HalfEdge>& half_edges() const { return half_edges_; }
+    const std::vector<Edge>& edges() const { return edges_; }
+    const std::vector<Face>& faces() const { return faces_; }
+    const std::vector<std::vector<FormId>>& ties() const { return ties_; }
+    static constexpr Index outside = 0;  ///< the face around the polygon
+
+private:
+    struct Duel {  // a face and who challenges it
+        Index face;
+        FormId challenger;
+        bool met = false;      // the challenger wins or ties somewhere on the boundary
+        bool changed = false;  // and takes over a part of the face
+    };
+    struct Branch {     // {challenger = defender} leaves a vertex into the face, or ends there
+        Index corner;   // the boundary half-edge that arrives at the vertex
+        Index vertex;
+        bool start;     // leaves, when run with the challenger on its left
+        Index half_edge = none;
+    };
+    struct Cut {
+        PointId point;
+        bool touching;
+    };
+
+    Index twin(Index h) const { return h ^ 1u; }
+    Index target(Index h) const { return half_edges_[twin(h)].origin; }
+    /// The curve along which half-edge h runs.
+    FormPair directed(Index h) const {
+        const FormPair c = edges_[h >> 1].curve;
+        return h & 1u ? c.reversed() : c;
+    }
+    void link(Index first, Index second) {
+        half_edges_[first].next = second;
+        half_edges_[second].prev = first;
+    }
+    template <class Visit>
+    void for_cycle(Index start, Visit&& visit) const {
+        Index h = start;
+        do {
+            const Index next = half_edges_[h].next;
+            visit(h);
+            h = next;
+        } while (h != start);
+    }
+    template <class Visit>
+    void for_boundary(const Face& f, Visit&& visit) const {
+        if (f.outer != none) for_cycle(f.outer, visit);
+        for (const Index h : f.inner) for_cycle(h, visit);
+    }
+
+    struct Layer;  // a diagram as an input of overlay()
+
+    void clear();
+    Index add_vertex(PointId p, FormId lowest);
+    void set_height(Vertex& v, FormId lowest) const;
+    Index add_edge(FormPair curve, Index from, Index to, bool rim);
+    Index add_face(FormId site);
+    void set_bounds(Index e);
+    void kill_edge(Index e);
+    Index split_edge(Index e, PointId p, FormId lowest);
+    const KernelPoint& at(Index v) const { return kernel_.point(vertices_[v].point); }
+    void add_ties(Index& list, std::initializer_list<FormId> present, FormId tied);
+    Index copy_ties(Index list);
+
+    void resolve();
+    Layer make_layer(CircleArcs& geometry) const;
+    void unite_ties();
+    void smooth(Index v);
+    void decide_boundary(Duel& d);
+    void set_center(Face& f) const;
+    bool keeps_sign(Index e, FormPair rival) const;
+    Sign vertex_sign(Index v, FormPair rival);
+    bool decide_edge(Index e, FormPair rival);
+    bool cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before);
+    void divide_face(Duel& d);
+    void find_branches(Index cycle, FormPair rival);
+    void insert_arcs(FormPair rival);
+    void insert_island(Duel& d, Sign boundary);
+    void thread_isolated(Index face, std::size_t first_new);
+    FormId winner(Index h, const Duel& d);
+    void remove_inner_edges();
+    void join_rim_edges(Index h);
+    void rebuild_faces();
+    void nest_cycles();
+
+    bool cycle_contains(Index cycle, PointId p);
+    bool face_contains(const Face& f, PointId p);
+    int crossings_above(Index e, PointId p);
+    bool is_outer_cycle(Index cycle);
+    PointId point_on(Index cycle);
+    long component_count() const { return (live_vertices_ - live_edges_ + live_cycles_) / 2; }
+
+    CircleKernel& kernel_;
+    std::vector<Vertex> vertices_;
+    std::vector<HalfEdge> half_edges_;
+    std::vector<Edge> edges_;
+    std::vector<Face> faces_;
+    std::vector<std::vector<FormId>> ties_;
+    std::vector<Index> free_vertices_, free_edges_, free_faces_;
+    Index stamp_ = 0;
+    bool merging_ = false;  // resolve() compares two diagrams: every face has a challenger, and all are made anew
+    // A closed edge without vertices counts as one vertex and one edge; isolated vertices do not count.
+    long live_vertices_ = 0, live_edges_ = 0, live_cycles_ = 0;
+
+    // Working space of one resolve(), kept for its memory.
+    std::vector<Duel> duels_;
+    std::vector<Branch> branches_;
+    std::vector<Index> touched_;  // half-edges of changed faces
+    std::vector<Index> cycles_;   // a half-edge of each new boundary component
+    std::vector<Index> isolated_; // isolated vertices that need a face
+};
+
+}  // namespace vcell

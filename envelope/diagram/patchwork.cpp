@@ -1,0 +1,547 @@
+#include "patchwork.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "../../core/errors.hpp"
+
+namespace vcell {
+
+namespace {
+
+void sort_unique(std::vector<FormId>& forms) {
+    std::ranges::sort(forms);
+    forms.erase(std::ranges::unique(forms).begin(), forms.end());
+}
+
+}  // namespace
+
+// Room for what n forms usually leave, seams included: growing by copies costs more than address space.
+Patchwork::Patchwork(const FormFamily& family) : family_(family) {
+    const std::size_t n = family.forms.size() + 16;
+    vertices_.reserve(4 * n);
+    edges_.reserve(6 * n);
+    half_edges_.reserve(12 * n);
+    faces_.reserve(2 * n);
+}
+
+Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceSide> line_sides) {
+    const CircleKernel& kernel = piece.kernel();
+    const auto copy_ties = [&](Index list) {
+        if (list == none) return none;
+        std::vector<FormId> forms;
+        for (const FormId f : piece.ties()[list]) forms.push_back(kernel.family_id(f));
+        sort_unique(forms);
+        ties_.push_back(std::move(forms));
+        return static_cast<Index>(ties_.size() - 1);
+    };
+
+    // Faces first: their numbers shift by a constant once the dead ones are skipped.
+    std::vector<Index>& face_map = face_map_;
+    face_map.assign(piece.faces().size(), none);
+    for (Index f = 1; f < piece.faces().size(); ++f) {
+        if (!piece.faces()[f].alive) continue;
+        face_map[f] = static_cast<Index>(faces_.size());
+        faces_.push_back({kernel.family_id(piece.faces()[f].site), face_map[f]});
+    }
+    std::vector<Index>& vertex_map = vertex_map_;
+    vertex_map.assign(piece.vertices().size(), none);
+    for (Index v = 0; v < piece.vertices().size(); ++v) {
+        const WorkDiagram::Vertex& from = piece.vertices()[v];
+        if (!from.alive) continue;
+        const KernelPoint& p = kernel.point(from.point);
+        vertex_map[v] = static_cast<Index>(vertices_.size());
+        Vertex& to = vertices_.emplace_back();
+        to.x = p.x;
+        to.y = p.y;
+        to.error = p.error;
+        to.ties = copy_ties(from.ties);
+        // Some face at the vertex: its form attains the minimum here.
+        Index face = from.isolated_in;
+        if (from.out != none) {
+            Index h = from.out;
+            while (piece.half_edges()[h].face == WorkDiagram::outside) h = piece.half_edges()[h].prev ^ 1u;
+            face = piece.half_edges()[h].face;
+        } else {
+            to.isolated_in = face_map[face];
+            isolated_.push_back(vertex_map[v]);
+        }
+        const auto [height, height_error] = kernel.height(piece.faces()[face].site, from.point);
+        to.height = height;
+        to.height_error = height_error;
+    }
+    std::vector<Index>& edge_map = edge_map_;
+    edge_map.assign(piece.edges().size(), none);
+    Index count = static_cast<Index>(edges_.size());
+    for (Index e = 0; e < piece.edges().size(); ++e)
+        if (piece.edges()[e].alive) edge_map[e] = count++;
+    const auto map_half_edge = [&](Index h) { return 2 * edge_map[h >> 1] | (h & 1u); };
+    Index handle = none;
+    for (Index e = 0; e < piece.edges().size(); ++e) {
+        const WorkDiagram::Edge& from = piece.edges()[e];
+        if (!from.alive) continue;
+        Edge& to = edges_.emplace_back();
+        to.left = kernel.family_id(piece.half_edges()[2 * e].label);
+        if (from.rim)
+            to.side = line_sides[from.curve.g.value - 1].id;
+        else
+            to.right = kernel.family_id(piece.half_edges()[2 * e + 1].label);
+        to.ties = copy_ties(from.ties);
+        for (const Index h : {2 * e, 2 * e + 1}) {
+            const WorkDiagram::HalfEdge& half = piece.half_edges()[h];
+            const Index origin = half.origin == none ? none : vertex_map[half.origin];
+            half_edges_.push_back({map_half_edge(half.next), map_half_edge(half.prev), origin, face_map[half.face]});
+            if (origin != none) vertices_[origin].out = map_half_edge(h);
+            if (half.face == WorkDiagram::outside) handle = map_half_edge(h);
+        }
+    }
+    return handle;
+}
+
+// Around a vertex, counter-clockwise, its outgoing half-edges follow each other as the piece lists them; each
+// one's twin turns into the one before.
+Patchwork::Index Patchwork::add(const MixedPiece& piece) {
+    const auto first_vertex = static_cast<Index>(vertices_.size());
+    const auto first_edge = static_cast<Index>(edges_.size());
+    const auto rim = static_cast<Index>(piece.rim.size());
+    for (const MixedPiece::Vertex& from : piece.vertices) {
+        Vertex& to = vertices_.emplace_back();
+        to.x = from.point.x();
+        to.y = from.point.y();
+        to.error = from.error;
+        to.lowest = from.lowest;
+        if (!from.ties.empty()) {
+            std::vector<FormId> forms = from.ties;
+            sort_unique(forms);
+            to.ties = static_cast<Index>(ties_.size());
+            ties_.push_back(std::move(forms));
+        }
+    }
+    for (Index i = 0; i < rim; ++i) {
+        Edge& e = edges_.emplace_back();
+        e.left = piece.rim[i].label;
+        e.side = piece.rim[i].side;
+        const Index next = (i + 1) % rim;
+        half_edges_.push_back({none, none, first_vertex + i, none});
+        half_edges_.push_back({none, none, first_vertex + next, none});
+    }
+    for (const MixedPiece::Arc& a : piece.arcs) {
+        Edge& e = edges_.emplace_back();
+        e.left = a.left;
+        e.right = a.right;
+        if (!family_.is_circular(a.left) || !family_.is_circular(a.right)) {
+            const MixedPiece::Vertex &p = piece.vertices[a.from], &q = piece.vertices[a.to];
+            e.links = static_cast<Index>(links_.size());
+            std::vector<Link>& links = links_.emplace_back();
+            for (const auto& s : a.pieces) {
+                const Link before = links.empty() ? Link{{}, p.point, 0, p.error, {}, {}} : links.back();
+                links.push_back({before.to, s.end, before.to_error, s.error, s.direction, s.box});
+            }
+            if (links.empty()) links.push_back({p.point, q.point, p.error, q.error, a.direction, piece.box});
+        }
+        half_edges_.push_back({none, none, first_vertex + a.from, none});
+        half_edges_.push_back({none, none, first_vertex + a.to, none});
+    }
+    std::vector<Index>& out = around_;
+    for (Index v = 0; v < piece.vertices.size(); ++v) {
+        out.clear();
+        if (v < rim) out.push_back(2 * (first_edge + v));
+        for (const std::uint32_t h : piece.leaving[v]) out.push_back(2 * (first_edge + rim) + h);
+        if (v < rim) out.push_back(2 * (first_edge + (v + rim - 1) % rim) + 1);
+        if (out.empty()) continue;
+        vertices_[first_vertex + v].out = out.front();
+        for (std::size_t k = 0; k < out.size(); ++k) link(twin(out[k]), out[(k + out.size() - 1) % out.size()]);
+    }
+    for (Index h = 2 * first_edge; h < half_edges_.size(); ++h) {
+        const bool outside = h < 2 * (first_edge + rim) && (h & 1u);
+        if (outside || half_edges_[h].face != none) continue;
+        const auto f = static_cast<Index>(faces_.size());
+        faces_.push_back({left_of(h), f});
+        for (Index g = h; half_edges_[g].face == none; g = half_edges_[g].next) {
+            if (left_of(g) != faces_[f].site) throw InternalError("labels differ around a face of a piece");
+            half_edges_[g].face = f;
+        }
+    }
+    // A vertex without edges is one of a piece without arcs.
+    for (Index v = rim; v < piece.vertices.size(); ++v) {
+        if (!piece.leaving[v].empty()) continue;
+        vertices_[first_vertex + v].isolated_in = static_cast<Index>(faces_.size() - 1);
+        isolated_.push_back(first_vertex + v);
+    }
+    return 2 * first_edge + 1;
+}
+
+// The links of `edge` become those of both edges, `other` before or after it.
+void Patchwork::join_links(Index edge, Index other, bool other_first, bool reverse_other) {
+    if (edges_[edge].links == none) return;
+    std::vector<Link>&mine = links_[edges_[edge].links], &theirs = links_[edges_[other].links];
+    if (reverse_other) {
+        std::ranges::reverse(theirs);
+        for (Link& l : theirs) l = l.reversed();
+    }
+    if (other_first) mine.swap(theirs);
+    mine.insert(mine.end(), theirs.begin(), theirs.end());
+    theirs = {};
+}
+
+Patchwork::Index Patchwork::find(Index f) {
+    while (faces_[f].parent != f) f = faces_[f].parent = faces_[faces_[f].parent].parent;
+    return f;
+}
+
+void Patchwork::merge_faces(Index f, Index g) {
+    f = find(f);
+    g = find(g);
+    if (faces_[f].site != faces_[g].site) throw InternalError("labels differ across a seam at face f" + std::to_string(f));
+    faces_[std::max(f, g)].parent = std::min(f, g);
+}
+
+// The half-edges along the seam, in their order on the outer boundary.
+Patchwork::Chain Patchwork::side_chain(Index outer, std::uint32_t seam) const {
+    const auto on_seam = [&](Index h) { return edges_[h >> 1].side == seam; };
+    Index h = outer;
+    while (on_seam(h)) h = half_edges_[h].prev;
+    const Index stop = h;
+    do {
+        h = half_edges_[h].next;
+        if (h == stop) throw InternalError("a piece does not reach its seam");
+    } while (!on_seam(h));
+    Chain chain;
+    for (; on_seam(h); h = half_edges_[h].next) chain.push_back(h);
+    return chain;
+}
+
+// Turn the seam upright, the first piece on its left. On the outside the first piece's chain runs down,
+// the second's up. At a vertex of the seam let a_1, ..., a_p be the first piece's half-edges that leave it,
+// counter-clockwise from the seam's upper half, and b_1, ..., b_q the second's from the lower half. Their
+// rotation in the union is a_1 .. a_p b_1 .. b_q: only the turns a_p -> b_1 and b_q -> a_1 are new.
+Patchwork::Index Patchwork::glue(Index piece, Index other, std::uint32_t seam) {
+    return join(side_chain(piece, seam), side_chain(other, seam));
+}
+
+// The same around the cylinder: the piece lies on both sides of the seam.
+void Patchwork::close(Index piece, std::uint32_t right, std::uint32_t left, double circumference, std::uint32_t upper) {
+    upper_rim_ = upper;
+    const Chain down = side_chain(piece, right), up = side_chain(piece, left);
+    for (const Index h : down) vertices_[half_edges_[h].origin].x -= circumference;
+    vertices_[target(down.back())].x -= circumference;
+    join(down, up);
+}
+
+Patchwork::Index Patchwork::join(const Chain& down, const Chain& up) {
+    const std::size_t k = down.size();
+    if (up.size() != k) throw InternalError("a seam has " + std::to_string(k) + " edges on one side and " +
+                                            std::to_string(up.size()) + " on the other");
+    const auto first = [&](std::size_t j) { return twin(down[j]); };          // runs up on the left
+    const auto second = [&](std::size_t j) { return twin(up[k - 1 - j]); };   // runs down on the right
+    for (std::size_t j = 0; j < k; ++j) merge_faces(half_edges_[first(j)].face, half_edges_[second(j)].face);
+
+    const Index top_before = half_edges_[down[0]].prev, top_after = half_edges_[up[k - 1]].next;
+    const Index bottom_before = half_edges_[up[0]].prev, bottom_after = half_edges_[down[k - 1]].next;
+    struct Junction {
+        Index kept, other, outgoing, face;
+    };
+    SmallVector<Junction, usual_chain + 1> junctions;
+    junctions.reserve(k + 1);
+    for (std::size_t j = 0; j <= k; ++j) {
+        Junction v{j < k ? half_edges_[down[j]].origin : target(down[k - 1]),
+                   j < k ? target(up[k - 1 - j]) : half_edges_[up[0]].origin, none, half_edges_[first(j < k ? j : k - 1)].face};
+        // Below: the first piece's last half-edge a_p, and the one that arrives along b_1; above: b_q, a_1.
+        const Index a_last = j < k ? half_edges_[first(j)].next : none;
+        const Index b_first = j < k ? half_edges_[second(j)].prev : none;
+        const Index a_first = j > 0 ? half_edges_[first(j - 1)].prev : none;
+        const Index b_last = j > 0 ? half_edges_[second(j - 1)].next : none;
+        const bool no_a = j > 0 && j < k && a_last == first(j - 1), no_b = j > 0 && j < k && b_last == second(j);
+        if (j == 0) {
+            link(b_first, a_last);
+            v.outgoing = a_last;
+        } else if (j == k) {
+            link(a_first, b_last);
+            v.outgoing = b_last;
+        } else if (no_a && !no_b) {
+            link(b_first, b_last);
+            v.outgoing = b_last;
+        } else if (no_b && !no_a) {
+            link(a_first, a_last);
+            v.outgoing = a_last;
+        } else if (!no_a) {
+            link(b_first, a_last);
+            link(a_first, b_last);
+            v.outgoing = a_last;
+        }
+        junctions.push_back(v);
+    }
+    link(top_before, top_after);
+    link(bottom_before, bottom_after);
+    for (std::size_t j = 0; j < k; ++j) edges_[down[j] >> 1].alive = edges_[up[j] >> 1].alive = false;
+    for (const Junction& v : junctions) unite_vertices(v.kept, v.other, v.outgoing, v.face);
+    for (const Junction& v : junctions) smooth(v.kept);
+    for (const Index h : {top_before, top_after, bottom_before, bottom_after})
+        if (edges_[h >> 1].alive) return h;
+    throw InternalError("a glued piece has no outer edge");
+}
+
+void Patchwork::unite_vertices(Index kept, Index other, Index outgoing, Index face) {
+    vertices_[other].alive = false;
+    Vertex& v = vertices_[kept];
+    v.out = outgoing;
+    if (vertices_[other].ties != none) {
+        if (v.ties == none) {
+            v.ties = vertices_[other].ties;
+        } else {
+            std::vector<FormId>& forms = ties_[v.ties];
+            forms.insert(forms.end(), ties_[vertices_[other].ties].begin(), ties_[vertices_[other].ties].end());
+            sort_unique(forms);
+        }
+    }
+    if (outgoing == none) {
+        // Nothing crosses or touches the seam here but, perhaps, a form that ties at this one point.
+        if (v.ties == none || ties_[v.ties].size() < 2) {
+            v.alive = false;
+        } else {
+            v.isolated_in = face;
+            isolated_.push_back(kept);
+        }
+        return;
+    }
+    Index h = outgoing;
+    do {
+        half_edges_[h].origin = kept;
+        h = twin(half_edges_[h].prev);
+    } while (h != outgoing);
+}
+
+std::vector<FormId> Patchwork::label_of_edge(Index e) const {
+    std::vector<FormId> forms;
+    if (edges_[e].ties != none) forms = ties_[edges_[e].ties];
+    for (const FormId f : {edges_[e].left, edges_[e].right})
+        if (f.valid()) forms.push_back(f);
+    sort_unique(forms);
+    return forms;
+}
+
+// Removes v if it only continues one arc: two edges of one curve and one label, and nothing else that
+// attains the minimum at v.
+void Patchwork::smooth(Index v) {
+    if (!vertices_[v].alive || vertices_[v].out == none) return;
+    const Index h = vertices_[v].out, g = twin(half_edges_[h].prev);
+    if (g == h || twin(half_edges_[g].prev) != h) return;
+    const Index e = h >> 1, f = g >> 1;
+    if (edges_[e].side != edges_[f].side || left_of(h) != left_of(twin(g)) || left_of(twin(h)) != left_of(g)) return;
+    if (vertices_[v].ties != none || edges_[e].ties != none || edges_[f].ties != none) {
+        const std::vector<FormId> label = label_of_edge(e);
+        if (label != label_of_edge(f)) return;
+        if (vertices_[v].ties != none && !std::ranges::includes(label, ties_[vertices_[v].ties])) return;
+    }
+    vertices_[v].alive = false;
+    if (e == f) {  // the last vertex of a closed curve
+        half_edges_[h].origin = half_edges_[g].origin = none;
+        return;
+    }
+    const Index start = target(g);
+    // The joined edge runs along h from `start`: half-edge 2e is h, or h's twin.
+    join_links(e, f, (h & 1u) == 0, (h & 1u) == (g & 1u));
+    half_edges_[h].origin = start;
+    link(half_edges_[twin(g)].prev, h);
+    link(twin(h), half_edges_[g].next);
+    if (vertices_[start].out == twin(g)) vertices_[start].out = h;
+    edges_[f].alive = false;
+}
+
+void Patchwork::drop_rim(Index outer) {
+    pole_face_ = half_edges_[twin(outer)].face;
+    Index h = outer;
+    do {
+        edges_[h >> 1].alive = false;
+        vertices_[half_edges_[h].origin].alive = false;
+        h = half_edges_[h].next;
+    } while (h != outer);
+}
+
+namespace {
+
+// The boundary components of faces, and which of a face's is its outer one. Faces and connected graphs of edges
+// that touch each other form a tree, since each graph separates the faces around it; seen from a root face the
+// outer component of a face is the one on the way there.
+class Components {
+public:
+    using Index = Patchwork::Index;
+    static constexpr Index none = Patchwork::none;
+
+    explicit Components(std::size_t faces) : first_(faces, none) {}
+
+    Index add(Index start, Index face) {
+        const auto c = static_cast<Index>(items_.size());
+        items_.push_back({start, face, std::exchange(first_[face], c), c, none});
+        return c;
+    }
+    Index start(Index c) const { return items_[c].start; }
+    Index first(Index face) const { return first_[face]; }
+    Index next(Index c) const { return items_[c].next_of_face; }
+    /// Does a face other than the root have several?
+    bool is_nested(Index root) const {
+        return std::ranges::any_of(items_, [&](const Item& c) { return c.face != root && c.next_of_face != none; });
+    }
+    /// The two sides of an edge belong to one graph.
+    void join(Index c, Index d) { items_[graph(c)].parent = graph(d); }
+    /// Pre: join() was called for all edges.
+    void find_outer(Index root) {
+        std::vector<Index> first_of_graph(items_.size(), none), open;
+        for (Index c = 0; c < items_.size(); ++c) items_[c].next_of_graph = std::exchange(first_of_graph[graph(c)], c);
+        outer_.assign(first_.size(), none);
+        const auto enter_graphs_of = [&](Index face) {
+            for (Index c = first_[face]; c != none; c = items_[c].next_of_face)
+                if (const Index g = std::exchange(first_of_graph[graph(c)], none); g != none) open.push_back(g);
+        };
+        enter_graphs_of(root);
+        while (!open.empty()) {
+            const Index graph = open.back();
+            open.pop_back();
+            for (Index c = graph; c != none; c = items_[c].next_of_graph) {
+                const Index face = items_[c].face;
+                if (face == root || outer_[face] != none) continue;
+                outer_[face] = c;
+                enter_graphs_of(face);
+            }
+        }
+    }
+    Index outer(Index face) const { return outer_.empty() ? first_[face] : outer_[face]; }
+
+private:
+    struct Item {
+        Index start, face, next_of_face, parent, next_of_graph;
+    };
+    Index graph(Index c) {
+        while (items_[c].parent != c) c = items_[c].parent = items_[items_[c].parent].parent;
+        return c;
+    }
+
+    std::vector<Item> items_;
+    std::vector<Index> first_, outer_;
+};
+
+}  // namespace
+
+MinimizationDiagram Patchwork::finish(const Heights& heights) {
+    MinimizationDiagram out;
+    out.forms = family_.forms;
+    out.cylinders = family_.cylinders;
+    out.radial = family_.radial;
+
+    std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none), face_map(faces_.size() + 2, none);
+    const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges_, &Edge::alive));
+    const auto alive_vertices = static_cast<std::size_t>(std::ranges::count_if(vertices_, &Vertex::alive));
+    out.dcel.reserve(alive_vertices, alive_edges, faces_.size() + 1);
+    out.vertices.reserve(alive_vertices);
+    out.edges.reserve(alive_edges);
+    out.face_forms.push_back({});
+    for (Index v = 0; v < vertices_.size(); ++v) {
+        if (!vertices_[v].alive) continue;
+        vertex_map[v] = out.dcel.add_vertex().value;
+        Vertex& from = vertices_[v];
+        if (from.lowest.valid()) {
+            const Interval x = Interval::ball(from.x, from.error), y = Interval::ball(from.y, from.error);
+            const Interval height = heights.value(from.lowest, x, y) * heights.scale(x, y);
+            from.height = height.mid();
+            from.height_error = height.radius();
+        }
+        out.vertices.push_back({{from.x, from.y}, from.error, from.height, from.height_error});
+    }
+    for (Index e = 0; e < edges_.size(); ++e) {
+        if (!edges_[e].alive) continue;
+        const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+        edge_map[e] = out.dcel.add_edge(from == none ? VertexId{} : VertexId{vertex_map[from]},
+                                        to == none ? VertexId{} : VertexId{vertex_map[to]}).value;
+        out.edges.push_back({edges_[e].left, edges_[e].right, edges_[e].side});
+        if (family_.is_all_circular()) continue;
+        out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
+        if (edges_[e].links == none) continue;
+        for (const Link& l : links_[edges_[e].links]) out.pieces_.push_back({l.to, l.to_error, l.direction, l.box});
+    }
+    if (!family_.is_all_circular()) out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
+    const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
+    for (Index h = 0; h < half_edges_.size(); ++h)
+        if (edges_[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
+
+    // Faces outside the region are numbered after the others: the unbounded one, and beyond a cylinder's upper rim.
+    const auto inside = static_cast<Index>(faces_.size());
+    const Index root = pole_face_ == none ? inside : find(pole_face_);
+    const auto face_of = [&](Index h) {
+        if (half_edges_[h].face != none) return find(half_edges_[h].face);
+        return edges_[h >> 1].side == upper_rim_ ? inside + 1 : inside;
+    };
+    Components components(inside + 2);
+    std::vector<Index> component_of(half_edges_.size(), none);
+    for (Index h = 0; h < half_edges_.size(); ++h) {
+        if (!edges_[h >> 1].alive || component_of[h] != none) continue;
+        const Index c = components.add(h, face_of(h));
+        for (Index g = h; component_of[g] == none; g = half_edges_[g].next) component_of[g] = c;
+    }
+    if (components.is_nested(root)) {
+        for (Index h = 0; h < half_edges_.size(); h += 2)
+            if (component_of[h] != none) components.join(component_of[h], component_of[h + 1]);
+        components.find_outer(root);
+    }
+    const auto add_inner = [&](FaceId f, Index c) { out.dcel.add_inner_ccb(f, half_edge(components.start(c))); };
+    for (Index c = components.first(root); c != none; c = components.next(c)) add_inner(Dcel::unbounded_face(), c);
+    if (root != inside) out.face_forms[Dcel::unbounded_face()] = faces_[root].site;
+    face_map[root] = Dcel::unbounded_face().value;
+    const auto add_face = [&](Index f, FormId form) {
+        if (f == root || components.first(f) == none) return;
+        const FaceId id = out.dcel.add_face();
+        face_map[f] = id.value;
+        out.face_forms.push_back(form);
+        const Index outer = components.outer(f);
+        out.dcel.add_outer_ccb(id, half_edge(components.start(outer)));
+        for (Index c = components.first(f); c != none; c = components.next(c))
+            if (c != outer) add_inner(id, c);
+    };
+    add_face(inside + 1, {});
+    for (Index f = 0; f < inside; ++f) add_face(f, faces_[f].site);
+    for (const Index v : isolated_)
+        if (vertices_[v].alive)
+            out.dcel.add_isolated_vertex(FaceId{face_map[find(vertices_[v].isolated_in)]}, VertexId{vertex_map[v]});
+
+    // Labels: the faces around, and whatever else ties.
+    std::vector<FormId> label;
+    std::vector<std::uint32_t> sides;
+    out.vertex_offsets_.push_back(0);
+    out.side_offsets_.push_back(0);
+    for (Index v = 0; v < vertices_.size(); ++v) {
+        if (!vertices_[v].alive) continue;
+        label.clear();
+        sides.clear();
+        if (vertices_[v].ties != none) label = ties_[vertices_[v].ties];
+        if (const Index start = vertices_[v].out; start != none) {
+            Index h = start;
+            do {
+                if (left_of(h).valid()) label.push_back(left_of(h));
+                if (edges_[h >> 1].side != UINT32_MAX) sides.push_back(edges_[h >> 1].side);
+                h = twin(half_edges_[h].prev);
+            } while (h != start);
+        }
+        sort_unique(label);
+        std::ranges::sort(sides);
+        sides.erase(std::ranges::unique(sides).begin(), sides.end());
+        out.vertex_labels_.insert(out.vertex_labels_.end(), label.begin(), label.end());
+        out.vertex_sides_.insert(out.vertex_sides_.end(), sides.begin(), sides.end());
+        out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
+        out.side_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_sides_.size()));
+    }
+    out.edge_offsets_.push_back(0);
+    for (Index e = 0; e < edges_.size(); ++e) {
+        if (!edges_[e].alive) continue;
+        label.clear();
+        if (edges_[e].ties != none) label = ties_[edges_[e].ties];
+        for (const FormId f : {edges_[e].left, edges_[e].right})
+            if (f.valid()) label.push_back(f);
+        sort_unique(label);
+        out.edge_labels_.insert(out.edge_labels_.end(), label.begin(), label.end());
+        out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
+    }
+    return out;
+}
+
+}  // namespace vcell

@@ -1,0 +1,119 @@
+/// Puts the minimization diagrams of adjacent pieces of a region together into one.
+///
+/// The region is split by lines (seams) into convex pieces, and each piece has its own diagram. Both
+/// sides of a seam were decided exactly, so along it they show the same vertices and labels in the same
+/// order: gluing is a walk along both, without a single comparison of coordinates. Seam edges vanish (both
+/// their sides carry one label), and so do the vertices they leave between two arcs of one curve.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "minimization_diagram.hpp"
+#include "../proofs/mixed_piece.hpp"
+#include "../circles/work_diagram.hpp"
+
+namespace vcell {
+
+class Patchwork {
+public:
+    using Index = WorkDiagram::Index;
+    static constexpr Index none = WorkDiagram::none;
+
+    explicit Patchwork(const FormFamily& family);
+
+    /// The id of a new seam.
+    std::uint32_t new_seam() { return seam_bit | seams_++; }
+    static bool is_seam(std::uint32_t side) { return (side & seam_bit) != 0; }
+
+    /// Takes over a finished piece. `line_sides[i]` is the side that the kernel's form 1 + i stands for.
+    /// Returns a half-edge on its outer side, the piece's handle.
+    Index add(const WorkDiagram& piece, std::span<const PieceSide> line_sides);
+
+    /// Takes over a piece that was decided by enclosures.
+    Index add(const MixedPiece& piece);
+
+    /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
+    Index glue(Index piece, Index other, std::uint32_t seam);
+
+    /// Joins a piece with itself: its side `right`, at an x larger by `circumference`, is its side `left`. The two rims
+    /// that remain become the region's outside, that of the side `upper` apart from the other's.
+    void close(Index piece, std::uint32_t right, std::uint32_t left, double circumference, std::uint32_t upper);
+
+    /// Takes away the rim, beyond which the form along it is lowest everywhere. Pre: one form is lowest all along it.
+    void drop_rim(Index outer);
+
+    /// Collects faces and boundary components; the region is left for the caller to fill in.
+    /// Pre: all pieces have been glued into one.
+    MinimizationDiagram finish(const Heights& heights);
+
+private:
+    static constexpr std::uint32_t seam_bit = 0x80000000u;
+
+    struct Vertex {
+        double x, y, error, height, height_error;
+        FormId lowest;  // whose height is to be enclosed, if the vertex stays: most of them lie on seams
+        bool alive = true;
+        Index out = none;
+        Index isolated_in = none;
+        Index ties = none;
+    };
+    struct HalfEdge {
+        Index next, prev, origin, face;
+    };
+    // A piece of an arc with a cylinder (MinimizationDiagram::ArcPiece) that knows both its ends.
+    struct Link {
+        Eigen::Vector2d from, to;
+        double from_error, to_error;
+        Eigen::Vector2d direction;
+        std::array<double, 4> box;
+
+        Link reversed() const { return {to, from, to_error, from_error, -direction, box}; }
+    };
+    struct Edge {
+        FormId left, right;  // of half-edge 2e; rim: left only
+        std::uint32_t side = UINT32_MAX;
+        Index ties = none;
+        Index links = none;  // index into links_, in the direction of half-edge 2e
+        bool alive = true;
+    };
+    struct Face {
+        FormId site;
+        Index parent;  // union-find over seams
+    };
+
+    static Index twin(Index h) { return h ^ 1u; }
+    Index target(Index h) const { return half_edges_[twin(h)].origin; }
+    void link(Index first, Index second) {
+        half_edges_[first].next = second;
+        half_edges_[second].prev = first;
+    }
+    Index find(Index f);
+    void merge_faces(Index f, Index g);
+    FormId left_of(Index h) const { return h & 1u ? edges_[h >> 1].right : edges_[h >> 1].left; }
+    std::vector<FormId> label_of_edge(Index e) const;
+    static constexpr std::size_t usual_chain = 8;
+    using Chain = SmallVector<Index, usual_chain>;
+    Chain side_chain(Index outer, std::uint32_t seam) const;
+    void unite_vertices(Index kept, Index other, Index outgoing, Index face);
+    void smooth(Index v);
+    void join_links(Index edge, Index other, bool other_first, bool reverse_other);
+    Index join(const Chain& down, const Chain& up);
+
+    const FormFamily& family_;
+    std::vector<Vertex> vertices_;
+    std::vector<HalfEdge> half_edges_;
+    std::vector<Edge> edges_;
+    std::vector<Face> faces_;
+    std::vector<std::vector<FormId>> ties_;
+    std::vector<std::vector<Link>> links_;
+    std::vector<Index> isolated_;
+    std::vector<Index> face_map_, vertex_map_, edge_map_, around_;  // working space of add()
+    std::uint32_t seams_ = 0;
+    std::uint32_t upper_rim_ = UINT32_MAX;
+    Index pole_face_ = none;
+};
+
+}  // namespace vcell

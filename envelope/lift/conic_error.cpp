@@ -1,0 +1,220 @@
+#include "conic_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+#include "../../core/curves/scaled_bernstein.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Of a residual, in the magnitudes that enter it: some ten operations.
+constexpr double rounding = 32 * u;
+// Of a product of four vectors, and of one with what a plane carries.
+constexpr double of_product = 5 * u, of_plane = 12 * u;
+
+constexpr int deepest = 40, most_halvings = 200;  // of a span, and of an edge's spans, for their proof
+
+struct Controls {
+    std::array<Vector4d, 3> X;  // times the weights
+    std::array<double, 3> w;
+
+    explicit Controls(const ConicSpan& s) : X{s.from, s.middle, s.to}, w{1, s.weight, 1} {}
+};
+
+template <bool is_sphere>
+double product(const Vector4d& a, const Vector4d& b) {
+    return a.x() * b.x() + (is_sphere ? a.y() * b.y() : 0) + a.z() * b.z() - a.w() * b.w();
+}
+
+// What of an edge is proved to be near the conic, and the size of what is not.
+struct Proved {
+    double distance = 0, rest = 0;
+    int halvings = most_halvings;
+};
+
+template <bool is_sphere>
+void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner, double sine2, int depth,
+              Proved& proved) {
+    const std::array<const Vector4d*, 3> X{&span.from, &span.middle, &span.to};
+    const double w = span.weight, over_w = 1 / w;
+    const std::array<double, 3> weights{1, w, 1}, over{1, over_w, 1};
+    std::array<double, 3> length;
+    double far = 0, near = infinity;
+    for (int i = 0; i < 3; ++i) {
+        length[i] = X[i]->norm();
+        far = std::max(far, length[i] * over[i]);
+        near = std::min(near, X[i]->w() * over[i]);
+    }
+    std::array<double, 2> r{0, 0};
+    for (int j = 0; j < 2; ++j) {
+        for (int i = 0; i < 3; ++i)
+            r[j] = std::max(r[j], std::abs(planes[j].normal.dot(*X[i]) - weights[i] * planes[j].k) * over[i]);
+        r[j] += of_plane * (far + std::abs(planes[j].k));
+    }
+    // NaN where the planes do not tell A: nothing is proved then.
+    const double e = std::sqrt((r[0] * r[0] + 2 * std::abs(inner) * r[0] * r[1] + r[1] * r[1]) / sine2);
+    // The cone's residual times w^2, whose coefficients are 1, w, (1 + 2 w^2) / 3, w, 1.
+    const double w2 = 1 + 2 * w * w;
+    // Over a cylinder the coordinate along the axis takes no part: small where the cone's tip is near.
+    if (!is_sphere)
+        for (int i = 0; i < 3; ++i)
+            length[i] = std::sqrt(X[i]->x() * X[i]->x() + X[i]->z() * X[i]->z() + X[i]->w() * X[i]->w());
+    const auto q = [&](int i, int k) { return product<is_sphere>(*X[i], *X[k]); };
+    const double largest = std::max({std::abs(q(0, 0)) + of_product * length[0] * length[0],
+                                     (std::abs(q(0, 1)) + of_product * length[0] * length[1]) * over_w,
+                                     (std::abs(q(0, 2) + 2 * q(1, 1)) +
+                                      of_product * (length[0] * length[2] + 2 * length[1] * length[1])) /
+                                         w2,
+                                     (std::abs(q(1, 2)) + of_product * length[1] * length[2]) * over_w,
+                                     std::abs(q(2, 2)) + of_product * length[2] * length[2]});
+    // | |p| - t | = | |p|^2 - t^2 | / (|p| + t).
+    const double cone = largest < 0.1 * near * near ? largest / (1.9 * near) : infinity, phi = cone + 1.5 * e;
+    double m2 = infinity;
+    for (int i = 0; i < 3; ++i) {
+        const double over_t = 1 / X[i]->w();
+        std::array<double, 2> s, g;
+        for (int j = 0; j < 2; ++j) {
+            const DistancePlane& p = planes[j];
+            s[j] = (weights[i] * p.k - (is_sphere ? 0 : p.normal.y() * X[i]->y())) * over_t;
+            g[j] = s[j] - 2 * p.normal.w();
+        }
+        const int n = std::abs(g[0]) > std::abs(g[1]) ? 0 : 1;
+        const double turn = g[n] < 0 ? -1 : 1, product = turn * inner, other = g[1 - n];
+        const double a = 2 * planes[n].power + 4 * planes[n].normal.w() * s[n] - s[n] * s[n];
+        const double a_size = 2 * std::abs(planes[n].power) + 4 * std::abs(s[n]) + s[n] * s[n];
+        const double share = 1 - 2 * product * other / (turn * g[n] + std::numbers::sqrt2);
+        const double across = std::abs(std::numbers::sqrt2 * product - other) + rounding;
+        m2 = std::min(m2, a * share - across * across - rounding * a_size * (1 + std::abs(share)));
+    }
+    m2 /= sine2;
+    const double over_near = phi / near;
+    m2 -= 8 * over_near * (std::sqrt(std::max(m2, 0.0)) + over_near);
+    if (near > 0 && m2 > 0 && 2.5 * phi <= near * m2) {
+        proved.distance = std::max(proved.distance, e + 2 * phi / std::sqrt(m2));
+        return;
+    }
+    if (depth == 0 || proved.halvings == 0) {
+        for (int i = 1; i < 3; ++i) proved.rest += (over[i] * *X[i] - over[i - 1] * *X[i - 1]).norm();
+        return;
+    }
+    --proved.halvings;
+    for (const ConicSpan& half : span.halves()) add_span<is_sphere>(half, planes, inner, sine2, depth - 1, proved);
+}
+
+struct Trimmed {
+    Controls curve;
+    std::array<Vector3d, 3> trim;
+};
+
+std::array<Trimmed, 2> halves(const Trimmed& part) {
+    const auto divide = [](const auto& p, auto& first, auto& second) {
+        using T = std::decay_t<decltype(p[0])>;
+        const T a = (p[0] + p[1]) / 2, b = (p[1] + p[2]) / 2, m = (a + b) / 2;
+        first = {p[0], a, m};
+        second = {m, b, p[2]};
+    };
+    Trimmed first = part, second = part;
+    divide(part.curve.X, first.curve.X, second.curve.X);
+    divide(part.curve.w, first.curve.w, second.curve.w);
+    divide(part.trim, first.trim, second.trim);
+    return {first, second};
+}
+
+double trim_distance_of_part(const RadialPatch& patch, const Trimmed& part) {
+    const auto trim_row = [&](int i) { return Bernstein<2>::from([&](int k) { return part.trim[k][i]; }); };
+    const Bernstein<2> U = trim_row(0), V = trim_row(1), D = trim_row(2),
+                       W = Bernstein<2>::from([&](int k) { return part.curve.w[k]; });
+    const std::array<Bernstein<4>, 6> monomials{square(D), U * D, V * D, square(U), U * V, square(V)};
+    constexpr std::array<std::array<int, 2>, 6> powers{{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+    std::array<double, 6> largest;
+    for (int k = 0; k < 6; ++k) largest[k] = monomials[k].largest();
+    std::array<Bernstein<4>, 4> S;
+    std::array<double, 4> size{};
+    for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 6; ++k) {
+            const double c = patch.coefficient(powers[k][0], powers[k][1])[i];
+            S[i] = S[i] + c * monomials[k];
+            size[i] += std::abs(c) * largest[k];
+        }
+    const double weight = S[3].smallest_coefficient() - rounding * size[3], least = W.smallest_coefficient();
+    if (!(weight > 0 && least > 0)) return infinity;
+    double squared = 0;
+    for (int i = 0; i < 3; ++i) {
+        const auto X = Bernstein<2>::from([&](int k) { return part.curve.X[k][i]; });
+        const double off =
+            (S[i] * W - S[3] * X).largest() + rounding * (size[i] * W.largest() + size[3] * X.largest());
+        squared += off * off;
+    }
+    return std::sqrt(squared) / (weight * least);
+}
+
+double trim_distance(const RadialPatch& patch, const Trimmed& part, int halvings) {
+    const double whole = trim_distance_of_part(patch, part);
+    if (whole < infinity || halvings == 0) return whole;
+    double most = 0;
+    for (const Trimmed& half : halves(part)) {
+        most = std::max(most, trim_distance(patch, half, halvings - 1));
+        if (most == infinity) break;
+    }
+    return most;
+}
+
+}  // namespace
+
+double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
+                      bool is_sphere) {
+    const Vector4d &a = planes[0].normal, &b = planes[1].normal;
+    const double product = (a - b).squaredNorm() * (a + b).squaredNorm();
+    const double sine2 = 0.25 * product - rounding * std::sqrt(product);
+    const double inner = a.dot(b);
+    Proved proved;
+    for (const ConicSpan& span : spans) {
+        if (is_sphere)
+            add_span<true>(span, planes, inner, sine2, deepest, proved);
+        else
+            add_span<false>(span, planes, inner, sine2, deepest, proved);
+    }
+    return proved.distance + 4 * proved.rest;
+}
+
+// Along a ray of direction u (w) n.(p, t) has the slope (k - n_y y) / t =: s, over a sphere k / t. Where the
+// direction changes by d, t changes by t |d| / |s| at most; where the height does, by |n_y| / |s| of that.
+double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, bool is_sphere) {
+    double most = 0;
+    if (is_sphere) {
+        for (const ConicSpan& span : spans)
+            most = std::max({most, span.from.w(), span.middle.w() / span.weight, span.to.w()});
+        const double least = std::abs(plane.k) * (1 - rounding);
+        return least > 0 ? 1 + most / least : infinity;
+    }
+    for (const ConicSpan& span : spans) {
+        bool is_turned = false;  // at the first point
+        for (const Vector4d* X : {&span.from, &span.middle, &span.to}) {
+            const double reach = plane.normal.y() * X->y(),
+                         at_axis = X == &span.middle ? span.weight * plane.k : plane.k, k = at_axis - reach,
+                         least = std::abs(k) - rounding * (std::abs(at_axis) + std::abs(reach));
+            if (X == &span.from) is_turned = !(k > 0);
+            if (!(least > 0 && (k > 0) != is_turned)) return infinity;
+            most = std::max(most, X->w() / least);
+        }
+    }
+    return 1 + most;
+}
+
+double trim_distance(const RadialPatch& patch, const ConicSpan& span, const std::array<Vector3d, 3>& trim) {
+    constexpr int halvings = 10;
+    return trim_distance(patch, Trimmed{Controls(span), trim}, halvings);
+}
+
+}  // namespace vcell

@@ -1,0 +1,26 @@
+/// A conic over a curved base, in the space of points and their distances.
+#pragma once
+
+#include "../../core/platform.hpp"
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+
+namespace vcell {
+
+/// A homogeneous conic through (p, t), canonical, t the distance from the base's centre or axis: the weights
+/// are 1, `weight`, 1, and `middle` is the middle control point times its weight.
+struct ConicSpan {
+    Eigen::Vector4d from, middle, to;
+    double weight;
+
+    /// Reparametrised so that the ends' weights are 1 again.
+    std::array<ConicSpan, 2> halves() const {
+        const double w = std::sqrt(0.5 * (1 + weight));
+        const Eigen::Vector4d half_way = (from + 2 * middle + to) / (4 * w * w);
+        return {{{from, (from + middle) / (2 * w), half_way, w}, {half_way, (middle + to) / (2 * w), to, w}}};
+    }
+};
+
+}  // namespace vcell

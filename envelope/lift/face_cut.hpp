@@ -1,0 +1,43 @@
+/// Faces that reach around a cylinder base, cut along generators into parts with a patch each.
+///
+/// The base is divided by generators into sectors; sector i has its own angle parameter u, zero
+/// in its middle and increasing towards sector i + 1, so that its sides are u = -reach() and u = reach(). The
+/// second parameter v grows along every generator in all sectors. Boundary curves come in runs within one
+/// sector each; where one run ends in a sector's side and the next one starts in the sector beyond, the face
+/// continues along the side: such crossings come in pairs, with a seam piece between them that closes the
+/// loops of both sectors.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "../cell.hpp"
+
+namespace vcell {
+
+/// A piece of a face's boundary in (u, v) of its sector.
+struct BoundaryRun {
+    TrimCurve trim;
+    std::uint32_t sector;
+};
+
+/// A connected part of a face within a sector.
+struct CutPart {
+    std::uint32_t sector;
+    std::vector<std::vector<TrimCurve>> loops;  ///< outer first, then holes
+};
+
+/// The parts of a face with the given boundary loops, each a cycle of runs with the face on their left.
+/// `reaches`: u on the sides of each sector, two sectors at least. `seams` counts the seam pieces given out
+/// so far. None where the runs do not enclose parts: a curve runs along a seam as far as its fit tells.
+std::optional<std::vector<CutPart>> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
+                                             std::span<const double> reaches, std::uint32_t& seams);
+
+/// The parameters' ranges along a curve that consists of Bezier pieces of degree 1, 2 or 3, or with equal
+/// weights.
+std::array<std::array<double, 2>, 2> curve_bounds(const RationalCurve2& curve);
+
+}  // namespace vcell

@@ -1,0 +1,215 @@
+/// Rational parametrizations of the bisectors of a sphere or cylinder base.
+///
+///     S(u, v) = P(u, v) / w(u, v),   polynomials of degree at most two in u and in v,
+///
+/// canonical coordinates (primitives/bases/radial_base.hpp). (u, v) is oriented like the chart, counter-clockwise
+/// seen from outside the cell: dS/du x dS/dv points away from the base. Inverse: parameters(). With n(u),
+/// W(u) the half angle's normal about the patch's own axes, or n(u, v), W(u, v) the stereographic one, delta
+/// = rho - R0:
+///
+/// *Planar.* (u, v) are lengths in a plane: in that of a box side or a plane bisector (spheres of the base's
+/// radius, parallel or crossing cylinders of the base's radius), degree (1, 1); in the plane of an object
+/// over a sphere base, where with d the centre's distance S lies (u^2 + v^2 + d^2 - R0^2) / (2 (R0 + d))
+/// before it: polynomial, (2, 2). Affine in space: a trim is an affine image of the space curve, on the same
+/// knots and weights.
+///
+/// *Stereographic.* Spheres over a sphere base, centre c: S = (|c|^2 - delta^2) n / (2 (c.n + delta W)), (2,
+/// 2), about the direction of c: the surface's points at infinity are the circle u^2 + v^2 = (|c| + delta) /
+/// (|c| - delta), and the pole lies beyond them. A rectangle that reaches across them has no patch; then it
+/// is
+///
+/// *Confocal.* Let q be a direction of that circle, x across it in the plane of q and c. u = |p| - p.q is
+/// constant on paraboloids about q with their focus in the base's centre, v is the length along y = q x x.
+/// Where the surface is met, x.p = a - b u with a = sqrt(|c|^2 - delta^2) / 2, b = delta / (2 a), and |p| +
+/// p.q = (x^2 + v^2) / u:
+///
+///     S = x (a - b u) + v y + q ((a - b u)^2 + v^2 - u^2) / (2 u),
+///
+/// (2, 2), and its weight u is positive on all of the surface: every rectangle will do. No coefficient
+/// cancels where the object all but touches the base and its bisector is a needle. Linear in (p, t): a trim
+/// has the space curve's weights.
+///
+/// *AboutObject.* Cylinders over a sphere base, seen from the object's axis: c is the foot of the base's
+/// centre, u the tangent of half the angle about the axis, 0 towards the base, v the length along it from c:
+/// S = c + v d + (|c|^2 - delta^2 + v^2) n / (-2 (c.n + delta W)), (2, 2). The bisector is met where c.n <
+/// -delta W, an interval about 0: no pole comes near.
+///
+/// *AboutBase.* Everything else over a cylinder base: u is the tangent of half the angle about the base's
+/// axis, counted from a direction of choice; v = y for spheres (2, 2), planes and parallel cylinders (2, 1).
+/// For a cylinder of direction d (d_y > -1) through a, v = ((y - a_y) + (p - a).d) / (1 + d_y), the mean of
+/// the feet on both axes in a scale of their own. With q(v) = a + v d and the part across the base's axis
+/// written q',
+///
+///     S = (0, y, 0) + t n / W,   t = C W / (2 (q.n + delta W)),   C = |q'|^2 - delta^2,
+///     y = a_y + v - (t n / W - a).d' / (1 + d_y):
+///
+/// (2, 2), and t is that of the parallel cylinder through q(v). It follows from C Q^2 - 2 B Q - A^2 = 0,
+/// which factors over v: the conics u = const meet infinity in rational points, and v = const are the lines
+/// through one of them. (Half angles about both axes would be rational parameters, too, but singular on whole
+/// lines of the surface where the axes are closer than |delta|.) The axes' distance h > |delta|: regular for
+/// either sign of d. Otherwise v is constant on two lines of the surface, one on each side of the crossing;
+/// they are not met on the half of the base where y and n.d have one sign, y counted from the foot of the
+/// common perpendicular. Next to parallel axes these lines are far out for d_y > 0, and that sign is taken.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "../../core/curves/bspline.hpp"
+#include "../../primitives/bases/radial_base.hpp"
+
+namespace vcell {
+
+class RadialPatch {
+public:
+    enum class Kind : std::uint8_t { Planar, Stereographic, Confocal, AboutObject, AboutBase };
+
+    RadialPatch() = default;
+    /// The patch of a form over a face. `middle`: a unit normal of the base in the middle of the face; on
+    /// AboutBase the angle counts from it. `y` (cylinder base): a height of the face. `wide`: for faces that
+    /// reach far. Instead of Stereographic they are Confocal, about the direction at infinity opposite to
+    /// `middle`; cylinders over a cylinder base take d for the half in which `middle` lies, where (with y on
+    /// one side of the crossing) t grows with |v|: rectangles of (u, v) keep clear of the surface's points at
+    /// infinity.
+    RadialPatch(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
+                bool wide = false);
+
+    Kind kind() const { return kind_; }
+    std::array<int, 2> degree() const { return degree_; }
+
+    /// A cylinder's patch may be for half of a cylinder base only: n.half() >= 0 for its normals n.
+    const std::optional<Vec3>& half() const { return half_; }
+    /// parameters() from axes and origin: with q = p - origin() and its components (x, y, z) along the axes,
+    /// (u, v) is (x, y) on Planar, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal; on
+    /// AboutObject and AboutBase u = y /
+    /// (|(x, y)| + x), v = along().p + along_start().
+    const std::array<Vec3, 3>& axes() const { return axes_; }
+    const Vec3& origin() const { return origin_; }
+    const Vec3& along() const { return along_; }
+    double along_start() const { return along_start_; }
+
+    /// The parameters of a point of the bisector, in any number type with sqrt(); on
+    /// Stereographic a function of the point's direction from the centre alone.
+    /// u of AboutObject and AboutBase is singular at the pole, half a turn away from 0.
+    template <class T>
+    std::array<T, 2> parameters(const std::array<T, 3>& p) const;
+    Vec2 parameters(const Vec3& p) const {
+        const auto [u, v] = parameters<double>({p.x(), p.y(), p.z()});
+        return {u, v};
+    }
+
+    /// Planar, Stereographic and Confocal: with t the distance from the base's centre, (u w, v w, w, 0) is
+    /// the product of `linear` and (p, t), plus `constants`, with some w > 0. So along rational curves (p, t)
+    /// these parameters are rational, of their degree.
+    struct Projection {
+        Eigen::Matrix4d linear;
+        Eigen::Vector4d constants;
+        Eigen::Vector3d operator()(const Eigen::Vector4d& x, double weight) const {
+            const Eigen::Vector4d y = linear * x + weight * constants;
+            return y.head<3>();
+        }
+    };
+    const Projection& projection() const { return projection_; }
+
+    /// (P, w) at (u, v), in any number type.
+    template <class T>
+    std::array<T, 4> homogeneous(const T& u, const T& v) const;
+    Vec3 operator()(const Vec2& uv) const {
+        const auto [x, y, z, w] = homogeneous<double>(uv.x(), uv.y());
+        return Vec3(x, y, z) / w;
+    }
+    /// The coefficient of u^i v^j in (P, w).
+    const Eigen::Vector4d& coefficient(int i, int j) const { return coefficients_[3 * i + j]; }
+
+    /// The bisector over a rectangle as a Bezier patch in world coordinates. None where a weight is not
+    /// positive.
+    /// `rounding`: bound on how far its surface is from that of the coefficients.
+    std::optional<RationalPatch> patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
+                                       const BaseFrame& frame, double& rounding) const;
+
+    /// Bounds the rounding for points on a curve in the rectangle. A control point of little weight may lie far
+    /// away in a corner that no trim reaches, and moves the surface no more than by its share there. The curve
+    /// is divided until the bound is below `enough`, or within a factor of two of the best that can be said.
+    double rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
+                          const std::array<double, 2>& v, const BaseFrame& frame, double enough) const;
+
+private:
+    /// Calls use(k, h, size) for the control points h = (P, w), k as in RationalPatch, and the sums of their terms'
+    /// absolute values, as long as it returns true.
+    template <class Use>
+    void for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const;
+    void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);
+    void set_plane(const Vec3& point, const Vec3& normal);
+    void set_paraboloid(double distance, const Vec3& normal, double radius);
+    void set_stereographic(const Vec3& c, double delta, double power, const Vec3& middle, bool wide);
+    void set_confocal(const Vec3& z, double length, double delta, double power, const Vec3& middle);
+    void set_about_object(const Cylinder& cylinder, double delta);
+    void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C);
+    void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
+                        double y, bool wide);
+    /// Adds u^i v^j h.
+    void add(int i, int j, const Eigen::Vector4d& h) { coefficients_[3 * i + j] += h; }
+    /// Adds f(u) g(v) h with polynomials f, g.
+    void add(const std::array<double, 3>& f, const std::array<double, 3>& g, const Eigen::Vector4d& h);
+
+    Kind kind_ = Kind::Planar;
+    std::array<int, 2> degree_{1, 1};
+    std::array<Eigen::Vector4d, 9> coefficients_{};
+    // Of the inverse: axes and where they start; v = along_.p + along_start_ where it is a length along an
+    // axis.
+    std::array<Vec3, 3> axes_{};
+    Vec3 origin_ = Vec3::Zero(), along_ = Vec3::Zero();
+    double along_start_ = 0;
+    std::optional<Vec3> half_;
+    Projection projection_;
+};
+
+/// |c|^2 - (rho - R0)^2 of a ball over a sphere base, to some roundings: of the scene's coordinates, as the
+/// form has them. (Near contact the canonical centre's rounding would change it.)
+double ball_power(const RadialBaseProblem& problem, FormId form);
+
+/// Is the bisector a plane (a side of the box included)? Exact.
+bool is_flat(const RadialBaseProblem& problem, FormId form);
+
+/// The bisector's name for cell files, decided exactly: "box", "plane", "paraboloid", "hyperboloid", ... or
+/// "quartic" (primitives/bisectors/bisector.hpp).
+std::string_view bisector_name(const RadialBaseProblem& problem, FormId form);
+
+template <class T>
+std::array<T, 2> RadialPatch::parameters(const std::array<T, 3>& p) const {
+    using std::sqrt;
+    const auto along = [](const Vec3& axis, const T& x, const T& y, const T& z) {
+        return T(axis.x()) * x + T(axis.y()) * y + T(axis.z()) * z;
+    };
+    const T qx = p[0] - T(origin_.x()), qy = p[1] - T(origin_.y()), qz = p[2] - T(origin_.z());
+    const T x = along(axes_[0], qx, qy, qz), y = along(axes_[1], qx, qy, qz);
+    if (kind_ == Kind::Planar) return {x, y};
+    if (kind_ == Kind::Stereographic) {
+        const T reach = sqrt(qx * qx + qy * qy + qz * qz) + along(axes_[2], qx, qy, qz);
+        return {x / reach, y / reach};
+    }
+    if (kind_ == Kind::Confocal) {
+        // Towards the focal direction the sum cancels.
+        const T z = along(axes_[2], qx, qy, qz), length = sqrt(qx * qx + qy * qy + qz * qz);
+        if (z > T(0.0)) return {length + z, y};
+        return {(x * x + y * y) / (length - z), y};
+    }
+    return {y / (sqrt(x * x + y * y) + x), along(along_, p[0], p[1], p[2]) + T(along_start_)};
+}
+
+template <class T>
+std::array<T, 4> RadialPatch::homogeneous(const T& u, const T& v) const {
+    std::array<T, 4> sum;
+    for (int k = 0; k < 4; ++k) {
+        const auto row = [&](int i) {
+            return T(coefficient(i, 0)[k]) + v * (T(coefficient(i, 1)[k]) + v * T(coefficient(i, 2)[k]));
+        };
+        sum[k] = row(0) + u * (row(1) + u * row(2));
+    }
+    return sum;
+}
+
+}  // namespace vcell

@@ -1,0 +1,338 @@
+#include "scene_motion.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "../../core/small_vector.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector4d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// A unit vector from a foot, and the way from the centre or axis about which it turns; from a plane none.
+struct Direction {
+    Vec3 g = Vec3::Zero();
+    double distance = infinity;
+    Vec3 from_center = Vec3::Zero();
+    Vec3 axis = Vec3::Zero();  // a tube's, a unit vector
+    double rounding = 4 * u;   // of g
+    bool is_ball = false, is_tube = false;
+    const Vec3* center = nullptr;  // of a ball
+
+    // Per length, but for the factor in Row::variation(): nothing of a plane.
+    double turn() const { return 1 / distance; }
+};
+
+// The unit vector of a plane's normal or a cylinder's axis, which may have any length.
+Vec3 unit_direction(const Object& object) {
+    if (const auto* plane = std::get_if<Plane>(&object)) return plane->normal.stableNormalized();
+    if (const auto* cylinder = std::get_if<Cylinder>(&object)) return cylinder->axis.stableNormalized();
+    return Vec3::Zero();
+}
+
+Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
+    Direction d;
+    if (const auto* plane = std::get_if<Plane>(&object)) {
+        d.g = unit.dot(p - plane->point) < 0 ? Vec3(-unit) : unit;
+        return d;
+    }
+    if (const auto* sphere = std::get_if<Sphere>(&object)) {
+        d.is_ball = true;
+        d.center = &sphere->center;
+        d.from_center = p - sphere->center;
+    } else {
+        d.is_tube = true;
+        d.axis = unit;
+        d.from_center = p - std::get<Cylinder>(object).point;
+        d.from_center -= unit.dot(d.from_center) * unit;
+    }
+    d.distance = d.from_center.norm();
+    if (d.is_tube) d.rounding += 4 * u * (p - std::get<Cylinder>(object).point).norm() / d.distance;
+    d.g = d.distance > 0 ? Vec3(d.from_center / d.distance) : Vec3::UnitZ().eval();
+    return d;
+}
+
+// A row of M, and by how much it may change over a length.
+struct Row {
+    Vec3 value;
+    double nearest = infinity;  // of the distances of its feet's centres and axes
+    double turn = 0;            // of its unit vectors in all, per length
+    Direction object{};         // of an object that has one
+    double shift = 2;           // of its equation, in motions
+    bool has_object = false;
+    double rounding = 0;        // of its value
+
+    // A vector of length d that moves by r < d turns by an angle whose sine is r / d at most: its unit vector moves by
+    // sqrt(2) r / d at most, which 3/2 is above.
+    double variation(double radius) const { return radius < nearest ? 1.5 * turn * radius + rounding : infinity; }
+};
+
+// The difference of two unit vectors. They turn nearly alike where centres or axes are next to each other. A derivative
+// is the projection across g, or on t = axis x g of a tube, over the distance |m|. Let centres or axes be `apart` at the
+// point, seen along m, and axes differ by `tilt`; within half the lesser distance h is what is left of either, the ways m
+// differ by b = apart + tilt h at most, g by b / h, t by tilt + b / h, the projections by as much, and 1 / |m| by b / h^2.
+Row difference(const Direction& b, const Direction& a) {
+    Row row{b.g - a.g, std::min(a.distance, b.distance), a.turn() + b.turn()};
+    row.rounding = a.rounding + b.rounding;
+    if (!(a.is_ball && b.is_ball) && !(a.is_tube && b.is_tube)) return row;
+    if (a.is_ball && row.nearest > 0) {
+        // m_b / |m_b| - m_a / |m_a|, of which nothing cancels but in m_b - m_a, the centres' difference.
+        const Vec3 way = *a.center - *b.center;
+        row.value = (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
+        row.rounding = 32 * u * way.norm() / row.nearest;
+    }
+    const double tilt = std::min((b.axis - a.axis).norm(), (b.axis + a.axis).norm());
+    const double half = 0.5 * row.nearest,
+                 apart = (b.from_center - a.from_center).norm() + tilt * half + row.rounding * row.nearest,
+                 turn = (tilt + 2 * apart / half) / half;
+    if (half > 0 && turn < row.turn) {
+        row.nearest = half;
+        row.turn = turn;
+    }
+    return row;
+}
+
+// The row of two objects' difference, in which the base takes no part; between balls its equation has the shift given.
+Row difference(const Row& b, const Row& a, double shift) {
+    if (!a.has_object || !b.has_object)
+        return {b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift, false,
+                a.rounding + b.rounding};
+    Row row = difference(b.object, a.object);
+    row.shift = a.object.is_ball && b.object.is_ball ? shift : std::max(a.shift, b.shift);
+    return row;
+}
+
+class Motion {
+public:
+    Motion(LiftedCell& lifted, double moved, double balls_moved)
+        : cell_(lifted.cell),
+          positions_(lifted.positions),
+          moved_(moved),
+          between_balls_(2 * balls_moved / moved),
+          most_(cell_.scene.box.diagonal()),
+          room_(std::sqrt(moved * most_)),
+          equations_(cell_.vertices.size()) {
+        base_unit_ = unit_direction(cell_.scene.base);
+        units_.reserve(cell_.scene.objects.size());
+        for (const Object& object : cell_.scene.objects) units_.push_back(unit_direction(object));
+        find_equations();
+    }
+
+    void run() {
+        for (std::size_t i = 0; i < cell_.vertices.size(); ++i) {
+            CellVertex& v = cell_.vertices[i];
+            const auto motion = of_vertex(v, equations_[i]);
+            v.is_touching = !motion;
+            v.error = std::min(most_, v.error + motion.value_or(2 * moved_));
+        }
+        for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
+            CellEdge& e = cell_.edges[i];
+            const double position = positions_[EdgeId{static_cast<std::uint32_t>(i)}];
+            e.error = std::min(most_, std::max(e.error, position + of_edge(e, position, is_rim_[i])));
+        }
+    }
+
+private:
+    // A site, or over a base plane's rim the wall that stands on it there.
+    struct Term {
+        Site site;
+        bool is_wall = false;
+
+        friend bool operator==(const Term&, const Term&) = default;
+    };
+    using Terms = SmallVector<Term, 8>;
+
+    // Only one face is beside an edge over the rim, and its side of the box comes second.
+    void find_equations() {
+        is_rim_.assign(cell_.edges.size(), false);
+        if (std::holds_alternative<Plane>(cell_.scene.base)) {
+            std::vector<int> trims(cell_.edges.size(), 0);
+            for (const CellFace& face : cell_.faces)
+                for (const TrimmedPatch& patch : face.patches)
+                    for (const auto& loop : patch.loops)
+                        for (const TrimCurve& trim : loop)
+                            if (trim.edge) ++trims[*trim.edge];
+            for (std::size_t i = 0; i < trims.size(); ++i) is_rim_[i] = trims[i] == 1;
+        }
+        for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
+            const CellEdge& e = cell_.edges[i];
+            for (const std::uint32_t v : e.vertices)
+                for (const Term term : {Term{e.sites[0]}, Term{e.sites[1], is_rim_[i]}})
+                    if (std::ranges::find(equations_[v], term) == equations_[v].end())
+                        equations_[v].push_back(term);
+        }
+    }
+
+    // A base ball, other balls and tubes around it, and the box around all of that stay where they are.
+    bool stays(const Term& term) const {
+        return std::holds_alternative<Sphere>(cell_.scene.base) &&
+               !(term.site.is_object() && std::holds_alternative<Plane>(cell_.scene.objects[term.site.index]));
+    }
+
+    Direction base(const Vec3& p) const { return from_foot(cell_.scene.base, base_unit_, p); }
+    // `base`: the base's direction at p.
+    Row row(const Term& term, const Vec3& p, const Direction& base) const {
+        Row row = row_of(term, p, base);
+        if (stays(term)) row.shift = 0;
+        return row;
+    }
+    Row row_of(const Term& term, const Vec3& p, const Direction& base) const {
+        const Site site = term.site;
+        if (site.kind == Site::Kind::BoxSide) {
+            const Vec3 side = Vec3::Unit(site.index / 2);
+            if (!term.is_wall) return {side};
+            return {(side - base_unit_.dot(side) * base_unit_).normalized()};
+        }
+        if (site.kind == Site::Kind::End) return {base_unit_};
+        const Direction object = from_foot(cell_.scene.objects[site.index], units_[site.index], p);
+        Row row = difference(object, base);
+        row.object = object;
+        row.has_object = true;
+        return row;
+    }
+
+    // The motion by the three equations that tell the point best; none where no bisectors cross.
+    std::optional<double> of_vertex(const CellVertex& v, const Terms& terms) const {
+        if (std::ranges::all_of(terms, [&](const Term& t) { return stays(t); })) return 0;
+        const Direction base = this->base(v.point);
+        SmallVector<Row, 4> rows;
+        for (const Term& t : terms) rows.push_back(row(t, v.point, base));
+        double best = infinity;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t j = i + 1; j < rows.size(); ++j)
+                for (std::size_t k = j + 1; k < rows.size(); ++k) {
+                    const std::array<const Row*, 3> r{&rows[i], &rows[j], &rows[k]};
+                    best = std::min(best, of_rows(r, v.error));
+                    for (int m = 0; m < 3; ++m) {
+                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, between_balls_),
+                                  c = difference(*r[(m + 2) % 3], a, between_balls_);
+                        best = std::min(best, of_rows({&a, &b, &c}, v.error));
+                    }
+                }
+        if (best == infinity) return std::nullopt;
+        return best;
+    }
+
+    // Twice the Newton step, if rows do not turn by more than a quarter on twice that.
+    double of_rows(const std::array<const Row*, 3>& rows, double error) const {
+        Matrix3d M;
+        for (int i = 0; i < 3; ++i) M.row(i) = rows[i]->value.transpose();
+        const Matrix3d inverse = M.inverse();
+        std::array<double, 3> length;
+        for (int i = 0; i < 3; ++i) length[i] = inverse.col(i).norm();
+        double step = 0, turn = 0;
+        for (int i = 0; i < 3; ++i) step += rows[i]->shift * moved_ * length[i];
+        for (int i = 0; i < 3; ++i) turn += length[i] * rows[i]->variation(2 * error + 2 * step);
+        return turn <= 0.25 ? 2 * step : infinity;
+    }
+
+    // Control points (p w, w) of one piece.
+    struct Piece {
+        int degree;
+        std::array<Vector4d, 6> points;
+
+        Vec3 point(int k) const { return points[k].head<3>() / points[k].w(); }
+        // De Casteljau.
+        std::array<Piece, 2> halves() const {
+            std::array<Piece, 2> half;
+            half[0].degree = half[1].degree = degree;
+            std::array<Vector4d, 6>& work = half[1].points;
+            std::copy_n(points.begin(), degree + 1, work.begin());
+            for (int k = 0; k <= degree; ++k) {
+                half[0].points[k] = work[0];
+                for (int i = 0; i < degree - k; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
+            }
+            return half;
+        }
+    };
+
+    double of_edge(const CellEdge& e, double position, bool is_rim) const {
+        const RationalCurve3& c = e.curve;
+        const std::array terms{Term{e.sites[0]}, Term{e.sites[1], is_rim}};
+        if (stays(terms[0]) && stays(terms[1])) return 0;
+        double most = 0;
+        int halvings = most_halvings;
+        Piece piece;
+        piece.degree = c.degree;
+        for (std::size_t i = 0; i + c.degree < c.points.size(); i += c.degree) {
+            for (int k = 0; k <= c.degree; ++k) {
+                const Vector4d& p = c.points[i + k];
+                piece.points[k] << p.w() * p.head<3>(), p.w();
+            }
+            most = std::max(most, of_piece(terms, position, piece, halvings));
+        }
+        return most;
+    }
+
+    // Next to a point where the rows depend on each other (objects that touch, axes that cross) the arc goes
+    // on from the part before to its end: it is no farther away than that part's size and motion.
+    double of_piece(const std::array<Term, 2>& terms, double error, const Piece& piece, int& halvings) const {
+        const Vec3 first = piece.point(0), last = piece.point(piece.degree), middle = 0.5 * (first + last);
+        double square = std::max((first - middle).squaredNorm(), (last - middle).squaredNorm());
+        for (int k = 1; k < piece.degree; ++k) square = std::max(square, (piece.point(k) - middle).squaredNorm());
+        const double radius = std::sqrt(square) + error;
+        const Direction base = this->base(middle);
+        const Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
+        // The motion itself must stay within reach, too: more than the first guess, where objects are all but alike.
+        double change = across(a, b, radius + room_);
+        if (change <= room_) return change;
+        const Row apart = difference(b, a, between_balls_);
+        for (double reach = room_; reach < most_; reach = 2 * change) {
+            change = across(a, apart, radius + reach);
+            if (change <= reach) return change;
+        }
+        const bool is_end = radius <= error + room_;
+        if (is_end) return 4 * (radius + room_);
+        if (halvings == 0) return infinity;
+        --halvings;
+        double most = 0;
+        for (const Piece& half : piece.halves()) {
+            most = std::max(most, of_piece(terms, error, half, halvings));
+            if (most == infinity) break;
+        }
+        return most;
+    }
+
+    // The motion across two rows, which may be anything they are within a radius.
+    double across(const Row& a, const Row& b, double radius) const {
+        const double va = a.variation(radius), vb = b.variation(radius);
+        const double of_a = a.value.norm(), of_b = b.value.norm(), product = a.value.cross(b.value).norm(),
+                     least = product - (of_a * vb + of_b * va + va * vb);
+        // The vectors across that change one of the equations alone have the other row's length over the product.
+        return least > 0.125 * product ? (a.shift * (of_b + vb) + b.shift * (of_a + va)) * moved_ / least : infinity;
+    }
+
+    static constexpr int most_halvings = 1000;  // of an edge
+
+    Cell& cell_;
+    const IdVector<EdgeId, double>& positions_;
+    const double moved_;
+    const double between_balls_;  // the shift of two balls' difference
+    const double most_;
+    const double room_;  // for the motion of a piece, as a first guess
+    Vec3 base_unit_;
+    std::vector<Vec3> units_;  // of the objects' directions
+    std::vector<bool> is_rim_;                  // of the edges
+    std::vector<Terms> equations_;              // of the vertices
+};
+
+}  // namespace
+
+void add_scene_motion(LiftedCell& lifted, double moved, double balls_moved) {
+    if (moved > 0) Motion(lifted, moved, balls_moved).run();
+}
+
+}  // namespace vcell

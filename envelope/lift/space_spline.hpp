@@ -1,0 +1,166 @@
+/// Splines in space for the edges over sphere and cylinder bases that are no conics: quintic spans with a
+/// certified distance from the true arc, and with them the trims on both sides.
+///
+/// The unknowns are X = (p, t): a point in canonical coordinates and its distance t from the base's centre or
+/// axis. An edge lies where three equations G(X) = 0 hold, that of the base and those of its two sites:
+///
+///     sphere (c, rho), cylinder       G = |p - c| (distance from the axis) - (t + delta),   delta = rho - R0
+///     base                            the same with delta = 0, about 0 (about the y axis)
+///     plane                           G = its distance + R0 - t
+///     wall                            G = the distance to a side of the box or an end of the stretch
+///
+/// Their gradients are (g, -1), g the unit vector from the foot point, and (g, 0) for walls. Seen along the
+/// edge the left site is nearest on the left, so the edge runs along (g_left - g) x (g_right - g), g = grad
+/// of the base's distance (walls: g_wall instead of the difference).
+///
+/// Where cylinders of one radius have crossing axes, left and right depend on each other over the crossing,
+/// and the trisector has a node. Each of its curves lies in a plane between the axes; the plane's equation then
+/// stands for that of the right site, except for the trim.
+///
+/// Both ends of a span lie on the arc. First and second derivative at both ends, by the length of the curve
+/// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. Steps of
+/// Newton's method take it to the arc at four places in between, chosen so that the quintic through all six
+/// errs by a small part of that (quintic_nodes.hpp). The patches' coordinates are quotients of linear
+/// functions of X (PatchCoordinate); the trims have their values at the same six places. A span that is not
+/// good enough is divided at points of the arc, found by Newton's method, into as many parts as the sixth
+/// power asks for.
+///
+/// *The certificate.* Let P(s) = (p, t)(s) be the fitted span.
+///
+/// 1. Residuals. d^2 - (t + delta)^2 along the span is a polynomial of degree 10 (planes and walls: G, of
+///    degree 5) that all but vanishes at those six places: that bounds it closely. Divided by d + t + delta
+///    it bounds |G(P(s))| <= e.
+/// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull of
+///    its control points), M the Jacobian in its middle, B nearly the inverse of M, B_i its columns. Within r
+///    of a point at distance d from a centre or axis the unit vector from there turns by asin(r / d) at most;
+///    that bounds the rows of F' - M, and so q >= |I - B F'| in D. Let q < 1. Then X - B F(X) contracts, so F
+///    is one-to-one in D; and a solution lies within x = sum |B_i| |F_i(P)| / (1 - q) of P, if D contains the
+///    ball of this radius [Deuflhard04, sec. 2.1].
+/// 3. The curve. F = (G, N . (X - P(s))) with N the unit null vector of the gradients in the middle. So in D
+///    the curve G = 0 is a graph over N, and meets the slice across N through each P(s) within x. Since
+///    N . P(s) increases, these points make up the curve's arc between the slices of P(0) and P(1), in the
+///    edge's direction.
+/// 4. Which arc. Let A be a point of the curve within a of P(0), and c_i bound the curvature of G_i, 1 / d in
+///    D. On the way from P(0) to A |G_i| <= |G_i(P(0))| + c_i a^2 / 8; so the slices in between meet the
+///    curve, too, as near as step 2 says. If that is in D, A lies on the graph of step 3. So consecutive
+///    spans follow one arc, which starts at the edge's start and in its direction; and it reaches the edge's
+///    end with the last span only: no other span's D holds the end between its slices. So it is the edge.
+///    Of the diagram's pieces only guesses are taken, and for closed edges that one point is near the edge.
+/// 5. Trims. F = (G_base, G_site, n_u - u(s) d_u, n_v - v(s) d_v) for coordinates n / d: step 2 bounds the
+///    distance of the patch's point at (u, v)(s) from P(s). Where these rows all but depend on each other (a needle
+///    seen from the base's centre) that point is computed instead: (P, w)((u, v)(s)) - P(s) w is a polynomial of
+///    degree 25, whose coefficients bound it.
+///
+/// A span too long for one D, or for a small q, is halved for the proof. Where an arc ends in a point with
+/// dependent gradients (objects that touch) or passes one closely (axes that cross but for rounding) spans of
+/// the tolerance's length cannot be proved so: they are chords, as good as intervals enclose that part of the
+/// diagram's piece. All of it in double: residuals and gradients carry bounds of their rounding.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "../../primitives/bases/radial_base.hpp"
+#include "../diagram/minimization_diagram.hpp"
+#include "radial_patch.hpp"
+
+namespace vcell {
+
+/// A coordinate of a bisector's patch as a function of the bisector's points: the quotient of two linear
+/// functions of (x, y, z, t, 1), canonical. The divisor is positive over the patch.
+struct PatchCoordinate {
+    using Linear = Eigen::Matrix<double, 5, 1>;
+
+    Linear numerator = Linear::Zero(), divisor = Linear::Unit(4);
+
+    /// direction . (p - origin)
+    static PatchCoordinate linear(const Vec3& direction, const Vec3& origin);
+    /// The tangent of half the angle from `zero` towards `quarter` (orthonormal): at a distance t + delta
+    /// from the axis through `point` across both, it is (p - point) . quarter / (t + delta + (p - point) .
+    /// zero). Likewise for the stereographic coordinates of a direction from `point` about `zero`, each with
+    /// its own `quarter`.
+    static PatchCoordinate half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter, double delta);
+
+    double operator()(const Eigen::Vector4d& X) const {
+        return (numerator.head<4>().dot(X) + numerator[4]) / (divisor.head<4>().dot(X) + divisor[4]);
+    }
+};
+
+/// (u, v). Together they are one-to-one on the bisector where both divisors are positive.
+using PatchCoordinates = std::array<PatchCoordinate, 2>;
+
+/// Which part of a face a boundary runs in that may run along a seam: the one with the point this far inside the face,
+/// in u.
+constexpr double seam_inwards = 0x1p-32;
+
+/// A patch and the stretch of u for which it is used: a face that wraps around needs several.
+struct SpacePart {
+    PatchCoordinates patch;
+    std::array<double, 2> u{-std::numeric_limits<double>::infinity(),
+                            std::numeric_limits<double>::infinity()};
+    const RadialPatch* surface = nullptr;  ///< with these coordinates, of polynomials (P, w)(u, v)
+};
+
+/// What lies on one side of an edge, canonical.
+struct SpaceSite {
+    Object object;
+    bool is_wall = false;  ///< a Plane with outward normal that bounds the cell: a side of the box, an end
+    std::vector<SpacePart> parts;  ///< none: no trim on this side
+};
+
+struct SpaceEnd {
+    Vec3 point;
+    double error;  ///< bound on its distance from the true vertex
+};
+
+/// An edge. The arc of a rim has no pieces, and the end on its right: the Plane through (0, y, 0) across the
+/// y axis.
+struct SpaceArc {
+    std::array<SpaceSite, 2> sites;      ///< left, right
+    std::optional<SpaceEnd> start, end;  ///< none: closed
+    std::span<const MinimizationDiagram::ArcPiece> pieces;
+    double turn = 0;           ///< of a rim's arc; 0: its ends' points tell
+    bool sites_cross = false;  ///< both are cylinders, of one radius, and their axes cross
+};
+
+/// A Bezier span of degree 5, polynomial: space curve and trims in one parameter.
+struct SpaceSpan {
+    /// Point k of (x, y, z, t, u_left, v_left, u_right, v_right) is column k; zeros where there is no trim.
+    Eigen::Matrix<double, 8, 6> points = Eigen::Matrix<double, 8, 6>::Zero();
+    /// The part on each side that holds the span: where the arc leaves a part, a span ends.
+    std::array<std::uint32_t, 2> part{};
+};
+
+struct SpaceFitError {
+    /// Of the curve (x, y, z, t) from the arc; infinite if it is not proved.
+    double curve = 0;
+    /// Of the patches' points at the trims from the space curve at the same parameter.
+    double trims = 0;
+    std::optional<Vec3> unproved = {};  ///< canonical, where one of them is infinite
+    Vec3 worst = Vec3::Zero();          ///< canonical, where they are largest
+};
+
+/// The point in which three sites are met, from one within `near.error` of it, and a bound of the distance
+/// that is left: at the level of rounding, whatever the chart made of the scene's size. None where this
+/// bound is no smaller, or not proved (nearly dependent gradients).
+std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
+                                     const SpaceEnd& near);
+
+/// What the fits of a cell may still cost. When it is spent spans stay as they are.
+struct FitEffort {
+    std::size_t spans = 20'000;   ///< that are tried
+    std::size_t cells = 400'000;  ///< of the chart where arcs are looked for
+};
+
+/// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where rounding
+/// blurs the arc and the diagram's pieces are wider, where the ends are not known as well (four times their error
+/// bounds it then), where a divisor of a patch's coordinate is not positive, or when `effort` is spent, and says so.
+SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
+                               std::vector<SpaceSpan>& spans, FitEffort& effort);
+
+}  // namespace vcell

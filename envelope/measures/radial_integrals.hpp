@@ -1,0 +1,215 @@
+/// Measures over sphere and cylinder bases as integrals along the edges.
+///
+/// Over a face seen along the base's normals, with t the distance from the base's centre or axis, volume (the
+/// base's body included) and area are integrals over solid angles, or over angle and height on a cylinder:
+///
+///     sphere    dV = t^3 / 3 d omega,         cylinder    dV = t^2 / 2 d theta dy
+///
+/// Each has an antiderivative in one coordinate, which makes it an integral along the boundary (Green,
+/// Stokes). With delta = rho - R0, p the curve, u its direction from the centre or w from the axis:
+///
+/// *Spheres, planes, sides of the box over a sphere.* The bisector is a surface of revolution about the unit
+/// vector b through the centre. With d1 its least distance from the base's centre, d2 = d1 + delta that from
+/// the object's, c = d1 + d2 and z = b.u the integrals over z from the axis on are, since t (delta + c z) = 2
+/// d1 d2,
+///
+///     V = closed integral of  c (t + d1) / (12 (t + d2))  b.(p x dp),
+///     S = closed integral of  c / (2 sqrt(d1 d2) (t + d2)) M(t)  b.(p x dp),
+///
+/// M(t) the mean of sqrt(x (x + delta)) over d1 <= x <= t. Flat bisectors have delta = 0: both are multiples
+/// of the shoelace formula. Planes are the limit of d2 to infinity.
+///
+/// *Cylinders over a sphere.* In cylindrical coordinates (alpha, v, r) about the object's axis, c the foot of
+/// the base's centre, v counted from there along the unit vector d, K = |c|^2 - delta^2:
+///
+///     r = (K + v^2) / (2 q(alpha)),   q = |c| cos alpha - delta,   dV = r (r - delta) / 3 d alpha dv,
+///     dS = (K + v^2) / (2 q^2) sqrt(E^2 + v^2) d alpha dv,         E^2 = |c|^2 + delta^2 - 2 |c| delta cos
+///     alpha,
+///
+/// alpha = 0 towards the base: elementary in v.
+///
+/// *Over a cylinder, unless axes are skew.* t = C(y) / (2 beta(w)), so with beta' the derivative by the angle
+///
+///     dV = C^2 / (8 beta^2) d theta dy,   dS = C / (2 beta^2) sqrt(beta^2 + beta'^2 + C'^2 / 4) d theta dy,
+///
+/// elementary in y: C is linear, or (y - c_y)^2 plus a constant.
+///
+/// *Sides of the box over a cylinder*: dV = (normal.p - normal_y y) / 2 dS, and a form f of degree d in q has
+/// the integral of f normal.(q x dq) / (d + 2) along the boundary.
+///
+/// *Skew cylinders*: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The integrals over y are found by
+/// quadrature, in parts that keep clear of the singularities of t.
+///
+/// Points of curves that are not exact are taken along their rays to each bisector. So an error of the curve
+/// changes a face's volume, but the sum of those on its two sides only to second order.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <variant>
+
+#include "../../primitives/bases/radial_base.hpp"
+#include "mixed_integrals.hpp"
+#include "span_integrals.hpp"
+
+namespace vcell {
+
+namespace radial_integrals {
+
+using span_integrals::SpanPoint;
+
+/// A curve's direction from the base's centre or axis, its derivative, and the height on a cylinder.
+struct Ray {
+    std::array<double, 3> u, du;
+    double y;
+};
+
+/// What a boundary element with the face on its left adds to the face's volume and area.
+struct Share {
+    double volume, area;
+};
+
+/// Spheres, planes and walls over a sphere.
+struct RoundFace {
+    enum class Shape { Flat, Paraboloid, Hyperboloid };
+    Shape shape;
+    Vec3 axis;                ///< b
+    double d1, d2, c, delta;  ///< of a paraboloid d1 only
+    double root;              ///< sqrt(d1 d2)
+    /// t = k / (e0 + e1 z)
+    double k, e0, e1;
+
+    RoundFace(const RadialBaseProblem& problem, FormId form);
+    double least_distance() const { return d1; }
+    /// What b.(p x dp) is multiplied by at distance t: a number, or an array of them.
+    template <class T>
+    struct Factors {
+        T volume, area;
+    };
+    template <class T>
+    Factors<T> factors(const T& t) const;
+    /// Bound on how the volume changes, to first order, where a stretch of a curve with near <= t <= far
+    /// leaves its place: times its length and the distance.
+    double volume_slope(double near, double far) const;
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
+};
+
+/// Points of a face's boundary: one of them, and how far apart they are.
+struct Around {
+    Vec3 near = Vec3::Zero();
+    double extent = std::numeric_limits<double>::infinity();
+
+    /// Where integrals start along an axis on which `near` is at v: at 0, or where that is far from a small face at v. What
+    /// rounding moves points sideways counts with the distance from there.
+    double start(double v) const { return std::abs(v) > 4 * extent ? v : 0; }
+};
+
+/// Cylinders over a sphere.
+struct TubeFace {
+    Vec3 axis, foot;          ///< d, c
+    double length, delta, K;  ///< length: |c|
+    double first;             ///< along the axis, from the foot: integrals start there
+
+    TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
+    double least_distance() const { return 0.5 * (length - delta); }
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
+};
+
+/// Everything but skew cylinders over a cylinder.
+struct TurnedFace {
+    Vec3 b;
+    double b0;
+    /// C = K + slope v + [is_round] v^2, v = y - start. Round: slope = 0.
+    double start, K, slope;
+    bool is_round;
+    double first;  ///< v at which integrals start. Not round: 0
+    double least;
+
+    TurnedFace(const RadialBaseProblem& problem, FormId form, const Around& face);
+    double least_distance() const { return least; }
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
+};
+
+/// Sides of the box over a cylinder: they are their own bisectors, and taken as they are. Rays that hardly
+/// meet them tell nothing.
+struct FlatFace {
+    Vec3 normal;    ///< unit, outward
+    Vec3 point;     ///< of the plane, near the face
+    double offset;  ///< normal.p = offset
+
+    FlatFace(const Plane& side, const Vec3& near);
+    double least_distance() const { return std::numeric_limits<double>::infinity(); }
+    Share share(const SpanPoint<double>& p) const;
+    Share size(const SpanPoint<double>& p) const;
+};
+
+/// Skew cylinders over a cylinder.
+struct SkewFace {
+    Vec3 axis, point;  ///< d, the axis's point nearest to the origin
+    double delta, start;
+    double least;
+
+    SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, double y);
+    double least_distance() const { return least; }
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
+};
+
+}  // namespace radial_integrals
+
+/// A face, to be measured along its edges.
+using RadialFace =
+    std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace, radial_integrals::TurnedFace,
+                 radial_integrals::FlatFace, radial_integrals::SkewFace>;
+
+/// Over a cylinder integrals along the axis start at the height of `face.near`.
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const radial_integrals::Around& face);
+
+/// The bisector's least distance from the base's centre or axis, where that is a minimum inside the base's
+/// stretch; infinite if there is none.
+double least_distance(const RadialFace& face);
+
+/// How far the rays' points on the bisectors are from the curve (`from_curve`) and from each other
+/// (`apart`), the largest at some points of the spans. No right side: apart is from the curve, too.
+struct RadialGap {
+    double from_curve = 0, apart = 0;
+};
+
+/// What an edge's span adds to its two faces, to the length and to the flat end of a cylinder's cell.
+struct RadialIntegrals {
+    struct Side {
+        Integral volume, area;
+    };
+    std::array<Side, 2>
+        sides;  ///< left, right; each for the face on its left of the span in its own direction
+    Integral length;
+    Integral end_area;                                                           ///< t^2 / 2 d theta
+    std::array<double, 2> distance{std::numeric_limits<double>::infinity(), 0};  ///< range of t
+    RadialGap gap;                                                               ///< of add_span()
+
+    RadialIntegrals& operator+=(const RadialIntegrals& o);
+};
+
+/// Of a rational quadratic over a sphere base that lies on both bisectors; control points (p w, w),
+/// canonical. Pre: both sides are RoundFaces. Error: truncation as proven in quadrature.hpp, with as many
+/// points as bring it to some 2^-40 of the integrand's size; rounding to first order, doubled.
+void add_conic(const std::array<Eigen::Vector4d, 3>& points, const RadialFace& left, const RadialFace& right,
+               RadialIntegrals& sum);
+/// Of a segment between flat bisectors over a sphere base.
+void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const RadialFace& right,
+                 RadialIntegrals& sum);
+/// Of any curve (control points (p, w)) that is nearly on both bisectors. No right side: a rim.
+/// Error: truncation estimated from two rules (integrate_estimated()), but for the length of a conic (a line
+/// included), where it is proven; rounding to first order, doubled.
+void add_span(std::span<const Eigen::Vector4d> points, bool is_conic, bool is_sphere, const RadialFace& left,
+              const RadialFace* right, RadialIntegrals& sum);
+
+}  // namespace vcell

@@ -1,0 +1,242 @@
+#include "radial_measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "../../core/quadrature/bounded_sum.hpp"
+#include "measures.hpp"
+#include "radial_integrals.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector4d;
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+constexpr std::uint32_t no_face = UINT32_MAX;
+
+class RadialMeasurer {
+public:
+    RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                   const IdVector<EdgeId, double>& positions, Cell& cell)
+        : problem_(problem),
+          diagram_(diagram),
+          positions_(positions),
+          cell_(cell),
+          areas_(cell.faces.size()) {}
+
+    void run() {
+        add_faces();
+        for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
+        Measures& m = cell_.measures;
+        for (std::size_t i = 0; i < areas_.size(); ++i) {
+            // A face thinner than the spacing of doubles may come out below zero by its rounding.
+            const double area = std::max(0.0, areas_[i].value());
+            cell_.faces[i].area = area;
+            cell_.faces[i].area_error = areas_[i].bound();
+            (cell_.faces[i].site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
+            m.is_estimated = m.is_estimated || cell_.faces[i].is_estimated;
+        }
+        const double radius = problem_.radius, pi = std::numbers::pi;
+        if (problem_.is_sphere) {
+            m.base_area = 4 * pi * radius * radius;
+            m.body_volume = m.base_area * radius / 3;
+            m.base_area_error = 8 * u * m.base_area;
+            m.body_volume_error = 8 * u * m.body_volume;
+        } else {
+            const double length = problem_.stretch[1] - problem_.stretch[0];
+            // The ends carry a few roundings of the motion.
+            const double relative = 8 * u *
+                                    (1 + (std::abs(problem_.stretch[0]) + std::abs(problem_.stretch[1]) +
+                                          problem_.frame.origin.norm()) /
+                                             length);
+            m.base_area = 2 * pi * radius * length;
+            m.body_volume = pi * radius * radius * length;
+            m.base_area_error = relative * m.base_area;
+            m.body_volume_error = relative * m.body_volume;
+            box_area_.add(-2 * pi * radius * radius, 32 * u * radius * radius);
+        }
+        m.volume = volume_.value();
+        m.volume_error = volume_.bound();
+        m.area = area_.value();
+        m.area_error = area_.bound();
+        m.box_area = box_area_.value();
+        m.box_area_error = box_area_.bound();
+        m.min_clearance = distance_[0] - radius;
+        m.max_clearance = distance_[1] - radius;
+        m.min_clearance_error = std::max(least_[1] - distance_[0], distance_[0] - least_[0]);
+        m.max_clearance_error = std::max(greatest_[1] - distance_[1], distance_[1] - greatest_[0]);
+        // A cylinder's stretch ends at the box.
+        m.touches_box = !problem_.is_sphere || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
+            return !f.site.is_object();
+        });
+        rank_neighbors(cell_);
+    }
+
+private:
+    bool is_smooth(EdgeId e) const {
+        return problem_.is_sphere && cell_.edges[e.value].kind != CurveKind::Spline;
+    }
+
+    // Where a face's edges start; and over a cylinder their distances from the axis.
+    struct Reach {
+        Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
+        double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+        Vec3 at_nearest = Vec3::Zero();
+
+        void add(const Vec3& p) {
+            least = least.cwiseMin(p);
+            most = most.cwiseMax(p);
+            const double distance = std::hypot(p.x(), p.z());
+            farthest = std::max(farthest, distance);
+            if (!(distance < nearest)) return;
+            nearest = distance;
+            at_nearest = p;
+        }
+        // The face's integrals along the axis start between its ends; or in a tip, where rounding turns
+        // points about the axis by most, and which then counts for nothing.
+        radial_integrals::Around around() const {
+            const double height = nearest < 0x1p-10 * farthest ? at_nearest.y() : 0.5 * (least.y() + most.y());
+            return {{at_nearest.x(), height, at_nearest.z()}, (most - least).norm()};
+        }
+    };
+
+    void add_faces() {
+        // Around a sphere only tubes ask for it.
+        const bool are_asked = !problem_.is_sphere || std::ranges::any_of(problem_.objects, [](const Object& o) {
+            return std::holds_alternative<Cylinder>(o);
+        });
+        std::vector<Reach> reaches(are_asked ? diagram_.dcel.face_count() : 0);
+        if (are_asked)
+            for (const EdgeId e : diagram_.edges.ids()) {
+                const Vec3 p =
+                    problem_.frame.to_canonical(cell_.edges[e.value].curve.points.front().head<3>());
+                for (const unsigned side : {0u, 1u})
+                    reaches[diagram_.dcel.face(Dcel::half_edge(e, side)).value].add(p);
+            }
+        cell_faces_.resize(diagram_.dcel.face_count(), no_face);
+        faces_.reserve(cell_.faces.size());
+        for (const FaceId f : diagram_.face_forms.ids()) {
+            const FormId form = diagram_.face_forms[f];
+            if (!form.valid()) continue;
+            cell_faces_[f.value] = static_cast<std::uint32_t>(faces_.size());
+            faces_.push_back(make_radial_face(
+                problem_, form, are_asked ? reaches[f.value].around() : radial_integrals::Around()));
+            // The least of all forms' least distances is that of one which is nearest there. Elsewhere
+            // the smallest distance is on an edge.
+            const double least = least_distance(faces_.back());
+            add_distance(least, least, 8 * u * (least + problem_.radius + reach(problem_.objects[form])));
+        }
+    }
+
+    std::uint32_t face(EdgeId e, unsigned side) const {
+        return cell_faces_[diagram_.dcel.face(Dcel::half_edge(e, side)).value];
+    }
+
+    void measure_edge(EdgeId e) {
+        CellEdge& edge = cell_.edges[e.value];
+        const RationalCurve3& curve = edge.curve;
+        points_.clear();
+        for (const Vector4d& p : curve.points) {
+            const Vec3 canonical = problem_.frame.to_canonical(p.head<3>());
+            points_.push_back({canonical.x(), canonical.y(), canonical.z(), p.w()});
+        }
+        const std::uint32_t left = face(e, 0), right = face(e, 1);
+        const RadialFace* right_face = right != no_face ? &faces_[right] : nullptr;
+        RadialIntegrals sum;
+        for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
+            const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
+            if (!is_smooth(e)) {
+                add_span(span, edge.kind != CurveKind::Spline, problem_.is_sphere, faces_[left], right_face, sum);
+            } else if (curve.degree == 1) {
+                add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
+            } else {
+                std::array<Vector4d, 3> p;
+                for (int k : {0, 1, 2}) p[k] << span[k].w() * span[k].head<3>(), span[k].w();
+                add_conic(p, faces_[left], faces_[right], sum);
+            }
+        }
+        edge.length = sum.length.value;
+        edge.length_error = sum.length.error + length_sensitivity * positions_[e];
+        add_distance(sum.distance[0], sum.distance[1],
+                     positions_[e] + 8 * u * (sum.distance[1] + problem_.radius));
+        if (!is_smooth(e)) {
+            edge.is_estimated = edge.kind == CurveKind::Spline;
+            for (const std::uint32_t f : {left, right})
+                if (f != no_face) cell_.faces[f].is_estimated = true;
+        }
+        add_side(left, sum.sides[0], 1);
+        if (right != no_face) {
+            add_side(right, sum.sides[1], -1);
+        } else {
+            // The rim at the lower end runs about the axis counter-clockwise.
+            box_area_.add(std::abs(sum.end_area.value), sum.end_area.error);
+        }
+        add_position_error(positions_[e], left, right, sum, is_smooth(e));
+    }
+
+    // Of the point that an axis or a plane runs through: projections of it are rounded. A ball's power is
+    // not.
+    static double reach(const Object& object) {
+        if (const auto* plane = std::get_if<Plane>(&object)) return plane->point.norm();
+        const auto* cylinder = std::get_if<Cylinder>(&object);
+        return cylinder != nullptr ? cylinder->point.norm() : 0;
+    }
+
+    // A range of distances, known within an error.
+    void add_distance(double low, double high, double error) {
+        if (!std::isfinite(low)) return;
+        distance_ = {std::min(distance_[0], low), std::max(distance_[1], high)};
+        least_ = {std::min(least_[0], low - error), std::min(least_[1], low + error)};
+        greatest_ = {std::max(greatest_[0], high - error), std::max(greatest_[1], high + error)};
+    }
+
+    void add_side(std::uint32_t face, const RadialIntegrals::Side& side, double sign) {
+        volume_.add(sign * side.volume.value, side.volume.error);
+        areas_[face].add(sign * side.area.value, side.area.error);
+    }
+
+    // What an edge that is off by `error` changes: strips of its length, which may itself be off by as much at
+    // either end. Of a conic the integrand's own derivative across the strip counts; elsewhere the gap between
+    // the two bisectors, which closes towards the true edge. Both doubled, and to first order.
+    void add_position_error(double error, std::uint32_t left, std::uint32_t right, const RadialIntegrals& sum,
+                            bool is_smooth) {
+        const double length = 2 * sum.length.value + 4 * error;
+        if (is_smooth) {
+            for (const std::uint32_t side : {left, right}) {
+                const auto& round = std::get<radial_integrals::RoundFace>(faces_[side]);
+                const double near = std::max(0.0, sum.distance[0] - error), far = sum.distance[1] + error;
+                volume_.add(0, length * error * round.volume_slope(near, far));
+            }
+        } else {
+            volume_.add(0, length * (error + sum.gap.from_curve) * sum.gap.apart);
+        }
+        for (const std::uint32_t side : {left, right})
+            if (side != no_face) areas_[side].add(0, length * (error + sum.gap.from_curve));
+    }
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    const IdVector<EdgeId, double>& positions_;
+    Cell& cell_;
+    std::vector<RadialFace> faces_;          // of the cell
+    std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
+    std::vector<BoundedSum> areas_;
+    BoundedSum volume_, area_, box_area_;
+    std::vector<Vector4d> points_;  // of one edge, canonical
+    std::array<double, 2> distance_{std::numeric_limits<double>::infinity(), 0};
+    std::array<double, 2> least_{distance_[0], distance_[0]}, greatest_{0, 0};  // bounds of both
+};
+
+}  // namespace
+
+void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+             const IdVector<EdgeId, double>& positions, Cell& cell) {
+    RadialMeasurer(problem, diagram, positions, cell).run();
+}
+
+}  // namespace vcell

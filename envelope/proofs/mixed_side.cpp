@@ -1,0 +1,598 @@
+// MixedAnalysis along the sides of pieces, where everything is one-dimensional.
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "../../core/errors.hpp"
+#include "mixed_terms.hpp"
+#include "space_tie.hpp"
+
+namespace vcell {
+
+namespace {
+
+// Where two lines meet, by Cramer's rule: (x, y) times w, and w.
+template <class T>
+std::array<T, 3> crossing(const PieceSide& s, const PieceSide& t) {
+    return {T(s.b) * T(t.c) - T(t.b) * T(s.c), T(s.c) * T(t.a) - T(t.c) * T(s.a), T(s.a) * T(t.b) - T(s.b) * T(t.a)};
+}
+
+RationalPoint rational(const Exact& x, const Exact& y, const Exact& w) {
+    return w.sign() == Sign::Negative ? RationalPoint{-x, -y, -w} : RationalPoint{x, y, w};
+}
+
+bool axis_parallel(const PieceSide& s) { return (s.a == 0 && std::abs(s.b) == 1) || (s.b == 0 && std::abs(s.a) == 1); }
+
+}  // namespace
+
+IntervalPoint corner_of(const PieceSide& s, const PieceSide& t) {
+    if (axis_parallel(s) && axis_parallel(t)) {  // exact
+        const PieceSide &upright = s.b == 0 ? s : t, &level = s.b == 0 ? t : s;
+        return {Interval(-upright.c * upright.a), Interval(-level.c * level.b)};
+    }
+    const auto [x, y, w] = crossing<Interval>(s, t);
+    return {x / w, y / w};
+}
+
+SideLabels SideLabels::reversed() const {
+    SideLabels out{last(), {}};
+    for (auto t = transitions.rbegin(); t != transitions.rend(); ++t) {
+        out.transitions.push_back(*t);
+        std::swap(out.transitions.back().before, out.transitions.back().after);
+    }
+    return out;
+}
+
+// A side as the graph of its second coordinate over its first, s: x, or y where the side is steep.
+struct MixedAnalysis::Line {
+    const PieceSide& side;
+    bool by_x;
+    Interval slope, offset;
+
+    explicit Line(const PieceSide& l) : side(l), by_x(std::abs(l.b) >= std::abs(l.a)) {
+        const double p = by_x ? l.a : l.b, q = by_x ? l.b : l.a;
+        if (axis_parallel(l)) {
+            slope = 0;
+            offset = -l.c * q;
+        } else {
+            slope = -Interval(p) / Interval(q);
+            offset = -Interval(l.c) / Interval(q);
+        }
+    }
+    Interval coordinate(const IntervalPoint& p) const { return p[by_x ? 0 : 1]; }
+    // Does s grow counter-clockwise around the piece?
+    bool ascends() const { return by_x ? side.b > 0 : side.a < 0; }
+    IntervalPoint at(Interval s) const {
+        const Interval other = is_point(slope) && slope.lower() == 0 ? offset : slope * s + offset;
+        return by_x ? IntervalPoint{s, other} : IntervalPoint{other, s};
+    }
+    std::array<Wide, 2> wide_at(const Wide& s) const {
+        const double p = by_x ? side.a : side.b, q = by_x ? side.b : side.a;
+        const Wide other = -(Wide(p) * s + Wide(side.c)) / Wide(q);
+        return by_x ? std::array{s, other} : std::array{other, s};
+    }
+    RationalPoint exact_at(double s) const {
+        const Exact p(by_x ? side.a : side.b), q(by_x ? side.b : side.a), other = -(p * s + side.c);
+        return by_x ? rational(s * q, other, q) : rational(other, s * q, q);
+    }
+    // Encloses the difference of two heights at m, and its derivative between lo and hi.
+    std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+        const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
+        Interval derivative = along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]));
+        if (!derivative.sign()) derivative = slope_difference(heights, f, g, m, lo, hi);
+        return {heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]), derivative};
+    }
+    // The derivative in mean value form: by far the sharper one where the two are nearly the same function.
+    Interval slope_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+        const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
+        return along(heights.jet(f, p[0], p[1])) - along(heights.jet(g, p[0], p[1])) +
+               (bend(heights.curvature(f, range[0], range[1])) - bend(heights.curvature(g, range[0], range[1]))) *
+                   (Interval(lo, hi) - Interval(m));
+    }
+    // The same with a difference that doubles would cancel.
+    std::array<Interval, 2> sharp_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+        return {(sharp_height(heights, f, m) - sharp_height(heights, g, m)).enclosure(),
+                difference(heights, f, g, m, lo, hi)[1]};
+    }
+    Wide sharp_height(const Heights& heights, FormId f, double m) const {
+        const auto p = wide_at(Wide(m));
+        return heights.value(f, p[0], p[1]);
+    }
+    // A height and its derivative along the side, with many digits.
+    std::array<Wide, 2> sharp_jet(const Heights& heights, FormId f, const Wide& s) const {
+        const auto p = wide_at(s);
+        const HeightJet<Wide> j = heights.jet(f, p[0], p[1]);
+        const Wide rise = by_x ? -Wide(side.a) / Wide(side.b) : -Wide(side.b) / Wide(side.a);
+        return {j.v, by_x ? j.gx + rise * j.gy : j.gy + rise * j.gx};
+    }
+    // The derivative of a height along the side with respect to s.
+    Interval along(const HeightJet<Interval>& j) const { return by_x ? j.gx + slope * j.gy : j.gy + slope * j.gx; }
+    // And its second derivative.
+    Interval bend(const HeightCurvature<Interval>& c) const {
+        return (by_x ? c.xx : c.yy) + 2.0 * slope * c.xy + square(slope) * (by_x ? c.yy : c.xx);
+    }
+};
+
+namespace {
+
+// Those of the candidates that may attain the minimum of values enclosed by `value`.
+template <class Value>
+std::vector<FormId> possibly_lowest(std::span<const FormId> candidates, Value&& value) {
+    std::vector<Interval> values;
+    double top = infinity;
+    for (const FormId f : candidates) {
+        values.push_back(value(f));
+        top = std::min(top, values.back().upper());
+    }
+    std::vector<FormId> lowest;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (values[i].lower() <= top) lowest.push_back(candidates[i]);
+    return lowest;
+}
+
+// Those of the candidates that attain the minimum at a point: with 320 bits, exactly where these leave several.
+std::vector<FormId> lowest_in_many_digits(const Heights& heights, const RationalPoint& p,
+                                          std::span<const FormId> candidates, Decisions& decisions) {
+    std::vector<Wide> values;
+    const Wide w = to_wide(p.w), x = to_wide(p.x) / w, y = to_wide(p.y) / w;
+    for (const FormId f : candidates) values.push_back(heights.value(f, x, y));
+    std::vector<FormId> lowest;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (std::ranges::none_of(values, [&](const Wide& v) { return (v - values[i]).sign() == Sign::Negative; }))
+            lowest.push_back(candidates[i]);
+    decisions.by_multiprecision += candidates.size() - 1;
+    return lowest.size() == 1 ? lowest : exactly_lowest(lowest, [&](FormId f, FormId g) {
+        return heights.compare(f, g, p, decisions);
+    });
+}
+
+}  // namespace
+
+// In doubles, over a sphere.
+std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const {
+    if (!supports_ || !is_point(p[0]) || !is_point(p[1])) return std::nullopt;
+    const PointNormal n(p[0].mid(), p[1].mid());
+    FormId lowest;
+    double top = infinity, next = infinity;  // of the lowest one; the bottom of all others
+    for (const FormId f : candidates) {
+        const double v = supports_->value(f, n), r = supports_->value_error(f);
+        if (v < top) {
+            next = std::min(next, lowest.valid() ? top - 2 * supports_->value_error(lowest) : infinity);
+            top = v + r;
+            lowest = f;
+        } else {
+            next = std::min(next, v - r);
+        }
+    }
+    return top < next ? std::optional(lowest) : std::nullopt;
+}
+
+template <class Exactly>
+MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span<const FormId> candidates,
+                                               Exactly&& exactly) {
+    if (const auto f = certainly_lowest(p, candidates)) {
+        ++decisions_.by_double;
+        return {*f};
+    }
+    std::vector<FormId> lowest = possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
+    ++decisions_.by_interval;
+    if (lowest.size() > 1)
+        lowest = is_point(p[0]) && is_point(p[1])
+                     ? exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_)
+                     : lowest_in_many_digits(heights_, exactly(), lowest, decisions_);
+    return {lowest.begin(), lowest.end()};
+}
+
+std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates) {
+    const Lowest lowest = lowest_at(corner_of(s, t), candidates, [&] {
+        const auto [x, y, w] = crossing<Exact>(s, t);
+        return rational(x, y, w);
+    });
+    return {lowest.begin(), lowest.end()};
+}
+
+MixedAnalysis::Lowest MixedAnalysis::lowest_at(const Line& line, double s, std::span<const FormId> candidates) {
+    return lowest_at(line.at(Interval(s)), candidates, [&] { return line.exact_at(s); });
+}
+
+// A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
+constexpr double root_width = 0x1p-12;
+// How much steeper than the least slope a difference may be at its root, so that a guess is as good as a Newton step.
+constexpr double most_steepening = 8;
+constexpr int most_newton_steps = 30;
+
+// The root of before - after, which is negative at s0 and positive at s1: Newton's method with bisection, in doubles.
+MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0, double s1, FormId before, FormId after) const {
+    const double side_slope = line.slope.mid();
+    const double enough = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(s0), std::abs(s1));
+    Guess root{Interval(s0, s1).mid(), 0};
+    for (int i = 0; i < most_newton_steps; ++i) {
+        const IntervalPoint p = line.at(Interval(root.s));
+        const PointNormal n = supports_ ? PointNormal(p[0].mid(), p[1].mid()) : PointNormal();
+        const auto jet = [&](FormId f) {
+            if (supports_) return supports_->jet(f, n);
+            const HeightJet<Interval> j = heights_.jet(f, p[0], p[1]);
+            return std::array{j.v.mid(), j.gx.mid(), j.gy.mid()};
+        };
+        const auto f = jet(before), g = jet(after);
+        const double v = f[0] - g[0], dx = f[1] - g[1], dy = f[2] - g[2];
+        root.slope = line.by_x ? dx + side_slope * dy : dy + side_slope * dx;
+        (v < 0 ? s0 : s1) = root.s;
+        const double step = v / root.slope, next = root.s - step;
+        if (std::abs(step) <= enough) break;
+        root.s = next > s0 && next < s1 ? next : Interval(s0, s1).mid();
+    }
+    return root;
+}
+
+// The one root of the two forms' difference between s0 and s1, where its slope is `least_slope` at least: a guess, and
+// its distance from the root by the mean value theorem; where that says little, interval Newton and bisection.
+RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope) {
+    const Guess guess = approximate_root(line, s0, s1, before, after);
+    const IntervalPoint near = line.at(Interval(guess.s));
+    double lo = s0, hi = s1;
+    const auto is_narrow = [&] { return hi - lo <= root_width * (s1 - s0); };
+    const auto narrow_by = [&](const Interval& residual) {
+        const Interval root =
+            Interval(guess.s) + Interval(-1.0, 1.0) * Interval(residual.magnitude()) / Interval(least_slope);
+        lo = std::max(s0, root.lower());
+        hi = std::min(s1, root.upper());
+        if (!(lo <= hi)) throw InternalError("no root of a sign change along a side");
+        return guess.slope <= most_steepening * least_slope && is_narrow();
+    };
+    bool sharp = false, found = false;
+    const IntervalPoint stretch = line.at(Interval(s0, s1));
+    if (compare_by_supports(s1 - s0, extent_at(stretch[0], stretch[1])) && is_point(near[0]) && is_point(near[1])) {
+        const PointNormal n(near[0].mid(), near[1].mid());
+        const Interval residual = Interval::ball(supports_->value(before, n) - supports_->value(after, n),
+                                                 supports_->value_error(before) + supports_->value_error(after));
+        found = narrow_by(residual);
+        if (!found && is_narrow()) {
+            const IntervalPoint range = line.at(Interval(lo, hi));
+            const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
+            const auto [gx, gy] = box.gradient(supports_->over(before, box), supports_->over(after, box));
+            least_slope = std::max(least_slope, line.along({{}, gx, gy}).lower());
+            found = narrow_by(residual);
+        }
+    }
+    if (!found) found = narrow_by(heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]));
+    while (!found) {
+        const double m = Interval(lo, hi).mid();
+        const auto [value, slope] = sharp ? line.sharp_difference(heights_, before, after, m, lo, hi)
+                                          : line.difference(heights_, before, after, m, lo, hi);
+        const Interval next = Interval(m) - value / slope;
+        double l = std::max(lo, next.lower()), h = std::min(hi, next.upper());
+        // `before` is the lower one on the left: the middle's sign halves the range where the slope varies much.
+        if (value.sign() == Sign::Negative) l = std::max(l, m);
+        if (value.sign() == Sign::Positive) h = std::min(h, m);
+        if (!(l <= h)) throw InternalError("no root of a sign change along a side");
+        const bool stalled = h - l > 0.6 * (hi - lo);
+        lo = l;
+        hi = h;
+        if (!stalled) continue;
+        found = sharp || is_narrow();
+        sharp = sharp || !found;
+    }
+    ++(sharp ? decisions_.by_multiprecision : decisions_.by_interval);
+    const IntervalPoint p = line.at(Interval(lo, hi));
+    return {before, after, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}};
+}
+
+// The forms that may be lowest somewhere between s0 and s1, and if there are two the least slope of their difference.
+MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, double s1,
+                                                  std::span<const FormId> candidates) {
+    const double m = Interval(s0, s1).mid(), r = Interval(s0, s1).radius();
+    const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
+    Rivals out{{}, 0};
+    const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
+    const double extent = extent_at(range[0], range[1]);
+    if (compare_by_supports(s1 - s0, extent)) {
+        const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
+        const auto rivals = lowest_supports(box, candidates);
+        for (const Rival& rival : rivals) out.forms.push_back(rival.form);
+        if (rivals.size() == 2) {
+            const auto [gx, gy] = box.gradient(rivals[0].support, rivals[1].support);
+            out.least_slope = least(line.along({{}, gx, gy}));
+        }
+        return out;
+    }
+    struct Item {
+        FormId form;
+        Interval v, slope, range;
+        Wide sharp;
+    };
+    std::vector<Item> items;
+    for (const FormId f : candidates) {
+        const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
+        items.push_back({f, heights_.value(f, middle[0], middle[1]), line.along(all), all.v, {}});
+    }
+    const auto top = [&](const Item& i) { return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r); };
+    drop_above_best(items, top, [&](const Item& a, const Item& b) {
+        return a.range.lower() > b.range.upper() ||
+               (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
+    });
+    if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
+    if (items.size() == 2 && out.least_slope == 0) {
+        items[0].slope = line.slope_difference(heights_, items[0].form, items[1].form, m, s0, s1);
+        items[1].slope = 0;
+        out.least_slope = least(items[0].slope);
+        const Interval difference = items[0].v - items[1].v, reach = Interval(items[0].slope.magnitude()) * Interval(r);
+        if ((difference - reach).lower() > 0) items.erase(items.begin());
+        else if ((difference + reach).upper() < 0) items.pop_back();
+    }
+    if (items.size() > 1 && out.least_slope == 0 && s1 - s0 < sharp_width * extent) {
+        const std::size_t before = items.size();
+        for (Item& i : items) i.sharp = line.sharp_height(heights_, i.form, m);
+        drop_dominated(items, [&](const Item& a, const Item& b) {
+            return ((a.sharp - b.sharp).enclosure() - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
+        });
+        decisions_.by_multiprecision += before - items.size();
+    }
+    for (const Item& i : items) out.forms.push_back(i.form);
+    return out;
+}
+
+// Stretches with more than two forms this short, as a part of the region, are asked for the order of all crossings.
+constexpr double crowded_width = 0x1p-36;
+
+// A seam on which forms tie is given up after so many evaluations with many digits: there are others.
+constexpr std::size_t most_along_seam = 2000;
+
+// From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
+bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
+                            std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out) {
+    const double m = Interval(s0, s1).mid();
+    const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
+    const double extent = extent_at(range[0], range[1]);
+    ++stretches_;
+    const auto [left, least_slope] = rivals_along(line, s0, s1, candidates);
+    decisions_.by_interval += candidates.size() - left.size();
+    if (left.size() == 1) return true;
+    if (least_slope > 0) {
+        ++decisions_.by_interval;
+        if (l0 != l1) out.push_back(locate(line, s0, s1, l0, l1, least_slope));
+        return true;
+    }
+    if (!is_seam && s1 - s0 < sharp_width * extent)
+        if (const auto tie = find_tie(line, s0, l0, s1, l1, left)) {
+            out.push_back(*tie);
+            return true;
+        }
+    if (left.size() > 2 && s1 - s0 <= crowded_width * extent)
+        if (const auto crossings = order_crossings(line, s0, l0, s1, l1, left)) {
+            out.insert(out.end(), crossings->begin(), crossings->end());
+            return true;
+        }
+    if (s1 - s0 <= side_floor_width * extent || m <= s0 || m >= s1) {
+        if (is_seam) {
+            obstacle_ = Assumption{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
+            return false;
+        }
+        RimTransition t{l0, l1, {middle[0].mid(), middle[1].mid()}, reach(range[0], range[1]), {left.begin(), left.end()}};
+        assume(t.point, s1 - s0, t.ties);
+        out.push_back(std::move(t));
+        return true;
+    }
+    if (is_spent() || (is_seam && heights_.wide_evaluations() - wide_before_side_ > most_along_seam)) {
+        const Assumption tie{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
+        if (is_spent()) throw TieError(tie);
+        obstacle_ = tie;
+        return false;
+    }
+    for (const double ratio : {0.48643, 0.53171, 0.41234}) {
+        const double s = s0 + ratio * (s1 - s0);
+        const auto lowest = lowest_at(line, s, left);
+        if (lowest.size() != 1 && ratio != 0.41234) continue;
+        if (lowest.size() != 1) {
+            const IntervalPoint p = line.at(Interval(s));
+            const Assumption tie{{p[0].mid(), p[1].mid()}, s1 - s0, {lowest.begin(), lowest.end()}};
+            if (!is_seam) throw TieError(tie);
+            obstacle_ = tie;
+            return false;
+        }
+        return descend(line, s0, l0, s, lowest[0], left, is_seam, out) &&
+               descend(line, s, lowest[0], s1, l1, left, is_seam, out);
+    }
+    throw InternalError("a side was not divided");
+}
+
+// Where the differences of the forms that follow each other rise all along a stretch, each is lowest once at most, from
+// where it comes below the one before: the first one to do so is next. All of it with many digits, as the forms may follow
+// each other closer than stretches can be told apart. None if slopes do not tell, or doubles not keep the places apart.
+std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const Line& line, double s0, FormId l0, double s1,
+                                                                         FormId l1, std::span<const FormId> forms) {
+    constexpr int most_steps = 20, enough = -200;
+    const double m = Interval(s0, s1).mid();
+    // Where f and g are equal, f being lower before.
+    const auto crossing = [&](FormId f, FormId g, const Interval& slope) -> std::optional<Wide> {
+        Wide s(m);
+        for (int i = 0; i < most_steps; ++i) {
+            const auto p = line.wide_at(s);
+            const Wide off = (heights_.value(f, p[0], p[1]) - heights_.value(g, p[0], p[1])) / Wide(slope);
+            const Wide next = s - off;
+            if (off.magnitude_exponent() < Wide(s1 - s0).magnitude_exponent() + enough) return next;
+            s = next.mid();
+            if (!Interval(s0, s1).contains(s.approximation())) return std::nullopt;
+        }
+        return std::nullopt;
+    };
+    std::vector<RimTransition> transitions;
+    double after = s0;
+    for (FormId current = l0; current != l1;) {
+        std::optional<Wide> first;
+        FormId next;
+        bool is_told = true;
+        for (const FormId f : forms) {
+            if (f == current) continue;
+            const Interval slope = line.difference(heights_, current, f, m, s0, s1)[1];
+            if (!slope.sign()) return std::nullopt;
+            if (slope.sign() != Sign::Positive) continue;
+            const auto at_end = (line.sharp_height(heights_, current, s1) - line.sharp_height(heights_, f, s1)).sign();
+            if (!at_end) return std::nullopt;
+            if (at_end != Sign::Positive) continue;
+            const auto s = crossing(current, f, slope);
+            if (!s) return std::nullopt;
+            const auto order = first ? (*s - *first).sign() : std::optional(Sign::Negative);
+            if (order == Sign::Negative) is_told = true;
+            if (!order || order == Sign::Zero) is_told = false;
+            if (order != Sign::Positive) {
+                first = s;
+                next = f;
+            }
+        }
+        if (!first || !is_told || transitions.size() == forms.size()) return std::nullopt;
+        const Interval s = first->enclosure();
+        const IntervalPoint p = line.at(s);
+        transitions.push_back({current, next, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}});
+        const double place = transitions.back().point[line.by_x ? 0 : 1], error = transitions.back().error;
+        if (!(place - error > after && place + error < s1)) return std::nullopt;
+        after = place + error;
+        current = next;
+    }
+    decisions_.by_multiprecision += std::max<std::size_t>(transitions.size(), 1);
+    return transitions;
+}
+
+// One point of a stretch of a side in which all of the forms tie. Any two of them differ by D = D' (s - p) or, where
+// the derivatives agree in p too, D'' (s - p)^2 / 2, D' and D'' somewhere on the stretch: if these keep their signs,
+// so does D on both sides of p.
+std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
+                                                     std::span<const FormId> forms) {
+    const std::size_t n = forms.size();
+    const double m = Interval(s0, s1).mid();
+    const IntervalPoint range = line.at(Interval(s0, s1));
+    const auto slope = [&](std::size_t i, std::size_t j) {
+        return line.difference(heights_, forms[i], forms[j], m, s0, s1)[1];
+    };
+    const auto bend = [&](std::size_t i, std::size_t j) {
+        return line.bend(heights_.curvature(forms[i], range[0], range[1])) -
+               line.bend(heights_.curvature(forms[j], range[0], range[1]));
+    };
+    std::size_t a = 0, b = 1;
+    bool touching = false;
+    for (std::size_t i = 0; i < n && !touching; ++i)
+        for (std::size_t j = i + 1; j < n && !touching; ++j) {
+            touching = !slope(i, j).sign();
+            if (touching) std::tie(a, b) = std::pair(i, j);
+        }
+    // A zero of D, or of D', of this pair: in doubles first, as few stretches hold a tie.
+    const double inverse = 1 / (touching ? bend(a, b) : slope(a, b)).mid();
+    if (!std::isfinite(inverse)) return std::nullopt;
+    double near = m;
+    for (int i = 0; i < 8; ++i) {
+        const IntervalPoint at = line.at(Interval(near));
+        const HeightJet<Interval> f = heights_.jet(forms[a], at[0], at[1]), g = heights_.jet(forms[b], at[0], at[1]);
+        near = std::clamp(near - inverse * (touching ? line.along(f) - line.along(g) : f.v - g.v).mid(), s0, s1);
+    }
+    const IntervalPoint about = line.at(Interval(near));
+    if (possibly_lowest(forms, [&](FormId f) { return heights_.value(f, about[0], about[1]); }).size() < n)
+        return std::nullopt;
+    Wide p(near);
+    const int enough = Wide(extent_).magnitude_exponent() + assumed_exponent - 40;
+    for (int i = 0;; ++i) {
+        const auto f = line.sharp_jet(heights_, forms[a], p), g = line.sharp_jet(heights_, forms[b], p);
+        const Wide step = Wide(inverse) * (touching ? f[1] - g[1] : f[0] - g[0]);
+        if (step.magnitude_exponent() < enough) break;
+        if (i == 20) return std::nullopt;
+        p = (p - step).mid();
+    }
+    const double s = nearest_double(p, extent_);
+    if (s < s0 || s > s1) return std::nullopt;
+
+    RimTransition tie{{}, {}, {}, 0, {forms.begin(), forms.end()}};
+    const auto wide = line.wide_at(p);
+    auto exact = exact_tie(forms, wide[0], wide[1]);
+    if (exact && !is_on_line(*exact, line.side.a, line.side.b, line.side.c)) exact.reset();
+    if (exact) p = to_wide(line.by_x ? exact->x : exact->y) / to_wide(exact->w);
+    bool decided = exact.has_value();
+    std::vector<std::array<Wide, 2>> jets;
+    for (const FormId f : forms) jets.push_back(line.sharp_jet(heights_, f, p));
+    std::vector<bool> lowest_before(n, true), lowest_after(n, true);
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) {
+            if (!exact && !agree(jets[i][0], jets[j][0], jets[i][0])) return std::nullopt;
+            auto after = slope(i, j).sign(), before = after ? std::optional(-*after) : after;
+            if (!after) {
+                if (!agree(jets[i][1], jets[j][1], Wide(1.0))) return std::nullopt;
+                decided = decided && have_equal_slopes(heights_.family(), forms[i], forms[j], *exact, line.side.a,
+                                                       line.side.b);
+                before = after = bend(i, j).sign();
+            }
+            if (!after || *after == Sign::Zero) return std::nullopt;
+            lowest_before[*before == Sign::Negative ? j : i] = false;
+            lowest_after[*after == Sign::Negative ? j : i] = false;
+        }
+    tie.before = forms[std::ranges::find(lowest_before, true) - lowest_before.begin()];
+    tie.after = forms[std::ranges::find(lowest_after, true) - lowest_after.begin()];
+    if (s == s0) tie.before = tie.after;  // a corner
+    if (s == s1) tie.after = tie.before;
+    if (tie.before != l0 || tie.after != l1) return std::nullopt;
+    const IntervalPoint place = exact ? enclosure(*exact) : line.at(p.enclosure());
+    tie.point = {place[0].mid(), place[1].mid()};
+    tie.error = reach(place[0], place[1]);
+    // Any two have a difference, or where they touch a slope of it, that is zero once on the stretch: so what the
+    // equations leave is that place.
+    const auto is_tie_in_space = [&] {
+        const FormFamily& family = heights_.family();
+        const SpaceTie::ChartLine side{line.side.a, line.side.b, line.side.c};
+        if (!SpaceTie::can_see(family, side)) return false;
+        const SpaceTie in_space(family, forms, side);
+        std::vector<SpacePoint> candidates = in_space.points();
+        if (candidates.empty()) candidates = in_space.tangencies();
+        return std::ranges::any_of(candidates, [&](const SpacePoint& x) {
+            const auto at = chart_point(family, x);
+            if (!at || !is_met(forms[0], (*at)[0], (*at)[1])) return false;
+            const Interval s_at = (*at)[line.by_x ? 0 : 1];
+            if (!(s_at.lower() >= s0 && s_at.upper() <= s1)) return false;
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t j = i + 1; j < n; ++j)
+                    if (!slope(i, j).sign() && !have_equal_slopes(family, forms[i], forms[j], x, side)) return false;
+            return true;
+        });
+    };
+    // One root of two forms with a slope needs no assumption.
+    if (!decided && (touching || n > 2) && !is_tie_in_space())
+        assume(tie.point, std::ldexp(extent_, touching ? assumed_exponent / 2 : assumed_exponent), tie.ties);
+    return tie;
+}
+
+std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
+                                                    FormId first, FormId last, std::vector<FormId> candidates, bool is_seam) {
+    const Line line(side);
+    const Interval p = line.coordinate(from), q = line.coordinate(to);
+    const bool ascending = line.ascends();
+    const double s0 = std::min(p.lower(), q.lower()), s1 = std::max(p.upper(), q.upper());
+    SideLabels labels{ascending ? first : last, {}};
+    wide_before_side_ = heights_.wide_evaluations();
+    if (!descend(line, s0, labels.first, s1, ascending ? last : first, candidates, is_seam, labels.transitions))
+        return std::nullopt;
+    // What ties in a corner is the corner's.
+    std::erase_if(labels.transitions, [&](const RimTransition& t) {
+        const double s = t.point[line.by_x ? 0 : 1];
+        return t.before == t.after && (p.contains(s) || q.contains(s));
+    });
+    if (is_seam) {
+        // Certainly between the corners, and apart from each other.
+        double after = ascending ? p.upper() : q.upper();
+        const double end = ascending ? q.lower() : p.lower();
+        for (const RimTransition& t : labels.transitions) {
+            const double s = t.point[line.by_x ? 0 : 1];
+            if (s - t.error <= after || s + t.error >= end) return std::nullopt;
+            after = s + t.error;
+        }
+    }
+    return ascending ? std::move(labels) : labels.reversed();
+}
+
+FormId MixedAnalysis::label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
+                                   std::span<const FormId> candidates) {
+    const Line line(side);
+    const double p = line.coordinate(from).mid(), q = line.coordinate(to).mid();
+    for (double part = side_floor_width; part < 1; part *= 16) {
+        const auto lowest = lowest_at(line, p + part * (q - p), candidates);
+        if (lowest.size() == 1) return lowest[0];
+    }
+    throw TieError({{from[0].mid(), from[1].mid()}, std::abs(q - p), {candidates.begin(), candidates.end()}});
+}
+
+}  // namespace vcell

@@ -1,0 +1,354 @@
+/// Heights over curved bases and their derivatives over boxes of the chart, in Interval or Wide.
+///
+/// What is enclosed is -q = -Q / W, the negative reciprocal of the distance from the centre or axis
+/// (primitives/forms/radial_form.hpp): forms are compared by -Q, which is polynomial for most, but the common factor W
+/// grows over the chart and would blur differences; q belongs to the base point alone. With m = 2 / W
+///
+///     u = (X, Y, m - 1),   X = x m,  Y = y m,       u_x = (m - X^2, -XY, -X m),  u_y = (-XY, m - Y^2, -Y m)
+///
+/// in the stereographic chart, and without Y in half angles: everything is a polynomial in the three bounded
+/// numbers X, Y, m.
+///
+/// Over a cylinder -q is multiplied by the distances along the axis to the family's tips, where heights grow
+/// without bound. That of a plane or a side of the box through a tip is then constant along the axis but for
+/// rounding: with C linear in y and C(e) at the tip e,
+///
+///     d/dy (e - y) / C = -C(e) / C^2
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "../../primitives/forms/form_family.hpp"
+#include "../../primitives/forms/radial_form.hpp"
+#include "../../core/numbers/sign.hpp"
+
+namespace vcell {
+
+/// A function with its derivatives of first and second order.
+template <class T>
+struct RadialJet {
+    T v, x, y, xx, xy, yy;
+};
+
+/// The unit normals over a box of the chart, with their derivatives.
+///
+/// Half-angle coordinates: a box that reaches over x = 1 has the hull of both sides (normals are continuously
+/// differentiable there, so that the mean value theorem holds).
+template <class T>
+class RadialNormals {
+public:
+    using Jets = std::array<RadialJet<T>, 3>;
+
+    RadialNormals() = default;
+    RadialNormals(RadialChart chart, const T& x, const T& y)
+        : chart_(chart), u_(normals(x, y)), y_(y), middle_y_(y.mid()), is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
+        if (is_point_) return;
+        const T mx = x.mid();
+        middle_ = normals(mx, middle_y_);
+        dx_ = x - mx;
+        dy_ = y - middle_y_;
+        if (chart == RadialChart::HalfAngle) return;
+        // Mean value forms, and what follows from the sharper numbers.
+        const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v, refined(u_[2], middle_[2]).v};
+        u_ = stereographic(sharp[0], sharp[1], sharp[2] + T(1.0));
+    }
+
+    const T& y() const { return y_; }
+    /// A number in y.
+    const T& middle_y() const { return middle_y_; }
+
+    /// The jet of v.u.
+    template <int order>
+    RadialJet<T> along(const std::array<T, 3>& v) const {
+        if (is_point_) return sum<order>(v, u_);
+        return refined(sum<2>(v, u_), sum<1>(v, middle_));
+    }
+
+private:
+    Jets normals(const T& x, const T& y) const {
+        const T one(1.0), two(2.0);
+        if (chart_ == RadialChart::Stereographic) {
+            const T m = two / (one + square(x) + square(y));
+            return stereographic(x * m, y * m, m);
+        }
+        if (x.upper() <= 1) return half(x, false);
+        if (x.lower() >= 1) return half(x - two, true);
+        Jets front = half(T(x.lower(), one.upper()), false);
+        const Jets back = half(T(one.lower(), x.upper()) - two, true);
+        for (const int i : {0, 2})
+            for (T RadialJet<T>::*part : {&RadialJet<T>::v, &RadialJet<T>::x, &RadialJet<T>::xx})
+                front[i].*part = hull(front[i].*part, back[i].*part);
+        return front;
+    }
+
+    static Jets stereographic(const T& X, const T& Y, const T& m) {
+        const T two(2.0), XX = square(X), YY = square(Y), XY = X * Y, three_m = T(3.0) * m;
+        const T p = two * XX - m, q = two * YY - m;
+        return {{{X, m - XX, -XY, X * (two * XX - three_m), Y * p, X * q},
+                 {Y, -XY, m - YY, Y * p, X * q, Y * (two * YY - three_m)},
+                 {m - T(1.0), -(X * m), -(Y * m), m * p, two * XY * m, m * q}}};
+    }
+    // The front's numbers, or the back's, where x counts from the opposite direction and both components change signs.
+    static Jets half(const T& x, bool is_back) {
+        const T zero(0.0), m = T(2.0) / (T(1.0) + square(x)), X = x * m, XX = square(X), two_XX = T(2.0) * XX;
+        const auto turned = [&](const T& t) { return is_back ? -t : t; };
+        return {{{turned(X), turned(m - XX), zero, turned(X * (two_XX - T(3.0) * m)), zero, zero},
+                 {zero, zero, zero, zero, zero, zero},
+                 {turned(m - T(1.0)), turned(-(X * m)), zero, turned(m * (two_XX - m)), zero, zero}}};
+    }
+
+    // With mean value forms for the value and the first derivatives.
+    RadialJet<T> refined(RadialJet<T> j, const RadialJet<T>& middle) const {
+        if (chart_ == RadialChart::HalfAngle) {
+            j.x = intersection(j.x, middle.x + j.xx * dx_);
+            j.v = intersection(j.v, middle.v + j.x * dx_);
+            return j;
+        }
+        j.x = intersection(j.x, middle.x + j.xx * dx_ + j.xy * dy_);
+        j.y = intersection(j.y, middle.y + j.xy * dx_ + j.yy * dy_);
+        j.v = intersection(j.v, middle.v + j.x * dx_ + j.y * dy_);
+        return j;
+    }
+    static T intersection(const T& a, const T& b) {
+        return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
+    }
+
+    template <int order>
+    RadialJet<T> sum(const std::array<T, 3>& v, const Jets& u) const {
+        const bool around = chart_ == RadialChart::HalfAngle;
+        const auto dot = [&](T RadialJet<T>::*part) {
+            const T s = v[0] * (u[0].*part) + v[2] * (u[2].*part);
+            return around ? s : s + v[1] * (u[1].*part);
+        };
+        RadialJet<T> j;
+        j.v = dot(&RadialJet<T>::v);
+        if constexpr (order > 0) {
+            j.x = dot(&RadialJet<T>::x);
+            j.y = around ? T(0.0) : dot(&RadialJet<T>::y);
+        }
+        if constexpr (order > 1) {
+            j.xx = dot(&RadialJet<T>::xx);
+            j.xy = around ? T(0.0) : dot(&RadialJet<T>::xy);
+            j.yy = around ? T(0.0) : dot(&RadialJet<T>::yy);
+        }
+        return j;
+    }
+
+    RadialChart chart_ = RadialChart::Stereographic;
+    Jets u_, middle_;
+    T y_, middle_y_, dx_, dy_;  // the last two: the box less its middle
+    bool is_point_ = true;
+};
+
+/// The coefficients of a form in one number type.
+template <class T>
+class RadialHeight {
+public:
+    /// `convert` takes an Exact to T.
+    template <class Convert>
+    RadialHeight(const RadialForm& form, RadialChart chart, Convert&& convert, const AxialTips& tips = {})
+        : is_cylinder_(chart == RadialChart::HalfAngle),
+          has_root_(form.has_root()),
+          tips_(tips),
+          b0_(convert(form.b0)),
+          slope_(convert(form.slope)) {
+        if (const auto own = form.falls_to()) {
+            if (const std::optional<double>& y = tips_[*own]) {
+                own_tip_ = own;
+                c_at_tip_ = convert(form.c[0] + *y * form.c[1]);
+            }
+        }
+        for (int i = 0; i < 3; ++i) {
+            c_[i] = convert(form.c[i]);
+            b_[i] = convert(form.b[i]);
+            a_[i] = convert(form.a[i]);
+        }
+    }
+    /// A circular form (k r^2 + a x + b y + e) / w over a sphere, w > 0: with r^2 = (1 - u_z) W / 2, x = u_x W / 2, ...
+    RadialHeight(const T& k, const T& a, const T& b, const T& e, const T& w) : is_cylinder_(false), has_root_(false) {
+        const T quarter(-0.25), zero(0.0);
+        c_ = {w, zero, zero};
+        b0_ = quarter * (k + e);
+        b_ = {quarter * a, quarter * b, quarter * (e - k)};
+        a_ = {zero, zero, zero};
+        slope_ = zero;
+    }
+
+    /// Derivatives up to the given order; the others are unset. Where the root may vanish (the object is met at
+    /// infinity only) the first ones bound difference quotients, and second ones are the whole line.
+    template <int order>
+    RadialJet<T> jet(const RadialNormals<T>& n) const {
+        if (!tips_.any()) return plain_jet<order>(n);
+        return own_tip_ ? jet_at_own_tip<order>(n) : times<order>(plain_jet<order>(n), distances(n.y()));
+    }
+
+    /// Without the distances from tips.
+    template <int order>
+    RadialJet<T> plain_jet(const RadialNormals<T>& n) const {
+        const T zero(0.0), two(2.0);
+        // B = b.u + slope y a.u, the two parts the larger and the more opposite to each other the farther the box is from
+        // y = 0: they are added up at the box's middle, where b + slope y a are numbers.
+        std::array<T, 3> b = b_;
+        if (is_cylinder_ && has_root_) {
+            const T at_middle = slope_ * n.middle_y();
+            for (const int i : {0, 2}) b[i] += at_middle * a_[i];
+        }
+        RadialJet<T> B = n.template along<order>(b), C{c_[0], zero, zero, zero, zero, zero}, f;  // C.x is zero
+        B.v += b0_;
+        if (is_cylinder_) {
+            C.y = c_[1] + two * c_[2] * n.y();
+            C.yy = two * c_[2];
+            const auto at = [&](const T& y) { return c_[0] + y * (c_[1] + c_[2] * y); };
+            C.v = hull(at(bottom(n.y())), at(top(n.y())));
+            if (!C.y.sign() && c_[2].sign() == Sign::Positive) C.v = hull(C.v, c_[0] - square(c_[1]) / (T(4.0) * c_[2]));
+            if (C.v.sign() != Sign::Positive) return unknown();
+        }
+        if (!has_root_) {
+            f.v = -two * B.v / C.v;
+            if constexpr (order > 0) {
+                f.x = -(two * B.x) / C.v;
+                f.y = is_cylinder_ ? -(two * B.y + C.y * f.v) / C.v : -(two * B.y) / C.v;
+            }
+            if constexpr (order > 1) {
+                const auto second = [&](const T& Buv, const T& Cuv, const T& Cu, const T& Cv, const T& fu, const T& fv) {
+                    return -(two * Buv + Cuv * f.v + Cu * fv + Cv * fu) / C.v;
+                };
+                f.xx = second(B.xx, C.xx, C.x, C.x, f.x, f.x);
+                f.xy = second(B.xy, C.xy, C.x, C.y, f.x, f.y);
+                f.yy = second(B.yy, C.yy, C.y, C.y, f.y, f.y);
+            }
+            return f;
+        }
+        const RadialJet<T> A = n.template along<order>(a_);
+        if (is_cylinder_) {
+            const T s = slope_ * (n.y() - n.middle_y());
+            B.v += s * A.v;
+            if constexpr (order > 0) {
+                B.x += s * A.x;
+                B.y = slope_ * A.v;
+            }
+            if constexpr (order > 1) {
+                B.xx += s * A.xx;
+                B.xy = slope_ * A.x;
+            }
+        }
+        // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All of q, s and
+        // k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends nothing is lost.
+        const T A2 = square(A.v), B_low = bottom(B.v), B_high = top(B.v), A2_low = bottom(A2), A2_high = top(A2),
+                C_low = bottom(C.v), C_high = top(C.v);
+        f.v = -hull(root(B_low, A2_low, C_high), root(B_high, A2_high, C_low));
+        if constexpr (order > 0) {
+            const auto quotient = [&](const T& p, const T& p2, const T& q2) {  // p / sqrt(p2 + q2), p2 = p^2
+                const T norm = sqrt(p2 + q2);
+                return norm.sign() == Sign::Positive ? p / norm : T(-1.0, 1.0);
+            };
+            const auto extreme = [&](const T& p, bool upper, const T& near, const T& far) {
+                return quotient(p, square(p), (p.lower() > 0) == upper ? near : far);
+            };
+            const T AC_low = A2_low * C_low, AC_high = A2_high * C_high;
+            const T s = hull(extreme(B_low, false, AC_low, AC_high), extreme(B_high, true, AC_low, AC_high));
+            // k sqrt(C) = A' / sqrt(A'^2 + B^2) with A' = A sqrt(C).
+            const T root_C = sqrt(C.v), scaled = A.v * root_C, low = bottom(scaled), high = top(scaled), B2 = square(B.v),
+                    B2_low = bottom(B2), B2_high = top(B2);
+            const T k = hull(extreme(low, false, B2_low, B2_high), extreme(high, true, B2_low, B2_high)) / root_C;
+            const T slope = (T(1.0) + s) / C.v, half_f = T(0.5) * f.v;
+            // Over a cylinder A is constant along the axis.
+            f.x = -(slope * B.x + k * A.x);
+            f.y = is_cylinder_ ? -(slope * (B.y + C.y * half_f)) : -(slope * B.y + k * A.y);
+            if constexpr (order > 1) {
+                const T R = sqrt(hull(B2_low + AC_low, B2_high + AC_high));
+                if (R.sign() != Sign::Positive) {
+                    f.xx = f.xy = f.yy = T::whole();
+                    return f;
+                }
+                // C f^2 + 2 B f - A^2 = 0, differentiated twice; C f + B = -R.
+                const auto second = [&](const T& Buv, const T& Cuv, const T& Auv, const T& Bu, const T& Bv, const T& Cu,
+                                        const T& Cv, const T& Au, const T& Av, const T& fu, const T& fv) {
+                    return ((Cuv * f.v + two * (Cu * fv + Cv * fu + Buv)) * f.v +
+                            two * (Bu * fv + Bv * fu + C.v * fu * fv - Au * Av - A.v * Auv)) /
+                           (two * R);
+                };
+                f.xx = second(B.xx, C.xx, A.xx, B.x, B.x, C.x, C.x, A.x, A.x, f.x, f.x);
+                f.xy = second(B.xy, C.xy, A.xy, B.x, B.y, C.x, C.y, A.x, A.y, f.x, f.y);
+                f.yy = second(B.yy, C.yy, A.yy, B.y, B.y, C.y, C.y, A.y, A.y, f.y, f.y);
+            }
+        }
+        return f;
+    }
+
+private:
+    static T bottom(const T& t) { return {t.lower(), t.lower()}; }
+    static T top(const T& t) { return {t.upper(), t.upper()}; }
+    static RadialJet<T> unknown() {
+        return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
+    }
+
+    // A function of y and its derivatives.
+    struct AlongAxis {
+        T v, y, yy;
+
+        AlongAxis operator*(const AlongAxis& o) const {
+            return {v * o.v, v * o.y + y * o.v, v * o.yy + T(2.0) * y * o.y + yy * o.v};
+        }
+    };
+    static AlongAxis distance(AxialEnd end, double tip, const T& y) {
+        return end == AxialEnd::Low ? AlongAxis{y - T(tip), T(1.0), T(0.0)}
+                                    : AlongAxis{T(tip) - y, T(-1.0), T(0.0)};
+    }
+    // The product of those from all tips.
+    AlongAxis distances(const T& y) const {
+        AlongAxis d{T(1.0), T(0.0), T(0.0)};
+        for (const AxialEnd end : {AxialEnd::Low, AxialEnd::High})
+            if (tips_[end]) d = d * distance(end, *tips_[end], y);
+        return d;
+    }
+    template <int order>
+    static RadialJet<T> times(const RadialJet<T>& f, const AlongAxis& d) {
+        RadialJet<T> out;
+        out.v = f.v * d.v;
+        if constexpr (order > 0) {
+            out.x = f.x * d.v;
+            out.y = f.y * d.v + f.v * d.y;
+        }
+        if constexpr (order > 1) {
+            out.xx = f.xx * d.v;
+            out.xy = f.xy * d.v + f.x * d.y;
+            out.yy = f.yy * d.v + T(2.0) * f.y * d.y + f.v * d.yy;
+        }
+        return out;
+    }
+    // -2 B / C times the distances; B depends on x alone. From C at the tip C is told without cancellation,
+    // and its quotient with the distance is monotone.
+    template <int order>
+    RadialJet<T> jet_at_own_tip(const RadialNormals<T>& n) const {
+        const T& y = n.y();
+        const double tip = *tips_[*own_tip_];
+        const auto C = [&](const T& at) { return c_at_tip_ + c_[1] * (at - T(tip)); };
+        const auto ratio = [&](const T& at) { return distance(*own_tip_, tip, at).v / C(at); };
+        const T over = hull(C(bottom(y)), C(top(y)));
+        if (over.sign() != Sign::Positive) return unknown();
+        const T slope = (*own_tip_ == AxialEnd::Low ? c_at_tip_ : -c_at_tip_) / square(over), factor(-2.0);
+        AlongAxis k{factor * hull(ratio(bottom(y)), ratio(top(y))), factor * slope,
+                    T(4.0) * c_[1] * slope / over};
+        const AxialEnd other = *own_tip_ == AxialEnd::Low ? AxialEnd::High : AxialEnd::Low;
+        if (tips_[other]) k = k * distance(other, *tips_[other], y);
+        RadialJet<T> B = n.template along<order>(b_);
+        B.v += b0_;
+        return times<order>(B, k);
+    }
+
+    // The root q of numbers, without cancellation.
+    static T root(const T& B, const T& A2, const T& C) {
+        const T R = sqrt(square(B) + A2 * C);
+        return B.sign() == Sign::Negative && R.sign() == Sign::Positive ? A2 / (R - B) : (B + R) / C;
+    }
+
+    bool is_cylinder_, has_root_;
+    AxialTips tips_;
+    std::optional<AxialEnd> own_tip_;  // the form's C is linear and falls towards it
+    std::array<T, 3> c_, b_, a_;
+    T b0_, slope_, c_at_tip_;
+};
+
+}  // namespace vcell

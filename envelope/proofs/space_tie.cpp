@@ -1,0 +1,475 @@
+#include "space_tie.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "../../primitives/objects/exact_space.hpp"
+
+namespace vcell {
+
+namespace {
+
+constexpr std::size_t unknowns = 5;
+
+using Linear = std::array<Exact, unknowns>;
+using Row = std::vector<Exact>;
+
+bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
+bool is_zero(const OneRoot& v) { return sign(v) == Sign::Zero; }
+
+// Quadratic forms in n variables, of y_i y_j, i <= j: those without the last variable first, then those with
+// it, its square last. Row i of what comes first begins after those of all smaller i.
+std::size_t terms(std::size_t n) { return n * (n + 1) / 2; }
+std::size_t term(std::size_t n, std::size_t i, std::size_t j) {
+    if (i > j) std::swap(i, j);
+    if (j + 1 == n) return terms(n - 1) + i;
+    return i * (n - 1) - i * (i + 1) / 2 + j;
+}
+
+void add_product(Row& q, const Exact& factor, std::span<const Exact> f, std::span<const Exact> g) {
+    if (is_zero(factor)) return;
+    const std::size_t n = f.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        if (is_zero(f[i])) continue;
+        const Exact scaled = factor * f[i];
+        for (std::size_t j = 0; j < n; ++j)
+            if (!is_zero(g[j])) q[term(n, i, j)] += scaled * g[j];
+    }
+}
+
+Row zero_quadric() { return Row(terms(unknowns)); }
+
+Linear unit(std::size_t i) {
+    Linear l;
+    l[i] = 1.0;
+    return l;
+}
+
+// The equations of the header.
+Row base_equation(const FormFamily& family) {
+    Row q = zero_quadric();
+    if (family.radial.empty()) {
+        add_product(q, 1.0, unit(2), unit(4));
+        return q;
+    }
+    add_product(q, 1.0, unit(0), unit(0));
+    if (family.chart == RadialChart::Stereographic) add_product(q, 1.0, unit(1), unit(1));
+    add_product(q, 1.0, unit(2), unit(2));
+    add_product(q, -1.0, unit(3), unit(3));
+    return q;
+}
+
+Row circular_equation(const ExactForm& f, bool over_plane) {
+    Row q = zero_quadric();
+    const Linear one = unit(4);
+    if (over_plane) {
+        add_product(q, f.K, unit(0), unit(0));
+        add_product(q, f.K, unit(1), unit(1));
+        add_product(q, 1.0, Linear{f.A, f.B, Exact(), -f.W, f.C}, one);
+    } else {
+        add_product(q, 1.0, Linear{f.A, f.B, f.C - f.K, f.C + f.K, 2.0 * f.W}, one);
+    }
+    return q;
+}
+
+// Lengths times the cylinder's unit.
+Row cylinder_equation(const ExactCylinder& f) {
+    Row q = zero_quadric();
+    const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
+    const Exact zero;
+    const std::array<Linear, 3> m{Linear{f.unit, zero, zero, zero, -f.px},
+                                  Linear{zero, f.unit, zero, zero, -f.py},
+                                  Linear{zero, zero, zero, zero, -f.pz}};
+    Linear along;
+    for (std::size_t k = 0; k < unknowns; ++k) along[k] = f.ax * m[0][k] + f.ay * m[1][k] + f.az * m[2][k];
+    for (const Linear& l : m) add_product(q, norm, l, l);
+    const Linear one = unit(4), t = unit(3);
+    add_product(q, -(norm * f.rho * f.rho), one, one);
+    add_product(q, -1.0, along, along);
+    add_product(q, -2.0 * f.unit * norm * (f.rho + f.pz), t, one);
+    add_product(q, -2.0 * f.unit * f.az, t, along);
+    add_product(q, -(f.unit * f.unit * f.az * f.az), t, t);
+    return q;
+}
+
+Row radial_equation(const RadialForm& f, RadialChart chart) {
+    Row q = zero_quadric();
+    const Linear one = unit(4), y = unit(1);
+    const bool is_cylinder = chart == RadialChart::HalfAngle;
+    const Linear a{f.a[0], is_cylinder ? Exact() : f.a[1], f.a[2], Exact(), Exact()};
+    add_product(q, f.c[2], y, y);
+    add_product(q, -2.0 * f.slope, y, a);
+    add_product(q, -1.0, a, a);
+    add_product(
+        q, 1.0,
+        Linear{-2.0 * f.b[0], is_cylinder ? f.c[1] : -2.0 * f.b[1], -2.0 * f.b[2], -2.0 * f.b0, f.c[0]}, one);
+    return q;
+}
+
+Row equation(const FormFamily& family, FormId f) {
+    const bool over_plane = family.radial.empty();
+    if (family.is_circular(f)) return circular_equation(family.exact(f), over_plane);
+    return over_plane ? cylinder_equation(exact_cylinder(family.cylinder(f)))
+                      : radial_equation(family.radial_form(f), family.chart);
+}
+
+Linear line_equation(const FormFamily& family, const SpaceTie::ChartLine& l) {
+    const Exact zero;
+    if (family.radial.empty()) return {l.a, l.b, zero, zero, l.c};
+    if (family.chart == RadialChart::Stereographic) return {l.a, l.b, l.c, l.c, zero};
+    return {zero, l.b, zero, zero, l.c};  // across the axis
+}
+
+// The value of a quadric in n variables.
+OneRoot value(const Row& q, std::span<const OneRoot> x) {
+    const std::size_t n = x.size();
+    OneRoot sum{{}, {}, x[0].c};
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i; j < n; ++j)
+            if (const Exact& c = q[term(n, i, j)]; !is_zero(c)) sum = sum + c * (x[i] * x[j]);
+    return sum;
+}
+
+using Conic = std::array<std::array<Exact, 3>, 3>;
+
+// Twice the conic, as a matrix.
+Conic matrix(const Row& q) {
+    Conic m;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) m[i][j] = i == j ? 2.0 * q[term(3, i, i)] : q[term(3, i, j)];
+    return m;
+}
+
+// The adjugate of a symmetric matrix, which is symmetric, too.
+Conic adjugate(const Conic& m) {
+    Conic a;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::size_t r = (i + 1) % 3, s = (i + 2) % 3, u = (j + 1) % 3, v = (j + 2) % 3;
+            a[i][j] = m[r][u] * m[s][v] - m[r][v] * m[s][u];
+        }
+    return a;
+}
+
+// Trace of a product of symmetric matrices.
+Exact trace(const Conic& a, const Conic& b) {
+    Exact sum;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) sum += a[i][j] * b[i][j];
+    return sum;
+}
+
+// A root x : y of the cubic c[3] x^3 + c[2] x^2 y + c[1] x y^2 + c[0] y^3 that is not simple, if there is
+// one. Where the discriminant is zero the Hessian is the square of the root's factor, or zero where the root
+// is triple.
+std::optional<std::array<Exact, 2>> multiple_root(const std::array<Exact, 4>& c) {
+    const Exact h2 = 3.0 * c[3] * c[1] - c[2] * c[2], h1 = 9.0 * c[3] * c[0] - c[2] * c[1],
+                h0 = 3.0 * c[2] * c[0] - c[1] * c[1];
+    if (h1 * h1 != 4.0 * h2 * h0) return std::nullopt;
+    if (!is_zero(h2)) return std::array{-h1, 2.0 * h2};
+    if (!is_zero(h0)) return std::array{Exact(1.0), Exact()};
+    if (!is_zero(c[3])) return std::array{-c[2], 3.0 * c[3]};
+    if (!is_zero(c[0])) return std::array{Exact(1.0), Exact()};
+    return std::nullopt;
+}
+
+}  // namespace
+
+SpaceTie::SpaceTie(const FormFamily& family, std::span<const FormId> forms,
+                   const std::optional<ChartLine>& line)
+    : family_(family) {
+    for (std::size_t i = 0; i < unknowns; ++i) {
+        flat_[i].resize(unknowns);
+        flat_[i][i] = 1.0;
+    }
+    quadrics_.push_back(base_equation(family));
+    for (const FormId f : forms) quadrics_.push_back(equation(family, f));
+    for (Row& q : quadrics_) divide_by_common_factor(q);
+    if (line) {
+        const Linear l = line_equation(family, *line);
+        is_empty_ = !impose(Row(l.begin(), l.end()));
+    }
+    reduce();
+}
+
+// A quadric in X as one in y.
+SpaceTie::Row SpaceTie::restricted(const Row& quadric) const {
+    Row q(terms(dimension_ + 1));
+    for (std::size_t i = 0; i < unknowns; ++i)
+        for (std::size_t j = i; j < unknowns; ++j)
+            add_product(q, quadric[term(unknowns, i, j)], flat_[i], flat_[j]);
+    divide_by_common_factor(q);
+    return q;
+}
+
+// Writes everything in the flat where also sum of l_k y_k = 0, k = 0 .. d; no if that is at infinity. With
+// l_p other than 0, p < d, and all others times l_p, y_p is minus the sum of the others times their l.
+bool SpaceTie::impose(const Row& l) {
+    const std::size_t d = dimension_,
+                      p = static_cast<std::size_t>(
+                          std::find_if(l.begin(), l.end() - 1, [](const Exact&c) { return !is_zero(c); }) -
+                          l.begin());
+    if (p == d) return false;
+    const auto substitute = [&](const Row& linear) {  // in y, as one in what is left of them
+        Row out;
+        for (std::size_t k = 0; k <= d; ++k)
+            if (k != p) out.push_back(l[p] * linear[k] - l[k] * linear[p]);
+        return out;
+    };
+    std::vector<Row> images;  // of each y
+    for (std::size_t k = 0; k <= d; ++k) {
+        Row one(d + 1);
+        one[k] = 1.0;
+        images.push_back(substitute(one));
+    }
+    for (Row& q : quadrics_) {
+        Row image(terms(d));
+        for (std::size_t i = 0; i <= d; ++i)
+            for (std::size_t j = i; j <= d; ++j)
+                add_product(image, q[term(d + 1, i, j)], images[i], images[j]);
+        divide_by_common_factor(image);
+        q = std::move(image);
+    }
+    Row all;
+    for (Row& row : flat_) {
+        row = substitute(row);
+        all.insert(all.end(), row.begin(), row.end());
+    }
+    divide_by_common_factor(all);
+    for (std::size_t i = 0; i < unknowns; ++i)
+        std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(i * d), d, flat_[i].begin());
+    --dimension_;
+    return true;
+}
+
+// Elimination of the terms of degree two, as long as combinations without such terms are left.
+void SpaceTie::reduce() {
+    while (!is_empty_) {
+        const std::size_t squares = terms(dimension_);
+        std::vector<Row> echelon, rest = std::move(quadrics_);
+        for (std::size_t k = 0; k < squares; ++k) {
+            const auto pivot = std::ranges::find_if(rest, [&](const Row& q) { return !is_zero(q[k]); });
+            if (pivot == rest.end()) continue;
+            Row row = std::move(*pivot);
+            rest.erase(pivot);
+            for (Row& q : rest) {
+                if (is_zero(q[k])) continue;
+                const Exact factor = q[k];
+                for (std::size_t i = 0; i < q.size(); ++i) q[i] = row[k] * q[i] - factor * row[i];
+                divide_by_common_factor(q);
+            }
+            echelon.push_back(std::move(row));
+        }
+        quadrics_ = std::move(echelon);
+        std::erase_if(rest, [](const Row& q) {
+            return std::ranges::all_of(q, [](const Exact& c) { return is_zero(c); });
+        });
+        if (rest.empty()) return;
+        const Row linear(rest.front().begin() + static_cast<std::ptrdiff_t>(squares), rest.front().end());
+        rest.erase(rest.begin());
+        quadrics_.insert(quadrics_.end(), rest.begin(), rest.end());
+        is_empty_ = !impose(linear);
+    }
+}
+
+bool SpaceTie::implies(FormId form) const {
+    if (is_empty_) return false;
+    Row q = restricted(equation(family_, form));
+    for (const Row& row : quadrics_) {
+        const auto k = static_cast<std::size_t>(
+            std::ranges::find_if(row, [](const Exact& c) { return !is_zero(c); }) - row.begin());
+        if (is_zero(q[k])) continue;
+        const Exact factor = q[k];
+        for (std::size_t i = 0; i < q.size(); ++i) q[i] = row[k] * q[i] - factor * row[i];
+    }
+    return std::ranges::all_of(q, [](const Exact& c) { return is_zero(c); });
+}
+
+SpacePoint SpaceTie::to_space(const std::vector<OneRoot>& y) const {
+    SpacePoint p;
+    for (std::size_t i = 0; i < unknowns; ++i) {
+        p[i] = {{}, {}, y[0].c};
+        for (std::size_t k = 0; k <= dimension_; ++k) p[i] = p[i] + flat_[i][k] * y[k];
+    }
+    if (sign(p[4]) == Sign::Negative)
+        for (OneRoot& x : p) x = Exact(-1.0) * x;
+    return p;
+}
+
+// The points of a quadric on a line; where asked for, only a double root, in which the line touches it.
+std::vector<SpacePoint> SpaceTie::roots(const Row& q, bool is_double) const {
+    const Exact &a = q[term(2, 0, 0)], &b = q[term(2, 0, 1)], &c = q[term(2, 1, 1)];
+    const Exact discriminant = b * b - 4.0 * a * c;
+    const Sign s = discriminant.sign();
+    if (is_zero(a) || s == Sign::Negative || (is_double && s != Sign::Zero)) return {};
+    const OneRoot below{2.0 * a, {}, discriminant};
+    std::vector<SpacePoint> all{to_space({{-b, 1.0, discriminant}, below})};
+    if (s != Sign::Zero) all.push_back(to_space({{-b, -1.0, discriminant}, below}));
+    return all;
+}
+
+std::vector<SpacePoint> SpaceTie::points() const {
+    if (is_empty_) return {};
+    if (dimension_ == 0) return {to_space({{1.0, {}, {}}})};
+    if (dimension_ == 1 && quadrics_.size() == 1) return roots(quadrics_[0], false);
+    return {};
+}
+
+std::vector<SpacePoint> SpaceTie::tangencies() const {
+    if (is_empty_) return {};
+    if (dimension_ == 1 && quadrics_.size() == 1) return roots(quadrics_[0], true);
+    if (dimension_ != 2 || quadrics_.size() != 2) return {};
+    const Conic A = matrix(quadrics_[0]), B = matrix(quadrics_[1]);
+    const Conic adj_A = adjugate(A), adj_B = adjugate(B);
+    // det (x A + y B), times 3.
+    const auto root =
+        multiple_root({trace(adj_B, B), 3.0 * trace(adj_B, A), 3.0 * trace(adj_A, B), trace(adj_A, A)});
+    if (!root) return {};
+    Row member(terms(3));
+    for (std::size_t i = 0; i < member.size(); ++i)
+        member[i] = (*root)[0] * quadrics_[0][i] + (*root)[1] * quadrics_[1][i];
+    divide_by_common_factor(member);
+    const Conic M = matrix(member), adj_M = adjugate(M);
+    const auto is_nonzero = [](const std::array<Exact, 3>& row) {
+        return std::ranges::any_of(row, [](const Exact& c) { return !is_zero(c); });
+    };
+    if (const auto kernel = std::ranges::find_if(adj_M, is_nonzero); kernel != adj_M.end()) {
+        std::vector<OneRoot> y;
+        for (const Exact& c : *kernel) y.push_back({c, {}, {}});
+        for (const Row& q : quadrics_)
+            if (!is_zero(value(q, y))) return {};
+        if (is_zero(y[2])) return {};
+        return {to_space(y)};
+    }
+    const auto line = std::ranges::find_if(M, is_nonzero);
+    if (line == M.end()) return {};
+    SpaceTie on_line = *this;
+    if (!on_line.impose(Row(line->begin(), line->end()))) return {};
+    // The member is zero on the line now, so the two are multiples of each other.
+    const auto other = std::ranges::find_if(on_line.quadrics_, [](const Row& q) {
+        return std::ranges::any_of(q, [](const Exact& c) { return !is_zero(c); });
+    });
+    return other == on_line.quadrics_.end() ? std::vector<SpacePoint>() : on_line.roots(*other, false);
+}
+
+namespace {
+
+// Both times the power of two that brings q near 1: after elimination numbers may lie far outside the range
+// of doubles.
+std::array<OneRoot, 2> near_one(const OneRoot& p, const OneRoot& q) {
+    const auto exponent = [](const OneRoot& v) {
+        const bool is_rational = is_zero(v.b) || is_zero(v.c);
+        const long root = is_rational ? 0 : v.b.exponent() + v.c.exponent() / 2;
+        return is_zero(v.a) ? root : is_rational ? v.a.exponent() : std::max(root, v.a.exponent());
+    };
+    const auto scaled = [power = -exponent(q)](const OneRoot& v) {
+        return OneRoot{v.a.scaled(power), v.b.scaled(power), v.c};
+    };
+    return {scaled(p), scaled(q)};
+}
+
+// Pre: q > 0.
+Interval quotient(const OneRoot& p, const OneRoot& q) {
+    if (is_zero(q.b)) return enclosure(p, q.a);
+    const Exact one(1.0);
+    const auto [a, b] = near_one(p, q);
+    return enclosure(a, one) / enclosure(b, one);
+}
+
+Wide wide_quotient(const OneRoot& p, const OneRoot& q) {
+    const auto wide = [](const OneRoot& v) {
+        if (is_zero(v.b) || is_zero(v.c)) return to_wide(v.a);
+        const long half = v.c.exponent() / 2;
+        return to_wide(v.a) + to_wide(v.b.scaled(half)) * sqrt(to_wide(v.c.scaled(-2 * half)));
+    };
+    const auto [a, b] = near_one(p, q);
+    return wide(a) / wide(b);
+}
+
+// From the quotients of coordinates.
+template <class Number, class Quotient>
+std::optional<std::array<Number, 2>> chart_point(const FormFamily& family, const SpacePoint& p,
+                                                 Quotient&& quotient) {
+    using Point = std::array<Number, 2>;
+    if (sign(p[4]) != Sign::Positive || sign(p[3]) != Sign::Positive) return std::nullopt;
+    if (family.radial.empty()) return Point{quotient(p[0], p[4]), quotient(p[1], p[4])};
+    const OneRoot ahead = p[3] + p[2], behind = p[3] - p[2];
+    if (family.chart == RadialChart::Stereographic) {
+        if (sign(ahead) != Sign::Positive) return std::nullopt;
+        return Point{quotient(p[0], ahead), quotient(p[1], ahead)};
+    }
+    const Number y = quotient(p[1], p[4]);
+    if (sign(p[2]) != Sign::Negative) return Point{quotient(p[0], ahead), y};
+    return Point{Number(2.0) - quotient(p[0], behind), y};
+}
+
+}  // namespace
+
+std::optional<std::array<Interval, 2>> chart_point(const FormFamily& family, const SpacePoint& p) {
+    return chart_point<Interval>(family, p, quotient);
+}
+
+std::optional<std::array<Wide, 2>> wide_chart_point(const FormFamily& family, const SpacePoint& p) {
+    return chart_point<Wide>(family, p, wide_quotient);
+}
+
+bool passes_through(const FormFamily& family, FormId f, const SpacePoint& p) {
+    return is_zero(value(equation(family, f), p));
+}
+
+bool is_on_line(const FormFamily& family, const SpacePoint& p, const SpaceTie::ChartLine& line) {
+    if (!SpaceTie::can_see(family, line)) return false;
+    const Linear l = line_equation(family, line);
+    OneRoot sum{{}, {}, p[0].c};
+    for (std::size_t i = 0; i < unknowns; ++i) sum = sum + l[i] * p[i];
+    return is_zero(sum);
+}
+
+namespace {
+
+using Gradient = std::array<OneRoot, 4>;
+
+// An equation's derivatives by p and t.
+Gradient gradient(const Row& q, const SpacePoint& p) {
+    Gradient d;
+    for (std::size_t i = 0; i < 4; ++i) {
+        d[i] = {{}, {}, p[0].c};
+        for (std::size_t j = 0; j < unknowns; ++j)
+            d[i] = d[i] + (i == j ? 2.0 : 1.0) * q[term(unknowns, i, j)] * p[j];
+    }
+    return d;
+}
+
+OneRoot minor(const Gradient& a, const Gradient& b, const Gradient& c, std::size_t skipped) {
+    const std::size_t i = skipped > 0 ? 0 : 1, j = skipped > 1 ? 1 : 2, k = skipped > 2 ? 2 : 3;
+    return a[i] * (b[j] * c[k] - b[k] * c[j]) - a[j] * (b[i] * c[k] - b[k] * c[i]) +
+           a[k] * (b[i] * c[j] - b[j] * c[i]);
+}
+
+}  // namespace
+
+// Heights have equal gradients where the equations' gradients and that of the base are dependent: of those on
+// the base's tangent space, no multiple of each other's unless it is by the derivatives with respect to t,
+// which are not 0.
+bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const SpacePoint& p) {
+    const Gradient a = gradient(base_equation(family), p), b = gradient(equation(family, f), p),
+                   c = gradient(equation(family, g), p);
+    for (std::size_t skipped = 0; skipped < 4; ++skipped)
+        if (!is_zero(minor(a, b, c, skipped))) return false;
+    return true;
+}
+
+// Likewise, on what is tangent to the base and to the line.
+bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const SpacePoint& p,
+                       const SpaceTie::ChartLine& line) {
+    const Gradient a = gradient(base_equation(family), p), b = gradient(equation(family, f), p),
+                   c = gradient(equation(family, g), p);
+    const Linear l = line_equation(family, line);
+    OneRoot determinant{{}, {}, p[0].c};
+    for (std::size_t i = 0; i < 4; ++i)
+        determinant = determinant + (i % 2 == 0 ? l[i] : -l[i]) * minor(a, b, c, i);
+    return is_zero(determinant);
+}
+
+}  // namespace vcell

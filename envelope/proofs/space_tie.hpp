@@ -1,0 +1,98 @@
+/// Ties told by the equations of the forms in space: exact, whatever the chart's coordinates are.
+///
+/// With p the point at distance t from the centre or axis, or over a plane at height t over (p_x, p_y), each
+/// form is an equation of degree two in X = (p, t, 1), solved by one t > 0 over every base point
+/// (arrangement/circles/circular_form.hpp, cylinder_form.hpp, radial_form.hpp):
+///
+///     plane      K (x^2 + y^2) + A x + B y + C - W t = 0,  or  C(x, y) - 2 beta(x, y) t - A t^2 = 0
+///     sphere     (C - K) p_z + A p_x + B p_y + (C + K) t + 2 W = 0, as 1 + x^2 + y^2 = 2 t / (t + p_z),
+///                or c0 - 2 (b.p + b0 t) - (a.p)^2 = 0
+///     cylinder   c0 + c1 y + c2 y^2 - 2 (b.p + b0 t + y slope a.p) - (a.p)^2 = 0
+///
+/// and so is the base: p_z = 0 (p holds no height there), |p|^2 = t^2, or p_x^2 + p_z^2 = t^2. A line of the
+/// chart is an equation of degree one. What forms have in common (balls of one radius, parallel tubes) leaves
+/// combinations of degree one: planes. In these the others are written, and so on. Then
+///
+///   * a form ties wherever some others do if its equation is a combination of theirs;
+///   * two conics in a plane touch where a member of their pencil is singular whose parameter is a double
+///   root of the
+///     pencil's determinant: a pair of lines, in the point that they share, or a double line, where the
+///     others cross it.
+///
+/// A point that this leaves has coordinates a + b sqrt(c).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "../../primitives/forms/form_family.hpp"
+#include "../../core/numbers/interval.hpp"
+#include "../recursion/exact_heights.hpp"
+
+namespace vcell {
+
+/// A point X / X[4], X[4] > 0, with coordinates in one field.
+using SpacePoint = std::array<OneRoot, 5>;
+
+class SpaceTie {
+public:
+    /// A line a x + b y + c = 0 of the chart.
+    struct ChartLine {
+        double a, b, c;
+    };
+
+    /// All but those that run along the axis of a cylinder or obliquely to it.
+    static bool can_see(const FormFamily& family, const ChartLine& line) {
+        return family.radial.empty() || family.chart == RadialChart::Stereographic || line.a == 0;
+    }
+
+    /// Pre: can_see(family, *line).
+    SpaceTie(const FormFamily& family, std::span<const FormId> forms,
+             const std::optional<ChartLine>& line = {});
+
+    /// Has the form the others' height wherever these have one and the same, t > 0?
+    bool implies(FormId form) const;
+    /// Points in which all have one height, and more than two forms, or forms and the line, are not
+    /// transversal: gradients of heights are on one line, along the chart's line of them all are the same.
+    /// All such points, unless there are more unknowns than this can see through: then none.
+    std::vector<SpacePoint> tangencies() const;
+    /// The points in which all have one height, if no more than a root is left to take. Pre, likewise.
+    std::vector<SpacePoint> points() const;
+
+private:
+    using Row = std::vector<Exact>;
+
+    Row restricted(const Row& quadric) const;
+    bool impose(const Row& linear);
+    void reduce();
+    std::vector<SpacePoint> roots(const Row& quadric, bool is_double) const;
+    SpacePoint to_space(const std::vector<OneRoot>& y) const;
+
+    const FormFamily& family_;
+    std::size_t dimension_ = 4;  // d: of the flat that everything lies in
+    std::array<Row, 5> flat_;    // X[i] = sum of flat_[i][k] y_k, k = 0 .. d; X[4] is a multiple of y_d
+    std::vector<Row> quadrics_;  // in y; in echelon form as far as they have no y_d in them
+    bool is_empty_ = false;
+};
+
+/// Encloses the chart's coordinates of a point. None where it is the pole, or t is not positive.
+std::optional<std::array<Interval, 2>> chart_point(const FormFamily& family, const SpacePoint& p);
+/// With many digits.
+std::optional<std::array<Wide, 2>> wide_chart_point(const FormFamily& family, const SpacePoint& p);
+
+/// Have two forms equal gradients in a point in which they tie? Exact.
+bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const SpacePoint& p);
+
+/// Do two forms that tie change alike along a line of the chart? Exact.
+bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const SpacePoint& p,
+                       const SpaceTie::ChartLine& line);
+
+/// Does a form have this point's height there? Pre: t > 0.
+bool passes_through(const FormFamily& family, FormId f, const SpacePoint& p);
+
+/// Is a x + b y + c = 0 in the chart?
+bool is_on_line(const FormFamily& family, const SpacePoint& p, const SpaceTie::ChartLine& line);
+
+}  // namespace vcell

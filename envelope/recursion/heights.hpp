@@ -1,0 +1,129 @@
+/// The heights of a family over points and boxes of the chart, enclosed: what the certified subdivision
+/// evaluates where forms are no circular forms, and comparisons at points by the whole ladder. Over curved
+/// bases what is enclosed is the form's value divided by W, and over a cylinder with tips times the distances
+/// from them (radial_height.hpp).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "../../primitives/forms/form_family.hpp"
+#include "../../core/numbers/interval.hpp"
+#include "../../core/numbers/sign.hpp"
+#include "../../core/numbers/wide_interval.hpp"
+#include "exact_heights.hpp"
+#include "../proofs/radial_height.hpp"
+
+namespace vcell {
+
+/// Of two enclosures of one number.
+inline Interval intersection(Interval a, Interval b) {
+    return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
+}
+
+/// A height and its partial derivatives.
+template <class T>
+struct HeightJet {
+    T v, gx, gy;
+};
+
+/// A height's second derivatives.
+template <class T>
+struct HeightCurvature {
+    T xx, xy, yy;
+
+    friend HeightCurvature operator-(const HeightCurvature& a, const HeightCurvature& b) {
+        return {a.xx - b.xx, a.xy - b.xy, a.yy - b.yy};
+    }
+};
+
+/// A gradient over a box, as enclosed there and by the mean value theorem from that at its middle, c its
+/// derivatives over the box, which is the middle plus (dx, dy).
+inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& over,
+                                                const std::array<Interval, 2>& middle,
+                                                const HeightCurvature<Interval>& c, Interval dx,
+                                                Interval dy) {
+    return {intersection(over[0], middle[0] + c.xx * dx + c.xy * dy),
+            intersection(over[1], middle[1] + c.xy * dx + c.yy * dy)};
+}
+
+class Heights {
+public:
+    /// The family must outlive this object.
+    explicit Heights(const FormFamily& family);
+
+    const FormFamily& family() const { return family_; }
+
+    /// The forms' value over what is enclosed here: 1 over a plane. Pre: y lies between the tips.
+    Interval scale(Interval x, Interval y) const;
+
+    /// Encloses height and gradient of f over the box x times y. Where the box reaches into a cylinder's trace
+    /// on the base: the whole line.
+    HeightJet<Interval> jet(FormId f, Interval x, Interval y) const;
+    Interval value(FormId f, Interval x, Interval y) const;
+    /// The same with more digits, for boxes so small that doubles cannot tell.
+    HeightJet<Wide> jet(FormId f, const Wide& x, const Wide& y) const;
+    Wide value(FormId f, const Wide& x, const Wide& y) const;
+
+    /// How often heights were asked for with more digits so far: what costs most where forms all but coincide.
+    std::size_t wide_evaluations() const { return wide_evaluations_; }
+
+    /// Encloses the second derivatives of f over the box, likewise.
+    HeightCurvature<Interval> curvature(FormId f, Interval x, Interval y) const;
+
+    /// Encloses the gradient of f - g over the box, in natural and in mean value form.
+    std::array<Interval, 2> gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
+    /// Of heights without the distances from tips. Pre: the base is curved.
+    HeightJet<Interval> plain_jet(FormId f, Interval x, Interval y) const;
+    Wide plain_value(FormId f, const Wide& x, const Wide& y) const;
+    std::array<Interval, 2> plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
+
+    /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
+    /// Pre: the point lies outside the trace of every cylinder.
+    Sign compare(FormId f, FormId g, double x, double y, Decisions& decisions) const;
+    /// Compares by the exact rung alone. Pre: over curved bases w is 1.
+    Sign compare(FormId f, FormId g, const RationalPoint& p, Decisions& decisions) const;
+
+private:
+    // f of circular forms in intervals; of cylinders N = |a|^2 and A = a_z^2.
+    struct Prepared {
+        Interval a, b, e, inverse_w;
+        Interval norm, A;
+    };
+
+    // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders, and of
+    // those that doubles do not give exactly their numbers.
+    struct WidePrepared {
+        std::array<Wide, 4> coefficients;
+        std::optional<CylinderNumbers<Wide>> cylinder;
+    };
+    const WidePrepared& wide(FormId f) const;
+    // The cylinder's numbers, if doubles do not give them exactly.
+    const CylinderNumbers<Interval>* turned(FormId f) const { return turned_.empty() ? nullptr : turned_[f.value].get(); }
+    bool is_radial() const { return !radial_.empty(); }
+    template <int order>
+    RadialJet<Interval> radial_jet(FormId f, Interval x, Interval y) const;
+    template <int order>
+    RadialJet<Wide> radial_jet(FormId f, const Wide& x, const Wide& y) const;
+
+    const FormFamily& family_;
+    std::vector<Prepared> prepared_;
+    std::vector<std::unique_ptr<CylinderNumbers<Interval>>> turned_;  // of all forms, or none
+    mutable std::vector<std::unique_ptr<WidePrepared>> wide_;         // made when asked for
+    std::vector<RadialHeight<Interval>> radial_;               // of all forms over curved bases
+    mutable std::vector<std::unique_ptr<RadialHeight<Wide>>> wide_radial_;
+    // Those of the last two boxes: forms are asked one after the other about a box and its middle.
+    struct Place {
+        Interval x, y;
+        RadialNormals<Interval> normals;
+    };
+    mutable std::array<Place, 2> places_;
+    mutable std::size_t newer_ = 0;
+    mutable std::size_t wide_evaluations_ = 0;
+    const RadialNormals<Interval>& normals(Interval x, Interval y) const;
+};
+
+}  // namespace vcell

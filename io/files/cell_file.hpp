@@ -1,0 +1,25 @@
+/// Cell files: a cell as JSON (README, "Cells"). A reader needs neither the scene file nor this program.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <string_view>
+
+#include "../../envelope/cell.hpp"
+
+namespace vcell {
+
+/// Every double reads back as itself. The sites that coincide with an owner all along an edge or all over
+/// a face are listed under "extra_sites", where there are any.
+/// Throws InternalError where a number is not finite: of cells that are not measured (CellOptions::measure).
+void write_cell(std::ostream& out, const Cell& cell);
+
+/// The cell of a file's text. Keys, types and shapes are checked, and the scene is validated; values are
+/// not judged. A cell from an unknown hand is safe to evaluate once check_cell finds nothing wrong.
+/// Throws InputError with the JSON path of the first offender.
+Cell parse_cell(std::string_view text);
+
+/// parse_cell of a file, of standard input for "-". Throws ReadError, InputError.
+Cell read_cell(const std::string& path);
+
+}  // namespace vcell

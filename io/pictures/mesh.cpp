@@ -1,0 +1,548 @@
+#include "mesh.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+#include "../../core/errors.hpp"
+#include "trims.hpp"
+
+namespace vcell {
+
+namespace {
+
+constexpr std::uint32_t none = UINT32_MAX;
+
+/// A cell edge or a seam as a polyline: parameters, ends included, and mesh points. A seam has those of the
+/// first trimming curve along it; the other one runs against it.
+struct SampledLine {
+    std::vector<double> parameters;
+    std::vector<std::uint32_t> points;
+};
+
+/// One point of a face's polygon.
+struct LoopPoint {
+    std::uint32_t point;  // of the mesh
+    Vec2 uv;
+    std::uint32_t line;  // the edge or seam that starts or goes on here
+};
+
+bool proper_crossing(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+    const auto turn = [](const Vec2& p, const Vec2& q, const Vec2& r) {
+        return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
+    };
+    return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
+}
+
+/// How far the middle of the side from a to b, straight in space, stays away from the patch.
+double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
+    const Vec2 m = 0.5 * (a + b);
+    const Vec3 chord_middle = 0.5 * (s.evaluate(a.x(), a.y()) + s.evaluate(b.x(), b.y()));
+    return (s.evaluate(m.x(), m.y()) - chord_middle).norm();
+}
+
+/// The mesh has grown beyond its bound, or a line beyond all halving.
+struct TooFine {};
+
+class Tessellator {
+public:
+    /// mesh() throws TooFine when it has more than `most_triangles`, and if `keeps_chord` where 4096 pieces
+    /// of a line are not enough.
+    Tessellator(const Cell& cell, double chord, bool keeps_chord, std::size_t most_triangles)
+        : cell_(cell),
+          chord_(chord),
+          keeps_chord_(keeps_chord),
+          most_triangles_(most_triangles),
+          lines_(cell.edges.size()) {
+        for (std::size_t e = 0; e < cell.edges.size(); ++e) {
+            const RationalCurve3& curve = cell.edges[e].curve;
+            lines_[e].breaks = {curve.domain_begin(), curve.domain_end()};
+        }
+        for_each_curve([&](const TrimCurve& c, const RationalPatch& s) {
+            if (!c.edge && !c.seam) throw InternalError("tessellate: a trimming curve along nothing");
+            if (c.seam) {
+                const auto [at, is_new] =
+                    seams_.try_emplace(*c.seam, static_cast<std::uint32_t>(lines_.size()));
+                if (is_new) lines_.push_back({{}, {c.curve.domain_begin(), c.curve.domain_end()}, 1});
+            }
+            Line& line = lines_[line_of(c)];
+            line.uses.push_back({&c, &s});
+            for (const double t : {c.curve.domain_begin(), c.curve.domain_end()})
+                line.breaks.push_back(line_parameter(c, t));
+        });
+        for (Line& line : lines_) settle_breaks(line.breaks);
+    }
+
+    CellMesh mesh(bool closed) {
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) lines_[e].pieces = first_pieces(cell_.edges[e]);
+        // Chords of a coarse polyline may cross those of its neighbour where the true arcs do not.
+        constexpr int rounds = 8;
+        sample_lines();
+        for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
+
+        for (std::uint32_t f = 0; f < cell_.faces.size(); ++f) {
+            const std::size_t begin = mesh_.triangles.size();
+            for (const TrimmedPatch& patch : cell_.faces[f].patches) {
+                add_patch(patch);
+                check_size();
+            }
+            mesh_.groups.push_back({CellMesh::Group::Kind::Face, f, begin, mesh_.triangles.size()});
+        }
+        if (closed) add_walls_and_base();
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) mesh_.edge_lines.push_back(sampled_[e].points);
+        check_size();
+        mesh_.chord = chord_;
+        return std::move(mesh_);
+    }
+
+private:
+    /// A trimming curve, and its patch.
+    struct Use {
+        const TrimCurve* curve;
+        const RationalPatch* patch;
+    };
+    /// A cell edge (those come first) or a seam.
+    struct Line {
+        std::vector<Use> uses;
+        std::vector<double> breaks;  // where trimming curves begin and end: points of every polyline
+        std::size_t pieces = 1;      // between its ends, before halving
+    };
+
+    void check_size() const {
+        if (mesh_.triangles.size() > most_triangles_) throw TooFine();
+    }
+
+    template <class F>
+    void for_each_curve(F f) const {
+        for (const CellFace& face : cell_.faces)
+            for (const TrimmedPatch& patch : face.patches)
+                for (const auto& loop : patch.loops)
+                    for (const TrimCurve& c : loop) f(c, patch.surface);
+    }
+
+    std::uint32_t line_of(const TrimCurve& c) const { return c.edge ? *c.edge : seams_.at(*c.seam); }
+
+    // The line's parameter at t of a trimming curve along it, and the other way round. Along a seam the two
+    // run against each other, whatever their domains.
+    double line_parameter(const TrimCurve& c, double t) const {
+        if (c.edge) return edge_parameter(c, cell_.edges[*c.edge].curve, t);
+        const TrimCurve& first = *seam_leader(c);
+        if (&first == &c) return t;
+        return mirrored(c.curve, first.curve, t);
+    }
+    double trim_parameter(const TrimCurve& c, double t) const {
+        if (c.edge) return edge_parameter(c, cell_.edges[*c.edge].curve, t);
+        const TrimCurve& first = *seam_leader(c);
+        if (&first == &c) return t;
+        return mirrored(first.curve, c.curve, t);
+    }
+    const TrimCurve* seam_leader(const TrimCurve& c) const {
+        const Line& line = lines_[seams_.at(*c.seam)];
+        return line.uses.empty() ? &c : line.uses.front().curve;
+    }
+    static double mirrored(const RationalCurve2& from, const RationalCurve2& to, double t) {
+        const double s = (t - from.domain_begin()) / (from.domain_end() - from.domain_begin());
+        return s <= 0   ? to.domain_end()
+               : s >= 1 ? to.domain_begin()
+                        : to.domain_end() - s * (to.domain_end() - to.domain_begin());
+    }
+
+    // In order; those that mean the same place differ by their rounding.
+    static void settle_breaks(std::vector<double>& breaks) {
+        std::sort(breaks.begin(), breaks.end());
+        const double apart = break_rounding * (breaks.back() - breaks.front());
+        std::vector<double> settled;
+        for (const double t : breaks)
+            if (settled.empty() || t - settled.back() > apart) settled.push_back(t);
+        settled.back() = breaks.back();
+        breaks = std::move(settled);
+    }
+
+    // Pieces that an edge has at least: enough for a loop to be a polygon, and for a curved edge to have
+    // points of its own beside its ends, whatever the chord.
+    static std::size_t first_pieces(const CellEdge& e) {
+        if (e.vertices.empty()) return 8;
+        return e.kind == CurveKind::Line ? 1 : 2;
+    }
+
+    // Whether the stretch [from, to] of a line needs a point between: for the curve itself, and for the
+    // patches on both sides, whose inner sides could not be shorter than those on the boundary.
+    bool too_coarse(std::size_t line, double from, double to) const {
+        if (line < cell_.edges.size()) {
+            const RationalCurve3& curve = cell_.edges[line].curve;
+            const Vec3 chord_middle = 0.5 * (curve.evaluate(from) + curve.evaluate(to));
+            if ((curve.evaluate(0.5 * (from + to)) - chord_middle).norm() > chord_) return true;
+        }
+        for (const Use& use : lines_[line].uses) {
+            const RationalCurve2& curve = use.curve->curve;
+            const double a = trim_parameter(*use.curve, from), b = trim_parameter(*use.curve, to);
+            if (std::max(a, b) <= curve.domain_begin() || std::min(a, b) >= curve.domain_end()) continue;
+            if (deviation(*use.patch, curve.evaluate(a), curve.evaluate(b)) > chord_) return true;
+        }
+        return false;
+    }
+
+    // Parameters of a line: pieces of equal length between its breaks, halved while they are too coarse.
+    std::vector<double> parameters(std::size_t line) const {
+        const std::vector<double>& breaks = lines_[line].breaks;
+        std::vector<double> result{breaks.front()};
+        const auto add = [&](auto& self, double from, double to, int depth) -> void {
+            constexpr int deepest = 12;
+            if ((depth < deepest || keeps_chord_) && too_coarse(line, from, to)) {
+                if (depth == deepest) throw TooFine();
+                const double middle = 0.5 * (from + to);
+                self(self, from, middle, depth + 1);
+                self(self, middle, to, depth + 1);
+            } else {
+                result.push_back(to);
+            }
+        };
+        const std::size_t pieces = lines_[line].pieces;
+        for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+            const double begin = breaks[k], end = breaks[k + 1];
+            const auto at = [&](std::size_t i) {
+                return i == pieces
+                           ? end
+                           : begin + (end - begin) * static_cast<double>(i) / static_cast<double>(pieces);
+            };
+            for (std::size_t i = 0; i < pieces; ++i) add(add, at(i), at(i + 1), 0);
+        }
+        return result;
+    }
+
+    // Mesh points: the cell's vertices, then the inner points of each edge and of each seam.
+    void sample_lines() {
+        mesh_.points.clear();
+        for (const CellVertex& v : cell_.vertices) mesh_.points.push_back(v.point);
+        sampled_.assign(lines_.size(), {});
+        for (std::size_t i = 0; i < lines_.size(); ++i) {
+            sampled_[i].parameters = parameters(i);
+            if (i < cell_.edges.size()) sample_edge(i);
+            // Each point of the edges belongs to a triangle of its own.
+            if (mesh_.points.size() > most_triangles_) throw TooFine();
+        }
+        for (const CellFace& face : cell_.faces)
+            for (const TrimmedPatch& patch : face.patches)
+                for (const auto& loop : patch.loops)
+                    for (std::size_t i = 0; i < loop.size(); ++i) sample_seam(loop, i, patch.surface);
+    }
+
+    void sample_edge(std::size_t i) {
+        const CellEdge& e = cell_.edges[i];
+        SampledLine& s = sampled_[i];
+        for (const double t : s.parameters) {
+            const bool at_begin = t == s.parameters.front(), at_end = t == s.parameters.back();
+            if (at_begin && !e.vertices.empty())
+                s.points.push_back(e.vertices[0]);
+            else if (at_end)
+                s.points.push_back(e.vertices.empty() ? s.points.front() : e.vertices[1]);
+            else
+                s.points.push_back(add_point(e.curve.evaluate(t)));
+        }
+    }
+
+    // A seam runs from edge to edge, and shares their points.
+    void sample_seam(const std::vector<TrimCurve>& loop, std::size_t i, const RationalPatch& surface) {
+        const TrimCurve& c = loop[i];
+        if (!c.seam || seam_leader(c) != &c) return;
+        const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
+                        &after = loop[(i + 1) % loop.size()];
+        if (!before.edge || !after.edge) throw InternalError("tessellate: seams that meet");
+        SampledLine& s = sampled_[line_of(c)];
+        s.points.push_back(polyline(before).back().point);
+        for (std::size_t k = 1; k + 1 < s.parameters.size(); ++k) {
+            const Vec2 uv = c.curve.evaluate(s.parameters[k]);
+            s.points.push_back(add_point(surface.evaluate(uv.x(), uv.y())));
+        }
+        s.points.push_back(polyline(after).front().point);
+    }
+
+    std::uint32_t add_point(const Vec3& p) {
+        mesh_.points.push_back(p);
+        return static_cast<std::uint32_t>(mesh_.points.size() - 1);
+    }
+
+    // The points of a trimming curve, both ends among them.
+    std::vector<LoopPoint> polyline(const TrimCurve& c) const {
+        const std::uint32_t line = line_of(c);
+        const SampledLine& s = sampled_[line];
+        const double a = line_parameter(c, c.curve.domain_begin()),
+                     b = line_parameter(c, c.curve.domain_end());
+        const double slack = break_rounding * (s.parameters.back() - s.parameters.front());
+        std::vector<LoopPoint> result;
+        for (std::size_t i = 0; i < s.points.size(); ++i) {
+            const double t = s.parameters[i];
+            if (t < std::min(a, b) - slack || t > std::max(a, b) + slack) continue;
+            result.push_back({s.points[i], c.curve.evaluate(trim_parameter(c, t)), line});
+        }
+        if (a > b) std::reverse(result.begin(), result.end());
+        return result;
+    }
+
+    // A trimming loop as a polygon.
+    std::vector<LoopPoint> polygon(const std::vector<TrimCurve>& loop) const {
+        std::vector<LoopPoint> result;
+        for (const TrimCurve& c : loop) {
+            const std::vector<LoopPoint> points = polyline(c);
+            result.insert(result.end(), points.begin(), points.end() - 1);
+        }
+        return result;
+    }
+
+    std::vector<std::vector<LoopPoint>> polygons(const TrimmedPatch& patch) const {
+        std::vector<std::vector<LoopPoint>> result;
+        for (const auto& loop : patch.loops) {
+            result.push_back(polygon(loop));
+            // Two straight edges between the same ends enclose nothing.
+            if (result.back().size() < 3) result.pop_back();
+        }
+        return result;
+    }
+
+    // Doubles the pieces of lines whose polylines cross in some face. True if there were any.
+    bool refine_crossing_lines() {
+        std::vector<bool> coarse(lines_.size(), false);
+        for (const CellFace& face : cell_.faces)
+            for (const TrimmedPatch& patch : face.patches) find_crossings(patch, coarse);
+        bool any = false;
+        for (std::size_t e = 0; e < coarse.size(); ++e)
+            if (coarse[e]) {
+                lines_[e].pieces = std::max(2 * lines_[e].pieces, sampled_[e].points.size());
+                any = true;
+            }
+        return any;
+    }
+
+    void find_crossings(const TrimmedPatch& patch, std::vector<bool>& coarse) const {
+        struct Segment {
+            Vec2 a, b;
+            std::uint32_t line;
+            double low() const { return std::min(a.x(), b.x()); }
+            double high() const { return std::max(a.x(), b.x()); }
+        };
+        std::vector<Segment> segments;
+        for (const auto& loop : polygons(patch))
+            for (std::size_t i = 0; i < loop.size(); ++i)
+                segments.push_back({loop[i].uv, loop[(i + 1) % loop.size()].uv, loop[i].line});
+        std::sort(segments.begin(), segments.end(),
+                  [](const auto& s, const auto& t) { return s.low() < t.low(); });
+        for (std::size_t i = 0; i < segments.size(); ++i)
+            for (std::size_t j = i + 1; j < segments.size() && segments[j].low() <= segments[i].high(); ++j)
+                if (proper_crossing(segments[i].a, segments[i].b, segments[j].a, segments[j].b))
+                    coarse[segments[i].line] = coarse[segments[j].line] = true;
+    }
+
+    void add_patch(const TrimmedPatch& patch) {
+        const RationalPatch& s = patch.surface;
+        const std::vector<std::vector<LoopPoint>> loops = polygons(patch);
+        if (loops.empty()) return;
+        const auto split = [&](const Vec2& a, const Vec2& b) { return deviation(s, a, b) > chord_; };
+        add_triangles(
+            loops, split, [&](const Vec2& uv) { return s.evaluate(uv.x(), uv.y()); },
+            [&](const Vec2& uv) {
+                const auto [du, dv] = s.partials(uv.x(), uv.y());
+                return Vec3(du.cross(dv).stableNormalized());
+            });
+    }
+
+    void add_triangles(const std::vector<std::vector<LoopPoint>>& loops, const auto& split,
+                       const auto& position, const auto& normal) {
+        std::vector<std::vector<Vec2>> uv;
+        std::vector<std::uint32_t> point;
+        for (const auto& loop : loops) {
+            uv.emplace_back();
+            for (const LoopPoint& p : loop) {
+                uv.back().push_back(p.uv);
+                point.push_back(p.point);
+            }
+        }
+        // Each point inside makes two triangles: when this bound ends it, there are more than are left.
+        const std::size_t left = most_triangles_ - std::min(most_triangles_, mesh_.triangles.size());
+        const Triangulation t = triangulate(uv, split, point.size() + left / 2 + 1);
+        const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
+        for (std::size_t i = 0; i < t.points.size(); ++i) {
+            if (i >= point.size()) point.push_back(add_point(position(t.points[i])));
+            mesh_.normals.push_back(normal(t.points[i]));
+        }
+        for (const Triangle& v : t.triangles) {
+            mesh_.triangles.push_back({point[v[0]], point[v[1]], point[v[2]]});
+            mesh_.corner_normals.push_back({first_normal + v[0], first_normal + v[1], first_normal + v[2]});
+        }
+    }
+
+    // A plane base: the rim stands on its own foot, with walls between, and the polygon of the feet is the
+    // floor. A cylinder base: each rim is the boundary of an end, across the axis. A sphere base has no rim.
+    void add_walls_and_base() {
+        if (const auto* plane = std::get_if<Plane>(&cell_.scene.base)) {
+            const std::vector<std::vector<LoopPoint>> rims = rim_polygons();
+            if (rims.size() != 1) fail_rim();
+            add_walls_and_floor(*plane, rims[0]);
+        } else if (const auto* cylinder = std::get_if<Cylinder>(&cell_.scene.base)) {
+            const std::vector<std::vector<LoopPoint>> rims = rim_polygons();
+            if (rims.size() != 2) fail_rim();
+            for (const auto& rim : rims) add_end(*cylinder, rim);
+        }
+    }
+    [[noreturn]] static void fail_rim() {
+        throw InternalError("tessellate: the rim of the cell does not close");
+    }
+
+    void add_walls_and_floor(const Plane& base, const std::vector<LoopPoint>& rim) {
+        const Vec3 up = base.normal.stableNormalized();
+        // Patches need not have the chart's coordinates for u and v: the floor has its own in the base.
+        const Vec3 x = up.unitOrthogonal(), y = up.cross(x);
+        std::vector<LoopPoint> floor;
+        for (const LoopPoint& p : rim) {
+            const Vec3 top = mesh_.points[p.point], from_base = top - base.point;
+            floor.push_back(
+                {add_point(top - up.dot(from_base) * up), {x.dot(from_base), y.dot(from_base)}, p.line});
+        }
+
+        const std::size_t walls_begin = mesh_.triangles.size();
+        for (std::size_t i = 0; i < rim.size(); ++i) {
+            const std::size_t j = (i + 1) % rim.size();
+            const std::uint32_t a = rim[i].point, b = rim[j].point, fa = floor[i].point, fb = floor[j].point;
+            // The rim has the cell on its left: what is to the right of it is outside.
+            const Vec3 along = mesh_.points[fb] - mesh_.points[fa];
+            mesh_.normals.push_back(along.cross(up).stableNormalized());
+            const auto n = static_cast<std::uint32_t>(mesh_.normals.size() - 1);
+            mesh_.triangles.push_back({b, a, fa});
+            mesh_.triangles.push_back({b, fa, fb});
+            mesh_.corner_normals.insert(mesh_.corner_normals.end(), 2, Triangle{n, n, n});
+        }
+        mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, walls_begin, mesh_.triangles.size()});
+
+        const std::size_t base_begin = mesh_.triangles.size();
+        add_flat(floor, -up);
+        for (std::size_t t = base_begin; t < mesh_.triangles.size(); ++t) {
+            std::swap(mesh_.triangles[t][1], mesh_.triangles[t][2]);  // seen from below
+            std::swap(mesh_.corner_normals[t][1], mesh_.corner_normals[t][2]);
+        }
+        mesh_.groups.push_back({CellMesh::Group::Kind::Base, none, base_begin, mesh_.triangles.size()});
+    }
+
+    void add_end(const Cylinder& base, const std::vector<LoopPoint>& rim) {
+        const Vec3 axis = base.axis.stableNormalized();
+        // The rim has the cell's faces on its left, and so the end on its right: its sense around the axis
+        // tells which end it is.
+        Vec3 turn = Vec3::Zero();
+        for (std::size_t i = 0; i < rim.size(); ++i) {
+            const Vec3 a = mesh_.points[rim[i].point] - base.point,
+                       b = mesh_.points[rim[(i + 1) % rim.size()].point] - base.point;
+            turn += a.cross(b);
+        }
+        const Vec3 out = turn.dot(axis) > 0 ? Vec3(-axis) : axis;
+        const Vec3 x = out.unitOrthogonal(), y = out.cross(x);
+        std::vector<LoopPoint> end;
+        for (auto p = rim.rbegin(); p != rim.rend(); ++p) {
+            const Vec3 from_axis = mesh_.points[p->point] - base.point;
+            end.push_back({p->point, {x.dot(from_axis), y.dot(from_axis)}, p->line});
+        }
+        const std::size_t begin = mesh_.triangles.size();
+        add_flat(end, out);
+        mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, begin, mesh_.triangles.size()});
+    }
+
+    void add_flat(const std::vector<LoopPoint>& polygon, const Vec3& normal) {
+        add_triangles(
+            {polygon}, [](const Vec2&, const Vec2&) { return false; }, [](const Vec2&) { return Vec3(); },
+            [&](const Vec2&) { return normal; });
+    }
+
+    // The trimming curves of edges with a face on one side only, chained.
+    std::vector<std::vector<LoopPoint>> rim_polygons() const {
+        std::unordered_map<std::uint32_t, std::vector<LoopPoint>> pieces;  // by first point
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
+            const std::vector<Use>& uses = lines_[e].uses;
+            if (uses.empty() || std::ranges::any_of(uses, [&](const Use& use) {
+                    return use.curve->reversed != uses.front().curve->reversed;
+                }))
+                continue;
+            for (const Use& use : uses) {
+                std::vector<LoopPoint> piece = polyline(*use.curve);
+                const std::uint32_t start = piece.front().point;
+                if (!pieces.emplace(start, std::move(piece)).second) fail_rim();
+            }
+        }
+        std::vector<std::vector<LoopPoint>> rims;
+        while (!pieces.empty()) {
+            std::vector<LoopPoint>& rim = rims.emplace_back();
+            const std::uint32_t start = pieces.begin()->first;
+            std::uint32_t at = start;
+            do {
+                const auto piece = pieces.find(at);
+                if (piece == pieces.end()) fail_rim();
+                rim.insert(rim.end(), piece->second.begin(), piece->second.end() - 1);
+                at = piece->second.back().point;
+                pieces.erase(piece);
+            } while (at != start);
+        }
+        return rims;
+    }
+
+    // Of a line's parameters, against its length: places that trimming curves of one line share were rounded
+    // on the way from one to the other.
+    static constexpr double break_rounding = 1e-12;
+
+    const Cell& cell_;
+    double chord_;
+    bool keeps_chord_;
+    std::size_t most_triangles_;
+    std::vector<Line> lines_;                                 // edges, then seams
+    std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> line
+    std::vector<SampledLine> sampled_;
+    CellMesh mesh_;
+};
+
+}  // namespace
+
+double cell_diagonal(const Cell& cell) {
+    Eigen::AlignedBox3d box;
+    for (const CellEdge& e : cell.edges) {
+        constexpr int pieces = 16;
+        const double begin = e.curve.domain_begin(), end = e.curve.domain_end();
+        for (int i = 0; i <= pieces; ++i) box.extend(e.curve.evaluate(begin + (end - begin) * i / pieces));
+    }
+    // Edges over the rim show how far a plane's region or a cylinder's stretch goes.
+    if (const auto* sphere = std::get_if<Sphere>(&cell.scene.base)) {
+        box.extend(sphere->center - Vec3::Constant(sphere->radius));
+        box.extend(sphere->center + Vec3::Constant(sphere->radius));
+    }
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+CellMesh tessellate(const Cell& cell, const MeshOptions& options) {
+    const double diagonal = cell_diagonal(cell);
+    constexpr double default_chord = 1e-3;  // of the diagonal
+    const double wanted = options.chord.value_or(default_chord * diagonal);
+    // At chords of pictures' size lines may stop being halved where their parameter stands all but still.
+    const auto attempt = [&](double chord, std::size_t most_triangles) -> std::optional<CellMesh> {
+        try {
+            return Tessellator(cell, chord, chord < 0.5 * default_chord * diagonal, most_triangles)
+                .mesh(options.closed);
+        } catch (const TooFine&) {
+            return std::nullopt;
+        }
+    };
+    if (auto mesh = attempt(wanted, options.most_triangles)) return std::move(*mesh);
+    // A mesh of the default chord is small, so the finest one that is not too fine is looked for from there
+    // on.
+    constexpr double step = 4;
+    double chord = std::max(wanted, default_chord * diagonal);
+    std::optional<CellMesh> best = attempt(chord, options.most_triangles);
+    while (!best && chord <= diagonal) best = attempt(chord *= step, options.most_triangles);
+    if (!best) return *attempt(chord, SIZE_MAX);
+    for (;;) {
+        chord = best->chord / step;
+        std::optional<CellMesh> finer =
+            chord > wanted ? attempt(chord, options.most_triangles) : std::nullopt;
+        if (!finer) return std::move(*best);
+        best = std::move(finer);
+    }
+}
+
+}  // namespace vcell

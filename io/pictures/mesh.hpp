@@ -1,0 +1,54 @@
+/// A triangle mesh of a cell's boundary: one tessellation for all mesh formats.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "../../envelope/cell.hpp"
+#include "triangulate.hpp"
+
+namespace vcell {
+
+struct MeshOptions {
+    /// The largest distance, in length, between a triangle's side and the surface, measured at the side's
+    /// middle. None: a thousandth of cell_diagonal().
+    std::optional<double> chord;
+    /// The mesh of the whole solid, the base's own body included. Over a plane base: with walls under the rim
+    /// and the base region as floor; over a cylinder base with both ends as walls; over a sphere base the
+    /// same as without.
+    bool closed = false;
+    /// Where the chord would take more triangles, or more than 4096 pieces of an edge, it grows until it does
+    /// not, or until none is cut for its sake any more: then only the cell's edges ask for them.
+    std::size_t most_triangles = 1'000'000;
+};
+
+struct CellMesh {
+    struct Group {
+        enum class Kind : std::uint8_t { Face, Walls, Base };
+        Kind kind;
+        std::uint32_t face;      ///< Face: index into Cell::faces
+        std::size_t begin, end;  ///< range of triangles
+    };
+
+    double chord =
+        0;  ///< that the triangles keep, length: larger than asked for where most_triangles was met
+    std::vector<Vec3> points;
+    std::vector<Vec3> normals;             ///< unit, out of the cell
+    std::vector<Triangle> triangles;       ///< into points, counter-clockwise seen from outside
+    std::vector<Triangle> corner_normals;  ///< into normals, corner by corner
+    std::vector<Group> groups;
+    std::vector<std::vector<std::uint32_t>> edge_lines;  ///< for each cell edge, into points
+};
+
+/// The diagonal of the smallest axis-parallel box about the base (a plane's region, a cylinder's stretch) and
+/// the cell's edges, to a few percent: the size of a picture of the cell, however large its box is.
+double cell_diagonal(const Cell& cell);
+
+/// Every edge of the cell is sampled once and both of its faces share these points, so the mesh has no
+/// cracks: each of its sides belongs to two triangles, or to one on the rim if it is not closed. So is every
+/// seam between a face's patches. Sampling is refined until no two sides of a face cross. Pre: patches are
+/// oriented like the chart. Throws InternalError for a cell whose rim does not close.
+CellMesh tessellate(const Cell& cell, const MeshOptions& options = {});
+
+}  // namespace vcell

@@ -1,0 +1,18 @@
+/// SVG pictures of minimization diagrams.
+#pragma once
+
+#include <iosfwd>
+
+#include "../../envelope/cell.hpp"
+
+namespace vcell {
+
+/// The minimization diagram of a cell. A plane base: in chart coordinates (u to the right, v upwards), from
+/// the trimming loops of its patches; lines and circular arcs are exact, other curves are cubic pieces that
+/// stay within a millionth of the picture's size. Spheres and cylinders: unfolded (unfold.hpp), as polylines.
+///
+/// A face is a path with its site's colour and a tooltip, vertices are circles that tell their clearance.
+/// Styled by CSS classes (face, box, edge, rim, vertex, panel, c0 ... c7), without scripts.
+void write_svg(std::ostream& out, const Cell& cell);
+
+}  // namespace vcell

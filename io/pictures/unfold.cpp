@@ -1,0 +1,340 @@
+#include "unfold.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "../../primitives/bases/radial_base.hpp"
+#include "trims.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Polyline = Unfolding::Polyline;
+using Directions = std::vector<Vec3>;  // canonical points; over a sphere only their directions count
+
+/// A side of the cube or box, seen from outside, and its place in the picture.
+struct Side {
+    const char* name;
+    Vec3 right, up, out;
+    int column, row;
+
+    Vec3 local(const Vec3& p) const { return {right.dot(p), up.dot(p), out.dot(p)}; }
+    Vec3 global(const Vec3& p) const { return p.x() * right + p.y() * up + p.z() * out; }
+};
+
+// Those of a cylinder's box are the first four.
+const std::array<Side, 6> all_sides{{{"-x", {0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, -1, 0},
+                                     {"+z", {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0, 0},
+                                     {"+x", {0, 0, -1}, {0, 1, 0}, {1, 0, 0}, 1, 0},
+                                     {"-z", {-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 2, 0},
+                                     {"+y", {1, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0, 1},
+                                     {"-y", {1, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0, -1}}};
+
+/// The base but for one point (sphere) or one line (cylinder) mapped onto one side, which stays as it is: the
+/// rest goes to the side's boundary. So a closed polyline has a closed polygon as its image, and the polygon
+/// encloses what the polyline separates from that point.
+class Retraction {
+public:
+    struct Piece {
+        Vec2 from, to;
+        double beyond;  // of its middle
+        bool inside() const { return beyond < 1; }
+    };
+
+    Retraction(const Side& side, bool is_sphere, double low)
+        : side_(side), is_sphere_(is_sphere), low_(low) {}
+
+    /// The point without image, of a sphere.
+    Vec3 hole() const { return side_.global({lean_x, lean_y, -1}); }
+
+    /// Where a point has its own image, as the side's coordinates.
+    Vec2 operator()(const Vec3& p) const {
+        const Vec3 x = leaned(side_.local(p));
+        return retracted(x, x);
+    }
+    /// More than 1: the point is on another side.
+    double beyond(const Vec3& p) const { return local_beyond(side_.local(p)); }
+
+    /// Appends the image of a chord in pieces that join.
+    void append_image(const Vec3& from, const Vec3& to, std::vector<Piece>& pieces) const {
+        const Vec3 a = side_.local(from), b = side_.local(to);
+        std::vector<double> halves{0};
+        add_cut(halves, a.z(), b.z());
+        halves.push_back(1);
+        bool is_first = true;
+        for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
+            const Vec3 p = leaned(a + halves[i] * (b - a)), q = leaned(a + halves[i + 1] * (b - a));
+            const std::vector<double> at = cuts(p, q);
+            for (std::size_t k = 0; k + 1 < at.size(); ++k) {
+                const Vec3 s = p + at[k] * (q - p), e = p + at[k + 1] * (q - p), middle = 0.5 * (s + e);
+                const Piece piece{retracted(s, middle), retracted(e, middle), local_beyond(middle)};
+                if (!is_first) go_around(pieces, piece.from);
+                is_first = false;
+                pieces.push_back(piece);
+            }
+        }
+    }
+
+private:
+    // Symmetric scenes have vertices opposite to the middle of a side, so the hole is a little aside.
+    static constexpr double lean_x = 0.01371, lean_y = 0.00729;
+
+    static Vec3 leaned(const Vec3& p) {
+        const double behind = std::min(p.z(), 0.0);
+        return {p.x() + lean_x * behind, p.y() + lean_y * behind, p.z()};
+    }
+    double local_beyond(const Vec3& p) const {
+        return p.z() > 0 ? reach(p) / p.z() : std::numeric_limits<double>::infinity();
+    }
+    double reach(const Vec3& p) const {
+        return is_sphere_ ? std::max(std::abs(p.x()), std::abs(p.y())) : std::abs(p.x());
+    }
+    /// The image of a point of a piece with that middle.
+    Vec2 retracted(const Vec3& p, const Vec3& middle) const {
+        if (is_sphere_) return p.head<2>() / std::max(reach(p), p.z());
+        const bool inside = reach(middle) < middle.z();
+        return {inside ? std::clamp(p.x() / p.z(), -1.0, 1.0) : middle.x() < 0 ? -1.0 : 1.0, p.y()};
+    }
+
+    static void add_cut(std::vector<double>& cuts, double from, double to) {
+        if (from * to < 0) cuts.push_back(from / (from - to));
+    }
+    /// Places on a chord between which its image is straight, 0 and 1 among them.
+    std::vector<double> cuts(const Vec3& p, const Vec3& q) const {
+        std::vector<double> at{0, 1};
+        for (const double sign : {-1.0, 1.0}) {
+            add_cut(at, p.x() - sign * p.z(), q.x() - sign * q.z());
+            if (!is_sphere_) continue;
+            add_cut(at, p.y() - sign * p.z(), q.y() - sign * q.z());
+            add_cut(at, p.x() - sign * p.y(), q.x() - sign * q.y());
+        }
+        if (!is_sphere_) add_cut(at, p.x(), q.x());
+        std::sort(at.begin(), at.end());
+        return at;
+    }
+    /// Over the line without image of a cylinder: by way of the lower end, below all faces.
+    void go_around(std::vector<Piece>& pieces, const Vec2& to) const {
+        const Vec2 from = pieces.back().to;
+        if (is_sphere_ || from.x() * to.x() > -0.5) return;
+        constexpr double outside = std::numeric_limits<double>::infinity();
+        pieces.push_back({from, {from.x(), low_}, outside});
+        pieces.push_back({{from.x(), low_}, {to.x(), low_}, outside});
+        pieces.push_back({{to.x(), low_}, to, outside});
+    }
+
+    const Side& side_;
+    bool is_sphere_;
+    double low_;
+};
+
+/// p, q, r counter-clockwise, seen from outside the sphere.
+bool turns_left(const Vec3& p, const Vec3& q, const Vec3& r) { return p.cross(q).dot(r) > 0; }
+
+class Unfolder {
+public:
+    explicit Unfolder(const Cell& cell) : cell_(cell), problem_(radial_base_problem(cell.scene)) {}
+
+    Unfolding unfold() {
+        add_panels();
+        for (const CellFace& face : cell_.faces) add_face(face);
+        for (const CellEdge& edge : cell_.edges) add_edge(edge);
+        for (const CellVertex& vertex : cell_.vertices) add_vertex(vertex);
+        return std::move(result_);
+    }
+
+private:
+    void add_panels() {
+        const auto [low, high] = problem_.stretch;
+        half_ = is_sphere() ? Vec2(1, 1) : Vec2(0.25, 0.5) * (high - low);
+        for (std::size_t i = 0; i < (is_sphere() ? 6 : 4); ++i) {
+            const Side& side = all_sides[i];
+            panels_.push_back({side, Retraction(side, is_sphere(), low), middle(side)});
+            result_.panels.push_back(
+                {side.name, panels_.back().middle - half_, panels_.back().middle + half_});
+        }
+    }
+    bool is_sphere() const { return problem_.is_sphere; }
+
+    Vec2 middle(const Side& side) const {
+        const double y = is_sphere() ? 0 : 0.5 * (problem_.stretch[0] + problem_.stretch[1]);
+        return Vec2(2 * side.column * half_.x(), 2 * side.row * half_.y() + y);
+    }
+
+    struct Panel {
+        const Side& side;
+        Retraction retraction;
+        Vec2 middle;
+    };
+    Vec2 placed(const Panel& panel, const Vec2& p) const {
+        return is_sphere() ? Vec2(panel.middle + p) : Vec2(panel.middle.x() + half_.x() * p.x(), p.y());
+    }
+
+    // ---- Curves as polylines ----
+
+    /// How far the middle of a chord is from the curve, as the picture's panels show it.
+    double deviation(const Vec3& from, const Vec3& middle, const Vec3& to) const {
+        const Vec3 chord = 0.5 * (from + to);
+        if (is_sphere()) return (chord.normalized() - middle.normalized()).norm();
+        const auto across = [](const Vec3& p) { return Vec2(p.x(), p.z()).normalized().eval(); };
+        return (across(chord) - across(middle)).norm() + std::abs(chord.y() - middle.y()) / half_.y();
+    }
+
+    template <class Curve>
+    void refine(const Curve& curve, double from, double to, int depth, Directions& points) const {
+        constexpr double tolerance = 2e-5;  // of a panel's half
+        constexpr int deepest = 12;
+        const double half_way = 0.5 * (from + to);
+        const Vec3 end = curve(to);
+        if (depth < deepest && deviation(points.back(), curve(half_way), end) > tolerance) {
+            refine(curve, from, half_way, depth + 1, points);
+            refine(curve, half_way, to, depth + 1, points);
+        } else {
+            points.push_back(end);
+        }
+    }
+
+    /// A curve over [knots.front(), knots.back()]. Four pieces for each span: none turns by a quarter.
+    template <class Curve>
+    Directions sampled(const Knots& knots, const Curve& curve) const {
+        Directions points{curve(knots.front())};
+        for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+            const double step = 0.25 * (knots[i + 1] - knots[i]);
+            if (step == 0) continue;
+            for (int k = 0; k < 4; ++k)
+                refine(curve, knots[i] + k * step, knots[i] + (k + 1) * step, 0, points);
+        }
+        return points;
+    }
+
+    Vec3 canonical(const Vec3& world) const { return problem_.frame.to_canonical(world); }
+
+    Directions sampled(const CellEdge& edge) const {
+        return sampled(edge.curve.knots, [&](double t) { return canonical(edge.curve.evaluate(t)); });
+    }
+
+    Directions sampled(const TrimCurve& trim, const RationalPatch& surface) const {
+        return sampled(trim.curve.knots, [&](double t) {
+            if (trim.edge) {
+                const RationalCurve3& curve = cell_.edges[*trim.edge].curve;
+                return canonical(curve.evaluate(edge_parameter(trim, curve, t)));
+            }
+            const Vec2 uv = trim.curve.evaluate(t);
+            return canonical(surface.evaluate(uv.x(), uv.y()));
+        });
+    }
+
+    // ---- Faces ----
+
+    void add_face(const CellFace& face) {
+        std::vector<Directions> loops;
+        std::array<Vec3, 2> on_edge{Vec3::Zero(), Vec3::Zero()};  // a piece of an edge, the face on its left
+        for (const TrimmedPatch& patch : face.patches)
+            for (const auto& loop : patch.loops) {
+                Directions& points = loops.emplace_back();
+                for (const TrimCurve& trim : loop) {
+                    const Directions curve = sampled(trim, patch.surface);
+                    // Not the last piece: where the loop goes on, ends differ by their rounding.
+                    for (std::size_t i = 0; trim.edge && i + 2 < curve.size(); ++i) {
+                        const Vec3 from = curve[i].normalized(), to = curve[i + 1].normalized();
+                        if ((to - from).norm() > (on_edge[1] - on_edge[0]).norm()) on_edge = {from, to};
+                    }
+                    points.insert(points.end(), curve.begin(), curve.end() - 1);
+                }
+            }
+        std::vector<Polyline>& polygons = result_.faces.emplace_back();
+        for (const Panel& panel : panels_) {
+            for (const Directions& loop : loops) add_polygon(panel, loop, polygons);
+            if (is_sphere() && holds(loops, on_edge, panel.retraction.hole())) {
+                const Vec2 &a = panel.middle - half_, &b = panel.middle + half_;
+                polygons.push_back({a, {b.x(), a.y()}, b, {a.x(), b.y()}});
+            }
+        }
+    }
+
+    /// Whether loops, the face on their left, enclose q: by the sides that q and the great circle's arc to a
+    /// point of the boundary are on.
+    static bool holds(const std::vector<Directions>& loops, const std::array<Vec3, 2>& on_edge,
+                      const Vec3& q) {
+        const Vec3 m = 0.5 * (on_edge[0] + on_edge[1]);
+        bool result = turns_left(on_edge[0], on_edge[1], q);
+        for (const Directions& loop : loops)
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const Vec3 a = loop[i].normalized(), b = loop[(i + 1) % loop.size()].normalized();
+                if (a == on_edge[0] && b == on_edge[1]) continue;
+                const bool side = turns_left(q, a, m);
+                if (turns_left(a, m, b) == side && turns_left(m, b, q) == side && turns_left(b, q, a) == side)
+                    result = !result;
+            }
+        return result;
+    }
+
+    void add_polygon(const Panel& panel, const Directions& loop, std::vector<Polyline>& polygons) const {
+        std::vector<Retraction::Piece> pieces;
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            panel.retraction.append_image(loop[i], loop[(i + 1) % loop.size()], pieces);
+        // On the boundary only corners count.
+        Polyline polygon;
+        for (const Retraction::Piece& piece : pieces) {
+            if (!piece.inside() && polygon.size() >= 2 &&
+                along_one_side(polygon.end()[-2], polygon.back(), piece.from))
+                polygon.pop_back();
+            polygon.push_back(piece.from);
+        }
+        if (polygon.size() < 3) return;
+        for (Vec2& p : polygon) p = placed(panel, p);
+        polygons.push_back(std::move(polygon));
+    }
+    bool along_one_side(const Vec2& a, const Vec2& b, const Vec2& c) const {
+        for (int k = 0; k < (is_sphere() ? 2 : 1); ++k)
+            if (std::abs(b[k]) == 1 && a[k] == b[k] && c[k] == b[k]) return true;
+        return false;
+    }
+
+    // ---- Edges and vertices ----
+
+    // Edges that run along the border of two panels are drawn in both.
+    void add_edge(const CellEdge& edge) {
+        constexpr double border = 1 + 1e-6;
+        const Directions points = sampled(edge);
+        std::vector<Polyline>& lines = result_.edges.emplace_back();
+        for (const Panel& panel : panels_) {
+            bool goes_on = false;
+            for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+                std::vector<Retraction::Piece> pieces;
+                panel.retraction.append_image(points[i], points[i + 1], pieces);
+                for (const Retraction::Piece& piece : pieces) {
+                    const bool is_seen = piece.beyond <= border;
+                    if (is_seen) {
+                        if (!goes_on) lines.push_back({placed(panel, piece.from)});
+                        lines.back().push_back(placed(panel, piece.to));
+                    }
+                    goes_on = is_seen;
+                }
+            }
+        }
+    }
+
+    void add_vertex(const CellVertex& vertex) {
+        const Vec3 p = canonical(vertex.point);
+        const Panel& panel = *std::ranges::min_element(
+            panels_, {}, [&](const Panel& candidate) { return candidate.retraction.beyond(p); });
+        result_.vertices.push_back(placed(panel, panel.retraction(p)));
+    }
+
+    const Cell& cell_;
+    const RadialBaseProblem problem_;
+    Vec2 half_;  // of a panel's size
+    std::vector<Panel> panels_;
+    Unfolding result_;
+};
+
+}  // namespace
+
+Unfolding unfold(const Cell& cell) { return Unfolder(cell).unfold(); }
+
+}  // namespace vcell

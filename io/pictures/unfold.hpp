@@ -1,0 +1,35 @@
+/// Minimization diagrams over spheres and cylinders, unfolded into the plane [HE, Figs. 8(b), 10(b)].
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "../../envelope/cell.hpp"
+
+namespace vcell {
+
+/// A point p of the cell stands for the base's normal below it. Sphere: normals are projected from the centre
+/// onto the cube [-1, 1]^3 in world axes, whose squares lie as a cross: -x, +z, +x, -z from left to right, +y
+/// above +z and -y below. Cylinder: onto the sides x = +-1, z = +-1 of a box around it, canonical axes, in
+/// the same order; y upwards is the length along the axis, and a side is drawn half as wide as the stretch is
+/// long.
+struct Unfolding {
+    using Polyline = std::vector<Vec2>;
+
+    struct Panel {
+        std::string name;  ///< "+x"
+        Vec2 low, high;
+    };
+    std::vector<Panel> panels;
+    /// By face of the cell: closed polygons, none beyond its panel, to be filled by the even-odd rule.
+    std::vector<std::vector<Polyline>> faces;
+    /// By edge: cut where panels meet; in both of them along their border.
+    std::vector<std::vector<Polyline>> edges;
+    std::vector<Vec2> vertices;
+};
+
+/// Curves become polylines within some 1e-5 of the picture's size.
+/// Pre: the base is a sphere or a cylinder; the cell is complete.
+Unfolding unfold(const Cell& cell);
+
+}  // namespace vcell

@@ -1,0 +1,991 @@
+#include "plane_base.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include "../../core/numbers/compensated.hpp"
+#include "../../core/errors.hpp"
+#include "../../core/numbers/exact.hpp"
+#include "base_problem.hpp"
+#include "../objects/exact_motion.hpp"
+#include "../objects/exact_space.hpp"
+#include "../objects/message.hpp"
+#include "nested_cylinders.hpp"
+#include "solids.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Kind = InputError::Kind;
+
+// The square of an axis' slope against the base is a coefficient of the height.
+constexpr double smallest_slope = 1e-125;
+// A part of a ball's size and distance: of balls nearer to the base than that, contact is asked exactly.
+constexpr double near_contact = 0x1p-40;
+// A box is far from the scene's origin if it is this many times its size away.
+constexpr double far_in_steps = 16;
+
+// ---- Frame ------------------------------------------------------------------------------------------
+
+// canonical = (rotation (world - origin) - (0, 0, lift)) / norm. What objects are to each other is exact; the base
+// turns by a few 2^-53 to become z = 0, or not at all where its normal's length is a double. The sides of the box are
+// rounded to doubles.
+class PlaneFrame {
+public:
+    PlaneFrame(const Plane& base, const Box& box) : rotation_(scaled_axis(base.normal), 2) {
+        const Vec3& n = base.normal;
+        Eigen::Index k = 0;
+        n.cwiseAbs().maxCoeff(&k);
+        is_axis_parallel_ = (n.array() != 0).count() == 1;
+        turn_ = rotation_.turn(scaled_axis(n), 2);
+        motion_.rotation = rotation_.rounded();
+        // Other coordinates than the k-th keep their digits: a box far from the origin is brought near by a multiple of a
+        // power of two above its size.
+        if (is_axis_parallel_) {
+            const double step = std::exp2(std::ceil(std::log2(box.diagonal())));
+            const Vec3 steps = (0.5 / step * box.min + 0.5 / step * box.max).array().round();
+            for (Eigen::Index i = 0; i < 3; ++i)
+                if (std::abs(steps[i]) >= far_in_steps) origin_[i] = step * steps[i];
+            origin_[k] = base.point[k];
+            motion_.origin = origin_;
+        } else {
+            place_origin(base, box);
+        }
+        make_box(box);
+    }
+
+    const BaseFrame& motion() const { return motion_; }  // rounded
+    const std::array<BoxSide, 6>& box() const { return box_; }
+    const Exact& norm() const { return rotation_.norm; }
+    bool is_exact() const { return turn_ == 0; }  // the base has not turned
+    double moved() const { return moved_; }
+
+    // Do doubles hold the canonical point exactly? Then they are to_canonical(p).
+    bool keeps(const Vec3& p) const {
+        if (!is_axis_parallel_) return false;
+        for (int i = 0; i < 3; ++i)
+            if (origin_[i] != 0 && Difference(p[i], origin_[i]).low != 0) return false;
+        return true;
+    }
+    Vec3 to_canonical(const Vec3& p) const { return motion_.to_canonical(p); }
+
+    // norm times the canonical point.
+    ExactVector place(const Vec3& p) const {
+        ExactVector q = rotation_(ExactVector(p) - ExactVector(origin_));
+        q.z -= lift_;
+        return q;
+    }
+    // norm times the turned direction.
+    ExactVector turned(const Vec3& direction) const { return rotation_(ExactVector(direction)); }
+
+private:
+    void place_origin(const Plane& base, const Box& box) {
+        const Vec3 n = scaled_axis(base.normal), unit = n.normalized();
+        const Vec3 center = 0.5 * box.min + 0.5 * box.max, away = center - base.point;
+        origin_ = base.point;
+        if (away.norm() > box.diagonal()) {
+            origin_ = center - unit * unit.dot(away);
+            // No rounding of the origin leaves the base: what it is above it counts as height. Near the origin the
+            // base has not moved then.
+            const Exact above = dot(ExactVector(n), ExactVector(base.point) - ExactVector(origin_));
+            if (is_exact())
+                lift_ = dot(rotation_.rows[2], ExactVector(base.point) - ExactVector(origin_));
+            else
+                lift_ = rotation_.norm * Exact(nearest(above) / n.norm());
+        }
+        const double height = nearest(lift_) / nearest(norm());
+        motion_.origin = origin_ + height * motion_.rotation.row(2).transpose();
+        double reach = 0;
+        for (const Vec3& corner : {box.min, box.max})
+            reach = std::max(reach, (corner - origin_).cwiseAbs().maxCoeff());
+        // 2 > sqrt(3). What nearest() / norm() loses is a part of 2^-50 of a height that is itself a rounding.
+        if (!is_exact()) moved_ = 2 * reach * turn_ + 0x1p-50 * std::abs(height);
+    }
+
+    void make_box(const Box& box) {
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const Eigen::Index axis = s / 2;
+            const double sign = s % 2 == 0 ? -1 : 1, bound = s % 2 == 0 ? box.min[axis] : box.max[axis];
+            Vec3 m = sign * motion_.rotation.col(axis);
+            // A wall that leans by less than its rounding stands upright: its foot would hide all of it.
+            for (double& component : m)
+                if (std::abs(component) < frame_rounding) component = 0;
+            // The rotation is one of the axes then: only the difference is rounded.
+            if (is_axis_parallel_) {
+                const Difference distance(bound, origin_[axis]);
+                box_[s] = {m, sign * distance.high.value, s};
+                moved_ = std::max(moved_, std::abs(distance.low));
+                continue;
+            }
+            // The side as it is: exact.m <= distance / norm.
+            const auto& r = rotation_.rows;
+            const std::array<const Exact*, 3> entries = axis == 0   ? std::array{&r[0].x, &r[1].x, &r[2].x}
+                                                        : axis == 1 ? std::array{&r[0].y, &r[1].y, &r[2].y}
+                                                                    : std::array{&r[0].z, &r[1].z, &r[2].z};
+            const Exact distance =
+                norm() * norm() * (sign * (Exact(bound) - origin_[axis])) - sign * *entries[2] * lift_;
+            const double square = nearest(norm() * norm());
+            const double k = nearest(distance) / square;
+            box_[s] = {m, k, s};
+            double turn = 0;
+            for (int i = 0; i < 3; ++i)
+                turn += std::abs(nearest(norm() * Exact(m[i]) - sign * *entries[i])) / nearest(norm());
+            const double shift = std::abs(nearest(norm() * norm() * Exact(k) - distance)) / square;
+            const double reach = turn > 0 ? 2 * box.diagonal() + (box.min - motion_.origin).norm() : 0;
+            moved_ = std::max(moved_, turn * reach + shift);
+        }
+    }
+
+    const ExactRotation rotation_;
+    bool is_axis_parallel_;
+    double turn_;
+    Vec3 origin_ = Vec3::Zero();
+    Exact lift_;
+    BaseFrame motion_;
+    std::array<BoxSide, 6> box_;
+    double moved_ = 0;
+};
+
+// ---- Base region ------------------------------------------------------------------------------------
+
+// A point (x / d, y / d), d > 0.
+struct ExactPoint {
+    Exact x, y, d;
+
+    Eigen::Vector2d rounded() const {
+        const Interval w = d.enclosure();
+        return {(x.enclosure() / w).mid(), (y.enclosure() / w).mid()};
+    }
+};
+
+Exact turn(const RegionSide& i, const RegionSide& j) { return Exact(i.a) * j.b - Exact(i.b) * j.a; }
+
+// Value of line `side` at p, times p.d.
+Exact value_at(const RegionSide& side, const ExactPoint& p) {
+    return side.a * p.x + side.b * p.y + side.c * p.d;
+}
+
+// The crossing of two lines, by Cramer's rule. Pre: they are not parallel.
+ExactPoint crossing(const RegionSide& i, const RegionSide& j) {
+    ExactPoint p{Exact(i.b) * j.c - Exact(i.c) * j.b, Exact(i.c) * j.a - Exact(i.a) * j.c, turn(i, j)};
+    if (p.d.sign() == Sign::Negative) p = {-p.x, -p.y, -p.d};
+    return p;
+}
+
+// Does a stretch of line i, of positive length, bound the intersection of all half-planes?
+// Along i's direction (b_i, -a_i), half-plane j begins (turn < 0) or ends (turn > 0) at the crossing with
+// line j; the stretch exists when every beginning comes strictly before every end, that is, lies
+// strictly inside the half-plane that ends there.
+bool contributes(const std::vector<RegionSide>& lines, std::size_t i) {
+    std::vector<std::size_t> begins, ends;
+    for (std::size_t j = 0; j < lines.size(); ++j) {
+        if (j == i) continue;
+        const Sign t = turn(lines[i], lines[j]).sign();
+        if (t == Sign::Negative) begins.push_back(j);
+        if (t == Sign::Positive) ends.push_back(j);
+        if (t != Sign::Zero) continue;
+        // n_j = lambda n_i: on line i, half-plane j has the value c_j - lambda c_i.
+        const bool use_a = lines[i].a != 0;
+        const double ni = use_a ? lines[i].a : lines[i].b, nj = use_a ? lines[j].a : lines[j].b;
+        const Sign value = (Exact(lines[j].c) * ni - Exact(lines[i].c) * nj).sign() * sign_of(ni);
+        const bool same_direction = (ni > 0) == (nj > 0);
+        // Of lines that coincide the first one stands for all.
+        const bool inside = value == Sign::Positive || (value == Sign::Zero && same_direction && i < j);
+        if (!inside) return false;
+    }
+    for (const std::size_t j : begins) {
+        const ExactPoint p = crossing(lines[i], lines[j]);
+        for (const std::size_t k : ends)
+            if (value_at(lines[k], p).sign() != Sign::Positive) return false;
+    }
+    return !begins.empty() && !ends.empty();
+}
+
+// Order of the sides' directions (b, -a) by angle in [0, 2 pi), exact.
+bool before_by_angle(const RegionSide& i, const RegionSide& j) {
+    const auto lower_half = [](const RegionSide& s) { return -s.a < 0 || (s.a == 0 && s.b < 0); };
+    if (lower_half(i) != lower_half(j)) return lower_half(j);
+    return turn(i, j).sign() == Sign::Positive;
+}
+
+[[noreturn]] void fail_empty(const std::string& what) {
+    throw InputError(Kind::EmptyBox, InputError::no_object, "box", what);
+}
+
+// Exact in world coordinates: a plane across the box has corners on both sides; one that holds a face of
+// the box needs the box on its front side.
+void check_base_cuts_box(const Plane& base, const Box& box) {
+    int in_front = 0, behind = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Exact height;
+        for (int i = 0; i < 3; ++i)
+            height +=
+                base.normal[i] * (Exact((corner >> i & 1) != 0 ? box.max[i] : box.min[i]) - base.point[i]);
+        if (height.sign() == Sign::Positive) ++in_front;
+        if (height.sign() == Sign::Negative) ++behind;
+    }
+    if (in_front > 0 && behind > 0) return;
+    const int on_plane = 8 - in_front - behind;
+    if (on_plane == 4 && in_front == 4) return;
+    if (on_plane == 4) fail_empty("lies behind the base plane (base.plane), which it only touches");
+    if (on_plane > 0) fail_empty("meets the base plane (base.plane) in no more than a point or an edge");
+    fail_empty("does not meet the base plane (base.plane)");
+}
+
+// The part of the canonical plane z = 0 in the box. A plane that only grazes the box may lose its last
+// sliver when an oblique frame is rounded: the error is the same.
+std::vector<RegionSide> base_region(const std::array<BoxSide, 6>& box) {
+    std::vector<RegionSide> lines;
+    bool empty = false;
+    for (const BoxSide& side : box) {
+        if (side.m.x() != 0 || side.m.y() != 0)
+            lines.push_back({-side.m.x(), -side.m.y(), side.k, Site::box_side(side.index)});
+        else if (side.k < 0 || (side.k == 0 && side.m.z() > 0))
+            empty = true;
+    }
+    std::vector<RegionSide> region;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        if (contributes(lines, i)) region.push_back(lines[i]);
+    if (empty || region.empty())
+        fail_empty("meets the base plane (base.plane) in a region too small for doubles");
+    std::sort(region.begin(), region.end(), before_by_angle);
+    return region;
+}
+
+// Corner i is where side i begins.
+std::vector<ExactPoint> region_corners(const std::vector<RegionSide>& region) {
+    std::vector<ExactPoint> corners;
+    for (std::size_t i = 0; i < region.size(); ++i)
+        corners.push_back(crossing(region[(i + region.size() - 1) % region.size()], region[i]));
+    return corners;
+}
+
+double place_of(const Box& box, Site side) {
+    return (side.index % 2 == 0 ? box.min : box.max)[side.index / 2];
+}
+
+// The sides of the box through the point of the base on two of them, exact in world coordinates: the region's own
+// sides are rounded, and where three run through one point no two of them tell of the third.
+std::vector<Site> sides_through(const Plane& base, const Box& box, Site first, Site second) {
+    const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
+    std::vector<Site> sides{first, second};
+    if (base.normal[i] == 0 && base.normal[j] == 0) return sides;  // the third one is along the base
+    const Exact across = base.normal[i] * (Exact(place_of(box, first)) - base.point[i]) +
+                         base.normal[j] * (Exact(place_of(box, second)) - base.point[j]);
+    for (const std::uint32_t index : {2 * k, 2 * k + 1}) {
+        const Site third = Site::box_side(index);
+        const Exact height = across + base.normal[k] * (Exact(place_of(box, third)) - base.point[k]);
+        if (height.sign() == Sign::Zero) sides.push_back(third);
+    }
+    return sides;
+}
+
+// The point of the base on two sides of the box, times a positive factor: exact in world coordinates.
+struct WorldPoint {
+    ExactVector p;
+    Exact factor;
+};
+WorldPoint world_corner(const Plane& base, const Box& box, Site first, Site second) {
+    const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
+    const Exact turn(base.normal[k] < 0 ? -1.0 : 1.0), n = turn * base.normal[k];
+    std::array<Exact, 3> p;
+    p[k] = n * Exact(base.point[k]);
+    for (const Site side : {first, second}) {
+        const std::uint32_t axis = side.index / 2;
+        const Exact place(place_of(box, side));
+        p[axis] = n * place;
+        p[k] -= turn * base.normal[axis] * (place - base.point[axis]);
+    }
+    return {{p[0], p[1], p[2]}, n};
+}
+
+// On which side of the plane is the corner? Exact.
+Sign side_of(const Plane& plane, const WorldPoint& corner) {
+    const ExactVector n(plane.normal);
+    return (dot(n, corner.p) - corner.factor * dot(n, ExactVector(plane.point))).sign();
+}
+
+// Sign of the least of |a x (p - q)|^2 - (rho |a|)^2 over the base's region, q on the cylinder's axis. It is convex: least
+// where the axis meets the base, if that is inside, or else on a side. Exact in world coordinates.
+Sign lowest_in_world(const Cylinder& cylinder, const Plane& base, const Box& box, std::span<const WorldPoint> corners) {
+    const ExactVector a(cylinder.axis), q(cylinder.point), n(base.normal), b(base.point);
+    const Exact square = Exact(cylinder.radius) * cylinder.radius * dot(a, a);
+    Sign best = Sign::Positive;
+    const auto consider = [&](const Exact& value) { best = std::min(best, value.sign()); };
+    if (const Exact slope = dot(n, a); slope.sign() != Sign::Zero) {
+        // q + t a with t = n.(b - q) / n.a.
+        const Exact along = dot(n, b - q);
+        const Exact turn(slope.sign() == Sign::Negative ? -1.0 : 1.0);
+        const ExactVector from_q = along * a;
+        const std::array<Exact, 3> at{from_q.x, from_q.y, from_q.z};
+        bool is_inside = true;
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double bound : {box.min[axis], box.max[axis]}) {
+                const Exact beyond = turn * (at[axis] - slope * (Exact(bound) - cylinder.point[axis]));
+                is_inside = is_inside && (bound == box.min[axis] ? beyond : -beyond).sign() != Sign::Negative;
+            }
+        if (is_inside) consider(-square);
+    }
+    const auto polar = [&](const WorldPoint& p, const WorldPoint& r) {
+        return dot(cross(a, p.p - p.factor * q), cross(a, r.p - r.factor * q)) - square * p.factor * r.factor;
+    };
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        // As in Region::lowest().
+        const WorldPoint &p = corners[i], &r = corners[(i + 1) % corners.size()];
+        const Exact pp = polar(p, p), pr = polar(p, r);
+        consider(pp);
+        if (pr.sign() == Sign::Negative) consider(pp * polar(r, r) - pr * pr);
+    }
+    return best;
+}
+
+// ---- Objects against the region ---------------------------------------------------------------------
+
+class Region {
+public:
+    explicit Region(const std::vector<RegionSide>& sides) : sides_(sides), corners_(region_corners(sides)) {}
+
+    const std::vector<ExactPoint>& corners() const { return corners_; }
+
+    // Sign of r2 / p.d^2 - (squared distance of p from the closed region).
+    Sign reach(const ExactPoint& p, const Exact& r2) const {
+        bool inside = true;
+        std::optional<Sign> best;
+        const auto consider = [&](const Exact& excess) {
+            const Sign s = excess.sign();
+            if (!best || s > *best) best = s;
+        };
+        for (std::size_t i = 0; i < sides_.size(); ++i) {
+            const RegionSide& side = sides_[i];
+            const ExactPoint &from = corners_[i], &to = corners_[(i + 1) % sides_.size()];
+            const Exact dx = p.x * from.d - from.x * p.d, dy = p.y * from.d - from.y * p.d;
+            consider(r2 * from.d * from.d - dx * dx - dy * dy);
+            const Exact value = value_at(side, p);
+            if (value.sign() != Sign::Negative) continue;
+            inside = false;
+            // The foot on the line lies on the side when p is beyond `from` and short of `to`.
+            const Exact ex = to.x * p.d - p.x * to.d, ey = to.y * p.d - p.y * to.d;
+            if ((dx * side.b - dy * side.a).sign() == Sign::Positive &&
+                (ex * side.b - ey * side.a).sign() == Sign::Positive)
+                consider(r2 * (Exact(side.a) * side.a + Exact(side.b) * side.b) - value * value);
+        }
+        return inside ? r2.sign() : *best;
+    }
+
+    // Sign of the smallest value of trace - level over the closed region. The trace is convex: the minimum is
+    // at the bottom of the paraboloid when that lies inside, else on a side.
+    Sign lowest(CylinderTrace trace, const Exact& level) const {
+        trace.c -= level;
+        Sign best = Sign::Positive;
+        const auto consider = [&](const Exact& value) { best = std::min(best, value.sign()); };
+        if (const auto bottom = bottom_inside(trace)) consider(polar(trace, *bottom, *bottom));
+        for (std::size_t i = 0; i < corners_.size(); ++i) {
+            // From corner p to corner q with s, t >= 0: the value at (s p + t q) times a positive factor
+            // is pp s^2 + 2 pq s t + qq t^2, below the corners' values only where pq < 0.
+            const ExactPoint &p = corners_[i], &q = corners_[(i + 1) % corners_.size()];
+            const Exact pp = polar(trace, p, p), pq = polar(trace, p, q);
+            consider(pp);
+            if (pq.sign() == Sign::Negative) consider(pp * polar(trace, q, q) - pq * pq);
+        }
+        return best;
+    }
+
+    // Where a cylinder's trace is lowest over the region, rounded: for messages.
+    Eigen::Vector2d lowest_point(const CylinderTrace& trace) const {
+        if (const auto bottom = bottom_inside(trace)) return bottom->rounded();
+        std::optional<Eigen::Vector2d> best;
+        double least = 0;
+        for (std::size_t i = 0; i < corners_.size(); ++i) {
+            const Eigen::Vector2d from = corners_[i].rounded();
+            const Eigen::Vector2d along = corners_[(i + 1) % corners_.size()].rounded() - from;
+            const Eigen::Matrix2d m{{nearest(trace.xx), nearest(trace.xy)},
+                                    {nearest(trace.xy), nearest(trace.yy)}};
+            const Eigen::Vector2d b(nearest(trace.x1), nearest(trace.y1));
+            const double curvature = along.dot(m * along), slope = along.dot(m * from + b);
+            const double t = slope >= 0 ? 0 : -slope >= curvature ? 1 : -slope / curvature;
+            const Eigen::Vector2d q = from + t * along;
+            const double value = q.dot(m * q + 2 * b);
+            if (!best || value < least) {
+                best = q;
+                least = value;
+            }
+        }
+        return *best;
+    }
+
+    // The point of the region nearest to p, rounded: for messages.
+    Eigen::Vector2d nearest_point(const Eigen::Vector2d& p) const {
+        std::optional<Eigen::Vector2d> best;
+        bool inside = true;
+        for (std::size_t i = 0; i < sides_.size(); ++i) {
+            if (sides_[i].a * p.x() + sides_[i].b * p.y() + sides_[i].c < 0) inside = false;
+            const Eigen::Vector2d from = corners_[i].rounded();
+            const Eigen::Vector2d along = corners_[(i + 1) % sides_.size()].rounded() - from;
+            const double t = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+            const Eigen::Vector2d q = from + t * along;
+            if (!best || (q - p).squaredNorm() < (*best - p).squaredNorm()) best = q;
+        }
+        return inside ? p : *best;
+    }
+
+private:
+    // The symmetric bilinear form of a trace, on homogeneous points.
+    static Exact polar(const CylinderTrace& f, const ExactPoint& p, const ExactPoint& q) {
+        return f.xx * p.x * q.x + f.xy * (p.x * q.y + p.y * q.x) + f.yy * p.y * q.y +
+               f.x1 * (p.x * q.d + p.d * q.x) + f.y1 * (p.y * q.d + p.d * q.y) + f.c * p.d * q.d;
+    }
+
+    // Where the axis meets the base, if that is in the region. Of an axis parallel to the base the trace is
+    // lowest along a line, which reaches the region's sides if it meets the region: none.
+    std::optional<ExactPoint> bottom_inside(const CylinderTrace& f) const {
+        const ExactPoint p{f.xy * f.y1 - f.yy * f.x1, f.xy * f.x1 - f.xx * f.y1, f.xx * f.yy - f.xy * f.xy};
+        if (p.d.sign() == Sign::Zero) return std::nullopt;
+        for (const RegionSide& side : sides_)
+            if (value_at(side, p).sign() == Sign::Negative) return std::nullopt;
+        return p;
+    }
+
+    const std::vector<RegionSide>& sides_;
+    std::vector<ExactPoint> corners_;
+};
+
+// ---- Forms ------------------------------------------------------------------------------------------
+
+// A ball in canonical coordinates, all of it times d.
+struct ExactBall {
+    ExactVector c;
+    Exact rho, d;
+
+    Exact behind() const { return c.z - rho; }  // height of the lowest point
+    Exact width() const { return c.z + rho; }   // beta
+};
+
+// Each of the four operations below is one rounding of exact operands or two of rounded ones: e has a
+// relative error of 3u, w of u.
+CircularForm ball_form(const Ball& s) {
+    CircularForm f;
+    f.k = 1;
+    f.cx = s.cx;
+    f.cy = s.cy;
+    f.e = (s.cz - s.rho) * (s.cz + s.rho);
+    f.w = 2 * (s.cz + s.rho);
+    return f;
+}
+
+ExactForm exact_ball_form(const ExactBall& s) {
+    const Exact twice_d = 2.0 * s.d;
+    return {s.d * s.d, -(twice_d * s.c.x), -(twice_d * s.c.y),
+            s.c.x * s.c.x + s.c.y * s.c.y + s.behind() * s.width(), twice_d * s.width()};
+}
+
+// About a centre in doubles, what it is off by in the linear terms: |p - c|^2 = |p - c~|^2 + 2 (c~ - c).p + |c|^2 -
+// |c~|^2. Coefficients are quotients of correctly rounded numbers: relative errors of 3u.
+CircularForm ball_form(const ExactBall& s) {
+    const double d = nearest(s.d), d2 = nearest(s.d * s.d);
+    CircularForm f;
+    f.k = 1;
+    f.cx = nearest(s.c.x) / d;
+    f.cy = nearest(s.c.y) / d;
+    const Exact cx = s.d * Exact(f.cx), cy = s.d * Exact(f.cy);
+    f.a = 2 * nearest(cx - s.c.x) / d;
+    f.b = 2 * nearest(cy - s.c.y) / d;
+    f.e = nearest(s.c.x * s.c.x + s.c.y * s.c.y - cx * cx - cy * cy + s.behind() * s.width()) / d2;
+    f.w = 2 * nearest(s.width()) / d;
+    return f;
+}
+
+// (A x + B y + C) / W, of a plane or a box side.
+using LinearForm = std::array<Exact, 4>;
+
+// n.p + d with the region on the positive side.
+struct HalfSpaceOverBase {
+    ExactVector n;
+    Exact d, length;  // |n|, rounded
+};
+
+// Height of the plane n.p + d = 0 seen from its positive side: C = nx x + ny y + d, 2 beta = |n| - nz,
+// both multiplied by |n| + nz where the difference would cancel.
+LinearForm plane_form(const HalfSpaceOverBase& h) {
+    const ExactVector& n = h.n;
+    if (n.z.sign() != Sign::Positive) return {n.x, n.y, h.d, h.length - n.z};
+    const Exact factor = h.length + n.z;
+    return {factor * n.x, factor * n.y, factor * h.d, n.x * n.x + n.y * n.y};
+}
+
+// ---- The problem ------------------------------------------------------------------------------------
+
+class ProblemBuilder {
+public:
+    ProblemBuilder(const Scene& scene, const Plane& base, double unit)
+        : scene_(scene),
+          base_(base),
+          frame_(std::make_shared<PlaneFrame>(base, scene.box)),
+          box_(frame_->box()),
+          sides_(base_region(box_)),
+          region_(sides_),
+          unit_(unit),
+          sources_(std::make_shared<IdVector<FormId, FormSource>>()) {}
+
+    PlaneBaseProblem build() {
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
+            if (!scene_.competes(i)) continue;
+            if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]))
+                add(i, *sphere);
+            else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i]))
+                add(i, *plane);
+            else
+                add(i, std::get<Cylinder>(scene_.objects[i]));
+        }
+        drop_hidden();
+        make_forms();
+        add_cylinders();
+        PlaneBaseProblem problem;
+        problem.frame = frame_->motion();
+        problem.unit = unit_;
+        problem.moved = std::max(frame_->moved(), moved_by_lengths(scene_));
+        problem.region = sides_;
+        for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
+        for (std::size_t i = 0; i < sides_.size(); ++i)
+            problem.corner_sites.push_back(sides_through(
+                base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
+        problem.family.forms = std::move(forms_);
+        for (const std::uint32_t i : cylinder_objects_) {
+            problem.family.cylinders.push_back(form_of(i));
+            const ExactVector axis(std::get<Cylinder>(scene_.objects[i]).axis), normal(base_.normal);
+            problem.axes.push_back(dot(axis, normal).sign() == Sign::Zero ? AxisToBase::Parallel
+                                   : cross(axis, normal).is_zero()        ? AxisToBase::Upright
+                                                                          : AxisToBase::Oblique);
+        }
+        problem.on_one_normal = [sources = sources_, normal = base_.normal](FormId f, FormId g) {
+            const auto *p = std::get_if<Ball>(&(*sources)[f]), *q = std::get_if<Ball>(&(*sources)[g]);
+            if (p == nullptr || q == nullptr) return false;
+            return cross(ExactVector(center(*p)) - ExactVector(center(*q)), ExactVector(normal)).is_zero();
+        };
+        problem.family.exact = [sources = sources_, frame = frame_](FormId f) -> ExactForm {
+            const FormSource& source = (*sources)[f];
+            if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(placed(*frame, *ball));
+            return *std::get<std::shared_ptr<const ExactForm>>(source);
+        };
+        warn();
+        problem.sites = std::move(sites_);
+        problem.warnings = std::move(warnings_);
+        return problem;
+    }
+
+private:
+    // A ball in the world, or what is exact.
+    using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
+
+    [[noreturn]] void fail(Kind kind, std::uint32_t object, const std::string& what) const {
+        throw InputError(kind, object, object_path(scene_, object), what);
+    }
+    [[noreturn]] void fail_touching(std::uint32_t object, Sign depth, const Eigen::Vector2d& place) const {
+        const Vec3 world = frame_->motion().to_world({place.x(), place.y(), 0});
+        fail(Kind::TouchesBase, object,
+             std::string(depth == Sign::Positive ? "cuts" : "touches") + " the base region at " +
+                 to_text(unit_ * world));
+    }
+
+    // A ball of the world in canonical coordinates.
+    static ExactBall placed(const PlaneFrame& frame, const Ball& ball) {
+        if (frame.keeps(center(ball))) return {ExactVector(frame.to_canonical(center(ball))), ball.rho, 1.0};
+        return {frame.place(center(ball)), frame.norm() * ball.rho, frame.norm()};
+    }
+    static Vec3 center(const Ball& ball) { return {ball.cx, ball.cy, ball.cz}; }
+    static Ball rounded(const PlaneFrame& frame, const Ball& ball) {
+        const Vec3 c = frame.to_canonical(center(ball));
+        return {c.x(), c.y(), c.z(), ball.rho};
+    }
+
+    void add(std::uint32_t i, const Sphere& sphere) {
+        const Ball world{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
+        const bool is_kept = frame_->keeps(sphere.center);
+        const Ball ball = rounded(*frame_, world);
+        // A base that has turned by rounding may part from what touches it in the scene.
+        const double size = std::hypot(ball.cx, ball.cy, ball.cz) + ball.rho;
+        if (!frame_->is_exact() && std::abs(ball.cz) <= ball.rho + near_contact * size) {
+            const ExactVector n(base_.normal);
+            const Exact square = dot(n, n), height = dot(n, ExactVector(sphere.center) - ExactVector(base_.point));
+            const Exact power = square * Exact(sphere.radius) * sphere.radius - height * height;
+            if (power.sign() != Sign::Negative) {
+                const ExactBall exact = placed(*frame_, world);
+                const Sign depth = region_.reach({square * exact.c.x, square * exact.c.y, square * exact.d},
+                                                 power * square * exact.d * exact.d);
+                if (depth != Sign::Negative)
+                    fail_touching(i, depth, region_.nearest_point({ball.cx, ball.cy}));
+            }
+        }
+        if (!is_kept || (!(ball.cz > ball.rho) && !(ball.cz < -ball.rho))) {
+            const ExactBall exact = placed(*frame_, world);
+            if (exact.behind().sign() != Sign::Positive && exact.width().sign() != Sign::Negative) {
+                // The sphere meets the base plane in a disk of squared radius (rho - cz)(rho + cz) >= 0.
+                const Sign depth =
+                    region_.reach({exact.c.x, exact.c.y, exact.d}, -(exact.behind() * exact.width()));
+                if (depth != Sign::Negative)
+                    fail_touching(i, depth, region_.nearest_point({ball.cx, ball.cy}));
+            }
+            if (exact.width().sign() != Sign::Positive) {
+                behind_.push_back(i);
+                return;
+            }
+        } else if (!(ball.cz > -ball.rho)) {
+            behind_.push_back(i);
+            return;
+        }
+        balls_.push_back(world);
+        ball_objects_.push_back(i);
+    }
+
+    void add(std::uint32_t i, const Plane& plane) {
+        const ExactVector normal(plane.normal);
+        const Exact square = dot(normal, normal);
+        const double length = rounded_sqrt(square);
+        HalfSpaceOverBase h{frame_->turned(plane.normal), {}, frame_->norm() * length};
+        // A plane parallel to the base stays parallel to it.
+        const bool is_level = cross(normal, ExactVector(base_.normal)).is_zero();
+        if (is_level && !frame_->is_exact()) {
+            const bool up = h.n.z.sign() == Sign::Positive;
+            h.n = {Exact(), Exact(), up ? h.length : -h.length};
+        }
+        // n.p + d = 0 in p's canonical place, which is that of the plane's point.
+        const ExactVector p = frame_->place(plane.point);
+        h.d = -dot(h.n, p);
+        h.n = frame_->norm() * h.n;
+        h.length = frame_->norm() * h.length;
+        // Linear over the region: the corners tell.
+        const auto& corners = region_.corners();
+        std::vector<Sign> signs;
+        for (const ExactPoint& c : corners) signs.push_back((h.n.x * c.x + h.n.y * c.y + h.d * c.d).sign());
+        // A base that has turned by rounding may part from what touches it in the scene.
+        for (std::size_t c = 0; c < corners.size() && !frame_->is_exact(); ++c) {
+            if (side_of(plane, world_corners()[c]) != signs[c]) signs[c] = Sign::Zero;
+        }
+        const auto differs = std::adjacent_find(signs.begin(), signs.end(), std::not_equal_to<>());
+        const auto zero = std::find(signs.begin(), signs.end(), Sign::Zero);
+        if (differs != signs.end() || zero != signs.end()) {
+            const bool cuts = std::count(signs.begin(), signs.end(), Sign::Positive) > 0 &&
+                              std::count(signs.begin(), signs.end(), Sign::Negative) > 0;
+            Eigen::Vector2d place;
+            if (zero != signs.end()) {
+                place = corners[zero - signs.begin()].rounded();
+            } else {
+                const std::size_t k = differs - signs.begin();
+                const Eigen::Vector2d from = corners[k].rounded(), to = corners[k + 1].rounded();
+                const Eigen::Vector2d n(nearest(h.n.x), nearest(h.n.y));
+                const double g0 = n.dot(from) + nearest(h.d), g1 = n.dot(to) + nearest(h.d);
+                place = from + std::clamp(g0 / (g0 - g1), 0.0, 1.0) * (to - from);
+            }
+            fail_touching(i, cuts ? Sign::Positive : Sign::Zero, place);
+        }
+        const double s = static_cast<int>(signs.front());
+        planes_.push_back({s * normal.x, s * normal.y, s * normal.z, -s * dot(normal, ExactVector(plane.point))});
+        plane_objects_.push_back(i);
+        if (s < 0) h = {Exact(-1.0) * h.n, -h.d, h.length};
+        placed_planes_.push_back(h);
+    }
+
+    const std::vector<WorldPoint>& world_corners() {
+        if (world_corners_.empty())
+            for (std::size_t i = 0; i < sides_.size(); ++i)
+                world_corners_.push_back(world_corner(
+                    base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
+        return world_corners_;
+    }
+
+    static CylinderForm world_form(const Cylinder& cylinder) {
+        const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
+        return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
+    }
+
+    // In canonical coordinates.
+    CylinderForm form_of(std::uint32_t object) const {
+        const auto& cylinder = std::get<Cylinder>(scene_.objects[object]);
+        const Vec3 axis = scaled_axis(cylinder.axis), p = frame_->to_canonical(cylinder.point);
+        const ExactVector a = frame_->turned(axis);
+        const double d = nearest(frame_->norm());
+        CylinderForm form{p.x(), p.y(), p.z(), nearest(a.x) / d, nearest(a.y) / d, nearest(a.z) / d, cylinder.radius};
+        if (!frame_->keeps(cylinder.point)) {
+            const ExactVector q = frame_->place(cylinder.point);
+            form.px = nearest(q.x) / d;
+            form.py = nearest(q.y) / d;
+            form.pz = nearest(q.z) / d;
+            form.exact = std::make_shared<const ExactCylinder>(ExactCylinder{
+                {q.x, q.y, q.z, a.x, a.y, a.z, frame_->norm() * cylinder.radius}, frame_->norm()});
+        }
+        return form;
+    }
+
+    void add(std::uint32_t i, const Cylinder& cylinder) {
+        const CylinderForm form = form_of(i);
+        const CylinderTrace trace = trace_on_base(form);
+        Sign clear = region_.lowest(trace, Exact());
+        // A base that has turned by rounding may part from what touches it in the scene.
+        if (!frame_->is_exact())
+            clear = std::min(clear, lowest_in_world(cylinder, base_, scene_.box, world_corners()));
+        if (clear != Sign::Positive) fail_touching(i, -clear, region_.lowest_point(trace));
+        const bool is_level =
+            dot(ExactVector(cylinder.axis), ExactVector(base_.normal)).sign() == Sign::Zero;
+        const ExactCylinder exact = exact_cylinder(form);
+        if (is_level && (exact.pz + exact.rho).sign() != Sign::Positive) {
+            behind_.push_back(i);
+            return;
+        }
+        if (region_.lowest(trace, smallest_coefficient) == Sign::Negative)
+            fail(Kind::OutOfRange, i, "is so close to the base that its height leaves the range of doubles");
+        if (form.az != 0 && std::abs(form.az) < smallest_slope)
+            fail(Kind::OutOfRange, i,
+                 "is so nearly parallel to the base that its height leaves the range of doubles");
+        cylinders_.push_back(world_form(cylinder));
+        cylinder_objects_.push_back(i);
+    }
+
+    // Leaves out what lies in a cylinder, and cylinders beyond a plane or a side of the box. Of equal
+    // cylinders the first one stays and stands for all.
+    void drop_hidden() {
+        if (cylinders_.empty()) return;
+        std::vector<std::pair<std::uint32_t, std::string>> hidden;  // object, where it hides
+        const auto hide = [&](std::uint32_t object, const char* how, const std::string& where) {
+            hidden.emplace_back(object, object_title(scene_, object) + how + where);
+        };
+        const auto keep = [](auto& items, std::vector<std::uint32_t>& objects, const auto& is_hidden) {
+            std::size_t kept = 0;
+            for (std::size_t i = 0; i < items.size(); ++i) {
+                if (is_hidden(i)) continue;
+                items[kept] = items[i];
+                objects[kept++] = objects[i];
+            }
+            items.resize(kept);
+            objects.resize(kept);
+        };
+
+        // A side of the box is where the base and its mirror image across that side, a plane, are equally far: with
+        // x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the base leans that way.
+        std::vector<std::pair<LinearForm, std::string>> walls;
+        for (std::size_t k = 0; k < planes_.size(); ++k)
+            walls.emplace_back(planes_[k], object_title(scene_, plane_objects_[k]));
+        for (const BoxSide& side : box_) {
+            if (!(side.m.z() > 0)) continue;
+            const Eigen::Index axis = side.index / 2;
+            const double bound = (side.index % 2 == 0 ? scene_.box.min : scene_.box.max)[axis];
+            Vec3 mirrored = base_.normal;
+            mirrored[axis] = -mirrored[axis];
+            const Exact d = 2.0 * Exact(bound) * base_.normal[axis] -
+                            dot(ExactVector(base_.normal), ExactVector(base_.point));
+            walls.push_back({{mirrored.x(), mirrored.y(), mirrored.z(), d},
+                             "side " + to_string(Site::box_side(side.index))});
+        }
+        const std::vector<CylinderForm> all = cylinders_;
+        const std::vector<std::uint32_t> objects = cylinder_objects_;
+        const auto containers = possible_containers(all);
+        keep(cylinders_, cylinder_objects_, [&](std::size_t i) {
+            for (const auto& [plane, title] : walls) {
+                if (!is_beyond(plane, all[i])) continue;
+                hide(objects[i], " beyond ", title);
+                return true;
+            }
+            std::size_t first_equal = i;
+            for (const std::uint32_t k : containers[i]) {
+                if (!contains(all[k], all[i])) continue;
+                if (!contains(all[i], all[k])) {
+                    hide(objects[i], " in ", object_title(scene_, objects[k]));
+                    return true;
+                }
+                first_equal = std::min<std::size_t>(first_equal, k);
+            }
+            if (first_equal < i) equal_.emplace_back(objects[first_equal], objects[i]);
+            return first_equal < i;
+        });
+        const std::vector<Ball> balls = balls_;
+        const std::vector<std::uint32_t> ball_objects = ball_objects_;
+        keep(balls_, ball_objects_, [&](std::size_t i) {
+            const Ball& ball = balls[i];
+            for (std::size_t k = 0; k < cylinders_.size(); ++k) {
+                if (!contains(cylinders_[k], ball.cx, ball.cy, ball.cz, ball.rho)) continue;
+                hide(ball_objects[i], " in ", object_title(scene_, cylinder_objects_[k]));
+                return true;
+            }
+            return false;
+        });
+        std::ranges::sort(hidden);
+        std::vector<std::string> texts;
+        for (auto& [object, text] : hidden) texts.push_back(std::move(text));
+        if (!texts.empty())
+            warnings_.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
+    }
+
+    CircularForm rounded(const LinearForm& exact, Site site) const {
+        for (const Exact& x : exact) check_range(nearest(x), x.sign() == Sign::Zero, site);
+        CircularForm f;
+        f.a = nearest(exact[0]);
+        f.b = nearest(exact[1]);
+        f.e = nearest(exact[2]);
+        f.w = nearest(exact[3]);
+        return f;
+    }
+
+    // Pre: is_zero says whether the coefficient that x rounds is exactly zero.
+    void check_range(double x, bool is_zero, Site site) const {
+        if (is_zero || std::abs(x) >= smallest_coefficient) return;
+        const std::string what =
+            "is so close to the base, or so nearly parallel to it, that its height leaves the range of "
+            "doubles";
+        if (site.is_object()) fail(Kind::OutOfRange, site.index, what);
+        throw InputError(Kind::OutOfRange, InputError::no_object, "box",
+                         "side " + to_string(site) + " " + what);
+    }
+
+    // One form for every distinct height, in the order of their first sites: objects, then box sides.
+    void make_forms() {
+        const std::vector<std::uint32_t> first_ball = first_equal(balls_);
+        // Planes that are multiples of each other are one plane, though |n| may round differently.
+        const std::vector<std::uint32_t> first_plane = first_equal(planes_);
+        std::vector<LinearForm> linear;
+        std::vector<Site> linear_sites;
+        for (std::size_t i = 0; i < planes_.size(); ++i) {
+            const LinearForm form =
+                first_plane[i] < i ? plane_forms_[first_plane[i]] : plane_form(placed_planes_[i]);
+            plane_forms_.push_back(form);
+            if (form[3].sign() != Sign::Positive) {
+                behind_.push_back(plane_objects_[i]);
+                continue;
+            }
+            linear.push_back(form);
+            linear_sites.push_back(Site::object(plane_objects_[i]));
+        }
+        for (const BoxSide& side : box_) {
+            if (!(side.m.z() > 0)) continue;
+            linear.push_back({-side.m.x(), -side.m.y(), side.k, side.m.z()});
+            linear_sites.push_back(Site::box_side(side.index));
+        }
+        const std::vector<std::uint32_t> first_linear = first_equal(linear);
+
+        std::vector<FormId> ball_forms(balls_.size()), linear_forms(linear.size());
+        forms_.reserve(balls_.size() + linear.size());
+        const auto add_ball = [&](std::size_t i) {
+            if (first_ball[i] < i) {
+                ball_forms[i] = ball_forms[first_ball[i]];
+            } else {
+                const Ball& ball = balls_[i];
+                const bool is_kept = frame_->keeps(center(ball));
+                const CircularForm f =
+                    is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
+                check_range(f.e, is_kept ? rounded(*frame_, ball).cz == ball.rho : f.e == 0,
+                            Site::object(ball_objects_[i]));
+                check_range(f.w, false, Site::object(ball_objects_[i]));
+                ball_forms[i] = forms_.push_back(f);
+                sources_->push_back(balls_[i]);
+                sites_.push_back({});
+            }
+            sites_[ball_forms[i]].push_back(Site::object(ball_objects_[i]));
+        };
+        const auto add_linear = [&](std::size_t i) {
+            if (first_linear[i] < i) {
+                linear_forms[i] = linear_forms[first_linear[i]];
+            } else {
+                linear_forms[i] = forms_.push_back(rounded(linear[i], linear_sites[i]));
+                const auto& [a, b, c, w] = linear[i];
+                sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
+                sites_.push_back({});
+            }
+            sites_[linear_forms[i]].push_back(linear_sites[i]);
+        };
+        std::size_t ball = 0;
+        for (std::size_t i = 0; i < linear.size(); ++i) {
+            while (ball < balls_.size() && Site::object(ball_objects_[ball]) < linear_sites[i])
+                add_ball(ball++);
+            add_linear(i);
+        }
+        while (ball < balls_.size()) add_ball(ball++);
+    }
+
+    // Cylinders come after the circular forms, in the order of their objects.
+    void add_cylinders() {
+        for (const std::uint32_t object : cylinder_objects_) {
+            std::vector<Site> sites{Site::object(object)};
+            for (const auto& [first, twin] : equal_)
+                if (first == object) sites.push_back(Site::object(twin));
+            sites_.push_back(sites);
+        }
+    }
+
+    void warn() {
+        if (!behind_.empty()) {
+            std::sort(behind_.begin(), behind_.end());
+            std::vector<std::string> titles;
+            for (const std::uint32_t i : behind_) titles.push_back(object_title(scene_, i));
+            warnings_.push_back(listed(titles) + ": behind the base, never nearest to any point of its cell");
+        }
+        for (const std::vector<Site>& sites : sites_) {
+            if (sites.size() < 2) continue;
+            std::string text;
+            for (const Site site : sites)
+                text += (text.empty() ? "" : " and ") +
+                        (site.is_object() ? object_title(scene_, site.index) : "side " + to_string(site));
+            warnings_.push_back(text + ": the same distance from the base everywhere, merged");
+        }
+    }
+
+    const Scene& scene_;
+    const Plane& base_;
+    const std::shared_ptr<const PlaneFrame> frame_;
+    const std::array<BoxSide, 6>& box_;
+    const std::vector<RegionSide> sides_;
+    std::vector<WorldPoint> world_corners_;  // of the region, once a cylinder asks for them
+    const Region region_;
+    const double unit_;
+
+    // Of the world: there objects hide in each other, exactly.
+    std::vector<Ball> balls_;
+    std::vector<std::uint32_t> ball_objects_;
+    std::vector<LinearForm> planes_;  // (n, d), the region on the positive side
+    std::vector<HalfSpaceOverBase> placed_planes_;  // the same in canonical coordinates
+    std::vector<LinearForm> plane_forms_;
+    std::vector<std::uint32_t> plane_objects_;
+    std::vector<std::uint32_t> behind_;
+    std::vector<CylinderForm> cylinders_;
+    std::vector<std::uint32_t> cylinder_objects_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>>
+        equal_;  // a cylinder's object and a later one like it
+
+    IdVector<FormId, CircularForm> forms_;
+    IdVector<FormId, std::vector<Site>> sites_;
+    std::shared_ptr<IdVector<FormId, FormSource>> sources_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+PlaneBaseProblem plane_base_problem(const Scene& scene, double unit) {
+    const auto* base = std::get_if<Plane>(&scene.base);
+    if (base == nullptr)
+        throw InputError(Kind::Unsupported, InputError::no_object,
+                         std::holds_alternative<Sphere>(scene.base) ? "base.sphere" : "base.cylinder",
+                         "only planes are bases in this version");
+    check_base_cuts_box(*base, scene.box);
+    return ProblemBuilder(scene, *base, unit).build();
+}
+
+double region_area(const std::vector<RegionSide>& region) {
+    // A fan of triangles from corner 0, all of positive area: no cancellation between terms, and each
+    // numerator is exact.
+    const std::vector<ExactPoint> p = region_corners(region);
+    Interval twice(0.0);
+    for (std::size_t i = 1; i + 1 < p.size(); ++i) {
+        const Exact ux = p[i].x * p[0].d - p[0].x * p[i].d, uy = p[i].y * p[0].d - p[0].y * p[i].d;
+        const Exact vx = p[i + 1].x * p[0].d - p[0].x * p[i + 1].d,
+                    vy = p[i + 1].y * p[0].d - p[0].y * p[i + 1].d;
+        twice += (ux * vy - uy * vx).enclosure() / (p[0].d * p[0].d * p[i].d * p[i + 1].d).enclosure();
+    }
+    return 0.5 * twice.mid();
+}
+
+}  // namespace vcell

@@ -1,0 +1,125 @@
+/// Sphere and cylinder bases: canonical position, charts, height functions.
+///
+/// Canonical position and heights are those of primitives/forms/radial_form.hpp; with delta = rho - R0 (R0 the base's radius), the
+/// base point's axis point f = (0, y, 0) (y = 0 on a sphere), N = |a|^2 and m = f - p for a cylinder through p along a:
+///
+///     sphere (c, rho)                 C = |f - c|^2 - delta^2,                   B = c.n + delta W
+///     plane n'.p + D, s its sign      C = s (n'.f + D) + R0 |n'|,                B = (|n'| W - s n'.n) / 2
+///     box side m'.p <= k              C = k - m'.f,                              B = m'.n / 2
+///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) + (m.a)(a.n),  A = a.n
+///
+/// |n'| is rounded once, correctly. C > 0 all over the base: objects may overlap the base's body (clearance is then
+/// negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
+///
+/// Over a sphere everything but a cylinder is a CircularForm in the stereographic chart; its pole is put where
+/// one object is nearest all around, so that no edge of the diagram comes near it.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../forms/form_family.hpp"
+#include "../objects/objects.hpp"
+#include "plane_base.hpp"
+#include "../objects/scene.hpp"
+#include "../objects/site.hpp"
+
+namespace vcell {
+
+/// The sites of each form, ascending; of nearly every form just one.
+class FormSites {
+public:
+    void reserve(std::size_t forms) {
+        sites_.reserve(forms);
+        begins_.reserve(forms + 1);
+    }
+    /// The next form.
+    FormId add(Site site) {
+        sites_.push_back(site);
+        begins_.push_back(static_cast<std::uint32_t>(sites_.size()));
+        return {static_cast<std::uint32_t>(size() - 1)};
+    }
+    /// Another site of a form. It is listed after settle() only.
+    void join(FormId form, Site site) { joined_.emplace_back(form, site); }
+    void settle();
+
+    std::span<const Site> operator[](FormId f) const {
+        return {sites_.data() + begins_[f.value], sites_.data() + begins_[f.value + 1]};
+    }
+    std::size_t size() const { return begins_.size() - 1; }
+    /// Pre: settled.
+    bool has_shared_forms() const { return sites_.size() > size(); }
+    IdVector<FormId, Site>::IdRange ids() const { return {static_cast<std::uint32_t>(size())}; }
+
+private:
+    std::vector<Site> sites_;
+    std::vector<std::uint32_t> begins_{0};
+    std::vector<std::pair<FormId, Site>> joined_;
+};
+
+/// A scene over a sphere or a cylinder base, brought to canonical position and checked.
+struct RadialBaseProblem {
+    /// canonical = R (world - origin), rounded. Sphere: R is the identity, the origin the centre. Cylinder: the axis
+    /// becomes the y axis, the origin is its foot of the box's centre, or in general the base's point where that is
+    /// within a diagonal of the box. The forms are those of an exact R of rational entries: what objects and sides of
+    /// the box are to each other, it leaves alone. Only the base's axis turns, by a few 2^-53, unless its length is a
+    /// double (as of axis-parallel ones, or (1, 2, 2)), and the cylinders along it turn with it.
+    BaseFrame frame;
+    bool is_sphere;
+    double radius;  ///< R0
+    /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch
+    /// all of whose circles lie in the box; rounded inwards. At ends on oblique sides of the box a circle of
+    /// less than 2^-26 box diagonals counts as one of that radius.
+    std::array<double, 2> stretch{0, 0};
+    /// u = chart n / W. A rational rotation (of a cylinder about its axis), exact in the forms, rounded here.
+    Eigen::Matrix3d chart = Eigen::Matrix3d::Identity();
+    FormFamily family;
+    /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward normal.
+    IdVector<FormId, Object> objects;
+    /// As in PlaneBaseProblem.
+    FormSites sites;
+    /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than the nearer
+    /// of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no form.
+    struct GeneratorTie {
+        Site site;
+        FormId before, after;  ///< the nearer ones on both sides, as the angle about the y axis grows
+        bool is_decided;       ///< exact, or in the scene as it was moved; otherwise up to narrow_tie
+    };
+    std::vector<GeneratorTie> generator_ties;
+    /// As in PlaneBaseProblem.
+    double unit = 1, moved = 0;
+    std::vector<std::string> warnings;
+
+    /// Unit outward normal at a chart point. On a cylinder x may be any number of [-1, 3].
+    Vec3 normal(const Vec2& p) const;
+    /// The chart point of a unit normal (sphere; not the pole), or of a normal and a height (cylinder).
+    Vec2 chart_point(const Vec3& normal, double y) const;
+    /// W / -f: the distance from the centre or axis at which a form of value f < 0 is met.
+    double distance(const Vec2& p, double f) const;
+    /// The canonical point over a chart point at that distance.
+    Vec3 point(const Vec2& p, double t) const {
+        return t * normal(p) + Vec3(0, is_sphere ? 0.0 : p.y(), 0);
+    }
+    /// Are both cylinders, of one radius, with axes that cross in a point? Exact, about the forms.
+    bool cross_equally(FormId f, FormId g) const;
+};
+
+/// Throws InputError as plane_base_problem() does, by exact signs:
+///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a ball or
+///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of its
+///                circles), lies in it, or runs through it near its centre or axis;
+///   EmptyBox     the base sphere reaches beyond a side of the box (touching it from within is fine: clearance is 0
+///                there), a base of radius 0 lies on a side, or no stretch of the base cylinder is in the box;
+///   OutOfRange   a height's coefficients leave the double range.
+/// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
+/// objects are all but equal.
+/// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a plane; over a
+/// cylinder balls out of sight beyond the ends of the stretch.
+/// Pre: validate(scene) has passed; the base is a sphere or a cylinder.
+RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
+
+}  // namespace vcell

@@ -1,0 +1,130 @@
+#include "radial_objects.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "../objects/message.hpp"
+#include "nested_balls.hpp"
+#include "nested_cylinders.hpp"
+#include "solids.hpp"
+
+namespace vcell {
+
+HalfSpace::HalfSpace(const Vec3& point, const Vec3& normal)
+    : n(normal), d(-dot(ExactVector(normal), ExactVector(point))) {
+    const ExactVector exact(n);
+    length = rounded_sqrt(dot(exact, exact));
+}
+
+const char* cuts_or_touches(Sign clearance) { return clearance == Sign::Zero ? "touches" : "cuts"; }
+
+RadialObjects::RadialObjects(const Scene& scene) : scene_(scene), owner_(scene.objects.size()) {
+    std::iota(owner_.begin(), owner_.end(), 0u);
+    if (scene.base_object) owner_[*scene.base_object] = none;
+}
+
+void RadialObjects::fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const {
+    throw InputError(kind, object, object_path(scene_, object), what);
+}
+
+void RadialObjects::leave_out_unmet(std::uint32_t i) {
+    owner_[i] = none;
+    unmet_.push_back(object_title(scene_, i));
+}
+
+void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
+    const BallNesting nesting = ball_nesting(balls.items);
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+        if (const std::uint32_t first = nesting.first_equal[i]; first < i)
+            merge(balls.objects[i], balls.objects[first]);
+        if (const std::uint32_t k = nesting.enclosing[i]; k != none)
+            hide(balls.objects[i], " in ", object_title(scene_, balls.objects[k]));
+    }
+    std::vector<std::array<Exact, 4>> rays;
+    for (const HalfSpace& h : planes.items) rays.push_back({h.n.x(), h.n.y(), h.n.z(), h.d});
+    // Planes that are multiples of each other are one plane, though |n| may round differently.
+    const std::vector<std::uint32_t> first_plane = first_equal(rays);
+    for (std::size_t i = 0; i < planes.size(); ++i)
+        if (first_plane[i] < i) merge(planes.objects[i], planes.objects[first_plane[i]]);
+    const auto containers = possible_containers(cylinders.items);
+    for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, containers[i], rays, mirrored);
+    if (cylinders.size() + mirrored.size() == 0) return;
+    for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
+}
+
+void RadialObjects::warn(const FormSites& sites, std::vector<std::string>& warnings) const {
+    if (!unmet_.empty())
+        warnings.push_back(listed(unmet_) +
+                           ": out of sight of the base, never nearest to any point of its cell");
+    if (!hidden_.empty()) {
+        auto sorted = hidden_;
+        std::ranges::sort(sorted);
+        std::vector<std::string> texts;
+        for (auto& [object, text] : sorted) texts.push_back(std::move(text));
+        warnings.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
+    }
+    if (!sites.has_shared_forms()) return;
+    for (const FormId f : sites.ids()) {
+        const std::span<const Site> group = sites[f];
+        if (group.size() < 2) continue;
+        std::string text;
+        for (const Site site : group)
+            text += (text.empty() ? "" : " and ") +
+                    (site.is_object() ? object_title(scene_, site.index) : "side " + to_string(site));
+        warnings.push_back(text + ": the same distance from the base everywhere, merged");
+    }
+}
+
+void RadialObjects::hide(std::uint32_t object, const char* how, const std::string& where) {
+    owner_[object] = none;
+    hidden_.emplace_back(object, object_title(scene_, object) + how + where);
+}
+
+void RadialObjects::drop_if_hidden(std::size_t i, std::span<const std::uint32_t> possible_containers,
+                                   const std::vector<std::array<Exact, 4>>& half_spaces,
+                                   const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
+    const CylinderForm& cylinder = cylinders.items[i];
+    const std::uint32_t object = cylinders.objects[i];
+    for (std::size_t k = 0; k < planes.size(); ++k)
+        if (is_beyond(half_spaces[k], cylinder))
+            return hide(object, " beyond ", object_title(scene_, planes.objects[k]));
+    for (const auto& [image, side] : mirrored)
+        if (contains(image, cylinder) && !contains(cylinder, image))
+            return hide(object, " beyond ", "side " + to_string(side));
+    std::size_t first = i;
+    for (const std::uint32_t k : possible_containers) {
+        if (!contains(cylinders.items[k], cylinder)) continue;
+        if (!contains(cylinder, cylinders.items[k]))
+            return hide(object, " in ", object_title(scene_, cylinders.objects[k]));
+        first = std::min<std::size_t>(first, k);
+    }
+    if (first < i) merge(object, cylinders.objects[first]);
+}
+
+void RadialObjects::drop_if_in_cylinder(std::size_t i,
+                                        const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
+    const Ball& ball = balls.items[i];
+    const std::uint32_t object = balls.objects[i];
+    if (owner_[object] == none) return;
+    for (std::size_t k = 0; k < cylinders.size(); ++k)
+        if (contains(cylinders.items[k], ball.cx, ball.cy, ball.cz, ball.rho))
+            return hide(object, " in ", object_title(scene_, cylinders.objects[k]));
+    for (const auto& [image, side] : mirrored)
+        if (contains(image, ball.cx, ball.cy, ball.cz, ball.rho))
+            return hide(object, " beyond ", "side " + to_string(side));
+}
+
+void FoundForms::add_twins(const RadialObjects& all) {
+    for (std::uint32_t i = 0; all.has_merged() && i < of_object.size(); ++i) {
+        const std::uint32_t owner = all.owner(i);
+        if (owner != RadialObjects::none && owner != i && of_object[owner].valid())
+            sites.join(of_object[owner], Site::object(i));
+    }
+    sites.settle();
+}
+
+void fail_empty(const std::string& what) {
+    throw InputError(InputError::Kind::EmptyBox, InputError::no_object, "box", what);
+}
+
+}  // namespace vcell

@@ -1,0 +1,33 @@
+/// How cylinders lie among other solids, all given by doubles in one frame, by exact signs.
+///
+/// An object that lies in another one's solid is never nearer than that one, at best as near. Such ties may
+/// run along whole curves of the base (a ball that fills a stretch of a cylinder, a cylinder that
+/// touches another from within along a line): the base's problem leaves these objects out.
+#pragma once
+
+#include <array>
+
+#include "../forms/cylinder_form.hpp"
+#include "../../core/numbers/exact.hpp"
+#include "../../core/numbers/sign.hpp"
+
+namespace vcell {
+
+/// Is the closed ball (c, rho) part of the solid cylinder?
+bool contains(const CylinderForm& cylinder, double cx, double cy, double cz, double rho);
+
+/// Is the solid cylinder `inner` part of `outer`? Both ways: the same cylinder, whatever points and axes
+/// describe it.
+bool contains(const CylinderForm& outer, const CylinderForm& inner);
+
+/// Does the solid cylinder lie in the closed half-space n.p + d <= 0, given as (nx, ny, nz, d)?
+bool is_beyond(const std::array<Exact, 4>& plane, const CylinderForm& cylinder);
+
+/// C of cylinder_form.hpp as a polynomial: xx x^2 + 2 xy x y + yy y^2 + 2 x1 x + 2 y1 y + c. It is convex:
+/// |a|^2 times (the squared distance of (x, y, 0) from the axis - rho^2), times the fourth power of an exact form's unit.
+struct CylinderTrace {
+    Exact xx, xy, yy, x1, y1, c;
+};
+CylinderTrace trace_on_base(const CylinderForm& cylinder);
+
+}  // namespace vcell

@@ -1,0 +1,87 @@
+#include "vertex_system.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace vcell {
+
+namespace {
+
+template <class T>
+using Forms = QuadraticForms<4, T>;
+
+template <class T>
+void write(Forms<T>& f, int k, const PlaneSite& s) {
+    T norm2(0.0);
+    for (int i = 0; i < 3; ++i) {
+        f.linear[i][k] = T(s.normal[i]);
+        norm2 += square(T(s.normal[i]));
+    }
+    f.linear[3][k] = -sqrt(norm2);
+    f.constant[k] = T(s.offset);
+}
+
+template <class T>
+void write(Forms<T>& f, int k, const SphereSite& s) {
+    const T rho(s.radius);
+    T constant = -square(rho);
+    for (int i = 0; i < 3; ++i) {
+        const T c(s.center[i]);
+        f.quadratic[f.pair(i, i)][k] = T(1.0);
+        f.linear[i][k] = T(-2.0 * s.center[i]);
+        constant += square(c);
+    }
+    f.quadratic[f.pair(3, 3)][k] = T(-1.0);
+    f.linear[3][k] = T(-2.0 * s.radius);
+    f.constant[k] = constant;
+}
+
+// With D = |d|^2 I - d d^T: p^T D p - 2 (D c).p + c^T D c = |d|^2 (r + rho)^2.
+template <class T>
+void write(Forms<T>& f, int k, const CylinderSite& s) {
+    T norm2(0.0);
+    for (const double d : s.direction) norm2 += square(T(d));
+    std::array<std::array<T, 3>, 3> D;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const T dd = T(s.direction[i]) * T(s.direction[j]);
+            D[i][j] = i == j ? norm2 - dd : -dd;
+        }
+    T constant = -(norm2 * square(T(s.radius)));
+    for (int i = 0; i < 3; ++i) {
+        T Dc(0.0);
+        for (int j = 0; j < 3; ++j) Dc += D[i][j] * T(s.point[j]);
+        f.quadratic[f.pair(i, i)][k] = D[i][i];
+        for (int j = i + 1; j < 3; ++j) f.quadratic[f.pair(i, j)][k] = D[i][j] + D[i][j];
+        f.linear[i][k] = -(Dc + Dc);
+        constant += Dc * T(s.point[i]);
+    }
+    f.quadratic[f.pair(3, 3)][k] = -norm2;
+    f.linear[3][k] = -(norm2 * T(2.0 * s.radius));
+    f.constant[k] = constant;
+}
+
+}  // namespace
+
+template <class T>
+QuadraticForms<4, T> VertexSystem::forms() const {
+    Forms<T> f;
+    for (int k = 0; k < 4; ++k) std::visit([&](const auto& site) { write(f, k, site); }, sites[k]);
+    return f;
+}
+
+template QuadraticForms<4, Interval> VertexSystem::forms<Interval>() const;
+template QuadraticForms<4, Wide> VertexSystem::forms<Wide>() const;
+
+double VertexSystem::least_clearance() const {
+    double least = -std::numeric_limits<double>::infinity();
+    for (const VertexSite& site : sites) {
+        if (const auto* s = std::get_if<SphereSite>(&site)) least = std::max(least, -s->radius);
+        if (const auto* c = std::get_if<CylinderSite>(&site)) least = std::max(least, -c->radius);
+    }
+    return least;
+}
+
+template Solutions<4> solve(const VertexSystem&, const IntervalBox<4>&, const SolverOptions&);
+
+}  // namespace vcell

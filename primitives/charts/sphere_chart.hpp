@@ -1,0 +1,41 @@
+/// Where to put the pole of a sphere's stereographic chart.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "../objects/objects.hpp"
+
+namespace vcell {
+
+/// How near the objects come along the unit normal u of a sphere base: Q(u) = 1 / t, in double. The largest
+/// wins.
+struct Nearness {
+    /// Q = p.u + s
+    struct Linear {
+        Vec3 p;
+        double s;
+    };
+    /// Q = (beta + sqrt(beta^2 + C alpha^2)) / C,  beta = foot.u + delta, alpha = axis.u, C = |foot|^2 -
+    /// delta^2
+    struct Cylindrical {
+        Vec3 foot, axis;  ///< the axis' point nearest to the centre; its unit direction
+        double delta, C;
+    };
+    std::vector<Linear> linear;
+    std::vector<Cylindrical> cylindrical;
+};
+
+/// The rotation `matrix / norm`; matrix and norm hold integers below 2^51.
+struct IntegerRotation {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+    double norm = 1;
+};
+
+/// A rotation whose last column points away from a pole about which one object is nearest, with as few
+/// bits as the room around the pole allows. None when there is no such room that doubles can see.
+/// Linear in the number of objects. Pre: there are objects.
+std::optional<IntegerRotation> chart_rotation(const Nearness& nearness);
+
+}  // namespace vcell

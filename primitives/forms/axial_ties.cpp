@@ -1,0 +1,141 @@
+#include "axial_ties.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "../bases/base_problem.hpp"
+#include "../objects/exact_space.hpp"
+
+namespace vcell {
+
+namespace {
+
+// F in doubles: places are found with it, nothing is decided.
+struct Nearness {
+    std::uint32_t form;
+    double x, z, w;
+
+    double at(double angle) const { return x * std::sin(angle) + z * std::cos(angle) + w; }
+    double slope(double angle) const { return x * std::cos(angle) - z * std::sin(angle); }
+};
+
+// The first angle after `from` at which q comes up to p, within a turn.
+double meeting(const Nearness& p, const Nearness& q, double from) {
+    const double x = q.x - p.x, z = q.z - p.z, w = q.w - p.w, size = std::hypot(x, z);
+    constexpr double whole = 2 * std::numbers::pi;
+    if (!(std::abs(w) < size)) return from + whole;
+    // x sin + z cos + w = size cos(angle - phase) + w rises through zero half-way before its maximum.
+    const double angle = std::atan2(x, z) - std::acos(-w / size);
+    double turn = std::fmod(angle - from, whole);
+    if (turn < 0) turn += whole;
+    return from + turn;
+}
+
+// Is F_j = l F_a + (1 - l) F_b, 0 < l < 1?
+bool is_between(const RadialForm& j, const RadialForm& a, const RadialForm& b) {
+    const auto direction = [](const RadialForm& f, const RadialForm& g) {  // F_g - F_f, times c0 of both
+        return ExactVector(f.c[0] * g.b[0] - g.c[0] * f.b[0], f.c[0] * g.b[2] - g.c[0] * f.b[2],
+                           f.c[0] * g.b0 - g.c[0] * f.b0);
+    };
+    const ExactVector to_a = direction(j, a), to_b = direction(j, b);
+    return cross(to_a, to_b).is_zero() && dot(to_a, to_b).sign() == Sign::Negative;
+}
+
+// How far distances from the middle one change when its F gives way to one between those of a and b, by the
+// header's map from F to m and delta. With J = (X, w) of the middle one, the mean P = J - E and M of both,
+//
+//     m' - m = 2 (P_X M_J - J_X M_P) / (M_P M_J) = 2 (J_X (M_J - M_P) - E_X M_J) / (M_P M_J)
+//
+// and likewise delta' - delta; M_J - M_P = 2 (J_X.E_X - J_w E_w) - |E_X|^2 + E_w^2. All terms have a factor E, so
+// intervals cancel nothing. What counts is that P lies between A and B: any s of (0, 1) will do.
+double move_between(const RadialForm& j, const RadialForm& a, const RadialForm& b, double s) {
+    const auto scaled = [](const RadialForm& f) { return ExactVector(f.b[0], f.b[2], f.b0); };
+    const Exact ab = a.c[0] * b.c[0];
+    const ExactVector e = ab * scaled(j) - (j.c[0] * (1.0 - Exact(s)) * b.c[0]) * scaled(a) -
+                          (j.c[0] * Exact(s) * a.c[0]) * scaled(b);
+    const Interval two(2.0), cj = j.c[0].enclosure(), over = two / (cj * ab.enclosure());
+    const std::array<Interval, 3> E{over * e.x.enclosure(), over * e.y.enclosure(), over * e.z.enclosure()},
+        J{two * j.b[0].enclosure() / cj, two * j.b[2].enclosure() / cj, two * j.b0.enclosure() / cj};
+    const Interval MJ = square(J[0]) + square(J[1]) - square(J[2]),
+                   change = two * (J[0] * E[0] + J[1] * E[1] - J[2] * E[2]) - square(E[0]) - square(E[1]) +
+                            square(E[2]),
+                   scale = two / ((MJ - change) * MJ);
+    std::array<Interval, 3> moves;
+    for (int k = 0; k < 3; ++k) moves[k] = scale * (J[k] * change - E[k] * MJ);
+    const double move = (sqrt(square(moves[0]) + square(moves[1])) + Interval(moves[2].magnitude())).upper();
+    const bool is_told = s > 0 && s < 1 && (MJ - change).lower() > 0 && std::isfinite(move);
+    return is_told ? move : std::numeric_limits<double>::infinity();
+}
+
+// Is it so up to narrow_tie of `value`?
+bool is_nearly_between(const Nearness& j, const Nearness& a, const Nearness& b, double value) {
+    const Vec3 to_a(a.x - j.x, a.z - j.z, a.w - j.w), to_b(b.x - j.x, b.z - j.z, b.w - j.w);
+    // The distance from the segment between a and b, as coefficients.
+    return to_a.dot(to_b) < 0 && std::numbers::sqrt2 * to_a.cross(to_b).norm() <=
+                                     narrow_tie * std::abs(value) * (to_a - to_b).norm();
+}
+
+}  // namespace
+
+std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
+    constexpr double whole = 2 * std::numbers::pi, near = 1e-9;
+    std::vector<Nearness> all;
+    for (std::uint32_t i = 0; i < forms.size(); ++i) {
+        const RadialForm& f = forms[i];
+        if (f.has_root() || f.c[1].sign() != Sign::Zero || f.c[2].sign() != Sign::Zero) continue;
+        const double c = nearest(f.c[0]);
+        all.push_back({i, nearest(f.b[0]) / c, nearest(f.b[2]) / c, nearest(f.b0) / c});
+    }
+    std::vector<AxialTie> ties;
+    if (all.size() < 3) return ties;
+    // All that are nearest over a generator, the one that is nearest beyond it first.
+    const auto nearest_at = [&](double angle) {
+        std::vector<const Nearness*> here;
+        double value = -std::numeric_limits<double>::infinity();
+        for (const Nearness& n : all) value = std::max(value, n.at(angle));
+        for (const Nearness& n : all)
+            if (value - n.at(angle) <= near * (std::hypot(n.x, n.z) + std::abs(n.w))) here.push_back(&n);
+        std::ranges::iter_swap(here.begin(), std::ranges::max_element(here, {}, [&](const Nearness* n) {
+                                   return n->slope(angle);
+                               }));
+        return here;
+    };
+    // Once around, from one nearest form to the next, with as many steps as there can be changes.
+    double angle = 0;
+    const Nearness* current = nearest_at(angle).front();
+    for (std::size_t step = 0; step < 2 * all.size() && angle < whole; ++step) {
+        double next = angle + whole;
+        for (const Nearness& n : all)
+            if (&n != current)
+                if (const double a = meeting(*current, n, angle + near); a < next) next = a;
+        const std::vector<const Nearness*> here = nearest_at(next);
+        const Nearness* following = here.front();
+        for (const Nearness* n : here) {
+            if (n == current || n == following) continue;
+            const RadialForm &j = forms[n->form], &a = forms[current->form], &b = forms[following->form];
+            AxialTie tie{n->form, current->form, following->form, 0};
+            if (!is_between(j, a, b)) {
+                if (!is_nearly_between(*n, *current, *following, following->at(next))) continue;
+                const Vec3 to_j(n->x - current->x, n->z - current->z, n->w - current->w),
+                    to_b(following->x - current->x, following->z - current->z, following->w - current->w);
+                tie.move = move_between(j, a, b, to_j.dot(to_b) / to_b.squaredNorm());
+            }
+            if (std::ranges::find(ties, tie) == ties.end()) ties.push_back(tie);
+        }
+        current = following;
+        angle = next;
+    }
+    // Nobody's neighbour may be left out itself, as when the walk began in a narrow strip.
+    const auto is_middle = [&](std::uint32_t form) {
+        return std::ranges::find(ties, form, &AxialTie::middle) != ties.end();
+    };
+    const bool is_sound = std::ranges::none_of(
+        ties, [&](const AxialTie& t) { return is_middle(t.before) || is_middle(t.after); });
+    if (!is_sound) ties.clear();
+    return ties;
+}
+
+}  // namespace vcell

@@ -1,0 +1,83 @@
+/// The height of a cylinder's bisector over a plane base.
+///
+/// Base z = 0, cell on z > 0. The point (x, y, r) is as far from the base as from the cylinder of radius
+/// rho about the line p + s a when, with m = (x, y, 0) - p,
+///
+///     C - 2 beta r - A r^2 = 0,   C    = |a|^2 (|m|^2 - rho^2) - (m . a)^2,
+///                                 beta = |a|^2 (rho + p_z) + (m . a) a_z,
+///                                 A    = a_z^2
+///
+/// ([HE, Table 1, plane-cylinder] for an axis of any length: everything stays polynomial in the input).
+/// C > 0 outside the cylinder's trace on the base, and there the height is the one positive root
+///
+///     r = C / (beta + sqrt(beta^2 + A C)).
+///
+/// The bisector is an elliptic cone; a parabolic cylinder when the axis is parallel to the base (A = 0).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "../../core/numbers/exact.hpp"
+
+namespace vcell {
+
+/// A cylinder's numbers in canonical coordinates; the axis need not be unit.
+template <class T>
+struct CylinderNumbers {
+    T px, py, pz;  ///< a point of the axis
+    T ax, ay, az;  ///< its direction
+    T rho;
+};
+
+/// A cylinder whose numbers are all multiplied by `unit` > 0, so that they are exact.
+struct ExactCylinder : CylinderNumbers<Exact> {
+    Exact unit;
+};
+
+/// The cylinder in canonical coordinates. The doubles are the exact definition, or within 4u of it: where the scene
+/// was turned, which doubles do not survive, they stand for `exact`.
+struct CylinderForm {
+    double px = 0, py = 0, pz = 0;  ///< a point of the axis
+    double ax = 0, ay = 0, az = 0;  ///< its direction
+    double rho = 0;
+    std::shared_ptr<const ExactCylinder> exact = nullptr;  ///< none: the doubles are exact
+};
+
+inline ExactCylinder exact_cylinder(const CylinderForm& f) {
+    return f.exact ? *f.exact : ExactCylinder{{f.px, f.py, f.pz, f.ax, f.ay, f.az, f.rho}, 1.0};
+}
+
+/// Converts an exact cylinder to another number type that has a division.
+template <class T, class Convert>
+CylinderNumbers<T> converted(const ExactCylinder& f, Convert&& convert) {
+    const T unit = convert(f.unit);
+    const auto over_unit = [&](const Exact& v) { return v.sign() == Sign::Zero ? T(0.0) : convert(v) / unit; };
+    return {over_unit(f.px), over_unit(f.py), over_unit(f.pz), over_unit(f.ax),
+            over_unit(f.ay), over_unit(f.az), over_unit(f.rho)};
+}
+
+/// C and beta at (x, y), in any number type that the cylinder's numbers convert to. A is az * az. Of an exact
+/// cylinder lengths, x and y among them, are times its unit, and so is the axis.
+template <class Form, class T>
+std::array<T, 2> cylinder_terms(const Form& f, const T& x, const T& y) {
+    const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho);
+    const T mx = x - T(f.px), my = y - T(f.py);
+    const T norm = ax * ax + ay * ay + az * az;
+    const T along = mx * ax + my * ay - pz * az;
+    return {norm * (mx * mx + my * my + pz * pz - rho * rho) - along * along, norm * (rho + pz) + along * az};
+}
+
+/// The height at (x, y) by the form's doubles. Pre: C > 0 there.
+/// Both forms of the root are written without cancellation.
+template <class T>
+T cylinder_height(const CylinderForm& f, const T& x, const T& y) {
+    using std::sqrt;
+    const auto [C, beta] = cylinder_terms(f, x, y);
+    const T A = T(f.az) * T(f.az);
+    const T root = sqrt(beta * beta + A * C);
+    return beta < T(0) ? (root - beta) / A : C / (root + beta);
+}
+
+}  // namespace vcell

@@ -1,0 +1,35 @@
+/// The heights of a base's objects.
+///
+/// Over a plane base, and over a sphere base in a stereographic chart, the clearance at which a plane, a sphere or a
+/// side of the box is met is a circular form: over a plane base sphere-like ones have a = b = 0, linear ones
+/// k = cx = cy = 0; over a sphere base k is -1, 0 or 1 and cx = cy = 0. Cylinders over a plane base have forms of
+/// their own; over curved bases what is not circular is a radial form (over a sphere those of cylinders, over a
+/// cylinder all).
+#pragma once
+
+#include <vector>
+
+#include "../../core/curves/circular_form.hpp"
+#include "cylinder_form.hpp"
+#include "radial_form.hpp"
+
+namespace vcell {
+
+/// A set of heights to compare: circular forms and after them, in the same numbering, all others.
+struct FormFamily : CircularFamily {
+    std::vector<CylinderForm> cylinders;  ///< empty over curved bases
+    std::vector<RadialForm> radial;       ///< empty over a plane base
+    RadialChart chart = RadialChart::Stereographic;
+    double axial_unit = 1;  ///< of y over a cylinder; a power of two
+    AxialTips tips;         ///< over a cylinder, in that unit
+
+    std::size_t size() const { return forms.size() + cylinders.size() + radial.size(); }
+    bool is_circular(FormId f) const { return f.value < forms.size(); }
+    bool is_all_circular() const { return cylinders.empty() && radial.empty(); }
+    /// Pre: !is_circular(f), plane base.
+    const CylinderForm& cylinder(FormId f) const { return cylinders[f.value - forms.size()]; }
+    /// Pre: !is_circular(f), curved base.
+    const RadialForm& radial_form(FormId f) const { return radial[f.value - forms.size()]; }
+};
+
+}  // namespace vcell

@@ -1,0 +1,66 @@
+/// Heights over a sphere or a cylinder base, in rational coordinates of the unit normal.
+///
+/// Canonical position: the sphere is centred at 0, the cylinder's axis is the y axis; the base point with unit
+/// outward normal u is (0, y, 0) + R0 u (y = 0 on a sphere), the point at distance t from the centre or the axis is
+/// (0, y, 0) + t u. In a chart u = n / W with polynomials n, W of the chart's coordinates:
+///
+///     stereographic  n = (2x, 2y, 1 - x^2 - y^2),  W = 1 + x^2 + y^2     sphere, without u = (0, 0, -1)
+///     half angle     n = (2x, 0, 1 - x^2),         W = 1 + x^2           half a cylinder: -1 <= x <= 1
+///
+/// The object is met at t = W / Q, where Q >= 0 is the larger root of
+///
+///     C Q^2 - 2 B Q - A^2 = 0,   B = b0 W + b.n + y slope (a.n),   A = a.n,   C = c0 + c1 y + c2 y^2 > 0
+///
+/// ([HE, section 2.2] for any length of axes and normals; a = 0 but for cylinders: then Q = 2 B / C, and Q <= 0
+/// says never). The nearest object has the largest Q: heights are compared as f = -Q.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "../../core/numbers/exact.hpp"
+
+namespace vcell {
+
+/// The ends of a stretch of the y axis.
+enum class AxialEnd : std::uint8_t { Low, High };
+
+/// Places on a cylinder's axis a little beyond the ends of a region, where a form's C has its root: what
+/// meets the axis obliquely there has heights that grow without bound towards it.
+struct AxialTips {
+    std::array<std::optional<double>, 2> y;  ///< below and above the region
+    double reach = 1;                        ///< the region's length
+
+    const std::optional<double>& operator[](AxialEnd end) const { return y[static_cast<std::size_t>(end)]; }
+    std::optional<double>& operator[](AxialEnd end) { return y[static_cast<std::size_t>(end)]; }
+    bool any() const { return y[0] || y[1]; }
+};
+
+/// The coefficients above, exact.
+struct RadialForm {
+    std::array<Exact, 3> c;  ///< c1 = c2 = 0 over a sphere
+    Exact b0, slope;
+    std::array<Exact, 3> b, a;
+
+    bool has_root() const {
+        return a[0].sign() != Sign::Zero || a[1].sign() != Sign::Zero || a[2].sign() != Sign::Zero;
+    }
+    /// The end towards which C falls to a root, if it is linear and the height a quotient: planes over a
+    /// cylinder.
+    std::optional<AxialEnd> falls_to() const {
+        const Sign rise = c[1].sign();
+        if (has_root() || c[2].sign() != Sign::Zero || rise == Sign::Zero) return std::nullopt;
+        return rise == Sign::Positive ? AxialEnd::Low : AxialEnd::High;
+    }
+};
+
+/// How a chart point (x, y) names a base point.
+enum class RadialChart : std::uint8_t {
+    Stereographic,
+    /// x in [-1, 1] is the half angle's tangent about u = (0, 0, 1), and [1, 3] that about (0, 0, -1) plus 2: together
+    /// once around, continuously; y runs along the axis.
+    HalfAngle,
+};
+
+}  // namespace vcell

@@ -1,0 +1,51 @@
+/// The objects of a scene, in world coordinates and the user's unit of length.
+#pragma once
+
+#include "../../core/platform.hpp"
+
+#include <Eigen/Core>
+#include <variant>
+
+namespace vcell {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+
+/// The plane through `point` across `normal` (need not be unit, must not be zero).
+/// As a base its cell lies on the side the normal points to; as an object its distance is unsigned.
+struct Plane {
+    Vec3 point = Vec3::Zero();
+    Vec3 normal = Vec3::UnitZ();
+
+    friend bool operator==(const Plane&, const Plane&) = default;
+};
+
+/// The ball's surface; radius 0 is a point.
+struct Sphere {
+    Vec3 center = Vec3::Zero();
+    double radius = 0;
+
+    friend bool operator==(const Sphere&, const Sphere&) = default;
+};
+
+/// The infinite cylinder about the line through `point` along `axis` (need not be unit, must not be
+/// zero); radius 0 is a line.
+struct Cylinder {
+    Vec3 point = Vec3::Zero();
+    Vec3 axis = Vec3::UnitZ();
+    double radius = 0;
+
+    friend bool operator==(const Cylinder&, const Cylinder&) = default;
+};
+
+using Object = std::variant<Plane, Sphere, Cylinder>;
+
+/// Axis-parallel box in world coordinates; min < max in every coordinate.
+struct Box {
+    Vec3 min = Vec3::Zero();
+    Vec3 max = Vec3::Zero();
+
+    double diagonal() const { return (max - min).norm(); }
+};
+
+}  // namespace vcell

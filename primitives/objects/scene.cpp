@@ -1,0 +1,141 @@
+#include "scene.hpp"
+
+#include <cmath>
+
+#include "../../core/errors.hpp"
+#include "message.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Kind = InputError::Kind;
+
+// Lengths and directions live in [1e-60, 1e60]: then fourth powers of coordinates over a height's
+// denominator, the largest products that output needs, stay finite (1e240 / 1e-60). Predicates fall
+// back to exact numbers long before.
+constexpr double largest_magnitude = 1e60;
+constexpr double smallest_extent = 1e-60;
+
+const char* type_name(const Object& object) {
+    static constexpr const char* names[] = {"plane", "sphere", "cylinder"};
+    return names[object.index()];
+}
+
+// Checks the numbers of an object, or (no_object) of what is at `path`. An object's path is only composed
+// when something is wrong: scenes may hold a million objects.
+class Checker {
+public:
+    Checker(const Scene& scene, std::uint32_t object, const char* path)
+        : scene_(scene), object_(object), path_(path) {}
+
+    void number(const char* field, double x) const {
+        if (!is_within_range(x)) fail_number(field, x);
+    }
+    void point(const char* field, const Vec3& p) const {
+        if (is_within_range(p.x()) && is_within_range(p.y()) && is_within_range(p.z())) return;
+        for (int i = 0; i < 3; ++i)
+            if (!is_within_range(p[i])) fail_number(field + ("[" + std::to_string(i) + "]"), p[i]);
+    }
+    void direction(const char* field, const Vec3& d) const {
+        point(field, d);
+        const double size = d.cwiseAbs().maxCoeff();
+        if (size == 0) fail(Kind::ZeroAxis, field, "must not be zero");
+        if (size < smallest_extent)
+            fail(Kind::OutOfRange, field,
+                 "must have a component of at least " + to_text(smallest_extent) + ", the largest is " +
+                     to_text(size));
+    }
+    void radius(const char* field, double r) const {
+        number(field, r);
+        if (r < 0) fail(Kind::NegativeRadius, field, "must be >= 0, is " + to_text(r));
+    }
+    [[noreturn]] void fail(Kind kind, const std::string& field, const std::string& what) const {
+        const std::string path = object_ == InputError::no_object ? path_ : object_path(scene_, object_);
+        throw InputError(kind, object_, path.empty() ? field : path + "." + field, what);
+    }
+
+    void operator()(const Plane& plane) const {
+        point("point", plane.point);
+        direction("normal", plane.normal);
+    }
+    void operator()(const Sphere& sphere) const {
+        point("center", sphere.center);
+        radius("radius", sphere.radius);
+    }
+    void operator()(const Cylinder& cylinder) const {
+        point("point", cylinder.point);
+        direction("axis", cylinder.axis);
+        radius("radius", cylinder.radius);
+    }
+    void operator()(const Box& box) const {
+        point("min", box.min);
+        point("max", box.max);
+        for (int i = 0; i < 3; ++i) {
+            const std::string field = "min[" + std::to_string(i) + "]";
+            if (!(box.min[i] < box.max[i]))
+                fail(Kind::EmptyBox, field,
+                     "must be < box.max[" + std::to_string(i) + "] = " + to_text(box.max[i]) + ", is " +
+                         to_text(box.min[i]));
+            if (box.max[i] - box.min[i] < smallest_extent)
+                fail(Kind::OutOfRange, field,
+                     "must be below box.max[" + std::to_string(i) + "] by at least " +
+                         to_text(smallest_extent));
+        }
+    }
+
+private:
+    // False for a NaN.
+    static bool is_within_range(double x) { return std::abs(x) <= largest_magnitude; }
+
+    [[noreturn]] void fail_number(const std::string& field, double x) const {
+        if (!std::isfinite(x)) fail(Kind::NotFinite, field, "must be finite, is " + to_text(x));
+        fail(Kind::OutOfRange, field,
+             "must not exceed " + to_text(largest_magnitude) + " in magnitude, is " + to_text(x));
+    }
+
+    const Scene& scene_;
+    std::uint32_t object_;
+    const char* path_;
+};
+
+}  // namespace
+
+void validate(const Scene& scene) {
+    const std::string base_path = std::string("base.") + type_name(scene.base);
+    std::visit(Checker(scene, InputError::no_object, base_path.c_str()), scene.base);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        std::visit(Checker(scene, static_cast<std::uint32_t>(i), ""), scene.objects[i]);
+    Checker(scene, InputError::no_object, "box")(scene.box);
+    if (scene.base_object) {
+        const std::uint32_t i = *scene.base_object;
+        const Checker top(scene, InputError::no_object, "");
+        if (i >= scene.objects.size())
+            top.fail(Kind::OutOfRange, "base_object",
+                     "must be less than the number of objects, " + std::to_string(scene.objects.size()) +
+                         ", is " + std::to_string(i));
+        if (scene.objects[i] != scene.base)
+            top.fail(Kind::OutOfRange, "base_object", "objects[" + std::to_string(i) + "] is not the base");
+    }
+    if (scene.tolerance) {
+        const Checker top(scene, InputError::no_object, "");
+        top.number("tolerance", *scene.tolerance);
+        if (!(*scene.tolerance > 0))
+            top.fail(Kind::OutOfRange, "tolerance", "must be > 0, is " + to_text(*scene.tolerance));
+    }
+}
+
+std::string object_path(const Scene& scene, std::size_t object, const std::string& field) {
+    std::string path = "objects[" + std::to_string(object) + "]." + type_name(scene.objects[object]);
+    if (!field.empty()) path += "." + field;
+    return path;
+}
+
+std::string object_title(const Scene& scene, std::size_t object) {
+    std::string title = "object " + std::to_string(object);
+    if (object < scene.names.size() && !scene.names[object].empty())
+        title += " (" + scene.names[object] + ")";
+    return title;
+}
+
+}  // namespace vcell

@@ -1,0 +1,31 @@
+/// Who may own a piece of a cell's boundary.
+#pragma once
+
+#include "../../core/platform.hpp"
+
+#include <cstdint>
+#include <string>
+
+namespace vcell {
+
+/// An object of the scene, the base, a side of the box, or an end of a base cylinder's stretch.
+struct Site {
+    enum class Kind : std::uint8_t { Object, Base, BoxSide, End };
+
+    Kind kind = Kind::Base;
+    /// Object: index into Scene::objects. BoxSide: 0..5 = -x +x -y +y -z +z. End: 0 = '-', 1 = '+'.
+    std::uint32_t index = 0;
+
+    static Site object(std::uint32_t i) { return {Kind::Object, i}; }
+    static Site base() { return {Kind::Base, 0}; }
+    static Site box_side(std::uint32_t side) { return {Kind::BoxSide, side}; }
+    static Site end(std::uint32_t which) { return {Kind::End, which}; }
+
+    bool is_object() const { return kind == Kind::Object; }
+    friend auto operator<=>(const Site&, const Site&) = default;
+};
+
+/// "3", "base", "box:-x", "end:+": as cell files write it (objects as numbers).
+std::string to_string(Site site);
+
+}  // namespace vcell
