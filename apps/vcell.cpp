@@ -17,8 +17,8 @@
 #include "../core/platform.hpp"
 #include "../envelope/voronoi_cell.hpp"
 #include "../io/check/check.hpp"
-#include "../io/io.hpp"
 #include "../io/files/text.hpp"
+#include "../io/io.hpp"
 #include "../primitives/objects/decided_scene.hpp"
 #include "progress.hpp"
 #include "query.hpp"
@@ -441,8 +441,9 @@ private:
             if (e.verdict != Verdict::proved)
                 out << e.where << (e.verdict == Verdict::open ? ": open: " : ": ") << e.what << '\n';
         if (!certificate.holds()) return;
-        out << fmt::format("ok: {} faces, {} edges, {} vertices; the boundary is within {:.3g} of the true one\n",
-                           cell.faces.size(), cell.edges.size(), cell.vertices.size(), certificate.distance);
+        out << fmt::format(
+            "ok: {} faces, {} edges, {} vertices; the boundary is within {:.3g} of the true one\n",
+            cell.faces.size(), cell.edges.size(), cell.vertices.size(), certificate.distance);
     }
 
     CLI::App& command_;

@@ -2,11 +2,11 @@
 /// circles and lines (exact) and of curves of any mix (certified).
 #pragma once
 
-#include "sweep/arc_geometry.hpp"
 #include "circles/circle_arcs.hpp"
 #include "circles/circle_kernel.hpp"
-#include "dcel/dcel.hpp"
 #include "curves/mixed_arcs.hpp"
+#include "dcel/dcel.hpp"
+#include "sweep/arc_geometry.hpp"
 #include "sweep/overlay.hpp"
 #include "sweep/point_location.hpp"
 #include "sweep/sweep.hpp"

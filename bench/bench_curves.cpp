@@ -19,9 +19,9 @@
 #include <random>
 #include <vector>
 
-#include "../primitives/forms/cylinder_form.hpp"
 #include "../core/solver/fit/curve_fit.hpp"
 #include "../core/solver/systems/polynomial.hpp"
+#include "../primitives/forms/cylinder_form.hpp"
 #include "median.hpp"
 
 namespace vcell::bench {

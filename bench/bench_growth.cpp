@@ -3,12 +3,13 @@
 //
 // Usage: bench_growth [--max_n=N] [--seeds=K] [--most_seconds=S] [--only=TEXT]
 //
-// One CSV row for each scene: base, family of objects, n, seed, the CPU time of voronoi_cell(), its stages' by the clock,
-// V, E, F, and the signs that each rung of the ladder decided. What is illegal or could not be decided is named in the last
-// column, and has no time. Bases and families whose "base/family" does not contain TEXT are left out, as are sizes beyond N
-// (default 10,000). Of a size there are K scenes (default 20), or as many as S seconds (default 120) suffice for if times
-// grow with n^1.25 from the size before; where that is not three, larger ones are skipped, and a line on stderr says so.
-// An error of vcell's own ends the program with exit status 1.
+// One CSV row for each scene: base, family of objects, n, seed, the CPU time of voronoi_cell(), its stages'
+// by the clock, V, E, F, and the signs that each rung of the ladder decided. What is illegal or could not be
+// decided is named in the last column, and has no time. Bases and families whose "base/family" does not
+// contain TEXT are left out, as are sizes beyond N (default 10,000). Of a size there are K scenes (default
+// 20), or as many as S seconds (default 120) suffice for if times grow with n^1.25 from the size before;
+// where that is not three, larger ones are skipped, and a line on stderr says so. An error of vcell's own
+// ends the program with exit status 1.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -57,9 +58,10 @@ std::optional<double> measure(const Scene& scene) {
         const double seconds = cpu_seconds() - start;
         const Report& r = cell.report;
         const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
-        std::printf("%.4g,%.4g,%.4g,%.4g,%zu,%zu,%zu,%llu,%llu,%llu,%llu,%llu,\n", seconds, r.seconds_bisectors,
-                    r.seconds_envelope, r.seconds_patches, cell.vertices.size(), cell.edges.size(), cell.faces.size(),
-                    count(r.decisions.by_double), count(r.decisions.by_interval), count(r.decisions.by_exact),
+        std::printf("%.4g,%.4g,%.4g,%.4g,%zu,%zu,%zu,%llu,%llu,%llu,%llu,%llu,\n", seconds,
+                    r.seconds_bisectors, r.seconds_envelope, r.seconds_patches, cell.vertices.size(),
+                    cell.edges.size(), cell.faces.size(), count(r.decisions.by_double),
+                    count(r.decisions.by_interval), count(r.decisions.by_exact),
                     count(r.decisions.by_multiprecision), count(r.decisions.assumed));
         return seconds;
     } catch (const UndecidedError& e) {
@@ -83,10 +85,12 @@ void measure_family(GrowthBase base, Mix mix, const Limits& limits) {
     for (unsigned n = 10; n <= limits.max_n; n *= 10) {
         const double expected = times.empty() ? 0 : expected_growth * median(times);
         if (fewest_seeds * expected > limits.seconds) {
-            std::fprintf(stderr, "%s: n = %u and more are skipped, a scene would take %.0f s\n", name.c_str(), n, expected);
+            std::fprintf(stderr, "%s: n = %u and more are skipped, a scene would take %.0f s\n", name.c_str(),
+                         n, expected);
             return;
         }
-        const double seeds = expected > 0 ? std::min<double>(limits.seeds, limits.seconds / expected) : limits.seeds;
+        const double seeds =
+            expected > 0 ? std::min<double>(limits.seeds, limits.seconds / expected) : limits.seeds;
         times.clear();
         for (unsigned seed = 1; seed <= seeds; ++seed) {
             std::printf("%s,%u,%u,", name.c_str(), n, seed);
@@ -117,7 +121,8 @@ int main(int argc, char** argv) {
         else if (const char* text = value("--only="))
             only = text;
         else {
-            std::fprintf(stderr, "usage: %s [--max_n=N] [--seeds=K] [--most_seconds=S] [--only=TEXT]\n", argv[0]);
+            std::fprintf(stderr, "usage: %s [--max_n=N] [--seeds=K] [--most_seconds=S] [--only=TEXT]\n",
+                         argv[0]);
             return 1;
         }
     }
@@ -127,8 +132,9 @@ int main(int argc, char** argv) {
     mallopt(M_MMAP_THRESHOLD, 1 << 25);
 #endif
     try {
-        std::puts("base,family,n,seed,seconds,bisectors,envelope,patches,V,E,F,double,interval,exact,multiprecision,"
-                  "assumed,refused");
+        std::puts(
+            "base,family,n,seed,seconds,bisectors,envelope,patches,V,E,F,double,interval,exact,multiprecision,"
+            "assumed,refused");
         for (const GrowthBase base : growth_bases)
             for (const Mix mix : mixes)
                 if ((name_of(base) + "/" + name_of(mix)).find(only) != std::string::npos)

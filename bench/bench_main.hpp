@@ -45,7 +45,8 @@ inline std::optional<std::uint32_t> take_max_n(int& argc, char** argv, std::uint
 /// Runs what has been registered; the exit status: 1 for bad arguments and wrong results.
 ///
 /// Freed memory stays with the program, as in any that computes one cell after the other and says so to its
-/// allocator: of a cell with thousands of faces a fifth of the time is the kernel's, which hands out pages anew.
+/// allocator: of a cell with thousands of faces a fifth of the time is the kernel's, which hands out pages
+/// anew.
 inline int run_benchmarks(int argc, char** argv) {
 #ifdef __GLIBC__
     mallopt(M_TRIM_THRESHOLD, 1 << 28);

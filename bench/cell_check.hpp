@@ -7,8 +7,8 @@
 
 namespace vcell::bench {
 
-/// The first statement about the cell that is refuted; empty if none is. What the check leaves open at its usual
-/// effort is no fault of the cell's.
+/// The first statement about the cell that is refuted; empty if none is. What the check leaves open at its
+/// usual effort is no fault of the cell's.
 inline std::string find_refuted(const Cell& cell, std::uint32_t samples) {
     CheckOptions options;
     options.samples = samples;

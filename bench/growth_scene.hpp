@@ -1,9 +1,9 @@
 /// Scenes of bench_growth: n objects of a mix about a base, such that the cell has O(n) faces.
 ///
 /// Over a plane and around a tube the objects have constant density: over a square, or where tubes cross it
-/// over a strip n / 8 long, and along a stretch n / 8 long. Around a ball, and tubes along a tube, they lie in a
-/// shell that gets thinner as they get more, so that a constant part of them is seen. Objects of a `shell` all touch one
-/// surface parallel to the base.
+/// over a strip n / 8 long, and along a stretch n / 8 long. Around a ball, and tubes along a tube, they lie
+/// in a shell that gets thinner as they get more, so that a constant part of them is seen. Objects of a
+/// `shell` all touch one surface parallel to the base.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -30,8 +30,9 @@ inline std::string name_of(GrowthBase base) {
     return std::array{"plane", "tilted_plane", "ball", "tube"}[static_cast<std::size_t>(base)];
 }
 inline std::string name_of(Mix mix) {
-    return std::array{"balls",      "balls_walls", "balls_rod",      "balls_walls_rod",
-                      "balls_rods", "shell",       "parallel_tubes", "skew_tubes"}[static_cast<std::size_t>(mix)];
+    return std::array{
+        "balls",      "balls_walls", "balls_rod",      "balls_walls_rod",
+        "balls_rods", "shell",       "parallel_tubes", "skew_tubes"}[static_cast<std::size_t>(mix)];
 }
 
 /// One object in so many is a rod, or around a ball a plane, where their share is constant.
@@ -107,8 +108,9 @@ private:
         };
         if (has_walls())
             for (int i = 0; i < 4; ++i)
-                scene_.objects.push_back(Plane{{length / 2, width / 2, uniform(1.3, 1.5)},
-                                               {uniform(-0.5, 0.5) / length, uniform(-0.5, 0.5) / length, 1}});
+                scene_.objects.push_back(
+                    Plane{{length / 2, width / 2, uniform(1.3, 1.5)},
+                          {uniform(-0.5, 0.5) / length, uniform(-0.5, 0.5) / length, 1}});
         add_rods_and_balls(add_rod, [&] {
             Vec3 p = place();
             const double radius = uniform(0.02, std::min(0.25, p.z() - 0.1));
@@ -132,7 +134,9 @@ private:
         plane.point = q * plane.point;
         plane.normal = q * plane.normal;
     }
-    static void turn_about_origin(Sphere& ball, const Eigen::Quaterniond& q) { ball.center = q * ball.center; }
+    static void turn_about_origin(Sphere& ball, const Eigen::Quaterniond& q) {
+        ball.center = q * ball.center;
+    }
     static void turn_about_origin(Cylinder& tube, const Eigen::Quaterniond& q) {
         tube.point = q * tube.point;
         tube.axis = q * tube.axis;
@@ -184,7 +188,8 @@ private:
                 scene_.objects.push_back(Plane{2 * out, out + 0.2 / length * Vec3::UnitZ()});
             }
         add_rods_and_balls(add_rod, [&] {
-            const double angle = uniform(0, turn), radius = uniform(0.02, 0.2), out = distance(0.8, 1.6) + radius;
+            const double angle = uniform(0, turn), radius = uniform(0.02, 0.2),
+                         out = distance(0.8, 1.6) + radius;
             scene_.objects.push_back(
                 Sphere{{out * std::cos(angle), out * std::sin(angle), uniform(0, length)}, radius});
         });

@@ -6,7 +6,7 @@
 #include "curves/bspline.hpp"
 #include "curves/circular_form.hpp"
 #include "errors.hpp"
-#include "numbers/exact.hpp"
 #include "ids.hpp"
+#include "numbers/exact.hpp"
 #include "numbers/interval.hpp"
 #include "numbers/sign.hpp"

@@ -13,17 +13,17 @@ namespace vcell {
 /// ("objects[3].sphere.radius"), `object` as the caller numbered it (no_object for base and box).
 struct InputError : std::invalid_argument {
     enum class Kind {
-        Syntax,          ///< not JSON, not "x y z r"
+        Syntax,  ///< not JSON, not "x y z r"
         UnknownKey,
         MissingKey,
         WrongType,
         NotFinite,
         NegativeRadius,
-        ZeroAxis,        ///< zero normal or axis
+        ZeroAxis,  ///< zero normal or axis
         EmptyBox,
-        Unsupported,     ///< legal in the format, not computed by this version
-        TouchesBase,     ///< an object cuts or touches the base region
-        OutOfRange,      ///< magnitudes whose products leave the double range
+        Unsupported,  ///< legal in the format, not computed by this version
+        TouchesBase,  ///< an object cuts or touches the base region
+        OutOfRange,   ///< magnitudes whose products leave the double range
     };
     static constexpr std::uint32_t no_object = UINT32_MAX;
 

@@ -186,8 +186,8 @@ private:
 };
 
 /// Appends an element and returns it, its members as their own initializers leave them; those without one are
-/// indeterminate. emplace_back() would fill an aggregate with zeros first, the room inside its short sequences
-/// too.
+/// indeterminate. emplace_back() would fill an aggregate with zeros first, the room inside its short
+/// sequences too.
 template <class T>
 T& append_new(std::vector<T>& all) {
     struct Maker {

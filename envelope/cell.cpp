@@ -17,18 +17,12 @@ void scale_bound(double& error, double factor) {
 
 std::string to_string(CurveKind kind) {
     switch (kind) {
-        case CurveKind::Line:
-            return "line";
-        case CurveKind::Circle:
-            return "circle";
-        case CurveKind::Ellipse:
-            return "ellipse";
-        case CurveKind::Parabola:
-            return "parabola";
-        case CurveKind::Hyperbola:
-            return "hyperbola";
-        case CurveKind::Spline:
-            break;
+        case CurveKind::Line: return "line";
+        case CurveKind::Circle: return "circle";
+        case CurveKind::Ellipse: return "ellipse";
+        case CurveKind::Parabola: return "parabola";
+        case CurveKind::Hyperbola: return "hyperbola";
+        case CurveKind::Spline: break;
     }
     return "spline";
 }

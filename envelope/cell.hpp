@@ -29,8 +29,8 @@ struct CellVertex {
     double radius = 0;           ///< clearance
     SmallVector<Site, 4> sites;  ///< all that attain it, ascending; the base is not listed
     double error = 0;            ///< bound on the distance of `point` from the true vertex
-    /// No three bisectors are proved to cross in it. Then `error` bounds by how much its sites' distances differ from
-    /// the base's, halved; its place along touching bisectors is not bounded.
+    /// No three bisectors are proved to cross in it. Then `error` bounds by how much its sites' distances
+    /// differ from the base's, halved; its place along touching bisectors is not bounded.
     bool is_touching = false;
 };
 
@@ -92,8 +92,8 @@ struct Measures {
 struct Report {
     Decisions decisions;
     double seconds_bisectors = 0, seconds_envelope = 0, seconds_patches = 0;
-    /// A bound on the distance that anything of the scene within the box has moved before it was decided about: all else
-    /// is exact about that. Vertices are as far from those of the scene as that takes them.
+    /// A bound on the distance that anything of the scene within the box has moved before it was decided
+    /// about: all else is exact about that. Vertices are as far from those of the scene as that takes them.
     double moved = 0;
     std::vector<std::string> warnings;
 };
@@ -108,8 +108,8 @@ struct Cell {
     Report report;
 };
 
-/// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a power of
-/// two. With `parameters` those of its patches, too.
+/// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
+/// power of two. With `parameters` those of its patches, too.
 void scale(Cell& cell, double factor, bool parameters);
 
 }  // namespace vcell

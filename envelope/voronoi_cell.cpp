@@ -10,14 +10,14 @@
 #include <utility>
 
 #include "../core/platform.hpp"
-#include "../primitives/objects/decided_scene.hpp"
 #include "../primitives/bases/plane_base.hpp"
 #include "../primitives/bases/radial_base.hpp"
-#include "lift/lift.hpp"
+#include "../primitives/objects/decided_scene.hpp"
 #include "diagram/minimization_diagram.hpp"
+#include "diagram/settled_vertices.hpp"
+#include "lift/lift.hpp"
 #include "lift/radial_lift.hpp"
 #include "lift/scene_motion.hpp"
-#include "diagram/settled_vertices.hpp"
 
 namespace vcell {
 
@@ -101,8 +101,8 @@ void require_numbers(const Cell& cell, bool is_measured) {
         throw UndecidedError("the cell's measures: no bound on their error");
 }
 
-// Where a bisector touches the boundary from above in the middle of a face, the diagram has a vertex, which divides
-// nothing: the boundary has none.
+// Where a bisector touches the boundary from above in the middle of a face, the diagram has a vertex, which
+// divides nothing: the boundary has none.
 void drop_isolated_vertices(Cell& cell) {
     std::vector<std::uint32_t> number(cell.vertices.size(), 0);
     for (const CellEdge& e : cell.edges)
@@ -145,14 +145,16 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    LiftedCell lifted = lift(problem, diagram,
-                             decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options.measure);
+    LiftedCell lifted =
+        lift(problem, diagram, decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()),
+             options.measure);
     Cell& cell = lifted.cell;
     drop_isolated_vertices(cell);
     cell.report.moved = std::max(problem.moved, decided.moved);
     cell.scene = std::move(decided.scene);
     add_scene_motion(lifted, cell.report.moved, decided.moved);
-    // Over a plane all parameters of patches are lengths. Elsewhere some are, and stay in the decided scene's unit.
+    // Over a plane all parameters of patches are lengths. Elsewhere some are, and stay in the decided scene's
+    // unit.
     scale(cell, decided.unit, std::is_same_v<decltype(problem), PlaneBaseProblem>);
     cell.scene = scene;
     require_numbers(cell, options.measure);
@@ -171,7 +173,8 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
 
 Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     return in_ieee_arithmetic("voronoi_cell()", [&] {
-        if (std::holds_alternative<Plane>(scene.base)) return cell_over_base(scene, options, plane_base_problem);
+        if (std::holds_alternative<Plane>(scene.base))
+            return cell_over_base(scene, options, plane_base_problem);
         return cell_over_base(scene, options, radial_base_problem);
     });
 }

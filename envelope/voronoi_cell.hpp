@@ -12,8 +12,8 @@ struct CellOptions {
     /// Called now and then with the stage ("bisectors", "envelope", "patches") and the fraction of it that is
     /// done, in [0, 1]; may throw to cancel.
     std::function<void(const char* stage, double fraction)> progress;
-    /// False: edge lengths, face areas and Cell::measures stay not_measured, and neighbours come by number. They take a
-    /// quarter of the time of a ball's cell among balls.
+    /// False: edge lengths, face areas and Cell::measures stay not_measured, and neighbours come by number.
+    /// They take a quarter of the time of a ball's cell among balls.
     bool measure = true;
 };
 

@@ -29,7 +29,8 @@ constexpr double angle_margin = 1e-7, length_margin = 1e-6;
 // Where K keeps five digits, a centre is good to this fraction of the terms it is computed from.
 constexpr double least_K = 1e-5, center_margin = 1e-9;
 static_assert(center_margin * least_K >= 32 * u);
-// Gradients at a smaller angle (radians), one shorter than on its curve counting less, are as good as parallel.
+// Gradients at a smaller angle (radians), one shorter than on its curve counting less, are as good as
+// parallel.
 constexpr double singular_angle = 1e-6;
 
 double cross(double ax, double ay, double bx, double by) { return ax * by - ay * bx; }
@@ -43,14 +44,15 @@ struct Plain {
     double square_on_curve() const { return square() + 4 * std::abs(K * v); }
 };
 
-// J is singular in the centre of a circle, where the middle between the ends of a half circle happens to be, and
-// wherever the gradients are parallel. From there one gets away along the level line of one function, as far as
-// the curve of the other may be: K t^2 + |grad| t = |F|.
+// J is singular in the centre of a circle, where the middle between the ends of a half circle happens to be,
+// and wherever the gradients are parallel. From there one gets away along the level line of one function, as
+// far as the curve of the other may be: K t^2 + |grad| t = |F|.
 Eigen::Vector2d step_from_singular(const Plain& f, const Plain& g) {
     const bool f_fades = f.square() * g.square_on_curve() <= g.square() * f.square_on_curve();
     const Plain &fading = f_fades ? f : g, &steep = f_fades ? g : f;
     if (steep.square() == 0) return {0, 0};  // concentric circles
-    const double t = 2 * std::abs(fading.v) / (std::sqrt(fading.square()) + std::sqrt(fading.square_on_curve()));
+    const double t =
+        2 * std::abs(fading.v) / (std::sqrt(fading.square()) + std::sqrt(fading.square_on_curve()));
     return t / std::sqrt(steep.square()) * Eigen::Vector2d(-steep.gy, steep.gx);
 }
 
@@ -130,7 +132,8 @@ bool CircleKernel::certify(KernelPoint& p) const {
 // X has the orientation of J itself, the larger one the opposite. Nothing here needs a bound: certify()
 // proves the outcome.
 std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, FormPair d, Sign orientation,
-                                                                const Eigen::Vector2d& near, bool moved) const {
+                                                                const Eigen::Vector2d& near,
+                                                                bool moved) const {
     const auto plain = [&](FormId id) {
         const Form& f = forms_[id];
         const double dx = near.x() - f.cx, dy = near.y() - f.cy;
@@ -220,7 +223,8 @@ Sign CircleKernel::sign_at(PointId p, FormId f, FormId g, Jet& d) {
         const Interval dx = Interval(q.x) - Interval(h.cx), dy = Interval(q.y) - Interval(h.cy);
         return (Interval(h.k) * (square(dx) + square(dy)) + (a * Interval(q.x) + b * Interval(q.y) + e)) * iw;
     };
-    const Interval v = value(forms_[f]) - value(forms_[g]) + Interval(-1, 1) * Interval(slope) * Interval(q.error);
+    const Interval v =
+        value(forms_[f]) - value(forms_[g]) + Interval(-1, 1) * Interval(slope) * Interval(q.error);
     if (const auto s = v.sign()) {
         ++decisions_.by_interval;
         return *s;
@@ -260,11 +264,13 @@ Sign CircleKernel::along_sign(PointId p, FormPair c, FormPair d) {
 }
 
 // Does some line through both points have no slope in that variable, so that they share the other coordinate?
-// The coefficients of lines are exact, and so is this answer. Piece and region sides along an axis carry many points.
+// The coefficients of lines are exact, and so is this answer. Piece and region sides along an axis carry many
+// points.
 bool CircleKernel::share_line(PointId p, PointId q, double Form::*slope) const {
     const KernelPoint &a = points_[p], &b = points_[q];
     const auto is_on = [&](const KernelPoint& point, FormPair c) {
-        return point.first == c || point.second == c || point.first == c.reversed() || point.second == c.reversed();
+        return point.first == c || point.second == c || point.first == c.reversed() ||
+               point.second == c.reversed();
     };
     return std::ranges::any_of(std::array{a.first, a.second}, [&](FormPair c) {
         return !sources_[c.f].in_family.valid() && !sources_[c.g].in_family.valid() &&
@@ -432,14 +438,16 @@ CircleKernel::ArcBounds CircleKernel::arc_bounds(FormPair c, PointId p, PointId 
     const double hx = (2 * h.k * (P.x - h.cx) + h.a) * h.iw, hy = (2 * h.k * (P.y - h.cy) + h.b) * h.iw;
     const double gx = fx - hx, gy = fy - hy, bx = Q.x - P.x, by = Q.y - P.y;
     const double g = std::sqrt(gx * gx + gy * gy), l = std::sqrt(bx * bx + by * by);
-    const double terms = std::abs(f.K * P.x) + std::abs(f.K * P.y) + std::abs(f.K * f.cx) + std::abs(f.K * f.cy) +
-                         std::abs(h.K * P.x) + std::abs(h.K * P.y) + std::abs(h.K * h.cx) + std::abs(h.K * h.cy) +
-                         std::abs(fx) + std::abs(fy) + std::abs(hx) + std::abs(hy);
+    const double terms = std::abs(f.K * P.x) + std::abs(f.K * P.y) + std::abs(f.K * f.cx) +
+                         std::abs(f.K * f.cy) + std::abs(h.K * P.x) + std::abs(h.K * P.y) +
+                         std::abs(h.K * h.cx) + std::abs(h.K * h.cy) + std::abs(fx) + std::abs(fy) +
+                         std::abs(hx) + std::abs(hy);
     const double error = P.error + Q.error;
     const double cosine = (gx * by - gy * bx) / (g * l);
     if (cosine > 0.1 && 1e8 * error < l && 1e-6 * terms < g) {
         const double sine = std::abs(gx * bx + gy * by) / (g * l);
-        const double margin = 0.5 * l * ((sine + angle_margin) / (1 + cosine) + angle_margin) * (1 + length_margin);
+        const double margin =
+            0.5 * l * ((sine + angle_margin) / (1 + cosine) + angle_margin) * (1 + length_margin);
         return {{std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
                  std::max(P.y, Q.y) + margin},
                 l * (1 + length_margin),
@@ -457,7 +465,8 @@ std::optional<CircleKernel::Circle> CircleKernel::circle(FormPair c) const {
     if (K.contains(0)) return std::nullopt;
     const Interval half = Interval(0.5) / K;
     const Interval gx = Interval::ball(o.gx, o.eg) * half, gy = Interval::ball(o.gy, o.eg) * half;
-    return Circle{Interval(f.cx) - gx, Interval(f.cy) - gy, square(gx) + square(gy) - Interval::ball(o.v, o.ev) / K};
+    return Circle{Interval(f.cx) - gx, Interval(f.cy) - gy,
+                  square(gx) + square(gy) - Interval::ball(o.v, o.ev) / K};
 }
 
 std::array<double, 4> CircleKernel::circle_box(FormPair c) const {
@@ -469,8 +478,8 @@ std::array<double, 4> CircleKernel::circle_box(FormPair c) const {
     return {x.lower(), x.upper(), y.lower(), y.upper()};
 }
 
-// Plain arithmetic: the centre is -grad / 2K from a form's own, and a relative margin of 1e-9 of all terms covers
-// the roundings where K keeps enough digits. A circle in the box has its centre and extremes there.
+// Plain arithmetic: the centre is -grad / 2K from a form's own, and a relative margin of 1e-9 of all terms
+// covers the roundings where K keeps enough digits. A circle in the box has its centre and extremes there.
 bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& box) const {
     const Form &f = forms_[c.f], &g = forms_[c.g];
     const double K = f.K - g.K;
@@ -479,11 +488,13 @@ bool CircleKernel::circle_leaves_box(FormPair c, const std::array<double, 4>& bo
     const double sign = f.K != 0 ? 1 : -1;
     // At o's centre only the other form has a quadratic part and slope, but for linear terms.
     const double dx = o.cx - p.cx, dy = o.cy - p.cy;
-    const double ox = o.a * o.iw, oy = o.b * o.iw, px = (2 * p.k * dx + p.a) * p.iw, py = (2 * p.k * dy + p.b) * p.iw;
+    const double ox = o.a * o.iw, oy = o.b * o.iw, px = (2 * p.k * dx + p.a) * p.iw,
+                 py = (2 * p.k * dy + p.b) * p.iw;
     const double half = 0.5 / K;
     const double x = o.cx - sign * (ox - px) * half, y = o.cy - sign * (oy - py) * half;
-    const double margin = center_margin * (std::abs(o.cx) + std::abs(o.cy) + std::abs(p.cx) + std::abs(p.cy) +
-                                  (std::abs(ox) + std::abs(oy) + std::abs(px) + std::abs(py)) * std::abs(half));
+    const double margin =
+        center_margin * (std::abs(o.cx) + std::abs(o.cy) + std::abs(p.cx) + std::abs(p.cy) +
+                         (std::abs(ox) + std::abs(oy) + std::abs(px) + std::abs(py)) * std::abs(half));
     return x + margin < box[0] || x - margin > box[1] || y + margin < box[2] || y - margin > box[3];
 }
 
@@ -585,13 +596,15 @@ Exact CircleKernel::exact_discriminant(const ExactCurve& c, const ExactCurve& d)
     return D * D - Exact(4.0) * Z;
 }
 
-std::optional<CircleKernel::ExactPoint> CircleKernel::exact_intersection(const ExactCurve& c, const ExactCurve& d,
-                                                                        Sign orientation) {
+std::optional<CircleKernel::ExactPoint> CircleKernel::exact_intersection(const ExactCurve& c,
+                                                                         const ExactCurve& d,
+                                                                         Sign orientation) {
     const Exact D = c.A * d.B - c.B * d.A;
     if (c.K.sign() == Sign::Zero && d.K.sign() == Sign::Zero) {
         if (D.sign() == Sign::Zero || D.sign() != orientation) return std::nullopt;
         const Exact s(orientation == Sign::Positive ? 1.0 : -1.0);
-        return ExactPoint{s * (c.B * d.C - d.B * c.C), Exact(), s * (c.C * d.A - d.C * c.A), Exact(), Exact(), s * D};
+        return ExactPoint{
+            s * (c.B * d.C - d.B * c.C), Exact(), s * (c.C * d.A - d.C * c.A), Exact(), Exact(), s * D};
     }
     const Exact mx = d.K * c.A - c.K * d.A, my = d.K * c.B - c.K * d.B;
     const Exact m2 = mx * mx + my * my;
@@ -605,16 +618,17 @@ std::optional<CircleKernel::ExactPoint> CircleKernel::exact_intersection(const E
 }
 
 Sign CircleKernel::intersection_sign(FormPair c, FormPair d, const Eigen::Vector2d& near) {
-    if (certified_intersection(c, d, Sign::Positive, near) || certified_intersection(c, d, Sign::Negative, near)) {
+    if (certified_intersection(c, d, Sign::Positive, near) ||
+        certified_intersection(c, d, Sign::Negative, near)) {
         ++decisions_.by_double;
         return Sign::Positive;
     }
     // The discriminant about `near`, where the coefficients are small: D^2 - 4 Z as above, in intervals.
     const Jet f = difference(c, near.x(), near.y()), g = difference(d, near.x(), near.y());
-    const Interval C1 = Interval::ball(f.v, f.ev), A1 = Interval::ball(f.gx, f.eg), B1 = Interval::ball(f.gy, f.eg),
-                   K1 = Interval::ball(f.K, f.eK);
-    const Interval C2 = Interval::ball(g.v, g.ev), A2 = Interval::ball(g.gx, g.eg), B2 = Interval::ball(g.gy, g.eg),
-                   K2 = Interval::ball(g.K, g.eK);
+    const Interval C1 = Interval::ball(f.v, f.ev), A1 = Interval::ball(f.gx, f.eg),
+                   B1 = Interval::ball(f.gy, f.eg), K1 = Interval::ball(f.K, f.eK);
+    const Interval C2 = Interval::ball(g.v, g.ev), A2 = Interval::ball(g.gx, g.eg),
+                   B2 = Interval::ball(g.gy, g.eg), K2 = Interval::ball(g.K, g.eK);
     const Interval dot = A1 * A2 + B1 * B2;
     const Interval Z = square(K2 * C1 - K1 * C2) + C1 * (K1 * (square(A2) + square(B2)) - K2 * dot) +
                        C2 * (K2 * (square(A1) + square(B1)) - K1 * dot);
@@ -632,8 +646,8 @@ Sign CircleKernel::intersection_sign(FormPair c, FormPair d, const Eigen::Vector
     return exact_discriminant(ec, ed).sign();
 }
 
-// Two curves are the same if (K, A, B, C) of one is a multiple of the other's, about any place: if no minor of the
-// two rows is other than zero. The place is one about which a form of c has small coefficients.
+// Two curves are the same if (K, A, B, C) of one is a multiple of the other's, about any place: if no minor
+// of the two rows is other than zero. The place is one about which a form of c has small coefficients.
 bool CircleKernel::same_curve(FormPair c, FormPair d) {
     const Form& place = forms_[c.f].k != 0 ? forms_[c.f] : forms_[c.g];
     const auto row = [&](FormPair pair) {
@@ -679,9 +693,11 @@ Sign CircleKernel::radius_sign(FormPair c) {
         const double x = f.cx - o.gx / (2 * K), y = f.cy - o.gy / (2 * K);
         const Jet j = difference(c, x, y);
         const double g2 = j.gx * j.gx + j.gy * j.gy, four_KF = 4 * j.K * j.v;
-        const double bound = (4 * j.eg * (std::abs(j.gx) + std::abs(j.gy)) + 4 * j.eg * j.eg +
-                              4 * ((std::abs(j.K) + j.eK) * j.ev + std::abs(j.v) * j.eK) + 8 * u * (g2 + std::abs(four_KF))) *
-                                 slop + tiny;
+        const double bound =
+            (4 * j.eg * (std::abs(j.gx) + std::abs(j.gy)) + 4 * j.eg * j.eg +
+             4 * ((std::abs(j.K) + j.eK) * j.ev + std::abs(j.v) * j.eK) + 8 * u * (g2 + std::abs(four_KF))) *
+                slop +
+            tiny;
         if (std::abs(g2 - four_KF) > bound) {
             ++decisions_.by_double;
             return sign_of(g2 - four_KF);
@@ -725,8 +741,12 @@ CircleKernel::ExactPoint CircleKernel::exact_circle_point(FormPair c, Sign which
     const ExactCurve e = exact_curve(c);
     assert(e.K.sign() != Sign::Zero);
     const Exact s(static_cast<double>(e.K.sign()));
-    return {-(s * e.A), Exact(static_cast<double>(which)), -(s * e.B), Exact(),
-            e.A * e.A + e.B * e.B - Exact(4.0) * e.K * e.C, s * Exact(2.0) * e.K};
+    return {-(s * e.A),
+            Exact(static_cast<double>(which)),
+            -(s * e.B),
+            Exact(),
+            e.A * e.A + e.B * e.B - Exact(4.0) * e.K * e.C,
+            s * Exact(2.0) * e.K};
 }
 
 const CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
@@ -734,9 +754,10 @@ const CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
     std::int32_t& slot = exact_point_index_[p.value];
     if (slot < 0) {
         const KernelPoint& q = points_[p];
-        ExactPoint exact = q.first == q.second
-                               ? exact_circle_point(q.first, q.orientation)
-                               : exact_intersection(exact_curve(q.first), exact_curve(q.second), q.orientation).value();
+        ExactPoint exact =
+            q.first == q.second
+                ? exact_circle_point(q.first, q.orientation)
+                : exact_intersection(exact_curve(q.first), exact_curve(q.second), q.orientation).value();
         slot = static_cast<std::int32_t>(exact_points_.size());
         exact_points_.push_back(std::move(exact));
     }

@@ -27,7 +27,9 @@
 
 namespace vcell {
 
-struct PointTag { static constexpr char letter = 'p'; };
+struct PointTag {
+    static constexpr char letter = 'p';
+};
 using PointId = Id<PointTag>;
 
 /// The curve {f = g}, directed so that f < g on its left.
@@ -41,7 +43,8 @@ struct FormPair {
 /// An exact point in double clothes: the true point lies within `error` of (x, y).
 struct KernelPoint {
     double x, y, error;
-    FormPair first, second;  ///< equal: the circle's leftmost point, centre or rightmost point (by orientation)
+    FormPair first,
+        second;  ///< equal: the circle's leftmost point, centre or rightmost point (by orientation)
     /// Sign of grad(first) x grad(second) at the point, grad being that of f - g; Zero where the two
     /// curves touch.
     Sign orientation;
@@ -91,9 +94,11 @@ public:
     /// The point where the curves meet with that orientation, or none if they do not. `near` is a place
     /// near which the arithmetic is best conditioned; any finite one gives a correct answer.
     /// Pre: orientation is not Zero; the curves are not the same.
-    std::optional<PointId> intersection(FormPair c, FormPair d, Sign orientation, const Eigen::Vector2d& near);
+    std::optional<PointId> intersection(FormPair c, FormPair d, Sign orientation,
+                                        const Eigen::Vector2d& near);
     /// The same if the first rung can prove it; none says nothing.
-    std::optional<PointId> certain_intersection(FormPair c, FormPair d, Sign orientation, const Eigen::Vector2d& near) {
+    std::optional<PointId> certain_intersection(FormPair c, FormPair d, Sign orientation,
+                                                const Eigen::Vector2d& near) {
         if (const auto p = certified_intersection(c, d, orientation, near)) return points_.push_back(*p);
         return std::nullopt;
     }
@@ -158,7 +163,8 @@ public:
 
     struct ArcBounds {
         std::array<double, 4> box;  ///< {x0, x1, y0, y1}, contains the arc
-        double chord, sagitta;      ///< upper bounds on the distance of the ends, and of any point from their segment
+        double chord,
+            sagitta;  ///< upper bounds on the distance of the ends, and of any point from their segment
     };
     /// The arc of c from p to q (the whole circle for p == q, with an infinite sagitta).
     ArcBounds arc_bounds(FormPair c, PointId p, PointId q) const;
@@ -186,7 +192,8 @@ public:
 
     static Jet jet(const Form& f, double x, double y);
     static Form make_form(const CircularForm& f);
-    /// A form about the middle of a rectangle of half sides rx, ry: for quick comparisons over the whole of it.
+    /// A form about the middle of a rectangle of half sides rx, ry: for quick comparisons over the whole of
+    /// it.
     struct Place {
         double v, gx, gy, K;
         double top;    ///< about the highest value in the rectangle
@@ -317,8 +324,8 @@ inline CircleKernel::Place CircleKernel::place(const Form& f, double x, double y
     return p;
 }
 
-// Per coordinate K t^2 + G t >= -|G| r + (K r^2, where the minimum is at an end). Every quantity here is a sum of
-// terms that `scale` bounds, with fewer than 40 roundings each.
+// Per coordinate K t^2 + G t >= -|G| r + (K r^2, where the minimum is at an end). Every quantity here is a
+// sum of terms that `scale` bounds, with fewer than 40 roundings each.
 inline bool CircleKernel::certainly_above(const Place& f, const Place& g, double rx, double ry) {
     const double K = f.K - g.K, Gx = std::abs(f.gx - g.gx), Gy = std::abs(f.gy - g.gy);
     const double curved = (Gx > 2 * K * rx ? K * rx * rx : 0) + (Gy > 2 * K * ry ? K * ry * ry : 0);

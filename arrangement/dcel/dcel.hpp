@@ -15,11 +15,21 @@
 
 namespace vcell {
 
-struct VertexTag { static constexpr char letter = 'v'; };
-struct HalfEdgeTag { static constexpr char letter = 'h'; };
-struct EdgeTag { static constexpr char letter = 'e'; };
-struct CcbTag { static constexpr char letter = 'c'; };
-struct FaceTag { static constexpr char letter = 'f'; };
+struct VertexTag {
+    static constexpr char letter = 'v';
+};
+struct HalfEdgeTag {
+    static constexpr char letter = 'h';
+};
+struct EdgeTag {
+    static constexpr char letter = 'e';
+};
+struct CcbTag {
+    static constexpr char letter = 'c';
+};
+struct FaceTag {
+    static constexpr char letter = 'f';
+};
 
 using VertexId = Id<VertexTag>;
 using HalfEdgeId = Id<HalfEdgeTag>;

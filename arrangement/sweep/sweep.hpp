@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "../../core/errors.hpp"
-#include "arc_geometry.hpp"
 #include "../dcel/dcel.hpp"
+#include "arc_geometry.hpp"
 #include "sweep_status.hpp"
 
 namespace vcell {

@@ -14,7 +14,9 @@
 
 namespace vcell {
 
-struct FormTag { static constexpr char letter = 'q'; };
+struct FormTag {
+    static constexpr char letter = 'q';
+};
 using FormId = Id<FormTag>;
 
 /// f in double. cx, cy and k are exact; a, b, e and w are within 4 u (u = 2^-53) of their exact

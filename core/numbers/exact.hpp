@@ -34,9 +34,7 @@ public:
     Exact& operator-=(const Exact& o) { return *this = *this - o; }
     Exact& operator*=(const Exact& o) { return *this = *this * o; }
     friend bool operator==(const Exact& a, const Exact& b) { return (a - b).sign() == Sign::Zero; }
-    friend auto operator<=>(const Exact& a, const Exact& b) {
-        return static_cast<int>((a - b).sign()) <=> 0;
-    }
+    friend auto operator<=>(const Exact& a, const Exact& b) { return static_cast<int>((a - b).sign()) <=> 0; }
 
     /// floor(log2 |*this|). Pre: not zero.
     long exponent() const;
@@ -73,12 +71,8 @@ struct OneRoot {
     Exact b;
     Exact c;
 
-    friend OneRoot operator+(const OneRoot& p, const OneRoot& q) {
-        return {p.a + q.a, p.b + q.b, p.c};
-    }
-    friend OneRoot operator-(const OneRoot& p, const OneRoot& q) {
-        return {p.a - q.a, p.b - q.b, p.c};
-    }
+    friend OneRoot operator+(const OneRoot& p, const OneRoot& q) { return {p.a + q.a, p.b + q.b, p.c}; }
+    friend OneRoot operator-(const OneRoot& p, const OneRoot& q) { return {p.a - q.a, p.b - q.b, p.c}; }
     friend OneRoot operator*(const OneRoot& p, const OneRoot& q) {
         return {p.a * q.a + p.b * q.b * p.c, p.a * q.b + p.b * q.a, p.c};
     }

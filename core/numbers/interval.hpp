@@ -62,9 +62,15 @@ private:
     double second() const { return second_; }
     DoublePair swapped() const { return {second_, first_}; }
 
-    friend DoublePair operator+(DoublePair a, DoublePair b) { return {a.first_ + b.first_, a.second_ + b.second_}; }
-    friend DoublePair operator*(DoublePair a, DoublePair b) { return {a.first_ * b.first_, a.second_ * b.second_}; }
-    friend DoublePair operator/(DoublePair a, DoublePair b) { return {a.first_ / b.first_, a.second_ / b.second_}; }
+    friend DoublePair operator+(DoublePair a, DoublePair b) {
+        return {a.first_ + b.first_, a.second_ + b.second_};
+    }
+    friend DoublePair operator*(DoublePair a, DoublePair b) {
+        return {a.first_ * b.first_, a.second_ * b.second_};
+    }
+    friend DoublePair operator/(DoublePair a, DoublePair b) {
+        return {a.first_ / b.first_, a.second_ / b.second_};
+    }
     friend DoublePair operator-(DoublePair a) { return {-a.first_, -a.second_}; }
     friend DoublePair abs(DoublePair a) { return {std::abs(a.first_), std::abs(a.second_)}; }
     friend DoublePair negated_first(DoublePair a) { return {-a.first_, a.second_}; }
@@ -91,9 +97,7 @@ public:
     /// Pre: lo <= hi.
     constexpr Interval(double lo, double hi) : ends_(-lo, hi) {}
     /// value +- radius, outward.
-    static Interval ball(double value, double radius) {
-        return {down(value - radius), up(value + radius)};
-    }
+    static Interval ball(double value, double radius) { return {down(value - radius), up(value + radius)}; }
     static constexpr Interval whole() {
         return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     }
@@ -151,9 +155,7 @@ public:
         const double lo = a.lower() > 0 ? down(std::sqrt(a.lower())) : 0.0;
         return {std::max(0.0, lo), a.upper() == 0 ? 0.0 : up(std::sqrt(a.upper()))};
     }
-    friend Interval hull(Interval a, Interval b) {
-        return Interval(max(a.ends_, b.ends_));
-    }
+    friend Interval hull(Interval a, Interval b) { return Interval(max(a.ends_, b.ends_)); }
 
     /// A double not above / not below the exact value that rounds to x; NaN opens the bound.
     static double down(double x) {

@@ -33,9 +33,7 @@ struct Decisions {
     std::uint64_t by_multiprecision = 0;
     std::uint64_t assumed = 0;  ///< coincidences taken for granted below a stated width
 
-    std::uint64_t total() const {
-        return by_double + by_interval + by_exact + by_multiprecision + assumed;
-    }
+    std::uint64_t total() const { return by_double + by_interval + by_exact + by_multiprecision + assumed; }
     Decisions& operator+=(const Decisions& o) {
         by_double += o.by_double;
         by_interval += o.by_interval;

@@ -123,9 +123,9 @@ public:
 
 private:
     static Float infinity() { return std::numeric_limits<Float>::infinity(); }
-    // Within 1.6 u: Newton's method for y = 1 / sqrt(m), x = m 2^e, doubles the digits of a double until half of
-    // all are known. With r = m y, y (m - r^2) / 2 brings the others; there only the roundings of r^2 and of the sum
-    // count.
+    // Within 1.6 u: Newton's method for y = 1 / sqrt(m), x = m 2^e, doubles the digits of a double until half
+    // of all are known. With r = m y, y (m - r^2) / 2 brings the others; there only the roundings of r^2 and
+    // of the sum count.
     static Float root(const Float& x) {
         if (x == 0 || isinf(x)) return x;
         const int e = exponent_above(x) & ~1;

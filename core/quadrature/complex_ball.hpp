@@ -1,9 +1,8 @@
 /// Disks of the complex plane: how large an analytic function may be on an ellipse around its interval.
 ///
-/// Not rounded outwards: for bounds that are taken with a margin of more than a few thousand roundings, and of numbers
-/// whose squares neither overflow (they are not bounded) nor vanish. What
-/// cannot be bounded (a divisor's disk around zero, a radicand's across the negative axis) has an infinite
-/// radius.
+/// Not rounded outwards: for bounds that are taken with a margin of more than a few thousand roundings, and
+/// of numbers whose squares neither overflow (they are not bounded) nor vanish. What cannot be bounded (a
+/// divisor's disk around zero, a radicand's across the negative axis) has an infinite radius.
 #pragma once
 
 #include "../platform.hpp"
@@ -49,7 +48,9 @@ struct ComplexBall {
     }
 
 private:
-    static double size(std::complex<double> a) { return std::sqrt(a.real() * a.real() + a.imag() * a.imag()); }
+    static double size(std::complex<double> a) {
+        return std::sqrt(a.real() * a.real() + a.imag() * a.imag());
+    }
     // Without the library's detour for infinities.
     static std::complex<double> product(std::complex<double> a, std::complex<double> b) {
         return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};

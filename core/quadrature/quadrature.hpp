@@ -15,8 +15,8 @@ namespace vcell::quadrature {
 inline constexpr int points = 16;              ///< of the rule where none is chosen
 inline constexpr double truncation = 4e-21;    ///< error bound over the integrand's bound M
 inline constexpr double required_reach = 2.5;  ///< half lengths
-/// A span may be halved so often: some forty times for each of many singular points, and into thousands of parts alike
-/// where a face is steep all along it.
+/// A span may be halved so often: some forty times for each of many singular points, and into thousands of
+/// parts alike where a face is steep all along it.
 inline constexpr int most_halvings = 20000;
 
 /// Positive abscissae and their weights; the rule is symmetric.
@@ -64,13 +64,13 @@ constexpr const RuleOf<n>& rule() {
     return rule_of<n>;
 }
 
-/// Seven points of degree 11, among them Gauss's three of degree 5, and eight more that make them fifteen of degree 23:
-/// each rule asks only for what is new [Patterson68].
+/// Seven points of degree 11, among them Gauss's three of degree 5, and eight more that make them fifteen of
+/// degree 23: each rule asks only for what is new [Patterson68].
 struct NestedRule {
     struct Node {
-        double x, weight;         ///< the rule is symmetric
-        double seven = 0;         ///< weight in the rule of seven, or 0
-        double gauss = 0;         ///< weight in Gauss's rule, or 0
+        double x, weight;  ///< the rule is symmetric
+        double seven = 0;  ///< weight in the rule of seven, or 0
+        double gauss = 0;  ///< weight in Gauss's rule, or 0
     };
     Node center{0, 0.2255104997982066874, 0.450916538658474142, 8.0 / 9};
     std::array<Node, 3> first{{{0.434243749346802558, 0.200628529376989021, 0.401397414775962223},

@@ -18,11 +18,13 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Centre and half sides of a box, the sides rounded up.
 std::array<double, 4> middle(const std::array<double, 4>& box) {
     const double x = 0.5 * box[0] + 0.5 * box[1], y = 0.5 * box[2] + 0.5 * box[3];
-    return {x, y, Interval::up(std::max(box[1] - x, x - box[0])), Interval::up(std::max(box[3] - y, y - box[2]))};
+    return {x, y, Interval::up(std::max(box[1] - x, x - box[0])),
+            Interval::up(std::max(box[3] - y, y - box[2]))};
 }
 
 void grow(std::array<double, 4>& box, const std::array<double, 4>& by) {
-    box = {std::min(box[0], by[0]), std::max(box[1], by[1]), std::min(box[2], by[2]), std::max(box[3], by[3])};
+    box = {std::min(box[0], by[0]), std::max(box[1], by[1]), std::min(box[2], by[2]),
+           std::max(box[3], by[3])};
 }
 
 }  // namespace
@@ -104,7 +106,8 @@ void WorkDiagram::kill_edge(Index e) {
         --live_vertices_;
     } else {
         for (const Index g : {h, t}) {
-            const Index v = half_edges_[g].origin, before = half_edges_[g].prev, after = half_edges_[twin(g)].next;
+            const Index v = half_edges_[g].origin, before = half_edges_[g].prev,
+                        after = half_edges_[twin(g)].next;
             if (after == g && merging_ && vertices_[v].ties != none && ties_[vertices_[v].ties].size() > 1) {
                 // An isolated point of one diagram that lay on an edge of the other.
                 vertices_[v].out = none;
@@ -193,7 +196,8 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
     const auto side = [&](Index i) { return FormPair{CircleKernel::zero_form(), lines[i % n]}; };
     for (Index i = 0; i < n; ++i) {
         const auto corner = kernel_.intersection(side(i + n - 1), side(i), Sign::Positive, {0, 0});
-        if (!corner) throw InternalError("the region's sides " + std::to_string(i) + " and its neighbour do not meet");
+        if (!corner)
+            throw InternalError("the region's sides " + std::to_string(i) + " and its neighbour do not meet");
         add_vertex(*corner, site);
     }
     add_face({});
@@ -233,7 +237,8 @@ void WorkDiagram::insert(FormId challenger) {
     for (Index f = 1; f < faces_.size(); ++f) {
         const Face& face = faces_[f];
         if (!face.alive) continue;
-        if (!CircleKernel::certainly_above(form, face.place, face.x, face.y, face.rx, face.ry)) duels_.push_back({f, challenger});
+        if (!CircleKernel::certainly_above(form, face.place, face.x, face.y, face.rx, face.ry))
+            duels_.push_back({f, challenger});
     }
     if (!duels_.empty()) resolve();
 }
@@ -322,7 +327,8 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     vertex.slope_y = b.gy;
     const double difference = b.v - vertex.height;
     // b.top - b.v: its change over the point's uncertainty.
-    vertex.margin = std::abs(difference) - 1.01 * (b.top - b.v + vertex.height_error) - 64 * DBL_EPSILON * b.scale;
+    vertex.margin =
+        std::abs(difference) - 1.01 * (b.top - b.v + vertex.height_error) - 64 * DBL_EPSILON * b.scale;
     if (vertex.margin > 0) {
         ++kernel_.decisions().by_double;
         vertex.sign = sign_of(difference);
@@ -343,10 +349,10 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     return vertex.sign;
 }
 
-// Do the values at the ends alone prove that challenger - defender keeps their common sign along the edge? Let
-// g = F of the rivals, m the smaller |g| of the two ends, l the chord and s the sagitta. On the chord g is a
-// parabola of second derivative 2 K, so |g| >= m - |K| l^2 / 4; the arc leaves it by s, and g changes on the
-// way by at most |grad g| s + |K| s^2, where |grad g| <= |grad g(end)| + 2 |K| l.
+// Do the values at the ends alone prove that challenger - defender keeps their common sign along the edge?
+// Let g = F of the rivals, m the smaller |g| of the two ends, l the chord and s the sagitta. On the chord g
+// is a parabola of second derivative 2 K, so |g| >= m - |K| l^2 / 4; the arc leaves it by s, and g changes on
+// the way by at most |grad g| s + |K| s^2, where |grad g| <= |grad g(end)| + 2 |K| l.
 bool WorkDiagram::keeps_sign(Index e, FormPair rival) const {
     const Vertex &v = vertices_[half_edges_[2 * e].origin], &w = vertices_[half_edges_[2 * e + 1].origin];
     const CircleKernel::Form &b = kernel_.form(rival.f), &a = kernel_.form(rival.g);
@@ -358,9 +364,10 @@ bool WorkDiagram::keeps_sign(Index e, FormPair rival) const {
         bx = (2 * b.k * (p.x - b.cx) + b.a) * b.iw;
         by = (2 * b.k * (p.y - b.cy) + b.b) * b.iw;
     }
-    const double slope = std::abs(bx - ax) + std::abs(by - ay) +
-                         1e-12 * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
-                                  (b.K * (std::abs(p.x) + std::abs(p.y)) + a.K * (std::abs(p.x) + std::abs(p.y))));
+    const double slope =
+        std::abs(bx - ax) + std::abs(by - ay) +
+        1e-12 * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
+                 (b.K * (std::abs(p.x) + std::abs(p.y)) + a.K * (std::abs(p.x) + std::abs(p.y))));
     const double K = std::abs(b.K - a.K) + 1e-12 * (std::abs(b.K) + std::abs(a.K));
     return std::min(v.margin, w.margin) > (K * (0.25 * l * l + 2 * l * s + s * s) + slope * s) * (1 + 1e-9);
 }
@@ -411,7 +418,8 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
 
     const Sign s = vertices_[from].sign, t = vertices_[to].sign;
     const PointId p = vertices_[from].point, q = vertices_[to].point;
-    const Eigen::Vector2d near = 0.5 * (Eigen::Vector2d(at(from).x, at(from).y) + Eigen::Vector2d(at(to).x, at(to).y));
+    const Eigen::Vector2d near =
+        0.5 * (Eigen::Vector2d(at(from).x, at(from).y) + Eigen::Vector2d(at(to).x, at(to).y));
     const auto root = [&](Sign turn) {
         const auto r = kernel_.intersection(c, rival, turn, near);
         if (!r) throw InternalError("no root of a sign change on edge e" + std::to_string(e));
@@ -427,7 +435,8 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
         const auto [x, y, rx, ry] = middle(edge.bounds.box);
         const CircleKernel::Place b = CircleKernel::place(kernel_.form(rival.f), x, y, rx, ry);
         const CircleKernel::Place a = CircleKernel::place(kernel_.form(rival.g), x, y, rx, ry);
-        if (s == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry) : CircleKernel::certainly_above(a, b, rx, ry))
+        if (s == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry)
+                                : CircleKernel::certainly_above(a, b, rx, ry))
             return false;
         // Two lines cross once, and then the signs at the ends would differ.
         if (edge.rim && kernel_.curvature_sign(rival) == Sign::Zero) return false;
@@ -440,7 +449,9 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
                     return kernel_.strictly_between(c, p, q, cut.point) && cut_edge(e, rival, {&cut, 1}, s);
                 }
                 case Sign::Positive:
-                    if (kernel_.curvature_sign(c) == Sign::Zero && kernel_.curvature_sign(rival) == Sign::Zero) return false;
+                    if (kernel_.curvature_sign(c) == Sign::Zero &&
+                        kernel_.curvature_sign(rival) == Sign::Zero)
+                        return false;
                     first = root(-s).point;
             }
         }
@@ -479,7 +490,9 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
 // Splits e at the cuts, in order along its curve. Parts that a single challenger takes over are as good as
 // gone. The sign before the first is given; it changes at every cut that is no touching.
 bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
-    const auto stays = [&](Index part) { return merging_ || edges_[part].rim || edges_[part].sign != Sign::Negative; };
+    const auto stays = [&](Index part) {
+        return merging_ || edges_[part].rim || edges_[part].sign != Sign::Negative;
+    };
     Sign sign = before;
     const bool closed = half_edges_[2 * e].origin == none;
     for (std::size_t i = 0; i < cuts.size(); ++i) {
@@ -598,7 +611,8 @@ void WorkDiagram::insert_arcs(FormPair rival) {
     const auto starts = std::ranges::count_if(branches_, &Branch::start);
     if (2 * starts != static_cast<std::ptrdiff_t>(branches_.size()))
         throw InternalError("a trisector enters a face " + std::to_string(starts) + " times and leaves it " +
-                            std::to_string(static_cast<std::ptrdiff_t>(branches_.size()) - starts) + " times");
+                            std::to_string(static_cast<std::ptrdiff_t>(branches_.size()) - starts) +
+                            " times");
     const bool several = starts > 1;
     const bool line = several && kernel_.curvature_sign(rival) == Sign::Zero;
     for (Branch& s : branches_) {
@@ -643,7 +657,8 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     if (kernel_.curvature_sign(rival) != boundary || kernel_.circle_leaves_box(rival, f.box)) return;
     const Sign radius = kernel_.radius_sign(rival);
     if (radius == Sign::Negative) return;
-    if (radius == Sign::Zero && std::ranges::any_of(f.isolated, [&](Index v) { return vertices_[v].sign == Sign::Zero; }))
+    if (radius == Sign::Zero &&
+        std::ranges::any_of(f.isolated, [&](Index v) { return vertices_[v].sign == Sign::Zero; }))
         return;  // the point is known already
     const PointId p = radius == Sign::Zero ? kernel_.center_point(rival) : kernel_.leftmost_point(rival);
     if (!face_contains(f, p)) return;
@@ -692,8 +707,11 @@ void WorkDiagram::thread_isolated(Index face, std::size_t first_new) {
         if (vertices_[v].stamp != stamp_ || vertices_[v].sign != Sign::Zero) return false;
         const PointId p = vertices_[v].point;
         for (std::size_t i = first_new; i < touched_.size(); i += 2) {
-            const Index e = touched_[i] >> 1, from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
-            if (from != none && !kernel_.strictly_between(edges_[e].curve, vertices_[from].point, vertices_[to].point, p)) continue;
+            const Index e = touched_[i] >> 1, from = half_edges_[2 * e].origin,
+                        to = half_edges_[2 * e + 1].origin;
+            if (from != none &&
+                !kernel_.strictly_between(edges_[e].curve, vertices_[from].point, vertices_[to].point, p))
+                continue;
             const Index w = split_edge(e, p, half_edges_[2 * e].label), n = vertices_[w].out >> 1;
             vertices_[w].ties = vertices_[v].ties;
             vertices_[w].stamp = stamp_;
@@ -762,8 +780,7 @@ void WorkDiagram::rebuild_faces() {
         half_edges_[h].face = none;
         Edge& edge = edges_[h >> 1];
         // The edge may separate others than before, tied all along it.
-        if (!edge.rim)
-            edge.curve = {half_edges_[h & ~1u].label, half_edges_[h | 1u].label};
+        if (!edge.rim) edge.curve = {half_edges_[h & ~1u].label, half_edges_[h | 1u].label};
     }
     for (const Index h : touched_) {
         if (!edges_[h >> 1].alive || half_edges_[h].face != none) continue;
@@ -795,7 +812,8 @@ void WorkDiagram::nest_cycles() {
             if (label.valid() && half_edges_[c].label != label) return false;
             bool through = false;
             for_cycle(c, [&](Index h) {
-                through = through || (half_edges_[h].origin != none && vertices_[half_edges_[h].origin].point == p);
+                through =
+                    through || (half_edges_[h].origin != none && vertices_[half_edges_[h].origin].point == p);
             });
             return !through && cycle_contains(c, p);
         };
@@ -859,7 +877,8 @@ bool WorkDiagram::is_outer_cycle(Index cycle) {
     bool inner = false;
     for_cycle(cycle, [&](Index h) {
         if (vertices_[target(h)].point != leftmost) return;
-        inner = inner || kernel_.sector_contains_left(leftmost, directed(half_edges_[h].next), directed(twin(h)));
+        inner =
+            inner || kernel_.sector_contains_left(leftmost, directed(half_edges_[h].next), directed(twin(h)));
     });
     return !inner;
 }
@@ -881,7 +900,8 @@ bool WorkDiagram::face_contains(const Face& f, PointId p) {
 int WorkDiagram::crossings_above(Index e, PointId p) {
     const KernelPoint& at_p = kernel_.point(p);
     const std::array<double, 4>& box = edges_[e].bounds.box;
-    if (box[1] < at_p.x - at_p.error || box[0] > at_p.x + at_p.error || box[3] < at_p.y - at_p.error) return 0;
+    if (box[1] < at_p.x - at_p.error || box[0] > at_p.x + at_p.error || box[3] < at_p.y - at_p.error)
+        return 0;
     const FormPair c = edges_[e].curve;
     const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
     const auto left_of_or_at = [&](PointId q) { return kernel_.compare_x(q, p) != Sign::Positive; };
@@ -915,7 +935,8 @@ int WorkDiagram::crossings_above(Index e, PointId p) {
         std::swap(a, b);
         ccw = c.reversed();
     }
-    const bool has_left = kernel_.strictly_between(ccw, a, b, left), has_right = kernel_.strictly_between(ccw, a, b, right);
+    const bool has_left = kernel_.strictly_between(ccw, a, b, left),
+               has_right = kernel_.strictly_between(ccw, a, b, right);
     if (has_left && has_right) {
         const bool left_first = kernel_.strictly_between(ccw, a, right, left);
         if (left_first) {

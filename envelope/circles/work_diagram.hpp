@@ -27,12 +27,12 @@ public:
         PointId point;
         Index out = none;          ///< some half-edge that leaves it; none: isolated
         Index isolated_in = none;  ///< the face of an isolated vertex
-        Index ties = none;         ///< index into ties_: all forms that attain the minimum, if not just the faces'
+        Index ties = none;  ///< index into ties_: all forms that attain the minimum, if not just the faces'
         Index challenger_ties = none;  ///< the same in the challenging diagram, while two are merged
         Index stamp = 0;
-        Sign sign = Sign::Zero;    ///< of challenger - defender, while stamp is current
+        Sign sign = Sign::Zero;  ///< of challenger - defender, while stamp is current
         bool alive = true;
-        double height, height_error;       ///< encloses the minimum at the vertex
+        double height, height_error;  ///< encloses the minimum at the vertex
         // While stamp is current: the challenger's slope, and a lower bound of |challenger - defender|.
         double slope_x, slope_y, margin;
     };
@@ -55,8 +55,8 @@ public:
         std::array<double, 4> box;
         double x = 0, y = 0, rx = 0, ry = 0;  ///< the box's centre and half sides
         CircleKernel::Place place;            ///< of the site's form there
-        Index outer = none;         ///< a half-edge of the outer boundary component
-        std::vector<Index> inner;   ///< a half-edge of each inner boundary component
+        Index outer = none;                   ///< a half-edge of the outer boundary component
+        std::vector<Index> inner;             ///< a half-edge of each inner boundary component
         std::vector<Index> isolated;
         bool alive = true;
     };
@@ -89,10 +89,10 @@ private:
         bool met = false;      // the challenger wins or ties somewhere on the boundary
         bool changed = false;  // and takes over a part of the face
     };
-    struct Branch {     // {challenger = defender} leaves a vertex into the face, or ends there
-        Index corner;   // the boundary half-edge that arrives at the vertex
+    struct Branch {    // {challenger = defender} leaves a vertex into the face, or ends there
+        Index corner;  // the boundary half-edge that arrives at the vertex
         Index vertex;
-        bool start;     // leaves, when run with the challenger on its left
+        bool start;  // leaves, when run with the challenger on its left
         Index half_edge = none;
     };
     struct Cut {
@@ -176,16 +176,17 @@ private:
     std::vector<std::vector<FormId>> ties_;
     std::vector<Index> free_vertices_, free_edges_, free_faces_;
     Index stamp_ = 0;
-    bool merging_ = false;  // resolve() compares two diagrams: every face has a challenger, and all are made anew
+    bool merging_ =
+        false;  // resolve() compares two diagrams: every face has a challenger, and all are made anew
     // A closed edge without vertices counts as one vertex and one edge; isolated vertices do not count.
     long live_vertices_ = 0, live_edges_ = 0, live_cycles_ = 0;
 
     // Working space of one resolve(), kept for its memory.
     std::vector<Duel> duels_;
     std::vector<Branch> branches_;
-    std::vector<Index> touched_;  // half-edges of changed faces
-    std::vector<Index> cycles_;   // a half-edge of each new boundary component
-    std::vector<Index> isolated_; // isolated vertices that need a face
+    std::vector<Index> touched_;   // half-edges of changed faces
+    std::vector<Index> cycles_;    // a half-edge of each new boundary component
+    std::vector<Index> isolated_;  // isolated vertices that need a face
 };
 
 }  // namespace vcell

@@ -17,8 +17,8 @@ using ArcArrangement = Arrangement<CircleArcs>;
 /// The arrangement of a diagram's edges, cut where they are not x-monotone, and what its elements stand for.
 struct WorkDiagram::Layer {
     ArcArrangement arrangement;
-    IdVector<VertexId, Index> vertices;   // none: the leftmost or rightmost point of an edge's curve
-    IdVector<EdgeId, Index> half_edges;   // the half-edge that runs to the right
+    IdVector<VertexId, Index> vertices;  // none: the leftmost or rightmost point of an edge's curve
+    IdVector<EdgeId, Index> half_edges;  // the half-edge that runs to the right
     IdVector<FaceId, Index> faces;
 };
 
@@ -49,7 +49,8 @@ WorkDiagram::Layer WorkDiagram::make_layer(CircleArcs& geometry) const {
     std::vector<Node> nodes;
     std::vector<Piece> pieces;
     std::vector<std::uint32_t> node_of(vertices_.size(), none);
-    std::vector<std::array<std::uint32_t, 2>> chains(edges_.size());  // of each edge: its pieces [i, j), in order
+    std::vector<std::array<std::uint32_t, 2>> chains(
+        edges_.size());  // of each edge: its pieces [i, j), in order
     for (Index v = 0; v < vertices_.size(); ++v) {
         if (!vertices_[v].alive) continue;
         node_of[v] = static_cast<std::uint32_t>(nodes.size());
@@ -127,8 +128,12 @@ WorkDiagram::Layer WorkDiagram::make_layer(CircleArcs& geometry) const {
     const auto piece_half_edge = [&](std::uint32_t i, Index h) {
         return Dcel::half_edge(EdgeId{edge_of[i]}, pieces[i].half_edge == h ? 0 : 1);
     };
-    const auto first_of = [&](Index h) { return piece_half_edge(h & 1u ? chains[h >> 1][1] - 1 : chains[h >> 1][0], h); };
-    const auto last_of = [&](Index h) { return piece_half_edge(h & 1u ? chains[h >> 1][0] : chains[h >> 1][1] - 1, h); };
+    const auto first_of = [&](Index h) {
+        return piece_half_edge(h & 1u ? chains[h >> 1][1] - 1 : chains[h >> 1][0], h);
+    };
+    const auto last_of = [&](Index h) {
+        return piece_half_edge(h & 1u ? chains[h >> 1][0] : chains[h >> 1][1] - 1, h);
+    };
     Index rim = none;
     for (Index e = 0; e < edges_.size(); ++e) {
         if (!edges_[e].alive) continue;
@@ -162,7 +167,9 @@ void WorkDiagram::merge(const WorkDiagram& defender, const WorkDiagram& challeng
 
     clear();
     duels_.clear();
-    const auto site = [&](FaceId f, int side) { return sources[side]->faces_[layers[side].faces[origins.faces[f.value][side]]].site; };
+    const auto site = [&](FaceId f, int side) {
+        return sources[side]->faces_[layers[side].faces[origins.faces[f.value][side]]].site;
+    };
     const auto take_ties = [&](Index list, int side) {
         if (list == none) return none;
         ties_.push_back(sources[side]->ties_[list]);
@@ -173,7 +180,8 @@ void WorkDiagram::merge(const WorkDiagram& defender, const WorkDiagram& challeng
         HalfEdgeId h = dcel.outgoing({i});
         const bool isolated = !h.valid();
         while (!isolated && dcel.face(h) == Dcel::unbounded_face()) h = dcel.next_around_origin(h);
-        const Index v = add_vertex(overlaid.points[VertexId{i}], site(isolated ? dcel.isolated_in({i}) : dcel.face(h), 0));
+        const Index v = add_vertex(overlaid.points[VertexId{i}],
+                                   site(isolated ? dcel.isolated_in({i}) : dcel.face(h), 0));
         if (isolated) --live_vertices_;
         std::array<Index, 2> ties{none, none};
         for (const int side : {0, 1}) {
@@ -186,7 +194,9 @@ void WorkDiagram::merge(const WorkDiagram& defender, const WorkDiagram& challeng
     }
 
     // Rim edges may have to turn round: the region lies left of half-edge 2e.
-    const auto turned = [&](HalfEdgeId h) { return dcel.face(Dcel::half_edge(Dcel::edge(h))) == Dcel::unbounded_face(); };
+    const auto turned = [&](HalfEdgeId h) {
+        return dcel.face(Dcel::half_edge(Dcel::edge(h))) == Dcel::unbounded_face();
+    };
     const auto mine = [&](HalfEdgeId h) -> Index { return turned(h) ? h.value ^ 1u : h.value; };
     for (std::uint32_t i = 0; i < dcel.edge_count(); ++i) {
         const HalfEdgeId right = Dcel::half_edge({i}), forward = turned(right) ? Dcel::twin(right) : right;
@@ -241,11 +251,13 @@ void WorkDiagram::merge(const WorkDiagram& defender, const WorkDiagram& challeng
     merging_ = false;
 }
 
-// Once signs are known, before arcs are inserted: the forms that attain the minimum at vertices and edges of the
-// overlay are those of the winner, and of both where they tie.
+// Once signs are known, before arcs are inserted: the forms that attain the minimum at vertices and edges of
+// the overlay are those of the winner, and of both where they tie.
 void WorkDiagram::unite_ties() {
     // Duel i is that of face i + 1.
-    const auto challenger = [&](Index face) { return face == outside ? FormId() : duels_[face - 1].challenger; };
+    const auto challenger = [&](Index face) {
+        return face == outside ? FormId() : duels_[face - 1].challenger;
+    };
     std::vector<FormId> all;
     const auto gather = [&](Index list) {
         if (list != none) all.insert(all.end(), ties_[list].begin(), ties_[list].end());
@@ -272,7 +284,8 @@ void WorkDiagram::unite_ties() {
         gather(v.challenger_ties);
         if (v.sign == Sign::Negative) {
             FormId lowest = v.out == none ? challenger(v.isolated_in) : FormId();
-            for (Index h = v.out; !lowest.valid(); h = twin(half_edges_[h].prev)) lowest = challenger(half_edges_[h].face);
+            for (Index h = v.out; !lowest.valid(); h = twin(half_edges_[h].prev))
+                lowest = challenger(half_edges_[h].face);
             set_height(v, lowest);
             v.ties = all.empty() ? none : store();
             continue;
@@ -309,7 +322,9 @@ void WorkDiagram::smooth(Index v) {
     if (!vertices_[v].alive || h == none) return;
     const Index g = twin(half_edges_[h].prev), e = h >> 1, f = g >> 1;
     if (g == h || twin(half_edges_[g].prev) != h) return;
-    if (half_edges_[h].label != half_edges_[twin(g)].label || half_edges_[twin(h)].label != half_edges_[g].label) return;
+    if (half_edges_[h].label != half_edges_[twin(g)].label ||
+        half_edges_[twin(h)].label != half_edges_[g].label)
+        return;
     if (edges_[e].rim && edges_[e].curve != edges_[f].curve) return;
     const auto label = [&](Index edge) {
         std::vector<FormId> forms;

@@ -186,7 +186,8 @@ double ChartArcs::exact_turn(EdgeId e, double turn) {
         const double angle = std::atan2(area, from.dot(to));
         return angle >= 0 ? angle : angle + 2 * std::numbers::pi;
     }
-    // The area is at least 0.96 times the radius and the chord: more than what the ends are off, times the radius.
+    // The area is at least 0.96 times the radius and the chord: more than what the ends are off, times the
+    // radius.
     const double off = 2 * (p.error + q.error) + 16 * u * (c.center.norm() + c.radius);
     const bool is_major = ends_at_circular(e) ? is_major_arc(e, c)
                           : chord > off       ? area < 0
@@ -242,11 +243,12 @@ bool ChartArcs::ends_at_circular(EdgeId e) const {
     const auto is_known = [&](VertexId v) {
         return circular_successor(e, v).valid() || !diagram_.sides(v).empty();
     };
-    return is_known(diagram_.dcel.origin(Dcel::half_edge(e))) && is_known(diagram_.dcel.target(Dcel::half_edge(e)));
+    return is_known(diagram_.dcel.origin(Dcel::half_edge(e))) &&
+           is_known(diagram_.dcel.target(Dcel::half_edge(e)));
 }
 
-// Where the ends are within `off` of each other the longer arc is all but the whole circle, and nothing is lower anywhere
-// on it but between them.
+// Where the ends are within `off` of each other the longer arc is all but the whole circle, and nothing is
+// lower anywhere on it but between them.
 bool ChartArcs::is_taken_beyond(EdgeId e, const Circle& c, double turn, double off) {
     const FormId along = diagram_.edges[e].left;
     const auto height = [&](FormId form, const Interval& x, const Interval& y) {
@@ -269,14 +271,14 @@ bool ChartArcs::is_taken_beyond(EdgeId e, const Circle& c, double turn, double o
         }
     }
     const Vector2d& p = diagram_.vertices[ends[0]].point;
-    throw UndecidedError("an edge's ends are not told apart around (" + to_text(p.x()) + ", " + to_text(p.y()) +
-                         ") in the chart");
+    throw UndecidedError("an edge's ends are not told apart around (" + to_text(p.x()) + ", " +
+                         to_text(p.y()) + ") in the chart");
 }
 
 // Of the two arcs between the end points, is the edge the longer one? Decided by the exact order of four
-// points on the circle. Pre: the chord is at most half the radius, circular forms or sides take over at both ends. The
-// longer arc holds the circle's leftmost or rightmost point, or both; the shorter one neither, or one that is next to the
-// end points.
+// points on the circle. Pre: the chord is at most half the radius, circular forms or sides take over at both
+// ends. The longer arc holds the circle's leftmost or rightmost point, or both; the shorter one neither, or
+// one that is next to the end points.
 bool ChartArcs::is_major_arc(EdgeId e, const Circle& c) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     CircleKernel kernel;

@@ -58,9 +58,9 @@ private:
     }
 };
 
-/// Every edge of a diagram between circular forms as a chain of spans, in the direction of half-edge 2e. A full
-/// circle is four spans; an arc of more than 1.6 rad has several. Edges with a cylinder on a side have none here
-/// (mixed_arc.hpp).
+/// Every edge of a diagram between circular forms as a chain of spans, in the direction of half-edge 2e. A
+/// full circle is four spans; an arc of more than 1.6 rad has several. Edges with a cylinder on a side have
+/// none here (mixed_arc.hpp).
 class ChartArcs {
 public:
     ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram);
@@ -83,7 +83,8 @@ private:
     };
 
     template <class Edges>
-    ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, const Edges& edges, std::size_t count);
+    ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, const Edges& edges,
+              std::size_t count);
 
     void add_edge(EdgeId e);
     void add_line(EdgeId e);

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "../../arrangement/dcel/dcel.hpp"
-#include "../../primitives/forms/form_family.hpp"
 #include "../../core/errors.hpp"
 #include "../../core/numbers/sign.hpp"
+#include "../../primitives/forms/form_family.hpp"
 
 namespace vcell {
 
@@ -52,11 +52,11 @@ struct TieError : UndecidedError {
 /// maximal: between two vertices, or closed without vertices. A vertex on the region's rim is a corner
 /// or a point where the label changes.
 ///
-/// Over a sphere base the chart's unbounded face is the one around the pole: it has a label, and there is no rim.
-/// Over a cylinder base, unrolled to x in [-1, 3], x = -1 and x = 3 are the same line and nothing shows there:
-/// points have x in [-1, 3), an arc may pass from one side to the other between two of its pieces. The rims are
-/// sides 0 (lower y) and 2; outside them lie faces 0 and 1, without label. Which of the boundaries of a face is
-/// called its outer one has no meaning over curved bases.
+/// Over a sphere base the chart's unbounded face is the one around the pole: it has a label, and there is no
+/// rim. Over a cylinder base, unrolled to x in [-1, 3], x = -1 and x = 3 are the same line and nothing shows
+/// there: points have x in [-1, 3), an arc may pass from one side to the other between two of its pieces. The
+/// rims are sides 0 (lower y) and 2; outside them lie faces 0 and 1, without label. Which of the boundaries
+/// of a face is called its outer one has no meaning over curved bases.
 struct MinimizationDiagram {
     struct Vertex {
         Eigen::Vector2d point;  ///< chart coordinates
@@ -81,7 +81,7 @@ struct MinimizationDiagram {
     /// curve left = right; over a sphere parts of that may cross the cell on which a third form is lower.
     struct ArcPiece {
         Eigen::Vector2d end;
-        double error;               ///< bound on the distance of `end` from the curve
+        double error;  ///< bound on the distance of `end` from the curve
         Eigen::Vector2d direction;
         std::array<double, 4> box;  ///< {x0, x1, y0, y1} contains the cell
     };
@@ -98,13 +98,16 @@ struct MinimizationDiagram {
     std::vector<Assumption> assumptions;
 
     /// The functions that attain the minimum at v (on e), ascending.
-    std::span<const FormId> label(VertexId v) const { return slice(vertex_labels_, vertex_offsets_, v.value); }
+    std::span<const FormId> label(VertexId v) const {
+        return slice(vertex_labels_, vertex_offsets_, v.value);
+    }
     std::span<const FormId> label(EdgeId e) const { return slice(edge_labels_, edge_offsets_, e.value); }
     /// The one function of a face; empty for the unbounded face. (Identical functions are one FormId.)
     std::span<const FormId> label(FaceId f) const {
         return face_forms[f].valid() ? std::span(&face_forms[f], 1) : std::span<const FormId>();
     }
-    /// The pieces of an edge in the direction of half-edge 2e; none where both forms are circular, and on the rim.
+    /// The pieces of an edge in the direction of half-edge 2e; none where both forms are circular, and on the
+    /// rim.
     std::span<const ArcPiece> pieces(EdgeId e) const {
         if (piece_offsets_.empty()) return {};
         return {pieces_.data() + piece_offsets_[e.value], pieces_.data() + piece_offsets_[e.value + 1]};
@@ -112,7 +115,8 @@ struct MinimizationDiagram {
     bool is_circular(FormId f) const { return f.value < forms.size(); }
     /// The sides of the region on which vertex v lies (none, one, or two at a corner).
     std::span<const std::uint32_t> sides(VertexId v) const {
-        return {vertex_sides_.data() + side_offsets_[v.value], vertex_sides_.data() + side_offsets_[v.value + 1]};
+        return {vertex_sides_.data() + side_offsets_[v.value],
+                vertex_sides_.data() + side_offsets_[v.value + 1]};
     }
 
     /// Forgets all forms; the subdivision stays.
@@ -146,8 +150,8 @@ struct EnvelopeOptions {
     /// Where more functions than this compete in a piece of the region, the diagrams of two halves of them
     /// are merged by overlay. Changes the time taken only, not the diagram.
     std::size_t largest_piece = 256;
-    /// Over a sphere without cylinders: first by insertion of one form after the other (sphere_diagram.hpp). Changes
-    /// the time taken only.
+    /// Over a sphere without cylinders: first by insertion of one form after the other (sphere_diagram.hpp).
+    /// Changes the time taken only.
     bool incremental = true;
 };
 

@@ -92,7 +92,8 @@ Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceS
         for (const Index h : {2 * e, 2 * e + 1}) {
             const WorkDiagram::HalfEdge& half = piece.half_edges()[h];
             const Index origin = half.origin == none ? none : vertex_map[half.origin];
-            half_edges_.push_back({map_half_edge(half.next), map_half_edge(half.prev), origin, face_map[half.face]});
+            half_edges_.push_back(
+                {map_half_edge(half.next), map_half_edge(half.prev), origin, face_map[half.face]});
             if (origin != none) vertices_[origin].out = map_half_edge(h);
             if (half.face == WorkDiagram::outside) handle = map_half_edge(h);
         }
@@ -152,7 +153,8 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
         if (v < rim) out.push_back(2 * (first_edge + (v + rim - 1) % rim) + 1);
         if (out.empty()) continue;
         vertices_[first_vertex + v].out = out.front();
-        for (std::size_t k = 0; k < out.size(); ++k) link(twin(out[k]), out[(k + out.size() - 1) % out.size()]);
+        for (std::size_t k = 0; k < out.size(); ++k)
+            link(twin(out[k]), out[(k + out.size() - 1) % out.size()]);
     }
     for (Index h = 2 * first_edge; h < half_edges_.size(); ++h) {
         const bool outside = h < 2 * (first_edge + rim) && (h & 1u);
@@ -194,7 +196,8 @@ Patchwork::Index Patchwork::find(Index f) {
 void Patchwork::merge_faces(Index f, Index g) {
     f = find(f);
     g = find(g);
-    if (faces_[f].site != faces_[g].site) throw InternalError("labels differ across a seam at face f" + std::to_string(f));
+    if (faces_[f].site != faces_[g].site)
+        throw InternalError("labels differ across a seam at face f" + std::to_string(f));
     faces_[std::max(f, g)].parent = std::min(f, g);
 }
 
@@ -222,7 +225,8 @@ Patchwork::Index Patchwork::glue(Index piece, Index other, std::uint32_t seam) {
 }
 
 // The same around the cylinder: the piece lies on both sides of the seam.
-void Patchwork::close(Index piece, std::uint32_t right, std::uint32_t left, double circumference, std::uint32_t upper) {
+void Patchwork::close(Index piece, std::uint32_t right, std::uint32_t left, double circumference,
+                      std::uint32_t upper) {
     upper_rim_ = upper;
     const Chain down = side_chain(piece, right), up = side_chain(piece, left);
     for (const Index h : down) vertices_[half_edges_[h].origin].x -= circumference;
@@ -232,10 +236,11 @@ void Patchwork::close(Index piece, std::uint32_t right, std::uint32_t left, doub
 
 Patchwork::Index Patchwork::join(const Chain& down, const Chain& up) {
     const std::size_t k = down.size();
-    if (up.size() != k) throw InternalError("a seam has " + std::to_string(k) + " edges on one side and " +
-                                            std::to_string(up.size()) + " on the other");
-    const auto first = [&](std::size_t j) { return twin(down[j]); };          // runs up on the left
-    const auto second = [&](std::size_t j) { return twin(up[k - 1 - j]); };   // runs down on the right
+    if (up.size() != k)
+        throw InternalError("a seam has " + std::to_string(k) + " edges on one side and " +
+                            std::to_string(up.size()) + " on the other");
+    const auto first = [&](std::size_t j) { return twin(down[j]); };         // runs up on the left
+    const auto second = [&](std::size_t j) { return twin(up[k - 1 - j]); };  // runs down on the right
     for (std::size_t j = 0; j < k; ++j) merge_faces(half_edges_[first(j)].face, half_edges_[second(j)].face);
 
     const Index top_before = half_edges_[down[0]].prev, top_after = half_edges_[up[k - 1]].next;
@@ -247,13 +252,15 @@ Patchwork::Index Patchwork::join(const Chain& down, const Chain& up) {
     junctions.reserve(k + 1);
     for (std::size_t j = 0; j <= k; ++j) {
         Junction v{j < k ? half_edges_[down[j]].origin : target(down[k - 1]),
-                   j < k ? target(up[k - 1 - j]) : half_edges_[up[0]].origin, none, half_edges_[first(j < k ? j : k - 1)].face};
+                   j < k ? target(up[k - 1 - j]) : half_edges_[up[0]].origin, none,
+                   half_edges_[first(j < k ? j : k - 1)].face};
         // Below: the first piece's last half-edge a_p, and the one that arrives along b_1; above: b_q, a_1.
         const Index a_last = j < k ? half_edges_[first(j)].next : none;
         const Index b_first = j < k ? half_edges_[second(j)].prev : none;
         const Index a_first = j > 0 ? half_edges_[first(j - 1)].prev : none;
         const Index b_last = j > 0 ? half_edges_[second(j - 1)].next : none;
-        const bool no_a = j > 0 && j < k && a_last == first(j - 1), no_b = j > 0 && j < k && b_last == second(j);
+        const bool no_a = j > 0 && j < k && a_last == first(j - 1),
+                   no_b = j > 0 && j < k && b_last == second(j);
         if (j == 0) {
             link(b_first, a_last);
             v.outgoing = a_last;
@@ -292,7 +299,8 @@ void Patchwork::unite_vertices(Index kept, Index other, Index outgoing, Index fa
             v.ties = vertices_[other].ties;
         } else {
             std::vector<FormId>& forms = ties_[v.ties];
-            forms.insert(forms.end(), ties_[vertices_[other].ties].begin(), ties_[vertices_[other].ties].end());
+            forms.insert(forms.end(), ties_[vertices_[other].ties].begin(),
+                         ties_[vertices_[other].ties].end());
             sort_unique(forms);
         }
     }
@@ -329,7 +337,8 @@ void Patchwork::smooth(Index v) {
     const Index h = vertices_[v].out, g = twin(half_edges_[h].prev);
     if (g == h || twin(half_edges_[g].prev) != h) return;
     const Index e = h >> 1, f = g >> 1;
-    if (edges_[e].side != edges_[f].side || left_of(h) != left_of(twin(g)) || left_of(twin(h)) != left_of(g)) return;
+    if (edges_[e].side != edges_[f].side || left_of(h) != left_of(twin(g)) || left_of(twin(h)) != left_of(g))
+        return;
     if (vertices_[v].ties != none || edges_[e].ties != none || edges_[f].ties != none) {
         const std::vector<FormId> label = label_of_edge(e);
         if (label != label_of_edge(f)) return;
@@ -362,9 +371,9 @@ void Patchwork::drop_rim(Index outer) {
 
 namespace {
 
-// The boundary components of faces, and which of a face's is its outer one. Faces and connected graphs of edges
-// that touch each other form a tree, since each graph separates the faces around it; seen from a root face the
-// outer component of a face is the one on the way there.
+// The boundary components of faces, and which of a face's is its outer one. Faces and connected graphs of
+// edges that touch each other form a tree, since each graph separates the faces around it; seen from a root
+// face the outer component of a face is the one on the way there.
 class Components {
 public:
     using Index = Patchwork::Index;
@@ -382,18 +391,21 @@ public:
     Index next(Index c) const { return items_[c].next_of_face; }
     /// Does a face other than the root have several?
     bool is_nested(Index root) const {
-        return std::ranges::any_of(items_, [&](const Item& c) { return c.face != root && c.next_of_face != none; });
+        return std::ranges::any_of(items_,
+                                   [&](const Item& c) { return c.face != root && c.next_of_face != none; });
     }
     /// The two sides of an edge belong to one graph.
     void join(Index c, Index d) { items_[graph(c)].parent = graph(d); }
     /// Pre: join() was called for all edges.
     void find_outer(Index root) {
         std::vector<Index> first_of_graph(items_.size(), none), open;
-        for (Index c = 0; c < items_.size(); ++c) items_[c].next_of_graph = std::exchange(first_of_graph[graph(c)], c);
+        for (Index c = 0; c < items_.size(); ++c)
+            items_[c].next_of_graph = std::exchange(first_of_graph[graph(c)], c);
         outer_.assign(first_.size(), none);
         const auto enter_graphs_of = [&](Index face) {
             for (Index c = first_[face]; c != none; c = items_[c].next_of_face)
-                if (const Index g = std::exchange(first_of_graph[graph(c)], none); g != none) open.push_back(g);
+                if (const Index g = std::exchange(first_of_graph[graph(c)], none); g != none)
+                    open.push_back(g);
         };
         enter_graphs_of(root);
         while (!open.empty()) {
@@ -430,7 +442,8 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
     out.cylinders = family_.cylinders;
     out.radial = family_.radial;
 
-    std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none), face_map(faces_.size() + 2, none);
+    std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none),
+        face_map(faces_.size() + 2, none);
     const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges_, &Edge::alive));
     const auto alive_vertices = static_cast<std::size_t>(std::ranges::count_if(vertices_, &Vertex::alive));
     out.dcel.reserve(alive_vertices, alive_edges, faces_.size() + 1);
@@ -452,20 +465,25 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
     for (Index e = 0; e < edges_.size(); ++e) {
         if (!edges_[e].alive) continue;
         const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
-        edge_map[e] = out.dcel.add_edge(from == none ? VertexId{} : VertexId{vertex_map[from]},
-                                        to == none ? VertexId{} : VertexId{vertex_map[to]}).value;
+        edge_map[e] = out.dcel
+                          .add_edge(from == none ? VertexId{} : VertexId{vertex_map[from]},
+                                    to == none ? VertexId{} : VertexId{vertex_map[to]})
+                          .value;
         out.edges.push_back({edges_[e].left, edges_[e].right, edges_[e].side});
         if (family_.is_all_circular()) continue;
         out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
         if (edges_[e].links == none) continue;
-        for (const Link& l : links_[edges_[e].links]) out.pieces_.push_back({l.to, l.to_error, l.direction, l.box});
+        for (const Link& l : links_[edges_[e].links])
+            out.pieces_.push_back({l.to, l.to_error, l.direction, l.box});
     }
-    if (!family_.is_all_circular()) out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
+    if (!family_.is_all_circular())
+        out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
     const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
     for (Index h = 0; h < half_edges_.size(); ++h)
         if (edges_[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
 
-    // Faces outside the region are numbered after the others: the unbounded one, and beyond a cylinder's upper rim.
+    // Faces outside the region are numbered after the others: the unbounded one, and beyond a cylinder's
+    // upper rim.
     const auto inside = static_cast<Index>(faces_.size());
     const Index root = pole_face_ == none ? inside : find(pole_face_);
     const auto face_of = [&](Index h) {
@@ -484,8 +502,11 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
             if (component_of[h] != none) components.join(component_of[h], component_of[h + 1]);
         components.find_outer(root);
     }
-    const auto add_inner = [&](FaceId f, Index c) { out.dcel.add_inner_ccb(f, half_edge(components.start(c))); };
-    for (Index c = components.first(root); c != none; c = components.next(c)) add_inner(Dcel::unbounded_face(), c);
+    const auto add_inner = [&](FaceId f, Index c) {
+        out.dcel.add_inner_ccb(f, half_edge(components.start(c)));
+    };
+    for (Index c = components.first(root); c != none; c = components.next(c))
+        add_inner(Dcel::unbounded_face(), c);
     if (root != inside) out.face_forms[Dcel::unbounded_face()] = faces_[root].site;
     face_map[root] = Dcel::unbounded_face().value;
     const auto add_face = [&](Index f, FormId form) {
@@ -502,7 +523,8 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
     for (Index f = 0; f < inside; ++f) add_face(f, faces_[f].site);
     for (const Index v : isolated_)
         if (vertices_[v].alive)
-            out.dcel.add_isolated_vertex(FaceId{face_map[find(vertices_[v].isolated_in)]}, VertexId{vertex_map[v]});
+            out.dcel.add_isolated_vertex(FaceId{face_map[find(vertices_[v].isolated_in)]},
+                                         VertexId{vertex_map[v]});
 
     // Labels: the faces around, and whatever else ties.
     std::vector<FormId> label;

@@ -11,9 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "minimization_diagram.hpp"
-#include "../proofs/mixed_piece.hpp"
 #include "../circles/work_diagram.hpp"
+#include "../proofs/mixed_piece.hpp"
+#include "minimization_diagram.hpp"
 
 namespace vcell {
 
@@ -38,11 +38,13 @@ public:
     /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
     Index glue(Index piece, Index other, std::uint32_t seam);
 
-    /// Joins a piece with itself: its side `right`, at an x larger by `circumference`, is its side `left`. The two rims
-    /// that remain become the region's outside, that of the side `upper` apart from the other's.
-    void close(Index piece, std::uint32_t right, std::uint32_t left, double circumference, std::uint32_t upper);
+    /// Joins a piece with itself: its side `right`, at an x larger by `circumference`, is its side `left`.
+    /// The two rims that remain become the region's outside, that of the side `upper` apart from the other's.
+    void close(Index piece, std::uint32_t right, std::uint32_t left, double circumference,
+               std::uint32_t upper);
 
-    /// Takes away the rim, beyond which the form along it is lowest everywhere. Pre: one form is lowest all along it.
+    /// Takes away the rim, beyond which the form along it is lowest everywhere. Pre: one form is lowest all
+    /// along it.
     void drop_rim(Index outer);
 
     /// Collects faces and boundary components; the region is left for the caller to fill in.

@@ -15,7 +15,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Is such an error next to nothing against a vertex's coordinates and height? Any larger one is worth exact residuals.
+// Is such an error next to nothing against a vertex's coordinates and height? Any larger one is worth exact
+// residuals.
 bool is_settled(const MinimizationDiagram::Vertex& v, double error) {
     constexpr double enough_digits = 0x1p-33;
     return error <= enough_digits * (std::abs(v.point.x()) + std::abs(v.point.y()) + std::abs(v.height));
@@ -44,9 +45,9 @@ Jet jet(const Curve& c, const Vector2d& p) {
 }
 
 // The point in which two curves meet, by Newton's method; and Newton-Kantorovich as in
-// arrangement/circles/circle_kernel.cpp with residuals and gradients that carry no rounding: with eta >= |J^-1 F(p)|,
-// omega >= 2 |J^-1 (K1, K2)^T| and omega eta <= 1/4, F has a root within 2 eta of p, and no other one within
-// 1 / omega. So it is the true one, which lies within `error` of where p was.
+// arrangement/circles/circle_kernel.cpp with residuals and gradients that carry no rounding: with eta >=
+// |J^-1 F(p)|, omega >= 2 |J^-1 (K1, K2)^T| and omega eta <= 1/4, F has a root within 2 eta of p, and no
+// other one within 1 / omega. So it is the true one, which lies within `error` of where p was.
 struct Meeting {
     Vector2d point;
     double error;
@@ -86,7 +87,8 @@ public:
     void settle(VertexId v) {
         MinimizationDiagram::Vertex& vertex = diagram_.vertices[v];
         const auto forms = diagram_.label(v);
-        if (forms.empty() || !std::ranges::all_of(forms, [&](FormId f) { return diagram_.is_circular(f); })) return;
+        if (forms.empty() || !std::ranges::all_of(forms, [&](FormId f) { return diagram_.is_circular(f); }))
+            return;
         const ExactForm first = family_.exact(forms[0]);
         std::vector<Curve> curves;
         for (const FormId f : forms.subspan(1)) curves.push_back(difference(first, family_.exact(f)));
@@ -122,7 +124,8 @@ private:
             return a.scaled(-size).enclosure() / f.W.scaled(-size).enclosure();
         };
         const Interval height = over_W(f.K * (x * x + y * y) + f.A * x + f.B * y + f.C),
-                       slope = sqrt(square(over_W(two * f.K * x + f.A)) + square(over_W(two * f.K * y + f.B)));
+                       slope =
+                           sqrt(square(over_W(two * f.K * x + f.A)) + square(over_W(two * f.K * y + f.B)));
         const Interval e(vertex.error);
         const double error = (height.radius() + e * (slope + e * over_W(f.K).magnitude())).upper();
         if (!(error < vertex.height_error)) return;

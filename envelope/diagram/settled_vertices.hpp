@@ -1,5 +1,5 @@
-/// Vertices of circular forms to the last digits: where forms are much alike, their differences lose in doubles
-/// what tells where three of them meet.
+/// Vertices of circular forms to the last digits: where forms are much alike, their differences lose in
+/// doubles what tells where three of them meet.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace vcell {
 
-/// Finds vertices again that are known by far fewer digits than doubles have, from exact residuals. A vertex at which
-/// no three curves are told apart, or that is not of circular forms alone, stays where it is. A
+/// Finds vertices again that are known by far fewer digits than doubles have, from exact residuals. A vertex
+/// at which no three curves are told apart, or that is not of circular forms alone, stays where it is. A
 /// height that is known by few digits is found again on the circular form that is flattest there.
 void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram);
 

@@ -40,9 +40,12 @@ CurveKind kind_of(const AxialEquation& f, const AxialEquation& g) {
     // t is constant, and y too if that is what one of the equations says.
     const AxialEquation& steeper = is_zero(f.b[1]) ? g : f;
     if (is_zero(across2) && is_zero(steeper.b[0]) && is_zero(steeper.b[2])) return CurveKind::Circle;
-    // m_x^2 + m_z^2 - m_t^2 is g_y^2 (f_x^2 + f_z^2 - f_t^2) + f_y^2 (...) - 2 f_y g_y (f_x g_x + f_z g_z - f_t g_t), where
-    // the brackets of planes are -f_y^2 and -g_y^2, and f.g < f_t g_t. An end has g = (0, 1, 0, 0).
-    const auto is_end = [](const AxialEquation& e) { return is_zero(e.b[0]) && is_zero(e.b[2]) && is_zero(e.b0); };
+    // m_x^2 + m_z^2 - m_t^2 is g_y^2 (f_x^2 + f_z^2 - f_t^2) + f_y^2 (...) - 2 f_y g_y (f_x g_x + f_z g_z -
+    // f_t g_t), where the brackets of planes are -f_y^2 and -g_y^2, and f.g < f_t g_t. An end has g = (0, 1,
+    // 0, 0).
+    const auto is_end = [](const AxialEquation& e) {
+        return is_zero(e.b[0]) && is_zero(e.b[2]) && is_zero(e.b0);
+    };
     const Sign fy = f.b[1].sign(), gy = g.b[1].sign();
     const Sign sign = f.is_plane && g.is_plane ? fy * gy
                       : (f.is_plane && is_end(g)) || (g.is_plane && is_end(f))

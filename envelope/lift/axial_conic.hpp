@@ -37,8 +37,8 @@ std::optional<AxialEquation> axial_equation(const RadialForm& form);
 /// An end.
 AxialEquation axial_equation(double y);
 
-/// Line, or a conic. Exact, with b0^2 = b.b of planes as it is and not as it is rounded: what a plane along the base's
-/// axis leaves on an end is a parabola, and two planes meet in one where either is along the axis.
+/// Line, or a conic. Exact, with b0^2 = b.b of planes as it is and not as it is rounded: what a plane along
+/// the base's axis leaves on an end is a parabola, and two planes meet in one where either is along the axis.
 CurveKind kind_of(const AxialEquation& f, const AxialEquation& g);
 /// Do both meet the axis in one point, or within some 2^-48 of `size` (of y) as where a tilted base's axis is
 /// rounded? Then the conic is a pair of lines through it, or as near to one as its points are known.

@@ -44,8 +44,8 @@ struct Proved {
 };
 
 template <bool is_sphere>
-void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner, double sine2, int depth,
-              Proved& proved) {
+void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner, double sine2,
+              int depth, Proved& proved) {
     const std::array<const Vector4d*, 3> X{&span.from, &span.middle, &span.to};
     const double w = span.weight, over_w = 1 / w;
     const std::array<double, 3> weights{1, w, 1}, over{1, over_w, 1};
@@ -109,7 +109,8 @@ void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
         return;
     }
     --proved.halvings;
-    for (const ConicSpan& half : span.halves()) add_span<is_sphere>(half, planes, inner, sine2, depth - 1, proved);
+    for (const ConicSpan& half : span.halves())
+        add_span<is_sphere>(half, planes, inner, sine2, depth - 1, proved);
 }
 
 struct Trimmed {

@@ -11,7 +11,8 @@
 ///
 /// with the unit vector t across V: a multiple of the distance from a point A plus a linear function. A,
 /// where V = 0, is the projection of the axis's point at height -rho: that point is the cone's apex, and A a
-/// focus of the ellipse that the cylinder cuts from the base. The chart's rays from A lift to the cone's rulings.
+/// focus of the ellipse that the cylinder cuts from the base. The chart's rays from A lift to the cone's
+/// rulings.
 ///
 /// *One patch is enough.* The base region is convex and does not meet that ellipse, so from A, inside the
 /// ellipse, it is seen under less than a half turn. Half angles of directions about A, counted from a
@@ -24,8 +25,8 @@
 #include <array>
 
 #include "../../core/curves/bspline.hpp"
-#include "../../primitives/forms/cylinder_form.hpp"
 #include "../../primitives/bases/plane_base.hpp"
+#include "../../primitives/forms/cylinder_form.hpp"
 
 namespace vcell {
 

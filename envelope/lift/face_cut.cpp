@@ -79,8 +79,8 @@ private:
         }
     }
 
-    // The face lies above a curve that runs to the right and below one that runs to the left: else they do not enclose
-    // it.
+    // The face lies above a curve that runs to the right and below one that runs to the left: else they do
+    // not enclose it.
     bool add_seams(std::vector<Crossing>& crossings) {
         std::ranges::sort(crossings, {}, &Crossing::v);
         for (std::size_t i = 0; i < crossings.size(); i += 2) {

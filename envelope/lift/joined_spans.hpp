@@ -53,9 +53,10 @@ inline void extend(Range& range, double a, double b, double c, double w) {
     range[1] = std::max(range[1], value);
 }
 
-/// Extends a range by a polynomial with the given Bezier coefficients (degree at most 5), to rounding: divides
-/// it where the coefficients reach beyond what its ends have reached. Every second time where a linear
-/// derivative with its ends would vanish: near an extremum that soon meets it; halves meet it for certain.
+/// Extends a range by a polynomial with the given Bezier coefficients (degree at most 5), to rounding:
+/// divides it where the coefficients reach beyond what its ends have reached. Every second time where a
+/// linear derivative with its ends would vanish: near an extremum that soon meets it; halves meet it for
+/// certain.
 inline void extend_by_polynomial(Range& range, std::span<const double> coefficients, int divisions = 52) {
     range[0] = std::min({range[0], coefficients.front(), coefficients.back()});
     range[1] = std::max({range[1], coefficients.front(), coefficients.back()});
@@ -75,7 +76,8 @@ inline void extend_by_polynomial(Range& range, std::span<const double> coefficie
     extend_by_polynomial(range, {right.data(), n + 1}, divisions - 1);
 }
 
-/// The same for a rational curve's coordinate: values of its control points (degree at most 3), positive weights.
+/// The same for a rational curve's coordinate: values of its control points (degree at most 3), positive
+/// weights.
 inline void extend_by_rational(Range& range, std::span<const double> values, std::span<const double> weights,
                                int divisions = 52) {
     range[0] = std::min({range[0], values.front(), values.back()});

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "../diagram/chart_arc.hpp"
-#include "joined_spans.hpp"
 #include "../measures/measures.hpp"
+#include "joined_spans.hpp"
 #include "mixed_arc.hpp"
 
 namespace vcell {
@@ -95,11 +95,13 @@ private:
         // A vertical circular cylinder cut by the plane: a circle exactly when that plane is horizontal. For
         // two spheres it has the slope 2 (c_g - c_f) / (w_f - w_g). Coefficients here are zero in double
         // exactly when they are zero, and centres are exact up to rounding.
-        const auto close = [](double a, double b) { return std::abs(a - b) <= 16 * u * (std::abs(a) + std::abs(b) + 1); };
+        const auto close = [](double a, double b) {
+            return std::abs(a - b) <= 16 * u * (std::abs(a) + std::abs(b) + 1);
+        };
         const bool horizontal = f.k != 0 && g.k != 0 ? close(f.cx, g.cx) && close(f.cy, g.cy) &&
                                                            problem_.on_one_normal(edge.left, edge.right)
-                                : f.k == 0           ? f.a == 0 && f.b == 0
-                                                     : g.a == 0 && g.b == 0;
+                                : f.k == 0 ? f.a == 0 && f.b == 0
+                                           : g.a == 0 && g.b == 0;
         return horizontal ? CurveKind::Circle : CurveKind::Ellipse;
     }
 
@@ -227,7 +229,8 @@ private:
 
             void add(const Vector2d& p, double reach) {
                 const double d = (p - Vector2d(f.cx, f.cy)).norm();
-                const double linear = (std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) * over_w;
+                const double linear =
+                    (std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) * over_w;
                 slope2 = std::max(slope2, gradient(f, p).squaredNorm());
                 size = std::max(size, bend * d * (d + reach) + linear);
             }
@@ -283,8 +286,8 @@ private:
             add_highest(diagram_.vertices[v].height, cell_.vertices[v.value].error);
     }
 
-    // Every height is convex: over a face it is largest on the face's boundary. A point of the boundary as written is
-    // within `error` of one of the true boundary, and the other way round.
+    // Every height is convex: over a face it is largest on the face's boundary. A point of the boundary as
+    // written is within `error` of one of the true boundary, and the other way round.
     void add_highest(double height, double error) {
         const std::array<double, 3> of_part{height, height - error, height + error};
         for (int i = 0; i < 3; ++i) highest_[i] = std::max(highest_[i], of_part[i]);
@@ -390,12 +393,9 @@ private:
         if (!main_site(form).is_object()) return "box";
         if (diagram_.is_circular(form)) return diagram_.forms[form].k != 0 ? "paraboloid" : "plane";
         switch (problem_.axes[form.value - problem_.family.forms.size()]) {
-            case AxisToBase::Parallel:
-                return "parabolic cylinder";
-            case AxisToBase::Upright:
-                return "circular cone";
-            case AxisToBase::Oblique:
-                break;
+            case AxisToBase::Parallel: return "parabolic cylinder";
+            case AxisToBase::Upright: return "circular cone";
+            case AxisToBase::Oblique: break;
         }
         return "elliptic cone";
     }

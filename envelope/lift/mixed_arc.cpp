@@ -47,12 +47,9 @@ CurveKind section_kind(ExactCylinder f, AxisToBase axis, const SectionPlane& s) 
     const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
     const Exact ex = s.nz * f.ax - s.nx * f.az, ey = s.nz * f.ay - s.ny * f.az;
     switch ((ex * ex + ey * ey - s.nz * s.nz * norm).sign()) {
-        case Sign::Positive:
-            return CurveKind::Hyperbola;
-        case Sign::Zero:
-            return CurveKind::Parabola;
-        case Sign::Negative:
-            break;
+        case Sign::Positive: return CurveKind::Hyperbola;
+        case Sign::Zero: return CurveKind::Parabola;
+        case Sign::Negative: break;
     }
     // About the apex the cone is x^2 + y^2 = (d.X)^2: a circle where that form is a multiple of the metric on
     // the plane's directions (nz, 0, -nx) and (0, nz, -ny).
@@ -136,8 +133,8 @@ public:
         : sections_(sections), first_(sections[0] ? 0 : 1), out_(out) {}
 
     void add(const Vector3d& a, const Vector3d& b, int halvings = 10) {
-        // The middle weight is kept within these multiples of the outer ones' mean: beyond them the parameter runs too
-        // unevenly for what integrates along it.
+        // The middle weight is kept within these multiples of the outer ones' mean: beyond them the parameter
+        // runs too unevenly for what integrates along it.
         constexpr double smallest_shoulder = 0.5, largest_shoulder = 4;
         const Section& section = *sections_[first_];
         if (section.through_apex()) return add_line(a, b);

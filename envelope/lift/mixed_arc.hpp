@@ -2,9 +2,9 @@
 /// fitted.
 ///
 /// *Conics.* A plane, the vertical ones over the region's rim included, cuts a cylinder's bisector in a conic
-/// [HE, Lemma 4]; so does every plane in which two bisectors agree (primitives/bisectors/height_conics.hpp). With the
-/// plane n.X = k in the patch's coordinates (cylinder_patch.hpp), n = (n1, n2, nz) in the frame about p0 and
-/// k0 = k - n.(p0, 0),
+/// [HE, Lemma 4]; so does every plane in which two bisectors agree (primitives/bisectors/height_conics.hpp).
+/// With the plane n.X = k in the patch's coordinates (cylinder_patch.hpp), n = (n1, n2, nz) in the frame
+/// about p0 and k0 = k - n.(p0, 0),
 ///
 ///     N(v) + u M(v) = 0,   M = eps N + kappa,   kappa = n1 + eps (nz rho + k0),
 ///     N = nz f0 - k0 + (n2 + nz z1) v + B v^2,  B = nz z2 - n1 eps / 4:

@@ -12,14 +12,14 @@
 #include "../../primitives/forms/axial_ties.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 #include "../../primitives/objects/message.hpp"
-#include "axial_conic.hpp"
 #include "../diagram/chart_arc.hpp"
+#include "../measures/measures.hpp"
+#include "../measures/radial_measures.hpp"
+#include "axial_conic.hpp"
 #include "conic_error.hpp"
 #include "conic_span.hpp"
 #include "face_cut.hpp"
 #include "joined_spans.hpp"
-#include "../measures/measures.hpp"
-#include "../measures/radial_measures.hpp"
 #include "radial_patch.hpp"
 #include "space_spline.hpp"
 
@@ -197,7 +197,9 @@ public:
     const DistancePlane& plane() const { return plane_; }
     const Vector4d& normal() const { return plane_.normal; }
     // Of a homogeneous point of that weight.
-    double residual(const Vector4d& x, double weight) const { return plane_.normal.dot(x) - weight * plane_.k; }
+    double residual(const Vector4d& x, double weight) const {
+        return plane_.normal.dot(x) - weight * plane_.k;
+    }
     double weight(const Vector4d& x) const { return plane_.normal.dot(x) / plane_.k; }
     // Of u, with 1 / t = gradient.u + a constant.
     Vec3 gradient() const { return plane_.normal.head<3>() / plane_.k; }
@@ -212,8 +214,8 @@ private:
 Vector4d moved(const Vector4d& x, double weight, const std::array<const Hyperplane*, 2>& planes) {
     const auto& [p, q] = planes;
     const double a = p->residual(x, weight), b = q->residual(x, weight), inner = p->normal().dot(q->normal());
-    // The step only brings a control point nearer, its error is bounded afterwards: of planes within 2^-15 (of a radian)
-    // of each other the second would move it along both by rounding.
+    // The step only brings a control point nearer, its error is bounded afterwards: of planes within 2^-15
+    // (of a radian) of each other the second would move it along both by rounding.
     constexpr double least_sine2 = 0x1p-30;
     const double determinant = 1 - inner * inner;
     if (determinant < least_sine2) return x - a * p->normal();
@@ -299,8 +301,7 @@ private:
         const double stretch =
             room > 0 ? (dW / W * -v.height + v.height_error) / room : std::numeric_limits<double>::infinity();
         // Normal, point, motion back: a handful of roundings each.
-        return t * (turn + stretch) + along +
-               16 * u * (t + std::abs(v.point.y()) + origin_);
+        return t * (turn + stretch) + along + 16 * u * (t + std::abs(v.point.y()) + origin_);
     }
 
     Vector4d with_distance(const Vec3& p) const {
@@ -311,7 +312,9 @@ private:
         const std::optional<Hyperplane>& plane = hyperplanes_[f];
         return plane ? *plane : make_hyperplane(f);
     }
-    [[gnu::noinline]] const Hyperplane& make_hyperplane(FormId f) { return hyperplanes_[f].emplace(problem_, f); }
+    [[gnu::noinline]] const Hyperplane& make_hyperplane(FormId f) {
+        return hyperplanes_[f].emplace(problem_, f);
+    }
 
     // As met by the first three of its sites and ends.
     std::optional<SpaceEnd> settled(VertexId v, const SpaceEnd& near) const {
@@ -734,8 +737,8 @@ private:
             if (is_cut(face)) cell_.faces[cell_faces_[face]].patches = std::move(sectors_[face].parts);
     }
 
-    // The box says little of how far the cell reaches, which may be less than the tolerance: curves have to be four
-    // digits finer than that. What the curves themselves say of it serves, coarse as they are.
+    // The box says little of how far the cell reaches, which may be less than the tolerance: curves have to
+    // be four digits finer than that. What the curves themselves say of it serves, coarse as they are.
     bool is_coarse() {
         double reach = 0;
         for (const Vector4d& p : points_) reach = std::max(reach, p.w());
@@ -760,8 +763,8 @@ private:
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const Site left = main_site(edge.left),
                    right = edge.on_rim() ? end_site(edge.side) : main_site(edge.right);
-        return UndecidedError("objects " + to_string(left) + ", " + to_string(right) + ": " + what + " around " +
-                              to_text(Vec3(problem_.unit * place)));
+        return UndecidedError("objects " + to_string(left) + ", " + to_string(right) + ": " + what +
+                              " around " + to_text(Vec3(problem_.unit * place)));
     }
     void require_proofs(FaceId face) const {
         for (const CcbId ccb : loops_[face]) around(ccb, [&](EdgeId e, bool) { require_proof(e); });
@@ -822,15 +825,16 @@ private:
         return surface.has_value();
     }
 
-    // Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims in
-    // doubles may be anything.
+    // Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims
+    // in doubles may be anything.
     bool lacks_digits(FaceId face) const {
         if (patches_[face].kind() != RadialPatch::Kind::Stereographic) return false;
         const auto is_lost = [&](EdgeId e) {
             return is_spline(e) && !(errors_[e].curve + errors_[e].trims <= 2 * tolerance_);
         };
         bool lacks = false;
-        for (const CcbId ccb : loops_[face]) around(ccb, [&](EdgeId e, bool) { lacks = lacks || is_lost(e); });
+        for (const CcbId ccb : loops_[face])
+            around(ccb, [&](EdgeId e, bool) { lacks = lacks || is_lost(e); });
         return lacks;
     }
 
@@ -879,8 +883,8 @@ private:
     static constexpr double widest_patch = 4;
     static constexpr double narrowest_sector = 0x1p-10;
     static constexpr int most_failed_cuts = 3;
-    // Where symmetric input has no points in which an edge touches a generator: a seam there would run along the edge
-    // as far as doubles tell.
+    // Where symmetric input has no points in which an edge touches a generator: a seam there would run along
+    // the edge as far as doubles tell.
     static constexpr double off_middle = 0.48643;
 
     bool is_cut(FaceId face) const { return !sectors_.empty() && !sectors_[face].sectors.empty(); }
@@ -1358,7 +1362,8 @@ private:
         for (const unsigned side : {0u, 1u})
             of_patches = std::max(of_patches, roundings_[diagram_.dcel.face(Dcel::half_edge(e, side))]);
         if (of_patches > most_error())
-            throw unproved(e, "rounding leaves few digits of their faces", edge.curve.points.front().head<3>());
+            throw unproved(e, "rounding leaves few digits of their faces",
+                           edge.curve.points.front().head<3>());
         positions_.push_back(std::min(most, off + rounding));
         edge.error = std::min(most, std::max(off, trims) + of_patches + rounding);
     }
@@ -1379,7 +1384,8 @@ private:
     }
 
     // In the chart -1 / t is (K (1 - z) + A x + B y + C (1 + z)) / 2 W at the unit normal (x, y, z). So
-    // A x + B y + (C - K) z + (C + K) t = -2 W at the points (p, t), and two of these leave a plane through 0.
+    // A x + B y + (C - K) z + (C + K) t = -2 W at the points (p, t), and two of these leave a plane through
+    // 0.
     DistancePlane difference_plane(FormId f, FormId g) const {
         const ExactForm F = problem_.family.exact(f), G = problem_.family.exact(g);
         const Exact A = F.A * G.W - G.A * F.W, B = F.B * G.W - G.B * F.W, C = F.C * G.W - G.C * F.W,
@@ -1397,8 +1403,8 @@ private:
         return {normal / length, 0, scaled(A * A + B * B - Exact(4.0) * C * K, 2) / (length * length)};
     }
 
-    // How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The edge's planes
-    // are found where there are none yet.
+    // How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The
+    // edge's planes are found where there are none yet.
     double trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         double most = off;
@@ -1461,7 +1467,8 @@ private:
         const Vector4d middle = 0.5 * (from + to);
         cell_.report.warnings.push_back("objects " + sites + ": taken to meet in one line through " +
                                         to_text(problem_.unit * problem_.frame.to_world(middle.head<3>())) +
-                                        ", not told apart within " + to_text(problem_.unit * narrow_tie * middle.w()));
+                                        ", not told apart within " +
+                                        to_text(problem_.unit * narrow_tie * middle.w()));
     }
 
     void set_space_curve(EdgeId e, RationalCurve3& curve) const {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "../../primitives/bases/radial_base.hpp"
-#include "lifted_cell.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "lifted_cell.hpp"
 
 namespace vcell {
 
@@ -16,12 +16,13 @@ namespace vcell {
 /// (1,1), polynomial; beside spheres it is the rational biquadratic in a stereographic chart about the face,
 /// whose pole lies outside it.
 ///
-/// Cylinder base: edges between planes, sides of the box, ends and cylinders along the base are lines and conics,
-/// exact, with rational cubics for trims on patches around the base (axial_conic.hpp).
+/// Cylinder base: edges between planes, sides of the box, ends and cylinders along the base are lines and
+/// conics, exact, with rational cubics for trims on patches around the base (axial_conic.hpp).
 ///
-/// Everything else (faces of cylinders over a sphere, edges beside them or beside balls and skew cylinders over a
-/// cylinder) has patches of the bisector's rational parametrization and splines within `tolerance` (length) of
-/// the true arc. Pre: diagram is the lower envelope of problem.family over the whole base; tolerance > 0.
+/// Everything else (faces of cylinders over a sphere, edges beside them or beside balls and skew cylinders
+/// over a cylinder) has patches of the bisector's rational parametrization and splines within `tolerance`
+/// (length) of the true arc. Pre: diagram is the lower envelope of problem.family over the whole base;
+/// tolerance > 0.
 LiftedCell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
                 bool with_measures = true);
 

@@ -265,7 +265,8 @@ Polynomial blossom(const std::array<double, 2>& range, int i) {
 
 // RadialPatch::for_each_control() of degrees m and n, or of a total degree. Coefficients beyond are zero.
 template <int m, int n, bool is_total, class Use>
-void for_each_control_of(const RadialPatch& from, const std::array<double, 2>& u, const std::array<double, 2>& v, Use& use) {
+void for_each_control_of(const RadialPatch& from, const std::array<double, 2>& u,
+                         const std::array<double, 2>& v, Use& use) {
     std::array<Polynomial, m + 1> f;
     for (int i = 0; i <= m; ++i) f[i] = blossom<m>(u, i);
     for (int j = 0; j <= n; ++j) {
@@ -294,7 +295,8 @@ void for_each_control_of(const RadialPatch& from, const std::array<double, 2>& u
 }  // namespace
 
 template <class Use>
-void RadialPatch::for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const {
+void RadialPatch::for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v,
+                                   Use use) const {
     if (degree_[0] == 1) return for_each_control_of<1, 1, true>(*this, u, v, use);
     if (degree_[1] == 1) return for_each_control_of<2, 1, false>(*this, u, v, use);
     if (kind_ == Kind::Planar || kind_ == Kind::Stereographic || kind_ == Kind::Confocal)
@@ -307,7 +309,8 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
                                                 double& rounding) const {
     std::optional<RationalPatch> surface(RationalPatch{degree_[0], degree_[1], u, v, {}});
     surface->points.resize(static_cast<std::size_t>((degree_[0] + 1) * (degree_[1] + 1)));
-    // The largest sums of the terms' absolute values over the weight: of a point's coordinates, and of its weight.
+    // The largest sums of the terms' absolute values over the weight: of a point's coordinates, and of its
+    // weight.
     double scale = 1, of_points = 0, of_weights = 0, far = 0;
     bool is_positive = true;
     for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {

@@ -2,10 +2,10 @@
 ///
 ///     S(u, v) = P(u, v) / w(u, v),   polynomials of degree at most two in u and in v,
 ///
-/// canonical coordinates (primitives/bases/radial_base.hpp). (u, v) is oriented like the chart, counter-clockwise
-/// seen from outside the cell: dS/du x dS/dv points away from the base. Inverse: parameters(). With n(u),
-/// W(u) the half angle's normal about the patch's own axes, or n(u, v), W(u, v) the stereographic one, delta
-/// = rho - R0:
+/// canonical coordinates (primitives/bases/radial_base.hpp). (u, v) is oriented like the chart,
+/// counter-clockwise seen from outside the cell: dS/du x dS/dv points away from the base. Inverse:
+/// parameters(). With n(u), W(u) the half angle's normal about the patch's own axes, or n(u, v), W(u, v) the
+/// stereographic one, delta = rho - R0:
 ///
 /// *Planar.* (u, v) are lengths in a plane: in that of a box side or a plane bisector (spheres of the base's
 /// radius, parallel or crossing cylinders of the base's radius), degree (1, 1); in the plane of an object
@@ -130,15 +130,16 @@ public:
     std::optional<RationalPatch> patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
                                        const BaseFrame& frame, double& rounding) const;
 
-    /// Bounds the rounding for points on a curve in the rectangle. A control point of little weight may lie far
-    /// away in a corner that no trim reaches, and moves the surface no more than by its share there. The curve
-    /// is divided until the bound is below `enough`, or within a factor of two of the best that can be said.
+    /// Bounds the rounding for points on a curve in the rectangle. A control point of little weight may lie
+    /// far away in a corner that no trim reaches, and moves the surface no more than by its share there. The
+    /// curve is divided until the bound is below `enough`, or within a factor of two of the best that can be
+    /// said.
     double rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
                           const std::array<double, 2>& v, const BaseFrame& frame, double enough) const;
 
 private:
-    /// Calls use(k, h, size) for the control points h = (P, w), k as in RationalPatch, and the sums of their terms'
-    /// absolute values, as long as it returns true.
+    /// Calls use(k, h, size) for the control points h = (P, w), k as in RationalPatch, and the sums of their
+    /// terms' absolute values, as long as it returns true.
     template <class Use>
     void for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const;
     void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);

@@ -73,17 +73,20 @@ struct Row {
     Direction object{};         // of an object that has one
     double shift = 2;           // of its equation, in motions
     bool has_object = false;
-    double rounding = 0;        // of its value
+    double rounding = 0;  // of its value
 
-    // A vector of length d that moves by r < d turns by an angle whose sine is r / d at most: its unit vector moves by
-    // sqrt(2) r / d at most, which 3/2 is above.
-    double variation(double radius) const { return radius < nearest ? 1.5 * turn * radius + rounding : infinity; }
+    // A vector of length d that moves by r < d turns by an angle whose sine is r / d at most: its unit vector
+    // moves by sqrt(2) r / d at most, which 3/2 is above.
+    double variation(double radius) const {
+        return radius < nearest ? 1.5 * turn * radius + rounding : infinity;
+    }
 };
 
-// The difference of two unit vectors. They turn nearly alike where centres or axes are next to each other. A derivative
-// is the projection across g, or on t = axis x g of a tube, over the distance |m|. Let centres or axes be `apart` at the
-// point, seen along m, and axes differ by `tilt`; within half the lesser distance h is what is left of either, the ways m
-// differ by b = apart + tilt h at most, g by b / h, t by tilt + b / h, the projections by as much, and 1 / |m| by b / h^2.
+// The difference of two unit vectors. They turn nearly alike where centres or axes are next to each other. A
+// derivative is the projection across g, or on t = axis x g of a tube, over the distance |m|. Let centres or
+// axes be `apart` at the point, seen along m, and axes differ by `tilt`; within half the lesser distance h is
+// what is left of either, the ways m differ by b = apart + tilt h at most, g by b / h, t by tilt + b / h, the
+// projections by as much, and 1 / |m| by b / h^2.
 Row difference(const Direction& b, const Direction& a) {
     Row row{b.g - a.g, std::min(a.distance, b.distance), a.turn() + b.turn()};
     row.rounding = a.rounding + b.rounding;
@@ -91,7 +94,8 @@ Row difference(const Direction& b, const Direction& a) {
     if (a.is_ball && row.nearest > 0) {
         // m_b / |m_b| - m_a / |m_a|, of which nothing cancels but in m_b - m_a, the centres' difference.
         const Vec3 way = *a.center - *b.center;
-        row.value = (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
+        row.value =
+            (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
         row.rounding = 32 * u * way.norm() / row.nearest;
     }
     const double tilt = std::min((b.axis - a.axis).norm(), (b.axis + a.axis).norm());
@@ -105,10 +109,13 @@ Row difference(const Direction& b, const Direction& a) {
     return row;
 }
 
-// The row of two objects' difference, in which the base takes no part; between balls its equation has the shift given.
+// The row of two objects' difference, in which the base takes no part; between balls its equation has the
+// shift given.
 Row difference(const Row& b, const Row& a, double shift) {
     if (!a.has_object || !b.has_object)
-        return {b.value - a.value, std::min(a.nearest, b.nearest), a.turn + b.turn, {}, a.shift + b.shift, false,
+        return {b.value - a.value,      std::min(a.nearest, b.nearest),
+                a.turn + b.turn,        {},
+                a.shift + b.shift,      false,
                 a.rounding + b.rounding};
     Row row = difference(b.object, a.object);
     row.shift = a.object.is_ball && b.object.is_ball ? shift : std::max(a.shift, b.shift);
@@ -179,7 +186,8 @@ private:
     // A base ball, other balls and tubes around it, and the box around all of that stay where they are.
     bool stays(const Term& term) const {
         return std::holds_alternative<Sphere>(cell_.scene.base) &&
-               !(term.site.is_object() && std::holds_alternative<Plane>(cell_.scene.objects[term.site.index]));
+               !(term.site.is_object() &&
+                 std::holds_alternative<Plane>(cell_.scene.objects[term.site.index]));
     }
 
     Direction base(const Vec3& p) const { return from_foot(cell_.scene.base, base_unit_, p); }
@@ -282,11 +290,13 @@ private:
     double of_piece(const std::array<Term, 2>& terms, double error, const Piece& piece, int& halvings) const {
         const Vec3 first = piece.point(0), last = piece.point(piece.degree), middle = 0.5 * (first + last);
         double square = std::max((first - middle).squaredNorm(), (last - middle).squaredNorm());
-        for (int k = 1; k < piece.degree; ++k) square = std::max(square, (piece.point(k) - middle).squaredNorm());
+        for (int k = 1; k < piece.degree; ++k)
+            square = std::max(square, (piece.point(k) - middle).squaredNorm());
         const double radius = std::sqrt(square) + error;
         const Direction base = this->base(middle);
         const Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
-        // The motion itself must stay within reach, too: more than the first guess, where objects are all but alike.
+        // The motion itself must stay within reach, too: more than the first guess, where objects are all but
+        // alike.
         double change = across(a, b, radius + room_);
         if (change <= room_) return change;
         const Row apart = difference(b, a, between_balls_);
@@ -311,8 +321,10 @@ private:
         const double va = a.variation(radius), vb = b.variation(radius);
         const double of_a = a.value.norm(), of_b = b.value.norm(), product = a.value.cross(b.value).norm(),
                      least = product - (of_a * vb + of_b * va + va * vb);
-        // The vectors across that change one of the equations alone have the other row's length over the product.
-        return least > 0.125 * product ? (a.shift * (of_b + vb) + b.shift * (of_a + va)) * moved_ / least : infinity;
+        // The vectors across that change one of the equations alone have the other row's length over the
+        // product.
+        return least > 0.125 * product ? (a.shift * (of_b + vb) + b.shift * (of_a + va)) * moved_ / least
+                                       : infinity;
     }
 
     static constexpr int most_halvings = 1000;  // of an edge
@@ -324,9 +336,9 @@ private:
     const double most_;
     const double room_;  // for the motion of a piece, as a first guess
     Vec3 base_unit_;
-    std::vector<Vec3> units_;  // of the objects' directions
-    std::vector<bool> is_rim_;                  // of the edges
-    std::vector<Terms> equations_;              // of the vertices
+    std::vector<Vec3> units_;       // of the objects' directions
+    std::vector<bool> is_rim_;      // of the edges
+    std::vector<Terms> equations_;  // of the vertices
 };
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include <limits>
 #include <numbers>
 
-#include "../../core/numbers/interval.hpp"
-#include "../../core/curves/scaled_bernstein.hpp"
 #include "../../core/curves/quintic_nodes.hpp"
+#include "../../core/curves/scaled_bernstein.hpp"
+#include "../../core/numbers/interval.hpp"
 
 namespace vcell {
 
@@ -267,7 +267,9 @@ struct Tube {
     double blur = 0;              // of the trims' error, what bounds rounding
 
     // Parts would be no better where rounding is what counts.
-    bool is_within(double tolerance) const { return curve <= tolerance && trims <= std::max(tolerance, 4 * blur); }
+    bool is_within(double tolerance) const {
+        return curve <= tolerance && trims <= std::max(tolerance, 4 * blur);
+    }
     double error() const { return std::max(curve, trims); }
     bool is_proved() const { return error() < infinity; }
     // Will the next span join, if it is about as good?
@@ -321,7 +323,8 @@ public:
 private:
     // What a singular end needs, and what no proof in reach may cost (per piece).
     static constexpr int deepest = 40, most_halvings = 256;
-    static constexpr int most_rim_halvings = 4096;  // no pieces get shorter where both sites are nearly as one
+    static constexpr int most_rim_halvings =
+        4096;                                // no pieces get shorter where both sites are nearly as one
     static constexpr int deepest_proof = 4;  // halvings of a span for its certificate
 
     // A point of the arc with derivatives along it, by the length of the curve (p, t).
@@ -402,8 +405,7 @@ private:
         for (const Piece& piece : arc_.pieces.first(arc_.pieces.size() - 1)) offer(lifted(piece.end));
         if (arc_.pieces.size() == 1) {
             const Piece& piece = arc_.pieces.front();
-            if (const auto q =
-                    meet(0.5 * (chart_point(from, piece) + chart_point(to, piece)), piece))
+            if (const auto q = meet(0.5 * (chart_point(from, piece) + chart_point(to, piece)), piece))
                 offer(lifted(*q));
         }
         return best;
@@ -581,8 +583,8 @@ private:
             if (effort_.cells > 0) --effort_.cells;
             const double middle = 0.5 * (a + b);
             if (const auto box = part(a, b); box[0] > box[1] || box[2] > box[3] || is_off_arc(box)) return b;
-            if (++cells > most_cells || effort_.cells == 0 || !(std::abs(b - a) > right - left) || middle == a ||
-                middle == b)
+            if (++cells > most_cells || effort_.cells == 0 || !(std::abs(b - a) > right - left) ||
+                middle == a || middle == b)
                 return a;
             const double first = self(self, a, middle);
             return first == middle ? self(self, middle, b) : first;
@@ -618,7 +620,8 @@ private:
         // What division does not make smaller is rounding, of the scene, too.
         constexpr double no_less = 0.8, most_blurred = 16;
         const double error = spline.tube.trims;
-        const bool is_floor = before < infinity && error > no_less * before && error <= most_blurred * tolerance_;
+        const bool is_floor =
+            before < infinity && error > no_less * before && error <= most_blurred * tolerance_;
         if (accept(spline, to, is_floor)) return;
         const double length = (to.X - from.X).norm();
         const bool is_short = length <= tolerance_, divides = deeper > 0 && halvings > 0 && !is_lost();
@@ -631,7 +634,8 @@ private:
                 const Node &start = i == 0 ? from : inner[i - 1], &end = inner[i];
                 const std::size_t first = ends_before(end.X, to.X - from.X, pieces);
                 --halvings;
-                fit(start, end, pieces.first(std::min(first + 1, pieces.size())), deeper - 1, halvings, error);
+                fit(start, end, pieces.first(std::min(first + 1, pieces.size())), deeper - 1, halvings,
+                    error);
                 pieces = pieces.subspan(first);
             }
             if (!inner.empty()) return fit(inner.back(), to, pieces, deeper - 1, halvings, error);
@@ -712,7 +716,8 @@ private:
     }
     void append(const Fit& fit) {
         if (!fit.tube.is_proved() && !error_.unproved) error_.unproved = point(fit.points, 0.5).head<3>();
-        if (fit.tube.error() > std::max(error_.curve, error_.trims)) error_.worst = point(fit.points, 0.5).head<3>();
+        if (fit.tube.error() > std::max(error_.curve, error_.trims))
+            error_.worst = point(fit.points, 0.5).head<3>();
         error_.curve = std::max(error_.curve, fit.tube.curve);
         error_.trims = std::max(error_.trims, fit.tube.trims);
         if (fit.is_chord)
@@ -736,8 +741,7 @@ private:
             w.y() = 0;
             return node(over(from.X.y(), w.normalized()));
         }
-        const auto on_line =
-            meet(0.5 * (chart_point(from.X, *piece) + chart_point(to.X, *piece)), *piece);
+        const auto on_line = meet(0.5 * (chart_point(from.X, *piece) + chart_point(to.X, *piece)), *piece);
         return find(on_line ? lifted(*on_line) : Vector4d(0.5 * (from.X + to.X)));
     }
 
@@ -778,7 +782,8 @@ private:
         return q;
     }
 
-    // Equal heights along a line of the chart in the piece's direction, as one of them falls against the other there.
+    // Equal heights along a line of the chart in the piece's direction, as one of them falls against the
+    // other there.
     std::optional<Vec2> meet(const Vec2& q, const Piece& piece) const {
         const auto found = approach(q, piece.direction);
         return found && holds(piece.box, *found) ? found : bisect(q, piece);
@@ -803,7 +808,8 @@ private:
             const std::array<double, 3> normal{w.x(), w.y(), w.z()};
             const double y = problem_.is_sphere ? 0 : p.y();
             // Negative or infinite distances are those of rays that do not get there.
-            return 1 / equations_[1].distance_along(y, normal) > 1 / equations_[right_].distance_along(y, normal);
+            return 1 / equations_[1].distance_along(y, normal) >
+                   1 / equations_[right_].distance_along(y, normal);
         };
         if (!(low < high) || !is_left_nearer(low) || is_left_nearer(high)) return std::nullopt;
         for (int i = 0; i < halvings; ++i) {
@@ -900,8 +906,9 @@ private:
             const bool is_needle = best->surface && best->surface->kind() == RadialPatch::Kind::Confocal;
             Eigen::Matrix<double, 2, 6> at;
             for (int k = 0; k < 6; ++k)
-                at.col(k) = is_needle ? best->surface->parameters(Vec3(at_nodes.col(k).head<3>()))
-                                      : Vec2(best->patch[0](at_nodes.col(k)), best->patch[1](at_nodes.col(k)));
+                at.col(k) = is_needle
+                                ? best->surface->parameters(Vec3(at_nodes.col(k).head<3>()))
+                                : Vec2(best->patch[0](at_nodes.col(k)), best->patch[1](at_nodes.col(k)));
             auto rows = fit.points.middleRows<2>(4 + 2 * side);
             rows = at * nodes.coefficients;
             rows.col(0) = at.col(0);
@@ -1015,8 +1022,8 @@ private:
         } else if (is_all || is_blurred(from, length) || is_blurred(to, length)) {
             const auto tight = enclosure(box_between(from, to, *piece));
             // As in step 4, nothing but the last span reaches the edge's end.
-            const bool holds_end = (end_.X - tight[0]).minCoeff() >= -slack_ &&
-                                   (tight[1] - end_.X).minCoeff() >= -slack_;
+            const bool holds_end =
+                (end_.X - tight[0]).minCoeff() >= -slack_ && (tight[1] - end_.X).minCoeff() >= -slack_;
             if (!holds_end || from.is_terminal || to.is_terminal) box = tight;
         }
         const Vector4d low = box[0].cwiseMin(from.X).cwiseMin(to.X),
@@ -1077,9 +1084,9 @@ private:
                  bool from_terminal, bool to_terminal, int halvings) const {
         const Tube whole = tube(points, patches, residuals, from_terminal, to_terminal);
         const double error = whole.error();
-        const bool hopeless = whole.is_proved()
-                                  ? whole.is_within(most) || error * (1 - whole.q) > most * (1 - 0.25 * whole.q)
-                                  : std::isfinite(whole.q) && whole.q > std::ldexp(1, halvings);
+        const bool hopeless =
+            whole.is_proved() ? whole.is_within(most) || error * (1 - whole.q) > most * (1 - 0.25 * whole.q)
+                              : std::isfinite(whole.q) && whole.q > std::ldexp(1, halvings);
         if (halvings == 0 || hopeless) return whole;
         // De Casteljau at 1/2.
         Points first, second, work = points;
@@ -1092,8 +1099,9 @@ private:
         if (!a.is_proved() || !a.is_within(most)) return whole;
         const Tube b = certify(second, patches, residuals, most, false, to_terminal, halvings - 1);
         if (!b.is_proved() || !joins(a, b)) return whole;
-        return {std::max(a.curve, b.curve), std::max(a.trims, b.trims), a.start, b.end,
-                std::min(a.link, b.link),   std::max(a.q, b.q),         std::max(a.blur, b.blur)};
+        return {
+            std::max(a.curve, b.curve), std::max(a.trims, b.trims), a.start, b.end, std::min(a.link, b.link),
+            std::max(a.q, b.q),         std::max(a.blur, b.blur)};
     }
 
     // Steps 2 to 5 in one D.
@@ -1190,8 +1198,10 @@ private:
         }
         return most;
     }
-    // Bounds the distance of the patch's points at the trim from the curve's; `largest_blur` grows to rounding's part.
-    static double distance_on(const RadialPatch& patch, const Points& points, int side, double& largest_blur) {
+    // Bounds the distance of the patch's points at the trim from the curve's; `largest_blur` grows to
+    // rounding's part.
+    static double distance_on(const RadialPatch& patch, const Points& points, int side,
+                              double& largest_blur) {
         const Bernstein<5> u = row(points, 4 + 2 * side), v = row(points, 5 + 2 * side);
         const Bernstein<10> uu = square(u), vv = square(v);
         const double largest_u = u.largest(), largest_v = v.largest();
@@ -1265,9 +1275,9 @@ private:
     std::vector<SpaceSpan>& spans_;
     FitEffort& effort_;
     std::array<Equation, 4> equations_;  // base, left and right; of the curve the first three
-    int right_ = 2;     // where the right site's is
-    Vec3 foot_;         // near the curve, on the base's axis
-    Node start_, end_;  // of the edge
+    int right_ = 2;                      // where the right site's is
+    Vec3 foot_;                          // near the curve, on the base's axis
+    Node start_, end_;                   // of the edge
     std::size_t first_span_ = spans_.size();
     double slack_ = 0;                   // of the vertices
     std::optional<Tube> last_;           // the span before, the start at first; none: vouched for by a piece

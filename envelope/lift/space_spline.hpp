@@ -14,8 +14,8 @@
 /// of the base's distance (walls: g_wall instead of the difference).
 ///
 /// Where cylinders of one radius have crossing axes, left and right depend on each other over the crossing,
-/// and the trisector has a node. Each of its curves lies in a plane between the axes; the plane's equation then
-/// stands for that of the right site, except for the trim.
+/// and the trisector has a node. Each of its curves lies in a plane between the axes; the plane's equation
+/// then stands for that of the right site, except for the trim.
 ///
 /// Both ends of a span lie on the arc. First and second derivative at both ends, by the length of the curve
 /// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. Steps of
@@ -30,7 +30,8 @@
 /// 1. Residuals. d^2 - (t + delta)^2 along the span is a polynomial of degree 10 (planes and walls: G, of
 ///    degree 5) that all but vanishes at those six places: that bounds it closely. Divided by d + t + delta
 ///    it bounds |G(P(s))| <= e.
-/// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull of
+/// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull
+/// of
 ///    its control points), M the Jacobian in its middle, B nearly the inverse of M, B_i its columns. Within r
 ///    of a point at distance d from a centre or axis the unit vector from there turns by asin(r / d) at most;
 ///    that bounds the rows of F' - M, and so q >= |I - B F'| in D. Let q < 1. Then X - B F(X) contracts, so F
@@ -47,9 +48,9 @@
 ///    end with the last span only: no other span's D holds the end between its slices. So it is the edge.
 ///    Of the diagram's pieces only guesses are taken, and for closed edges that one point is near the edge.
 /// 5. Trims. F = (G_base, G_site, n_u - u(s) d_u, n_v - v(s) d_v) for coordinates n / d: step 2 bounds the
-///    distance of the patch's point at (u, v)(s) from P(s). Where these rows all but depend on each other (a needle
-///    seen from the base's centre) that point is computed instead: (P, w)((u, v)(s)) - P(s) w is a polynomial of
-///    degree 25, whose coefficients bound it.
+///    distance of the patch's point at (u, v)(s) from P(s). Where these rows all but depend on each other (a
+///    needle seen from the base's centre) that point is computed instead: (P, w)((u, v)(s)) - P(s) w is a
+///    polynomial of degree 25, whose coefficients bound it.
 ///
 /// A span too long for one D, or for a small q, is halved for the proof. Where an arc ends in a point with
 /// dependent gradients (objects that touch) or passes one closely (axes that cross but for rounding) spans of
@@ -94,8 +95,8 @@ struct PatchCoordinate {
 /// (u, v). Together they are one-to-one on the bisector where both divisors are positive.
 using PatchCoordinates = std::array<PatchCoordinate, 2>;
 
-/// Which part of a face a boundary runs in that may run along a seam: the one with the point this far inside the face,
-/// in u.
+/// Which part of a face a boundary runs in that may run along a seam: the one with the point this far inside
+/// the face, in u.
 constexpr double seam_inwards = 0x1p-32;
 
 /// A patch and the stretch of u for which it is used: a face that wraps around needs several.
@@ -158,8 +159,9 @@ struct FitEffort {
 };
 
 /// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where rounding
-/// blurs the arc and the diagram's pieces are wider, where the ends are not known as well (four times their error
-/// bounds it then), where a divisor of a patch's coordinate is not positive, or when `effort` is spent, and says so.
+/// blurs the arc and the diagram's pieces are wider, where the ends are not known as well (four times their
+/// error bounds it then), where a divisor of a patch's coordinate is not positive, or when `effort` is spent,
+/// and says so.
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans, FitEffort& effort);
 

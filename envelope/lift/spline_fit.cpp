@@ -67,9 +67,9 @@ public:
     }
 
     // How far the gradient may be from that of `at`, the jet at p, within `room` of the hull of the points. A
-    // cylinder's is (V / s - d) / d_z: it turns with V = V(p) + d_z (q - p) alone, by no more than d_z a / (s +
-    // d_z l) from p to q, a and l being the parts of q - p across and along V(p). So it is no farther away than
-    // a / (s + d_z l): next to nothing along the axis, however sharply the height bends across.
+    // cylinder's is (V / s - d) / d_z: it turns with V = V(p) + d_z (q - p) alone, by no more than d_z a / (s
+    // + d_z l) from p to q, a and l being the parts of q - p across and along V(p). So it is no farther away
+    // than a / (s + d_z l): next to nothing along the axis, however sharply the height bends across.
     template <std::size_t N>
     double variation(const HeightJet2& at, const Vector2d& p, const std::array<Vector2d, N>& points,
                      double room) const {
@@ -199,15 +199,17 @@ private:
 
     double difference(const Node& n) const { return n.jets[0].value - n.jets[1].value; }
 
-    // Newton's method along a line, to the level of rounding. Where that is higher than of the numbers at hand, as of
-    // cylinders given by a point far along their axis, steps end to shrink before; the certificate judges the span.
+    // Newton's method along a line, to the level of rounding. Where that is higher than of the numbers at
+    // hand, as of cylinders given by a point far along their axis, steps end to shrink before; the
+    // certificate judges the span.
     std::optional<Node> find(Vector2d p, const Vector2d& direction) const {
         constexpr int enough = 12;
         constexpr double small = 0x1p-36;  // of the size
         double last = std::numeric_limits<double>::infinity();
         for (int i = 0; i < enough; ++i) {
             const Node n = node(p);
-            const double slope = direction.dot(n.slope()), step = difference(n) / slope, length = std::abs(step);
+            const double slope = direction.dot(n.slope()), step = difference(n) / slope,
+                         length = std::abs(step);
             const double heights = std::abs(n.jets[0].value) + std::abs(n.jets[1].value);
             const double size = p.norm() + heights / std::abs(slope);
             if (length <= 16 * u * size || (length <= small * size && 2 * length >= last)) return n;
@@ -522,7 +524,8 @@ private:
         double length() const {
             double sum = 0;
             for (int i = 1; i < 3; ++i)
-                sum += (points[i].head<3>() / points[i].w() - points[i - 1].head<3>() / points[i - 1].w()).norm();
+                sum += (points[i].head<3>() / points[i].w() - points[i - 1].head<3>() / points[i - 1].w())
+                           .norm();
             return sum;
         }
     };
@@ -545,8 +548,8 @@ private:
         return {{}, {length, length}};
     }
 
-    // Slopes and weights vary along a part, and what is proved of all of it at once may be far too much: parts are halved
-    // until there is a proof, and on while that gains a factor of four.
+    // Slopes and weights vary along a part, and what is proved of all of it at once may be far too much:
+    // parts are halved until there is a proof, and on while that gains a factor of four.
     Bound refined(const Part& part, const Bound& whole, int depth) {
         // What could only be sharper leaves alone what is needed for proofs.
         int& halvings = whole.is_proved() ? sharpenings_ : halvings_;
@@ -555,7 +558,8 @@ private:
         --halvings;
         std::array<Part, 2> half;
         divide(part.points, half[0].points, half[1].points);
-        for (int side = 0; side < 2; ++side) divide(part.trims[side], half[0].trims[side], half[1].trims[side]);
+        for (int side = 0; side < 2; ++side)
+            divide(part.trims[side], half[0].trims[side], half[1].trims[side]);
         for (Part& h : half) h.balance();
         const std::array<Bound, 2> of_half{bound(half[0]), bound(half[1])};
         if (whole.is_proved()) {

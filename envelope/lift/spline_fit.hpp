@@ -34,8 +34,8 @@
 #include <variant>
 #include <vector>
 
-#include "cylinder_patch.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "cylinder_patch.hpp"
 
 namespace vcell {
 

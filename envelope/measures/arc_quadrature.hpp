@@ -25,8 +25,9 @@ struct Part {
     }
 };
 
-/// sin a and 1 - cos a of the angles from an arc's middle to its nodes, |a| <= 0.8, to a few roundings: what their Taylor
-/// series leave out, less than z^9 / 19! and 2 z^9 / 20! of z = a^2 <= 0.64, is below 2^-58 of them.
+/// sin a and 1 - cos a of the angles from an arc's middle to its nodes, |a| <= 0.8, to a few roundings: what
+/// their Taylor series leave out, less than z^9 / 19! and 2 z^9 / 20! of z = a^2 <= 0.64, is below 2^-58 of
+/// them.
 struct NodeAngles {
     std::array<double, points / 2> sine, versine;
 

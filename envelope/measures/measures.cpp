@@ -7,8 +7,8 @@
 
 #include "../../core/quadrature/bounded_sum.hpp"
 #include "../lift/cylinder_patch.hpp"
-#include "mixed_integrals.hpp"
 #include "arc_quadrature.hpp"
+#include "mixed_integrals.hpp"
 
 namespace vcell {
 
@@ -295,8 +295,8 @@ private:
                 slope = std::max(slope, gradient(diagram_.forms[form], span.points[k].head<2>()).norm());
             return slope;
         }
-        // The gradient (V / s - d) / d_z is longest where V / s, which is nowhere between the control points beyond
-        // all of theirs, is farthest from d: at one of them, unless it turns through -d between them.
+        // The gradient (V / s - d) / d_z is longest where V / s, which is nowhere between the control points
+        // beyond all of theirs, is farthest from d: at one of them, unless it turns through -d between them.
         const CylinderHeight& f = mixed_.frame(diagram_.dcel.face(Dcel::half_edge(e, side))).height();
         const Vector2d d = f.axis().head<2>();
         bool is_ahead = true, is_left = true, is_right = true;

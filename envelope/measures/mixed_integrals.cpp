@@ -75,19 +75,14 @@ struct CircularIntegrand {
 //     chart:    J (u + eps u^2 / 2),      surface: |D| (u + eps u^2 / 2)
 // where D is the cross product of the patch's derivatives P_u and P_v / mu:
 //     P_u = (1 - eps^2 v^2 / 4, eps v, eps Z),   P_v / mu = (-eps v / 2, 1, z1 + 2 z2 v).
-// A span's points are about the frame's origin and turned into its axes, each rounded by up to u times `far`: along the
-// cylinder's axis y hardly changes, which no bound of the other coordinates would tell.
+// A span's points are about the frame's origin and turned into its axes, each rounded by up to u times `far`:
+// along the cylinder's axis y hardly changes, which no bound of the other coordinates would tell.
 struct CylinderIntegrand {
     double far;
     double eps, f0, z1, z2, rho;
 
     CylinderIntegrand(const CylinderFrame& f, double far)
-        : far(far),
-          eps(f.eps()),
-          f0(f.f0()),
-          z1(f.z1()),
-          z2(f.z2()),
-          rho(f.height().rho()) {}
+        : far(far), eps(f.eps()), f0(f.f0()), z1(f.z1()), z2(f.z2()), rho(f.height().rho()) {}
 
     template <class T>
     std::array<T, 3> in_parameters(const T& u, const T& v, const T& v1) const {
@@ -127,9 +122,9 @@ struct CylinderIntegrand {
     }
 };
 
-// About the cone's tip instead, over whose projection A the height is -rho: with q = p - A, R = |q| and the direction n
-// of q, f + rho = h(n) R and the surface's stretch sqrt(2 (1 - n.d)) / d_z are known along each ray, and what lies
-// between A and the span is
+// About the cone's tip instead, over whose projection A the height is -rho: with q = p - A, R = |q| and the
+// direction n of q, f + rho = h(n) R and the surface's stretch sqrt(2 (1 - n.d)) / d_z are known along each
+// ray, and what lies between A and the span is
 //     height:  (h R / 3 - rho / 2) q x q',    chart:  q x q' / 2,    surface: stretch q x q' / 2.
 // Points and A are rounded by up to u times `far`.
 struct ConeIntegrand {
@@ -149,7 +144,8 @@ struct ConeIntegrand {
                 T(std::numbers::sqrt2 / (2 * d_z)) * sqrt(aslant) * turn};
     }
     std::array<double, 3> sizes(const SpanPoint<double>& p) const {
-        const double step = std::hypot(p.x1, p.y1), noise = u * far / term_rounding, R = std::hypot(p.x, p.y) + noise;
+        const double step = std::hypot(p.x1, p.y1), noise = u * far / term_rounding,
+                     R = std::hypot(p.x, p.y) + noise;
         // The difference has the rounding of 1; and the direction turns with A.
         const double aslant = 1 - (d.x() * p.x + d.y() * p.y) / R + 1.0 / 32;
         const double stretch = sqrt(2 * aslant) / d_z, turning = d.norm() / (d_z * d_z);
@@ -194,17 +190,16 @@ FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, const Mi
         const double along = (c.z() + height.rho()) / height.axis().z();
         const Vector2d tip = c.head<2>() - along * height.axis().head<2>();
         for (int k = 0; k <= span.degree; ++k) moved.points[k].head<2>() -= tip;
-        return integrals(ConeIntegrand(height, 4 * (far + (height.reach() + std::abs(along)) / height.axis().z())),
-                         power_span(moved));
+        return integrals(
+            ConeIntegrand(height, 4 * (far + (height.reach() + std::abs(along)) / height.axis().z())),
+            power_span(moved));
     }
     for (int k = 0; k <= span.degree; ++k)
         moved.points[k].head<2>() = frame.turned(span.points[k].head<2>() - frame.origin());
     return integrals(CylinderIntegrand(frame, 4 * far), power_span(moved));
 }
 
-Integral space_length(const MixedSpan& span) {
-    return span_integrals::length(power_span(span));
-}
+Integral space_length(const MixedSpan& span) { return span_integrals::length(power_span(span)); }
 
 Integral wall_area(const MixedSpan& span) {
     const Vector2d chord = (span.points[span.degree] - span.points[0]).head<2>();

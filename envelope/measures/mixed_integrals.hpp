@@ -5,13 +5,13 @@
 ///
 ///     dx dy = mu (1 + eps^2 v^2 / 4) du dv,   f + rho = mu Z(v),   dA = mu |D(v)| du dv,   mu = 1 + eps u.
 ///
-/// Their antiderivatives in u turn the integrals into boundary integrals dv (Green), for span_integrals.hpp. Near the
-/// cone's tip, where mu = 0, directions about it take the place of (u, v).
+/// Their antiderivatives in u turn the integrals into boundary integrals dv (Green), for span_integrals.hpp.
+/// Near the cone's tip, where mu = 0, directions about it take the place of (u, v).
 #pragma once
 
 #include "../lift/cylinder_patch.hpp"
-#include "span_integrals.hpp"
 #include "../lift/spline_fit.hpp"
+#include "span_integrals.hpp"
 
 namespace vcell {
 
@@ -22,8 +22,8 @@ struct FaceIntegrals {
 
 /// Over a circular form, about a point `origin` near the face; area of the surface.
 FaceIntegrals face_integrals(const CircularForm& f, const Eigen::Vector2d& origin, const MixedSpan& span);
-/// Over a cylinder. `extent`: within which all the face's boundary is of the frame's origin. Where the cone's tip is as near,
-/// the integrals are taken from the tip.
+/// Over a cylinder. `extent`: within which all the face's boundary is of the frame's origin. Where the cone's
+/// tip is as near, the integrals are taken from the tip.
 FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, const MixedSpan& span);
 
 Integral space_length(const MixedSpan& span);

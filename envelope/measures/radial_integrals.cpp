@@ -143,12 +143,9 @@ double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axi
 // its values at the ends of a stretch.
 double RoundFace::volume_slope(double near, double far) const {
     switch (shape) {
-        case Shape::Flat:
-            return d1 / 3;
-        case Shape::Paraboloid:
-            return (3 * far + 2 * d1) / 12;
-        case Shape::Hyperboloid:
-            break;
+        case Shape::Flat: return d1 / 3;
+        case Shape::Paraboloid: return (3 * far + 2 * d1) / 12;
+        case Shape::Hyperboloid: break;
     }
     const double most = std::max((near + d1) / (near + d2), (far + d1) / (far + d2));
     return c / 12 * (2 * most + std::abs(delta) / (near + d2));
@@ -195,14 +192,12 @@ static T atanh_excess(const T& square, int halvings = 8) {
 template <class T>
 RoundFace::Factors<T> RoundFace::factors(const T& t) const {
     switch (shape) {
-        case Shape::Flat:
-            return {T(0 * t + d1 / 6), T(0 * t + 0.5)};
+        case Shape::Flat: return {T(0 * t + d1 / 6), T(0 * t + 0.5)};
         case Shape::Paraboloid: {
             const T x = sqrt(t * (1 / d1));  // the mean of sqrt(x / d1) / 2
             return {T((t + d1) * (1.0 / 12)), T((x * x + x + 1) / (3 * (x + 1)))};
         }
-        case Shape::Hyperboloid:
-            break;
+        case Shape::Hyperboloid: break;
     }
     const T r = sqrt(t * (t + delta)), reciprocal = 1 / (root + r), y = (t - d1) * reciprocal;
     const T over = 1 / (t + d2), rest = d2 * (3 * d1 + t) + d1 * (t - d1);
@@ -280,9 +275,11 @@ Share TubeFace::size(const Ray& ray) const {
     // Away from `first` by more, for the rounding of the place.
     const double at = t * A, v = at + std::copysign(noise * t, at - first), half = r / (K + at * at),
                  E = length + std::abs(delta), E2 = E * E;
-    const double linear = (std::abs(v - first) + noise * std::abs(first)) * (K + std::max(first * first, v * v));
+    const double linear =
+        (std::abs(v - first) + noise * std::abs(first)) * (K + std::max(first * first, v * v));
     const double volume = half * (half * tube_square_size(K, first, v) + std::abs(delta) * linear) / 3;
-    return {volume * condition * step / r, 2 * half * half * tube_area_size(K, E2, first, v) * condition * step / r};
+    return {volume * condition * step / r,
+            2 * half * half * tube_area_size(K, E2, first, v) * condition * step / r};
 }
 
 // ---- Over a cylinder, no root ------------------------------------------------------------------------
@@ -345,7 +342,8 @@ Share TurnedFace::share(const Ray& ray) const {
 
 Share TurnedFace::size(const Ray& ray) const {
     const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm();
-    const double element = 0.5 * norm(ray.du) / (beta * beta) * (1 + reach / beta), rounding = noise * std::abs(ray.y);
+    const double element = 0.5 * norm(ray.du) / (beta * beta) * (1 + reach / beta),
+                 rounding = noise * std::abs(ray.y);
     if (is_round) {
         const double at = ray.y - start, v = at + std::copysign(rounding, at - first);
         return {0.25 * tube_square_size(K, first, v) * element,
@@ -358,7 +356,8 @@ Share TurnedFace::size(const Ray& ray) const {
 
 // ---- Sides of the box over a cylinder ---------------------------------------------------------------
 
-// The face's edges meet but for rounding. As seen from a point near by the gaps between them are next to nothing.
+// The face's edges meet but for rounding. As seen from a point near by the gaps between them are next to
+// nothing.
 FlatFace::FlatFace(const Plane& side, const Vec3& near)
     : normal(side.normal.normalized()), offset(normal.dot(side.point)) {
     point = near + (offset - normal.dot(near)) * normal;
@@ -484,7 +483,8 @@ Share SkewFace::size(const Ray& ray) const {
 
 // ---- Spans ------------------------------------------------------------------------------------------
 
-RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const radial_integrals::Around& face) {
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
+                            const radial_integrals::Around& face) {
     using namespace radial_integrals;
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
     if (problem.is_sphere) {
@@ -594,14 +594,16 @@ private:
         const double needed = aim * moment_of_span / square(std::max(w_.c0, 1.0));
         double truncated = 64.0 / 15 / (1 - shrink) * square(square(shrink));  // of an integrand's bound
         int points = 4;
-        for (; points < most_points && !(truncated * moment <= needed); points += 2) truncated *= square(shrink);
+        for (; points < most_points && !(truncated * moment <= needed); points += 2)
+            truncated *= square(shrink);
         if (!(truncated * moment <= needed) && halvings > 0 && budget > 0)
             return add_halves(left, right, sum, halvings, budget);
         const double moment_here = moment_of_span / square(std::min(w_(-1.0), w_(1.0)));
         const double rounding = 2 * term_rounding * moment_here;
         // Where halving ended without a disk, the whole part.
         const bool is_tame = truncated < infinity;
-        const double reach = is_tame ? r : 1, near_w = is_tame ? least_w : std::min({w_(-1.0), w_(0.0), w_(1.0)});
+        const double reach = is_tame ? r : 1,
+                     near_w = is_tame ? least_w : std::min({w_(-1.0), w_(0.0), w_(1.0)});
         const double turned_t = turned.deviation(reach) / near_w,
                      speed = sqrt(speed2_[0] + speed2_deviation(reach)) / square(near_w);
         sum.length.error += (is_tame ? truncated : 4) * speed;
@@ -613,24 +615,15 @@ private:
             sum.sides[side].area.error += error * bounds.area;
         }
         switch (points) {
-            case 4:
-                return add_values<4>(left, right, sum);
-            case 6:
-                return add_values<6>(left, right, sum);
-            case 8:
-                return add_values<8>(left, right, sum);
-            case 10:
-                return add_values<10>(left, right, sum);
-            case 12:
-                return add_values<12>(left, right, sum);
-            case 14:
-                return add_values<14>(left, right, sum);
-            case 16:
-                return add_values<16>(left, right, sum);
-            case 18:
-                return add_values<18>(left, right, sum);
-            default:
-                return add_values<most_points>(left, right, sum);
+            case 4: return add_values<4>(left, right, sum);
+            case 6: return add_values<6>(left, right, sum);
+            case 8: return add_values<8>(left, right, sum);
+            case 10: return add_values<10>(left, right, sum);
+            case 12: return add_values<12>(left, right, sum);
+            case 14: return add_values<14>(left, right, sum);
+            case 16: return add_values<16>(left, right, sum);
+            case 18: return add_values<18>(left, right, sum);
+            default: return add_values<most_points>(left, right, sum);
         }
     }
 
@@ -638,7 +631,8 @@ private:
                     int& budget) const {
         --budget;
         for (const double sign : {-1.0, 1.0})
-            Conic(Powers{a_[0] + sign * 0.5 * a_[1] + 0.25 * a_[2], 0.5 * a_[1] + sign * 0.5 * a_[2], 0.25 * a_[2]})
+            Conic(Powers{a_[0] + sign * 0.5 * a_[1] + 0.25 * a_[2], 0.5 * a_[1] + sign * 0.5 * a_[2],
+                         0.25 * a_[2]})
                 .add(left, right, sum, halvings - 1, budget);
     }
 
@@ -652,17 +646,18 @@ private:
     }
 
     // The radius of a disk on which the integrands are analytic; NaN if there is none that helps. On it t
-    // keeps to its side of an edge, and |dp|^2 w^4 keeps from zero: it is near its value at 0, or a multiple of w^2,
-    // which it is on a circle. `turned` is w times the change of t from its value at 0, which is `to_edge` beyond the
-    // edge.
+    // keeps to its side of an edge, and |dp|^2 w^4 keeps from zero: it is near its value at 0, or a multiple
+    // of w^2, which it is on a circle. `turned` is w times the change of t from its value at 0, which is
+    // `to_edge` beyond the edge.
     double disk(const Quadratic& turned, double to_edge) const {
         const auto reach = [](double linear, double quadratic, double bound) {
             return 2 * bound / (linear + sqrt(square(linear) + 4 * quadratic * bound));
         };
         const double w1 = std::abs(w_.c1), w2 = std::abs(w_.c2), part = tame_part;
         const double room = part * to_edge;
-        double r = std::min({widest_disk, reach(w1, w2, part * w_.c0),
-                             reach(std::abs(turned.c1) + room * w1, std::abs(turned.c2) + room * w2, room * w_.c0)});
+        double r =
+            std::min({widest_disk, reach(w1, w2, part * w_.c0),
+                      reach(std::abs(turned.c1) + room * w1, std::abs(turned.c2) + room * w2, room * w_.c0)});
         const double mean = speed2_[0] / square(w_.c0);
         const double rest1 = std::abs(speed2_[1] - 2 * mean * w_.c0 * w_.c1),
                      rest2 = std::abs(speed2_[2] - mean * (w_.c1 * w_.c1 + 2 * w_.c0 * w_.c2)),
@@ -714,9 +709,9 @@ std::array<double, 2> half_square(const SpanPoint<double>& p, bool is_sphere) {
     return {0.5 * (p.x * p.x + y * y + p.z * p.z), p.x * p.x1 + y * p.y1 + p.z * p.z1};
 }
 
-// At most as many extremes as that has t along a span, inside: t^2 = p.p / w^2, of which the derivative is a positive
-// factor times p.(p' w - p w'). In the Bernstein basis a polynomial has no more zeros in [0, 1] than its coefficients
-// have changes of sign [Farin02, sec. 5.3, Descartes].
+// At most as many extremes as that has t along a span, inside: t^2 = p.p / w^2, of which the derivative is a
+// positive factor times p.(p' w - p w'). In the Bernstein basis a polynomial has no more zeros in [0, 1] than
+// its coefficients have changes of sign [Farin02, sec. 5.3, Descartes].
 int most_extremes(const PowerSpan& span, bool is_sphere) {
     constexpr int most = PowerSpan::largest_degree;
     const int d = span.degree();
@@ -734,7 +729,8 @@ int most_extremes(const PowerSpan& span, bool is_sphere) {
     std::array<Vec3, 2 * most> turn;
     turn.fill(Vec3::Zero());
     for (int i = 0; i <= d; ++i)
-        for (int k = 0; k < d; ++k) turn[i + k] += p[i].w() * slope[k].head<3>() - slope[k].w() * p[i].head<3>();
+        for (int k = 0; k < d; ++k)
+            turn[i + k] += p[i].w() * slope[k].head<3>() - slope[k].w() * p[i].head<3>();
     std::array<double, 3 * most> sum{};
     double size = 0, steepest = 0;
     for (int i = 0; i <= d; ++i) {
@@ -794,7 +790,8 @@ void extend_by_extreme(Range& range, const PowerSpan& span, bool is_sphere) {
 
 // The range of t along a span.
 void extend_by_extremes(Range& range, const PowerSpan& span, bool is_sphere, int halvings = 12) {
-    if (halvings == 0 || most_extremes(span, is_sphere) <= 1) return extend_by_extreme(range, span, is_sphere);
+    if (halvings == 0 || most_extremes(span, is_sphere) <= 1)
+        return extend_by_extreme(range, span, is_sphere);
     for (const int side : {0, 1}) extend_by_extremes(range, span.half(side), is_sphere, halvings - 1);
 }
 

@@ -102,8 +102,8 @@ struct Around {
     Vec3 near = Vec3::Zero();
     double extent = std::numeric_limits<double>::infinity();
 
-    /// Where integrals start along an axis on which `near` is at v: at 0, or where that is far from a small face at v. What
-    /// rounding moves points sideways counts with the distance from there.
+    /// Where integrals start along an axis on which `near` is at v: at 0, or where that is far from a small
+    /// face at v. What rounding moves points sideways counts with the distance from there.
     double start(double v) const { return std::abs(v) > 4 * extent ? v : 0; }
 };
 
@@ -171,7 +171,8 @@ using RadialFace =
                  radial_integrals::FlatFace, radial_integrals::SkewFace>;
 
 /// Over a cylinder integrals along the axis start at the height of `face.near`.
-RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form, const radial_integrals::Around& face);
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
+                            const radial_integrals::Around& face);
 
 /// The bisector's least distance from the base's centre or axis, where that is a minimum inside the base's
 /// stretch; infinite if there is none.

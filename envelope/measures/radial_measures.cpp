@@ -100,16 +100,18 @@ private:
         // The face's integrals along the axis start between its ends; or in a tip, where rounding turns
         // points about the axis by most, and which then counts for nothing.
         radial_integrals::Around around() const {
-            const double height = nearest < 0x1p-10 * farthest ? at_nearest.y() : 0.5 * (least.y() + most.y());
+            const double height =
+                nearest < 0x1p-10 * farthest ? at_nearest.y() : 0.5 * (least.y() + most.y());
             return {{at_nearest.x(), height, at_nearest.z()}, (most - least).norm()};
         }
     };
 
     void add_faces() {
         // Around a sphere only tubes ask for it.
-        const bool are_asked = !problem_.is_sphere || std::ranges::any_of(problem_.objects, [](const Object& o) {
-            return std::holds_alternative<Cylinder>(o);
-        });
+        const bool are_asked =
+            !problem_.is_sphere || std::ranges::any_of(problem_.objects, [](const Object& o) {
+                return std::holds_alternative<Cylinder>(o);
+            });
         std::vector<Reach> reaches(are_asked ? diagram_.dcel.face_count() : 0);
         if (are_asked)
             for (const EdgeId e : diagram_.edges.ids()) {
@@ -151,7 +153,8 @@ private:
         for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
             const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
             if (!is_smooth(e)) {
-                add_span(span, edge.kind != CurveKind::Spline, problem_.is_sphere, faces_[left], right_face, sum);
+                add_span(span, edge.kind != CurveKind::Spline, problem_.is_sphere, faces_[left], right_face,
+                         sum);
             } else if (curve.degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {
@@ -200,9 +203,9 @@ private:
         areas_[face].add(sign * side.area.value, side.area.error);
     }
 
-    // What an edge that is off by `error` changes: strips of its length, which may itself be off by as much at
-    // either end. Of a conic the integrand's own derivative across the strip counts; elsewhere the gap between
-    // the two bisectors, which closes towards the true edge. Both doubled, and to first order.
+    // What an edge that is off by `error` changes: strips of its length, which may itself be off by as much
+    // at either end. Of a conic the integrand's own derivative across the strip counts; elsewhere the gap
+    // between the two bisectors, which closes towards the true edge. Both doubled, and to first order.
     void add_position_error(double error, std::uint32_t left, std::uint32_t right, const RadialIntegrals& sum,
                             bool is_smooth) {
         const double length = 2 * sum.length.value + 4 * error;

@@ -96,8 +96,9 @@ public:
         return b;
     }
 
-    /// The range of the curve's length: from its chord's to its control polygon's, which crosses no plane less often than
-    /// the curve does [Cauchy-Crofton]. Pre: positive weights, otherwise the upper end is infinite.
+    /// The range of the curve's length: from its chord's to its control polygon's, which crosses no plane
+    /// less often than the curve does [Cauchy-Crofton]. Pre: positive weights, otherwise the upper end is
+    /// infinite.
     std::array<double, 2> length_range() const {
         auto b = control_points();
         double polygon = 0;
@@ -111,8 +112,8 @@ public:
 
     template <class T>
     SpanPoint<T> at(const T& t) const {
-        // From the span's middle on: of disks a quotient's numerator and weight would otherwise part as far as the curve
-        // is from the origin.
+        // From the span's middle on: of disks a quotient's numerator and weight would otherwise part as far
+        // as the curve is from the origin.
         constexpr bool is_disk = !std::is_same_v<T, double>;
         Eigen::Vector3d middle;
         if constexpr (is_disk) middle = a_[0].head<3>() / a_[0].w();
@@ -153,7 +154,8 @@ void integrate(const PowerSpan& span, const Integrand& integrand, std::array<Int
     // The bound may exceed the integrand's size by this factor: 4e-21 of it is next to nothing.
     constexpr double largest_growth = 1e4, ellipse = 2.4;
     const auto bounds = integrand(span.at(ComplexBall(0.0, ellipse)));
-    bool good = std::ranges::all_of(bounds, [](const ComplexBall& b) { return std::isfinite(b.magnitude()); });
+    bool good =
+        std::ranges::all_of(bounds, [](const ComplexBall& b) { return std::isfinite(b.magnitude()); });
     const bool may_halve = halvings > 0 && budget > 0;
     const auto integrate_halves = [&] {
         --budget;
@@ -211,11 +213,12 @@ inline Integral length(const PowerSpan& span) {
     return sum[0];
 }
 
-/// What integrate() adds, for integrands that are dear or cannot be bounded: with seven points, and their difference
-/// from three of them, at which sizes are taken, too; or with fifteen, and their difference from the seven. Error: not
-/// proven. As the rules converge geometrically, and each has about twice the degree of the one before, ten times the
-/// square of the difference (as parts of the size); halved until the difference is at most `largest_difference`.
-/// integrand(p, sizes) gives the values at p, and puts down their sizes where it is given room for them.
+/// What integrate() adds, for integrands that are dear or cannot be bounded: with seven points, and their
+/// difference from three of them, at which sizes are taken, too; or with fifteen, and their difference from
+/// the seven. Error: not proven. As the rules converge geometrically, and each has about twice the degree of
+/// the one before, ten times the square of the difference (as parts of the size); halved until the difference
+/// is at most `largest_difference`. integrand(p, sizes) gives the values at p, and puts down their sizes
+/// where it is given room for them.
 template <std::size_t N, class Integrand>
 void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_difference,
                          std::array<Integral, N>& sum, int halvings, int& budget) {
@@ -237,7 +240,8 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, doub
     };
     const auto are_near = [&](const std::array<double, N>& a, const std::array<double, N>& b) {
         bool are = true;
-        for (std::size_t k = 0; k < N; ++k) are = are && std::abs(a[k] - b[k]) <= largest_difference * size[k];
+        for (std::size_t k = 0; k < N; ++k)
+            are = are && std::abs(a[k] - b[k]) <= largest_difference * size[k];
         return are;
     };
     add_first(0, rule.center);

@@ -1,17 +1,17 @@
 /// The node over tubes of one radius that cross, over a curved base.
 ///
 /// Where the axes cross, the points of the line across them are as far from all tubes, with the same gradient
-/// (primitives/forms/crossing.hpp). So where a point of the line is as near to the base, too, all forms tie and
-/// have equal gradients. Such a point lies between two points of the line on different sides of the tubes'
-/// bisector. If the line runs along a normal of the base, all forms are one along it.
+/// (primitives/forms/crossing.hpp). So where a point of the line is as near to the base, too, all forms tie
+/// and have equal gradients. Such a point lies between two points of the line on different sides of the
+/// tubes' bisector. If the line runs along a normal of the base, all forms are one along it.
 #pragma once
 
 #include <Eigen/Core>
 #include <functional>
 #include <span>
 
-#include "../../primitives/forms/form_family.hpp"
 #include "../../core/numbers/interval.hpp"
+#include "../../primitives/forms/form_family.hpp"
 
 namespace vcell {
 

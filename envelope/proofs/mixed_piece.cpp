@@ -30,9 +30,11 @@ MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent) : heights_
 }
 
 bool MixedAnalysis::is_spent() const {
-    // Measured: 80 evaluations and some hundred stretches to a form are usual; a few thousand evaluations in all where a tie
-    // of some ten forms is settled, 150,000 stretches along a line that hardly leaves a plane.
-    constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 150000, stretches_of_form = 5000;
+    // Measured: 80 evaluations and some hundred stretches to a form are usual; a few thousand evaluations in
+    // all where a tie of some ten forms is settled, 150,000 stretches along a line that hardly leaves a
+    // plane.
+    constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 150000,
+                          stretches_of_form = 5000;
     const std::size_t forms = heights_.family().size();
     return heights_.wide_evaluations() > most_wide + wide_of_form * forms ||
            stretches_ > most_stretches + stretches_of_form * forms;
@@ -67,8 +69,9 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
         spreads.push_back({f, {}, heights_.value(f, mx, my), all.gx, all.gy, all.v, {}});
     }
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
-        return a.range.lower() > b.range.upper() ||
-               (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) - (a.gy - b.gy).magnitude() * Interval(ry)).lower() > 0;
+        return a.range.lower() > b.range.upper() || (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) -
+                                                     (a.gy - b.gy).magnitude() * Interval(ry))
+                                                            .lower() > 0;
     };
     const auto top = [&](const Spread& s) {
         return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
@@ -105,7 +108,8 @@ SmallVector<MixedAnalysis::Rival, MixedAnalysis::usual_rivals> MixedAnalysis::lo
         }
         rivals.push_back({f, s});
     }
-    rivals.erase(std::remove_if(rivals.begin(), rivals.end(), [&](const Rival& r) { return box.is_above(r.support, best); }),
+    rivals.erase(std::remove_if(rivals.begin(), rivals.end(),
+                                [&](const Rival& r) { return box.is_above(r.support, best); }),
                  rivals.end());
     if (rivals.size() > 2 && rivals.size() <= most_compared_in_pairs)
         drop_dominated(rivals, [&](const Rival& a, const Rival& b) {
@@ -114,9 +118,11 @@ SmallVector<MixedAnalysis::Rival, MixedAnalysis::usual_rivals> MixedAnalysis::lo
     return rivals;
 }
 
-std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
+std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box,
+                                        std::span<const FormId> candidates) {
     normals_.reset();
-    if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]), extent_at({box[0], box[1]}, {box[2], box[3]}))) {
+    if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]),
+                            extent_at({box[0], box[1]}, {box[2], box[3]}))) {
         normals_.emplace(box[0], box[1], box[2], box[3]);
         spreads_.clear();
         for (const Rival& r : lowest_supports(*normals_, candidates)) {
@@ -160,10 +166,13 @@ std::optional<bool> MixedAnalysis::asks_for_strips(const std::array<double, 4>& 
             y += gy.magnitude() * (box[3] - box[2]);
         }
     if (!std::isfinite(x + y)) return std::nullopt;
-    return x > strip_ratio * y ? std::optional(true) : y > strip_ratio * x ? std::optional(false) : std::nullopt;
+    return x > strip_ratio * y   ? std::optional(true)
+           : y > strip_ratio * x ? std::optional(false)
+                                 : std::nullopt;
 }
 
-// --- Roots of two equations ----------------------------------------------------------------------------------
+// --- Roots of two equations
+// ----------------------------------------------------------------------------------
 
 namespace {
 
@@ -179,15 +188,17 @@ Eigen::Matrix2d middle(const System& s) {
     return m;
 }
 
-// Krawczyk's operator about p over the box p + d, less p: all roots of the box lie in it, and if it lies inside the
-// box there is exactly one [Krawczyk69].
-std::array<Interval, 2> krawczyk(const System& at_point, const System& over_box, const Eigen::Matrix2d& inverse,
-                                 const std::array<Interval, 2>& d) {
+// Krawczyk's operator about p over the box p + d, less p: all roots of the box lie in it, and if it lies
+// inside the box there is exactly one [Krawczyk69].
+std::array<Interval, 2> krawczyk(const System& at_point, const System& over_box,
+                                 const Eigen::Matrix2d& inverse, const std::array<Interval, 2>& d) {
     const Interval y00(inverse(0, 0)), y01(inverse(0, 1)), y10(inverse(1, 0)), y11(inverse(1, 1)), one(1.0);
     const auto& J = over_box.jacobian;
     const auto& v = at_point.value;
-    return {-(y00 * v[0] + y01 * v[1]) + (one - (y00 * J[0][0] + y01 * J[1][0])) * d[0] - (y00 * J[0][1] + y01 * J[1][1]) * d[1],
-            -(y10 * v[0] + y11 * v[1]) - (y10 * J[0][0] + y11 * J[1][0]) * d[0] + (one - (y10 * J[0][1] + y11 * J[1][1])) * d[1]};
+    return {-(y00 * v[0] + y01 * v[1]) + (one - (y00 * J[0][0] + y01 * J[1][0])) * d[0] -
+                (y00 * J[0][1] + y01 * J[1][1]) * d[1],
+            -(y10 * v[0] + y11 * v[1]) - (y10 * J[0][0] + y11 * J[1][0]) * d[0] +
+                (one - (y10 * J[0][1] + y11 * J[1][1])) * d[1]};
 }
 
 struct Root {
@@ -212,10 +223,12 @@ std::optional<Root> root_near(Evaluate&& evaluate, Vector2d p) {
     // Where values cancel, steps may be far smaller than the values' rounding allows for.
     const auto rounding = krawczyk(at_point, at_point, inverse, {Interval(0.0), Interval(0.0)});
     double radius = 2 * (step + std::max(rounding[0].magnitude(), rounding[1].magnitude())) +
-                    4 * std::numeric_limits<double>::epsilon() * p.norm() + std::numeric_limits<double>::min();
+                    4 * std::numeric_limits<double>::epsilon() * p.norm() +
+                    std::numeric_limits<double>::min();
     for (int i = 0; i < 12; ++i, radius *= 4) {
         const Interval d(-radius, radius);
-        const auto k = krawczyk(at_point, evaluate(Interval(p.x()) + d, Interval(p.y()) + d), inverse, {d, d});
+        const auto k =
+            krawczyk(at_point, evaluate(Interval(p.x()) + d, Interval(p.y()) + d), inverse, {d, d});
         if (k[0].magnitude() < radius && k[1].magnitude() < radius)
             return Root{p, Interval::up(std::hypot(k[0].magnitude(), k[1].magnitude()))};
     }
@@ -224,19 +237,22 @@ std::optional<Root> root_near(Evaluate&& evaluate, Vector2d p) {
 
 // a = b = c.
 System equal_heights(const Heights& heights, const std::array<FormId, 3>& forms, Interval x, Interval y) {
-    const HeightJet<Interval> a = heights.jet(forms[0], x, y), b = heights.jet(forms[1], x, y), c = heights.jet(forms[2], x, y);
+    const HeightJet<Interval> a = heights.jet(forms[0], x, y), b = heights.jet(forms[1], x, y),
+                              c = heights.jet(forms[2], x, y);
     return {{a.v - b.v, a.v - c.v}, {{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}}};
 }
 
 // The same in doubles; over a point derivatives are rounded only.
-System equal_heights(const SphereSupports& supports, const std::array<FormId, 3>& forms, Interval x, Interval y) {
+System equal_heights(const SphereSupports& supports, const std::array<FormId, 3>& forms, Interval x,
+                     Interval y) {
     System s;
     if (is_point(x) && is_point(y)) {
         const PointNormal n(x.mid(), y.mid());
         const auto a = supports.jet(forms[0], n);
         for (const int i : {0, 1}) {
             const auto b = supports.jet(forms[i + 1], n);
-            s.value[i] = Interval::ball(a[0] - b[0], supports.value_error(forms[0]) + supports.value_error(forms[i + 1]));
+            s.value[i] = Interval::ball(a[0] - b[0],
+                                        supports.value_error(forms[0]) + supports.value_error(forms[i + 1]));
             s.jacobian[i] = {Interval(a[1] - b[1]), Interval(a[2] - b[2])};
         }
         return s;
@@ -264,8 +280,8 @@ struct MixedAnalysis::Change {
     FormId before, after;
 };
 
-// A vertex of the rim in which more forms meet than change there, and those that are lowest around it inside the piece,
-// counter-clockwise from the label of the side that leaves to that of the one that arrives.
+// A vertex of the rim in which more forms meet than change there, and those that are lowest around it inside
+// the piece, counter-clockwise from the label of the side that leaves to that of the one that arrives.
 struct MixedAnalysis::Knot {
     std::uint32_t vertex;
     std::vector<FormId> ties, around;
@@ -289,9 +305,9 @@ struct MixedAnalysis::Work {
     std::vector<Spread>& rivals;  // as the last cull() left them, fewer as more is known
     SmallVector<Change, 8> changes;
     std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
-    std::vector<std::uint32_t> knots;            // vertices of the rim in which more forms meet than change there
+    std::vector<std::uint32_t> knots;  // vertices of the rim in which more forms meet than change there
     double width = 0, extent = 0;
-    bool is_small = false;  // in one direction at least
+    bool is_small = false;                             // in one direction at least
     mutable std::vector<std::array<FormId, 3>> apart;  // known to tie nowhere, in the order of the rivals
 
     Vector2d middle() const {
@@ -332,8 +348,8 @@ struct MixedAnalysis::Work {
         const auto it = std::ranges::find(rivals, f, &Spread::form);
         return it == rivals.end() ? nullptr : &*it;
     }
-    // The gradient of a - b all over the piece. Where the two are nearly the same function its mean value form is by far
-    // the sharper one.
+    // The gradient of a - b all over the piece. Where the two are nearly the same function its mean value
+    // form is by far the sharper one.
     std::array<Interval, 2> gradient(const Spread& a, const Spread& b) const {
         const auto over =
             normals ? normals->gradient(a.support, b.support) : std::array{a.gx - b.gx, a.gy - b.gy};
@@ -348,11 +364,13 @@ struct MixedAnalysis::Work {
         const auto& box = piece.box;
         return heights.plain_gradient_difference(a.form, b.form, {box[0], box[1]}, {box[2], box[3]});
     }
-    // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b are lowest.
+    // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b
+    // are lowest.
     std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
         for (const Direction& known : directions) {
             if (known.a == a.form && known.b == b.form) return known.d;
-            if (known.a == b.form && known.b == a.form) return known.d ? std::optional<Vector2d>(-*known.d) : known.d;
+            if (known.a == b.form && known.b == a.form)
+                return known.d ? std::optional<Vector2d>(-*known.d) : known.d;
         }
         directions.push_back({a.form, b.form, find_direction(a, b)});
         return directions.back().d;
@@ -422,8 +440,9 @@ struct MixedAnalysis::Work {
         const Vector2d chord = *end - *start;
         return Vector2d(chord.y(), -chord.x()).normalized();
     }
-    // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points where a = b = c are
-    // lowest; Zero if there are no such points. The three in one order always, as another one need not tell.
+    // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points where
+    // a = b = c are lowest; Zero if there are no such points. The three in one order always, as another one
+    // need not tell.
     std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) const {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
@@ -439,20 +458,21 @@ struct MixedAnalysis::Work {
         const auto sign = divided().turn(place(a), place(b), place(c));
         return sign == Sign::Zero ? std::nullopt : sign;
     }
-    // Of forms in a point where all are equal: the one after `p` on the convex hull of their gradients, counter-clockwise.
-    // None if p is not on it.
+    // Of forms in a point where all are equal: the one after `p` on the convex hull of their gradients,
+    // counter-clockwise. None if p is not on it.
     template <class Spreads>
     const Spread* next_on_hull(const Spreads& tied, const Spread& p) const {
         const auto follows = [&](const Spread* q) {
             return q != &p && std::ranges::all_of(tied, [&](const Spread* o) {
-                return o == &p || o == q || turn(p, *q, *o) == Sign::Positive;
-            });
+                       return o == &p || o == q || turn(p, *q, *o) == Sign::Positive;
+                   });
         };
         const auto next = std::ranges::find_if(tied, follows);
         return next == tied.end() ? nullptr : *next;
     }
-    // Is a combination of b - a and c - a nowhere zero? Then the three are nowhere equal. Of all combinations the one
-    // that changes least about the middle: nearly nothing to first order where trisectors run beside each other.
+    // Is a combination of b - a and c - a nowhere zero? Then the three are nowhere equal. Of all combinations
+    // the one that changes least about the middle: nearly nothing to first order where trisectors run beside
+    // each other.
     bool are_apart(const Spread& a, const Spread& b, const Spread& c) const {
         struct Difference {
             Interval v, gx, gy;
@@ -480,9 +500,9 @@ struct MixedAnalysis::Work {
                                  (q.curvature.yy - k * p.curvature.yy) * square(dy));
         return rest.lower() > 0 || rest.upper() < 0;
     }
-    // Do the three certainly tie nowhere in the piece? Where gradients are on one line all along a trisector, as of tubes
-    // that are nearly parallel over a tube, their turn never tells. Asked of few and in a small piece, when the other
-    // questions have failed.
+    // Do the three certainly tie nowhere in the piece? Where gradients are on one line all along a trisector,
+    // as of tubes that are nearly parallel over a tube, their turn never tells. Asked of few and in a small
+    // piece, when the other questions have failed.
     bool is_apart(const Spread& a, const Spread& b, const Spread& c) const {
         if (!a.bend || !is_small || rivals.size() > most_divided || heights.family().radial.empty() ||
             heights.family().chart != RadialChart::HalfAngle)
@@ -499,7 +519,8 @@ struct MixedAnalysis::Work {
         return std::ranges::find(apart, forms) != apart.end();
     }
     bool matched_pair() const {
-        return changes.size() == 2 && changes[0].before == changes[1].after && changes[0].after == changes[1].before;
+        return changes.size() == 2 && changes[0].before == changes[1].after &&
+               changes[0].after == changes[1].before;
     }
     // Returns the arc's half-edge at its start; its twin's number is one more.
     std::uint32_t add_arc(std::uint32_t from, std::uint32_t to, FormId left, FormId right) {
@@ -532,12 +553,15 @@ struct MixedAnalysis::Work {
         piece.leaving.push_back({2 * near + 1, 2 * far});
         return true;
     }
-    // Puts a face of h on the arc of two forms, if they have one arc, between two vertices: given in the arc's order where f
-    // is on its left.
-    bool insert_lens(FormId h, FormId f, FormId g, std::array<MixedPiece::Vertex, 2> ends, const Vector2d& across) {
+    // Puts a face of h on the arc of two forms, if they have one arc, between two vertices: given in the
+    // arc's order where f is on its left.
+    bool insert_lens(FormId h, FormId f, FormId g, std::array<MixedPiece::Vertex, 2> ends,
+                     const Vector2d& across) {
         if (!divide(f, g, ends[0])) return false;
-        const auto far = static_cast<std::uint32_t>(piece.arcs.size() - 1), near = static_cast<std::uint32_t>(
-            std::ranges::find(piece.arcs, piece.arcs[far].from, &MixedPiece::Arc::to) - piece.arcs.begin());
+        const auto far = static_cast<std::uint32_t>(piece.arcs.size() - 1),
+                   near = static_cast<std::uint32_t>(
+                       std::ranges::find(piece.arcs, piece.arcs[far].from, &MixedPiece::Arc::to) -
+                       piece.arcs.begin());
         auto v = static_cast<std::uint32_t>(piece.vertices.size() - 1), w = v + 1;
         const bool is_reversed = piece.arcs[far].left != f;
         if (is_reversed) piece.vertices.back() = ends[1];
@@ -570,7 +594,8 @@ struct MixedAnalysis::Work {
     // Do all rivals meet in a vertex of the rim?
     bool all_tie_in(std::uint32_t v) const {
         const std::vector<FormId>& ties = piece.vertices[v].ties;
-        return std::ranges::all_of(rivals, [&](const Spread& s) { return std::ranges::find(ties, s.form) != ties.end(); });
+        return std::ranges::all_of(
+            rivals, [&](const Spread& s) { return std::ranges::find(ties, s.form) != ties.end(); });
     }
     // From all other changes to a vertex of the rim.
     void join_all_on_rim(std::uint32_t v) {
@@ -590,8 +615,24 @@ struct MixedAnalysis::Work {
 };
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
-    Work work{boundary, normals_ ? &*normals_ : nullptr, normals_ ? &*supports_ : nullptr, heights_, decisions_, parts_,
-              false, {}, {}, {}, spreads_, {}, {}, {}, 0, 0, false, {}};
+    Work work{boundary,
+              normals_ ? &*normals_ : nullptr,
+              normals_ ? &*supports_ : nullptr,
+              heights_,
+              decisions_,
+              parts_,
+              false,
+              {},
+              {},
+              {},
+              spreads_,
+              {},
+              {},
+              {},
+              0,
+              0,
+              false,
+              {}};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());
@@ -612,7 +653,8 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     piece.leaving.reserve(rim + 1);
     piece.rim.reserve(rim);
     work.changes.reserve(rim);
-    const auto add_rim = [&](const Vector2d& p, double error, FormId before, FormId after, std::span<const FormId> ties) {
+    const auto add_rim = [&](const Vector2d& p, double error, FormId before, FormId after,
+                             std::span<const FormId> ties) {
         const auto v = static_cast<std::uint32_t>(piece.vertices.size());
         piece.vertices.push_back({p, error, after, {ties.begin(), ties.end()}});
         if (ties.size() > (before == after ? 1 : 2)) work.knots.push_back(v);
@@ -624,8 +666,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
         const FormId before = boundary.labels[(i + sides - 1) % sides].last();
         if (before != labels.first && boundary.corner_ties[i].size() < 2)
             throw InternalError("labels differ around a corner of a piece");
-        add_rim({c[0].mid(), c[1].mid()}, reach(c[0], c[1]), before, labels.first,
-                boundary.corner_ties[i]);
+        add_rim({c[0].mid(), c[1].mid()}, reach(c[0], c[1]), before, labels.first, boundary.corner_ties[i]);
         piece.rim.push_back({boundary.sides[i].id, labels.first});
         for (const RimTransition& t : labels.transitions) {
             add_rim(t.point, t.error, t.before, t.after, t.ties);
@@ -655,20 +696,21 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
 
     const std::size_t assumed_before = assumptions_.size();
     const bool joined =
-        (plain && join_changes(work)) ||
-        (near_tie && (join_at_tie(work) || join_at_saddle(work) || join_at_pinch(work) || join_without_touching(work)));
+        (plain && join_changes(work)) || (near_tie && (join_at_tie(work) || join_at_saddle(work) ||
+                                                       join_at_pinch(work) || join_without_touching(work)));
     if (!joined) {
         // What was assumed on the way will be asked again.
         decisions_.assumed -= assumptions_.size() - assumed_before;
-        assumptions_.erase(assumptions_.begin() + static_cast<std::ptrdiff_t>(assumed_before), assumptions_.end());
+        assumptions_.erase(assumptions_.begin() + static_cast<std::ptrdiff_t>(assumed_before),
+                           assumptions_.end());
         if (!at_floor) return std::nullopt;
         join_at_center(work);
     }
     return std::move(work.piece);
 }
 
-// Without the forms that are lowest nowhere in the piece but for touching the trisector of two others in a vertex, or in a
-// lens on it.
+// Without the forms that are lowest nowhere in the piece but for touching the trisector of two others in a
+// vertex, or in a lens on it.
 bool MixedAnalysis::join_without_touching(Work& work) {
     struct Touch {
         MixedPiece::Vertex vertex;
@@ -688,8 +730,8 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         return std::ranges::find(work.piece.rim, f, &MixedPiece::RimEdge::label) != work.piece.rim.end();
     };
     std::vector<Touch> touches;
-    // An arc that is touched inside meets the rim, or it does in a smaller piece: of all pairs those are enough that change
-    // there.
+    // An arc that is touched inside meets the rim, or it does in a smaller piece: of all pairs those are
+    // enough that change there.
     std::vector<std::array<FormId, 2>> pairs;
     for (const Change& c : work.changes) {
         const std::array pair{std::min(c.before, c.after), std::max(c.before, c.after)};
@@ -699,8 +741,7 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         for (const auto& [f, g] : pairs) {
             const auto touching = find_touching(heights_, h, f, g, work.piece.box);
             if (!touching) continue;
-            const int exponent =
-                touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
+            const int exponent = touching->gap.magnitude_exponent() - touching->height.magnitude_exponent();
             const bool is_tie = exponent < assumed_exponent,
                        is_above = touching->gap.sign() == Sign::Positive;
             const bool is_narrow =
@@ -719,12 +760,14 @@ bool MixedAnalysis::join_without_touching(Work& work) {
                 lens.y = Interval::ball(touching->place.y(), reach);
                 const Vector2d along(-across.y(), across.x());
                 const auto is_beyond = [&](const Vector2d& p, const Vector2d& q, double error) {
-                    return along.dot(q - p) > 64 * (error + std::numeric_limits<double>::epsilon() * p.norm());
+                    return along.dot(q - p) >
+                           64 * (error + std::numeric_limits<double>::epsilon() * p.norm());
                 };
                 // Doubles hold no face that is thinner than their spacing.
                 const bool is_thin =
                     thickness < std::numeric_limits<double>::epsilon() * touching->place.norm();
-                if (!is_thin && settle(0) && settle(1) && is_beyond(lens.ends[0].point, touching->place, lens.ends[0].error) &&
+                if (!is_thin && settle(0) && settle(1) &&
+                    is_beyond(lens.ends[0].point, touching->place, lens.ends[0].error) &&
                     is_beyond(touching->place, lens.ends[1].point, lens.ends[1].error) &&
                     work.where(lens.x, lens.y) == Inside::Yes) {
                     ++decisions_.by_multiprecision;
@@ -737,7 +780,9 @@ bool MixedAnalysis::join_without_touching(Work& work) {
             if (!is_tie && is_above) return true;
             const std::array forms{f, g, h};
             const auto exact = exact_touch(forms, is_tie, touching->at, work.piece.box);
-            Touch t{{touching->place, std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2)), f,
+            Touch t{{touching->place,
+                     std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2)),
+                     f,
                      {f, g, h}},
                     f,
                     g,
@@ -769,7 +814,8 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         if (inside == Inside::No) continue;
         if (inside == Inside::Unknown) return false;
         // Nor where another form is lower.
-        const Interval x = Interval::ball(p.x(), r), y = Interval::ball(p.y(), r), low = heights_.value(t.f, x, y);
+        const Interval x = Interval::ball(p.x(), r), y = Interval::ball(p.y(), r),
+                       low = heights_.value(t.f, x, y);
         bool is_hidden = false;
         for (const Spread& other : work.rivals) {
             if (other.form == t.f || other.form == t.g) continue;
@@ -803,8 +849,8 @@ void MixedAnalysis::cull_by_curvature(Work& work) {
         const Interval bend = (p.curvature.xx - q.curvature.xx) * square(p.dx) +
                               2.0 * ((p.curvature.xy - q.curvature.xy) * p.dx * p.dy) +
                               (p.curvature.yy - q.curvature.yy) * square(p.dy);
-        return (p.middle.v - q.middle.v + (p.middle.gx - q.middle.gx) * p.dx + (p.middle.gy - q.middle.gy) * p.dy +
-                0.5 * bend)
+        return (p.middle.v - q.middle.v + (p.middle.gx - q.middle.gx) * p.dx +
+                (p.middle.gy - q.middle.gy) * p.dy + 0.5 * bend)
                    .lower() > 0;
     });
     decisions_.by_interval += before - work.rivals.size();
@@ -822,7 +868,8 @@ void MixedAnalysis::cull_sharply(Work& work) {
     const Interval rx(Interval::up(std::max(box[1] - m.x(), m.x() - box[0]))),
         ry(Interval::up(std::max(box[3] - m.y(), m.y() - box[2])));
     std::vector<Item> items;
-    for (const Spread& s : work.rivals) items.push_back({&s, heights_.value(s.form, Wide(m.x()), Wide(m.y()))});
+    for (const Spread& s : work.rivals)
+        items.push_back({&s, heights_.value(s.form, Wide(m.x()), Wide(m.y()))});
     drop_dominated(items, [&](const Item& a, const Item& b) {
         const auto [gx, gy] = work.gradient(*a.spread, *b.spread);
         return ((a.v - b.v).enclosure() - gx.magnitude() * rx - gy.magnitude() * ry).lower() > 0;
@@ -847,8 +894,8 @@ bool MixedAnalysis::is_plain(const Work& work) const {
     return true;
 }
 
-// Arcs of a plain piece. Without a change, two or three competitors leave no room for any: an arc's ends lie on
-// the rim or in the one point where all three are equal, and that one needs three ends on the rim.
+// Arcs of a plain piece. Without a change, two or three competitors leave no room for any: an arc's ends lie
+// on the rim or in the one point where all three are equal, and that one needs three ends on the rim.
 bool MixedAnalysis::join_changes(Work& work) {
     const auto& changes = work.changes;
     const std::size_t n = work.rivals.size();
@@ -879,11 +926,13 @@ bool MixedAnalysis::join_changes(Work& work) {
 }
 
 // The point inside in which three forms are equal, which is known to exist.
-bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>& forms, MixedPiece::Vertex& v) {
+bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>& forms,
+                                  MixedPiece::Vertex& v) {
     v = {work.middle(), 0, forms[0], {}};
     const auto root = root_near(
         [&](Interval x, Interval y) {
-            return work.supports ? equal_heights(*work.supports, forms, x, y) : equal_heights(heights_, forms, x, y);
+            return work.supports ? equal_heights(*work.supports, forms, x, y)
+                                 : equal_heights(heights_, forms, x, y);
         },
         work.middle());
     if (root) {
@@ -895,22 +944,24 @@ bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>&
         return v.point.x() + v.error >= box[0] && v.point.x() - v.error <= box[1] &&
                v.point.y() + v.error >= box[2] && v.point.y() - v.error <= box[3];
     };
-    // Where the three all but touch, doubles tell them badly apart. Along tubes that are all but parallel pieces are narrow
-    // across only.
+    // Where the three all but touch, doubles tell them badly apart. Along tubes that are all but parallel
+    // pieces are narrow across only.
     constexpr double well_known = 0x1p-40;
     const MixedPiece::Vertex rough = v;
     const bool is_found = root && is_inside(),
                is_narrow = std::min(box[1] - box[0], box[3] - box[2]) <= node_width * work.extent;
-    const bool is_sharp = (is_found ? v.error > well_known * work.extent : is_narrow) && settle_sharply(v, forms) && is_inside();
+    const bool is_sharp = (is_found ? v.error > well_known * work.extent : is_narrow) &&
+                          settle_sharply(v, forms) && is_inside();
     if (!is_sharp) v = rough;
     if (is_sharp || is_found) ++(is_sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     return is_sharp || is_found;
 }
 
-// Between the two sides the lowest forms follow each other as their gradients do on their convex hull, from the label of
-// one side to that of the other: so they do, too, where an arc leaves along a side. If both are one form, it is lowest
-// along two directions and all between them; only where these are opposite may one other form be equal along both: their
-// trisector touches the side, and passes through the piece if the other form falls faster towards the inside.
+// Between the two sides the lowest forms follow each other as their gradients do on their convex hull, from
+// the label of one side to that of the other: so they do, too, where an arc leaves along a side. If both are
+// one form, it is lowest along two directions and all between them; only where these are opposite may one
+// other form be equal along both: their trisector touches the side, and passes through the piece if the other
+// form falls faster towards the inside.
 std::optional<MixedAnalysis::Knot> MixedAnalysis::forms_around_knot(const Work& work, std::uint32_t v) {
     const auto [arriving, leaving] = work.sides_at(v);
     const std::size_t rim = work.piece.rim.size();
@@ -942,19 +993,24 @@ std::optional<MixedAnalysis::Knot> MixedAnalysis::forms_around_knot(const Work& 
     return knot;
 }
 
-// Of three forms each stretch of a trisector ends on the rim or in the one point where all are equal, where one stretch of
-// each ends. So that point is inside if every two change on the rim an odd number of times, and not if they do so an even
-// number of times. Pre: there are no other forms.
+// Of three forms each stretch of a trisector ends on the rim or in the one point where all are equal, where
+// one stretch of each ends. So that point is inside if every two change on the rim an odd number of times,
+// and not if they do so an even number of times. Pre: there are no other forms.
 bool MixedAnalysis::leave_one_end(const Work& work, const std::array<FormId, 3>& forms) {
-    return std::ranges::count_if(work.changes, [&](const Change& c) {
-               return (c.before == forms[0] && c.after == forms[1]) || (c.before == forms[1] && c.after == forms[0]);
-           }) % 2 == 1;
+    return std::ranges::count_if(work.changes,
+                                 [&](const Change& c) {
+                                     return (c.before == forms[0] && c.after == forms[1]) ||
+                                            (c.before == forms[1] && c.after == forms[0]);
+                                 }) %
+               2 ==
+           1;
 }
 
-// Every visible stretch of a trisector is a graph over the line across its direction. If it has two ends, at the rim's
-// changes and at the vertices, it is one stretch; if it has more, all of the trisector is to be a graph, along which
-// stretches begin and end in turn. Around a vertex the forms follow each other counter-clockwise as their gradients do on
-// their convex hull, since the lowest one in a direction has the gradient farthest against it.
+// Every visible stretch of a trisector is a graph over the line across its direction. If it has two ends, at
+// the rim's changes and at the vertices, it is one stretch; if it has more, all of the trisector is to be a
+// graph, along which stretches begin and end in turn. Around a vertex the forms follow each other
+// counter-clockwise as their gradients do on their convex hull, since the lowest one in a direction has the
+// gradient farthest against it.
 bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
     const std::vector<Spread>& r = work.rivals;
     const std::size_t n = r.size(), rim = work.piece.vertices.size();
@@ -969,9 +1025,11 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
             for (std::size_t k = j + 1; k < n; ++k) {
                 const std::array forms{r[i].form, r[j].form, r[k].form};
                 const auto meet = [&](const std::vector<FormId>& there) {
-                    return std::ranges::all_of(forms, [&](FormId f) { return std::ranges::find(there, f) != there.end(); });
+                    return std::ranges::all_of(
+                        forms, [&](FormId f) { return std::ranges::find(there, f) != there.end(); });
                 };
-                if (std::ranges::any_of(inner, meet, &Inner::forms) || std::ranges::any_of(knots, meet, &Knot::ties))
+                if (std::ranges::any_of(inner, meet, &Inner::forms) ||
+                    std::ranges::any_of(knots, meet, &Knot::ties))
                     continue;
                 if (work.turn(r[i], r[j], r[k]) == Sign::Zero) continue;
                 Inner v;
@@ -997,7 +1055,8 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
                 if (!visible) continue;
                 if (v.forms.size() > 3) {
                     v.vertex.ties = v.forms;
-                    if (!settle_tie(v.vertex, forms)) assume(v.vertex.point, std::ldexp(extent_, assumed_exponent), v.forms);
+                    if (!settle_tie(v.vertex, forms))
+                        assume(v.vertex.point, std::ldexp(extent_, assumed_exponent), v.forms);
                 }
                 const Spread* a = *std::ranges::find_if(
                     present, [&](const Spread* p) { return work.next_on_hull(present, *p) != nullptr; });
@@ -1018,7 +1077,8 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
         for (std::size_t j = i + 1; j < n; ++j) {
             ends.clear();
             const auto add = [&](const Change& c) {
-                if ((c.before == r[i].form && c.after == r[j].form) || (c.before == r[j].form && c.after == r[i].form))
+                if ((c.before == r[i].form && c.after == r[j].form) ||
+                    (c.before == r[j].form && c.after == r[i].form))
                     ends.push_back(c);
             };
             for (const Change& c : work.changes)
@@ -1029,7 +1089,8 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
             for (std::size_t v = 0; v < inner.size(); ++v) {
                 const std::vector<const Spread*>& hull = inner[v].hull;
                 for (std::size_t k = 0; k < hull.size(); ++k)
-                    add({static_cast<std::uint32_t>(rim + v), hull[(k + 1) % hull.size()]->form, hull[k]->form});
+                    add({static_cast<std::uint32_t>(rim + v), hull[(k + 1) % hull.size()]->form,
+                         hull[k]->form});
             }
             if (ends.empty()) continue;
             const Vector2d direction = *work.direction(r[i], r[j]);
@@ -1050,24 +1111,30 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
     for (std::size_t v = 0; v < inner.size(); ++v)
         sort_around(rim + v, inner[v].hull, [](const Spread* s) { return s->form; });
     for (const Knot& knot : knots)
-        sort_around(knot.vertex, std::span(knot.around).first(knot.around.size() - 1), [](FormId f) { return f; });
+        sort_around(knot.vertex, std::span(knot.around).first(knot.around.size() - 1),
+                    [](FormId f) { return f; });
     return true;
 }
 
-// Along e the direction in which f - g grows points to the left: there g is lower. Vertices that doubles do not
-// separate are compared with many digits.
-bool MixedAnalysis::join_pair(Work& work, const Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends) {
+// Along e the direction in which f - g grows points to the left: there g is lower. Vertices that doubles do
+// not separate are compared with many digits.
+bool MixedAnalysis::join_pair(Work& work, const Vector2d& direction, FormId f, FormId g,
+                              std::vector<Change>& ends) {
     if (ends.size() % 2 != 0) return false;
     const Vector2d e(direction.y(), -direction.x());
     const std::size_t rim = work.piece.rim.size();
     bool separated = true;
     const auto precedes = [&](const Change& a, const Change& b) {
-        if (a.vertex == b.vertex) return a.before == f && b.before == g;  // touching the rim: one stretch ends, one begins
+        if (a.vertex == b.vertex)
+            return a.before == f && b.before == g;  // touching the rim: one stretch ends, one begins
         const MixedPiece::Vertex &v = work.piece.vertices[a.vertex], &w = work.piece.vertices[b.vertex];
         const double gap = e.dot(w.point - v.point);
-        if (std::abs(gap) > 2 * (v.error + w.error) + 8 * std::numeric_limits<double>::epsilon() * v.point.norm()) return gap > 0;
+        if (std::abs(gap) >
+            2 * (v.error + w.error) + 8 * std::numeric_limits<double>::epsilon() * v.point.norm())
+            return gap > 0;
         if (a.vertex >= rim && b.vertex >= rim) {
-            const auto p = sharp_vertex(v, work.triples[a.vertex - rim]), q = sharp_vertex(w, work.triples[b.vertex - rim]);
+            const auto p = sharp_vertex(v, work.triples[a.vertex - rim]),
+                       q = sharp_vertex(w, work.triples[b.vertex - rim]);
             if (p && q) {
                 const auto s = (Wide(e.x()) * ((*q)[0] - (*p)[0]) + Wide(e.y()) * ((*q)[1] - (*p)[1])).sign();
                 ++decisions_.by_multiprecision;
@@ -1087,8 +1154,10 @@ bool MixedAnalysis::join_pair(Work& work, const Vector2d& direction, FormId f, F
     return true;
 }
 
-// Contracts a box a little larger than the piece, or the part of it where all three meet, to the root, if there is one.
-MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out) {
+// Contracts a box a little larger than the piece, or the part of it where all three meet, to the root, if
+// there is one.
+MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<FormId, 3> forms,
+                                                 MixedPiece::Vertex& out) {
     if (work.known_apart(forms)) return Inside::No;
     std::array<double, 4> box = work.piece.box;
     const bool by_supports = work.supports && work.rivals.size() <= most_divided;
@@ -1099,7 +1168,8 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
         box = *part;
     }
     const auto system = [&](Interval x, Interval y) {
-        return by_supports ? equal_heights(*work.supports, forms, x, y) : equal_heights(heights_, forms, x, y);
+        return by_supports ? equal_heights(*work.supports, forms, x, y)
+                           : equal_heights(heights_, forms, x, y);
     };
     const double dx = 0.25 * (box[1] - box[0]), dy = 0.25 * (box[3] - box[2]);
     Interval X(box[0] - dx, box[1] + dx), Y(box[2] - dy, box[3] + dy);
@@ -1114,8 +1184,10 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
         const double xl = std::max(X.lower(), kx.lower()), xh = std::min(X.upper(), kx.upper());
         const double yl = std::max(Y.lower(), ky.lower()), yh = std::min(Y.upper(), ky.upper());
         if (!(xl <= xh) || !(yl <= yh)) return Inside::No;
-        exists = exists || (kx.lower() > X.lower() && kx.upper() < X.upper() && ky.lower() > Y.lower() && ky.upper() < Y.upper());
-        const bool stalled = std::max(xh - xl, yh - yl) > 0.6 * std::max(X.upper() - X.lower(), Y.upper() - Y.lower());
+        exists = exists || (kx.lower() > X.lower() && kx.upper() < X.upper() && ky.lower() > Y.lower() &&
+                            ky.upper() < Y.upper());
+        const bool stalled =
+            std::max(xh - xl, yh - yl) > 0.6 * std::max(X.upper() - X.lower(), Y.upper() - Y.lower());
         X = Interval(xl, xh);
         Y = Interval(yl, yh);
         if (stalled) break;
@@ -1123,8 +1195,10 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
     // Exactly one: so it is what is proved more closely in a part of the box.
     if (exists)
         if (const auto root = root_near(system, {X.mid(), Y.mid()})) {
-            const Interval x = Interval::ball(root->point.x(), root->error), y = Interval::ball(root->point.y(), root->error);
-            if (X.contains(x.lower()) && X.contains(x.upper()) && Y.contains(y.lower()) && Y.contains(y.upper())) {
+            const Interval x = Interval::ball(root->point.x(), root->error),
+                           y = Interval::ball(root->point.y(), root->error);
+            if (X.contains(x.lower()) && X.contains(x.upper()) && Y.contains(y.lower()) &&
+                Y.contains(y.upper())) {
                 X = x;
                 Y = y;
             }
@@ -1137,24 +1211,27 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
     return Inside::Yes;
 }
 
-// The point where three forms are equal, within 2^exponent of the chart's size: Newton's method with the Jacobian in
-// doubles, whose steps gain some 40 bits each once they are small, and Krawczyk's proof. The Jacobian is that of
-// differences with many digits, and where the step begins: of forms that are nearly one function along a line doubles
-// keep little of it.
+// The point where three forms are equal, within 2^exponent of the chart's size: Newton's method with the
+// Jacobian in doubles, whose steps gain some 40 bits each once they are small, and Krawczyk's proof. The
+// Jacobian is that of differences with many digits, and where the step begins: of forms that are nearly one
+// function along a line doubles keep little of it.
 std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece::Vertex& v,
-                                                                const std::array<FormId, 3>& forms, int exponent) {
+                                                               const std::array<FormId, 3>& forms,
+                                                               int exponent) {
     Eigen::Matrix2d inverse;
     const auto jets = [&](const std::array<Wide, 2>& p) {
-        return std::array{heights_.jet(forms[0], p[0], p[1]), heights_.jet(forms[1], p[0], p[1]), heights_.jet(forms[2], p[0], p[1])};
+        return std::array{heights_.jet(forms[0], p[0], p[1]), heights_.jet(forms[1], p[0], p[1]),
+                          heights_.jet(forms[2], p[0], p[1])};
     };
     const auto newton_step = [&](const std::array<Wide, 2>& p) {
         const auto [a, b, c] = jets(p);
         const Wide f = a.v - b.v, g = a.v - c.v;
         Eigen::Matrix2d jacobian;
-        jacobian << (a.gx - b.gx).approximation(), (a.gy - b.gy).approximation(), (a.gx - c.gx).approximation(),
-            (a.gy - c.gy).approximation();
+        jacobian << (a.gx - b.gx).approximation(), (a.gy - b.gy).approximation(),
+            (a.gx - c.gx).approximation(), (a.gy - c.gy).approximation();
         inverse = jacobian.inverse();
-        return std::array{Wide(inverse(0, 0)) * f + Wide(inverse(0, 1)) * g, Wide(inverse(1, 0)) * f + Wide(inverse(1, 1)) * g};
+        return std::array{Wide(inverse(0, 0)) * f + Wide(inverse(0, 1)) * g,
+                          Wide(inverse(1, 0)) * f + Wide(inverse(1, 1)) * g};
     };
     std::array<Wide, 2> p{Wide(v.point.x()), Wide(v.point.y())}, step = newton_step(p);
     const double radius = std::ldexp(extent_, exponent);
@@ -1190,7 +1267,8 @@ bool MixedAnalysis::settle_sharply(MixedPiece::Vertex& v, const std::array<FormI
 }
 
 // The point with rational coordinates that these stand for, if all of the forms tie there.
-std::optional<RationalPoint> MixedAnalysis::exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y) {
+std::optional<RationalPoint> MixedAnalysis::exact_tie(std::span<const FormId> forms, const Wide& x,
+                                                      const Wide& y) {
     auto p = rational_near(x, y, extent_);
     if (!p || (!heights_.family().radial.empty() && p->w != Exact(1.0))) return std::nullopt;
     decisions_.by_exact += forms.size() - 1;
@@ -1199,17 +1277,19 @@ std::optional<RationalPoint> MixedAnalysis::exact_tie(std::span<const FormId> fo
 
 // Is a form's height certainly one that its equation has?
 bool MixedAnalysis::is_met(FormId f, const Interval& x, const Interval& y) const {
-    return heights_.value(f, x, y).sign() == (heights_.family().radial.empty() ? Sign::Positive : Sign::Negative);
+    return heights_.value(f, x, y).sign() ==
+           (heights_.family().radial.empty() ? Sign::Positive : Sign::Negative);
 }
 
-// The place about which three forms tie as far as digits tell, if they do so exactly and touch there. On the one
-// trisector in the box and its surroundings the third one's height above it bends one way, so that there is one such
-// place at most.
+// The place about which three forms tie as far as digits tell, if they do so exactly and touch there. On the
+// one trisector in the box and its surroundings the third one's height above it bends one way, so that there
+// is one such place at most.
 std::optional<IntervalPoint> MixedAnalysis::exact_touch(std::span<const FormId> forms, bool is_tie,
                                                         const std::array<Wide, 2>& at,
                                                         const std::array<double, 4>& box) {
     if (!is_tie) return std::nullopt;
-    if (const auto p = exact_tie(forms, at[0], at[1]); p && have_gradients_in_line(heights_.family(), forms, *p))
+    if (const auto p = exact_tie(forms, at[0], at[1]);
+        p && have_gradients_in_line(heights_.family(), forms, *p))
         return enclosure(*p);
     const double near = 0.25 * std::min(box[1] - box[0], box[3] - box[2]);
     decisions_.by_exact += forms.size() - 1;
@@ -1223,9 +1303,9 @@ std::optional<IntervalPoint> MixedAnalysis::exact_touch(std::span<const FormId> 
     return std::nullopt;
 }
 
-// Do all forms that tie in a vertex as far as digits tell do so exactly? In a rational point, and as there is only one
-// point in which three of them do, it is the vertex then; or wherever three of them do; or in the point that all
-// equations leave.
+// Do all forms that tie in a vertex as far as digits tell do so exactly? In a rational point, and as there is
+// only one point in which three of them do, it is the vertex then; or wherever three of them do; or in the
+// point that all equations leave.
 bool MixedAnalysis::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms) {
     const auto box = sharp_vertex(v, forms);
     if (!box) return false;
@@ -1239,12 +1319,15 @@ bool MixedAnalysis::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3
     if (!is_met(forms[0], x, y)) return false;
     const FormFamily& family = heights_.family();
     const SpaceTie tie(family, forms);
-    const auto is_theirs = [&](FormId f) { return std::ranges::find(forms, f) != forms.end() || tie.implies(f); };
+    const auto is_theirs = [&](FormId f) {
+        return std::ranges::find(forms, f) != forms.end() || tie.implies(f);
+    };
     const auto is_vertex = [&](const SpacePoint& p) {
         const auto at = wide_chart_point(family, p);
         return at && (*box)[0].contains((*at)[0]) && (*box)[1].contains((*at)[1]);
     };
-    if (!std::ranges::all_of(v.ties, is_theirs) && !std::ranges::any_of(SpaceTie(family, v.ties).points(), is_vertex))
+    if (!std::ranges::all_of(v.ties, is_theirs) &&
+        !std::ranges::any_of(SpaceTie(family, v.ties).points(), is_vertex))
         return false;
     v.point = {x.mid(), y.mid()};
     v.error = reach(x, y);
@@ -1252,7 +1335,8 @@ bool MixedAnalysis::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3
 }
 
 // other - forms at their common point; Zero where 200 bits do not tell them apart.
-std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other) {
+std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms,
+                                                  FormId other) {
     const Interval X = Interval::ball(v.point.x(), v.error), Y = Interval::ball(v.point.y(), v.error);
     if (const auto s = (heights_.value(other, X, Y) - heights_.value(forms[0], X, Y)).sign()) {
         ++decisions_.by_interval;
@@ -1268,7 +1352,8 @@ std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, s
     return std::nullopt;
 }
 
-// --- Around a point in which all competitors tie ---------------------------------------------------------------
+// --- Around a point in which all competitors tie
+// ---------------------------------------------------------------
 
 struct MixedAnalysis::Apex {
     Vector2d point;
@@ -1278,8 +1363,9 @@ struct MixedAnalysis::Apex {
     bool decided;  // that all tie: by exact arithmetic, or when the rim was labelled
 };
 
-// Where gradients of competitors may agree it is a zero of their difference; else where three of them are equal; in any case
-// all of them must be equal there, and pairs whose gradients are not certainly different must have equal ones.
+// Where gradients of competitors may agree it is a zero of their difference; else where three of them are
+// equal; in any case all of them must be equal there, and pairs whose gradients are not certainly different
+// must have equal ones.
 std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     const std::vector<Spread>& r = work.rivals;
     const std::size_t n = r.size();
@@ -1311,7 +1397,8 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     } else {
         if (n < 4) return std::nullopt;  // then they tie in one point at most, and the piece will be plain
         triple = {r[0].form, r[1].form, r[2].form};
-        root = root_near([&](Interval x, Interval y) { return equal_heights(heights_, triple, x, y); }, work.middle());
+        root = root_near([&](Interval x, Interval y) { return equal_heights(heights_, triple, x, y); },
+                         work.middle());
     }
     if (!root) return std::nullopt;
     if (apex.rim) {
@@ -1321,7 +1408,8 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
         apex.error = root->error;
         if (work.where(apex.point, apex.error) != Inside::Yes) return std::nullopt;
     }
-    const Interval X = Interval::ball(root->point.x(), root->error), Y = Interval::ball(root->point.y(), root->error);
+    const Interval X = Interval::ball(root->point.x(), root->error),
+                   Y = Interval::ball(root->point.y(), root->error);
     const Interval lowest = heights_.value(r[0].form, X, Y);
     for (std::size_t i = 1; i < n; ++i)
         if ((heights_.value(r[i].form, X, Y) - lowest).sign()) return std::nullopt;
@@ -1349,7 +1437,8 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     const auto exact = exact_tie(work.forms(), (*c)[0], (*c)[1]);
     apex.decided = exact.has_value();
     for (const auto& [i, j] : touching) {
-        if (!agree(jets[i].gx, jets[j].gx, Wide(1.0)) || !agree(jets[i].gy, jets[j].gy, Wide(1.0))) return std::nullopt;
+        if (!agree(jets[i].gx, jets[j].gx, Wide(1.0)) || !agree(jets[i].gy, jets[j].gy, Wide(1.0)))
+            return std::nullopt;
         apex.decided = apex.decided && have_equal_gradients(heights_.family(), r[i].form, r[j].form, *exact);
         apex.differences[i][j].curvature =
             heights_.curvature(r[i].form, bx, by) - heights_.curvature(r[j].form, bx, by);
@@ -1366,9 +1455,9 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     return apex;
 }
 
-// Do the equations of all forms leave a point of the piece, or of the rim where the apex is there, in which those that
-// touch have equal gradients? As the curvature of their difference lets the first two have these once in the piece,
-// it is the apex.
+// Do the equations of all forms leave a point of the piece, or of the rim where the apex is there, in which
+// those that touch have equal gradients? As the curvature of their difference lets the first two have these
+// once in the piece, it is the apex.
 bool MixedAnalysis::is_tie_in_space(const Work& work, const Apex& apex,
                                     std::span<const std::array<std::size_t, 2>> touching) const {
     const HeightCurvature<Interval>& bend = *apex.differences[touching[0][0]][touching[0][1]].curvature;
@@ -1387,7 +1476,8 @@ bool MixedAnalysis::is_tie_in_space(const Work& work, const Apex& apex,
                    is_on_line(family, p, {side.a, side.b, side.c});
         };
         const auto is_inside = [&](const PieceSide& side) {
-            const Interval off = Interval(side.a) * (*place)[0] + Interval(side.b) * (*place)[1] + Interval(side.c);
+            const Interval off =
+                Interval(side.a) * (*place)[0] + Interval(side.b) * (*place)[1] + Interval(side.c);
             return off.sign() == Sign::Positive || (apex.rim && is_on_rim(side));
         };
         return std::ranges::all_of(work.boundary.sides, is_inside) &&
@@ -1398,7 +1488,8 @@ bool MixedAnalysis::is_tie_in_space(const Work& work, const Apex& apex,
 }
 
 // Where grad f = grad g, with many digits.
-std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_critical_point(FormId f, FormId g, const Vector2d& start) const {
+std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_critical_point(FormId f, FormId g,
+                                                                       const Vector2d& start) const {
     const Eigen::Matrix2d inverse =
         vcell::middle(equal_gradients(heights_, f, g, Interval(start.x()), Interval(start.y()))).inverse();
     std::array<Wide, 2> c{Wide(start.x()), Wide(start.y())};
@@ -1414,11 +1505,11 @@ std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_critical_point(FormId f,
     return std::nullopt;
 }
 
-// Every trisector is the union of two plane sections, and all these planes have a line in common. If it is upright,
-// all forms are equal and have equal gradients where it stands. Otherwise, if the height of a form minus that of the line
-// changes sign along it, near the apex, then all forms are equal in a point of it, and sections cross there
-// transversally: the gradients agree. The first trisector has one such point in the piece, the apex. Over curved bases
-// likewise, for cylinders of one radius that cross.
+// Every trisector is the union of two plane sections, and all these planes have a line in common. If it is
+// upright, all forms are equal and have equal gradients where it stands. Otherwise, if the height of a form
+// minus that of the line changes sign along it, near the apex, then all forms are equal in a point of it, and
+// sections cross there transversally: the gradients agree. The first trisector has one such point in the
+// piece, the apex. Over curved bases likewise, for cylinders of one radius that cross.
 bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
     const std::vector<Spread>& r = work.rivals;
     const HeightCurvature<Interval>& bend = *apex.differences[0][1].curvature;
@@ -1431,7 +1522,8 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
     }
     std::vector<std::array<Exact, 4>> planes;
     for (std::size_t i = 1; i < r.size(); ++i) {
-        if (heights_.family().is_circular(r[0].form) && heights_.family().is_circular(r[i].form)) return false;
+        if (heights_.family().is_circular(r[0].form) && heights_.family().is_circular(r[i].form))
+            return false;
         const auto two = height_planes(heights_.family(), r[0].form, r[i].form);
         if (two.size() != 2) return false;
         planes.insert(planes.end(), two.begin(), two.end());
@@ -1444,11 +1536,13 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
                     o[l] * (p[i] * q[j] - p[j] * q[i]))
                        .sign() == Sign::Zero;
         };
-        if (!dependent(0, 1, 2) || !dependent(0, 1, 3) || !dependent(0, 2, 3) || !dependent(1, 2, 3)) return false;
+        if (!dependent(0, 1, 2) || !dependent(0, 1, 3) || !dependent(0, 2, 3) || !dependent(1, 2, 3))
+            return false;
     }
     if (raised[2].sign() == Sign::Zero) {
         const Interval det = (p[0] * q[1] - p[1] * q[0]).enclosure();
-        return inside((p[1] * q[3] - p[3] * q[1]).enclosure() / det, (p[3] * q[0] - p[0] * q[3]).enclosure() / det);
+        return inside((p[1] * q[3] - p[3] * q[1]).enclosure() / det,
+                      (p[3] * q[0] - p[0] * q[3]).enclosure() / det);
     }
     const auto eliminate = [&](int k) { return (q[2] * p[k] - p[2] * q[k]).enclosure(); };
     const Interval a = eliminate(0), b = eliminate(1), c = eliminate(3);
@@ -1458,7 +1552,8 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
         const Interval x = by_x ? Interval(s) : other, y = by_x ? other : Interval(s);
         if (!inside(x, y)) return std::optional<Sign>();
         return (heights_.value(r[0].form, x, y) +
-                (raised[0].enclosure() * x + raised[1].enclosure() * y + raised[3].enclosure()) / raised[2].enclosure())
+                (raised[0].enclosure() * x + raised[1].enclosure() * y + raised[3].enclosure()) /
+                    raised[2].enclosure())
             .sign();
     };
     for (double step = 0.5 * work.width; step > 0x1p-10 * work.width; step *= 0.5) {
@@ -1469,8 +1564,8 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
     return false;
 }
 
-// A convex piece shows the directions around the apex once each, in their order: when its rim has as many changes as the
-// fan has arms, each arm ends in one of them.
+// A convex piece shows the directions around the apex once each, in their order: when its rim has as many
+// changes as the fan has arms, each arm ends in one of them.
 bool MixedAnalysis::join_at_tie(Work& work) {
     const auto apex = find_apex(work);
     if (!apex) return false;
@@ -1528,9 +1623,10 @@ bool MixedAnalysis::join_at_tie(Work& work) {
 // Boxes this wide, relative to their coordinates, still hold a thousand doubles.
 constexpr double rounding_width = 0x1p-40;
 
-// No direction is across the arc all over a piece that contains a point in which the gradients agree. Closer and closer to
-// the apex the arc is divided into stretches in whose boxes one is.
-bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const {
+// No direction is across the arc all over a piece that contains a point in which the gradients agree. Closer
+// and closer to the apex the arc is divided into stretches in whose boxes one is.
+bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Apex& apex,
+                               const FanArm& arm) const {
     const Spread *f = work.find(arc.left), *g = work.find(arc.right);
     if (work.direction(*f, *g)) return true;
     const Vector2d along = arm.to - arm.from;
@@ -1539,10 +1635,11 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
     // The part of the sector between two lines across it.
     const auto box_between = [&](double t0, double t1) {
         std::array<double, 4> box{infinity, -infinity, infinity, -infinity};
-        for (const Vector2d& p : {corner(t0, arm.from), corner(t0, arm.to), corner(t1, arm.from), corner(t1, arm.to)}) {
+        for (const Vector2d& p :
+             {corner(t0, arm.from), corner(t0, arm.to), corner(t1, arm.from), corner(t1, arm.to)}) {
             const double doubt = apex.error + 4 * std::numeric_limits<double>::epsilon() * p.norm();
-            box = {std::min(box[0], p.x() - doubt), std::max(box[1], p.x() + doubt), std::min(box[2], p.y() - doubt),
-                   std::max(box[3], p.y() + doubt)};
+            box = {std::min(box[0], p.x() - doubt), std::max(box[1], p.x() + doubt),
+                   std::min(box[2], p.y() - doubt), std::max(box[3], p.y() + doubt)};
         }
         return box;
     };
@@ -1557,10 +1654,12 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
         for (const double ratio : {0.25, 0.5, 0.75}) {
             next = ratio * t;
             const auto box = box_between(t, next);
-            const auto [gx, gy] = heights_.gradient_difference(arc.left, arc.right, {box[0], box[1]}, {box[2], box[3]});
+            const auto [gx, gy] =
+                heights_.gradient_difference(arc.left, arc.right, {box[0], box[1]}, {box[2], box[3]});
             const Vector2d d = Vector2d(gx.mid(), gy.mid()).normalized();
             const Interval across = Interval(along.x()) * gx + Interval(along.y()) * gy;
-            if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0) || !(across.lower() > 0))
+            if (!d.allFinite() || !((Interval(d.x()) * gx + Interval(d.y()) * gy).lower() > 0) ||
+                !(across.lower() > 0))
                 continue;
             // The arc's left form is lower where the line starts.
             const auto difference = [&](const Vector2d& p) {
@@ -1573,7 +1672,8 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
                 (difference(corner(next, arm.from + s * along)).mid() < 0 ? lo : hi) = s;
             }
             const Vector2d p = corner(next, arm.from + lo * along);
-            const double error = (Interval(difference(p).magnitude() * along.norm()) / Interval(across.lower())).upper();
+            const double error =
+                (Interval(difference(p).magnitude() * along.norm()) / Interval(across.lower())).upper();
             piece = {p, Interval::up(error + 4 * std::numeric_limits<double>::epsilon() * p.norm()), d, box};
             break;
         }
@@ -1583,15 +1683,16 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
         t = next;
     }
     const auto box = box_between(t, 0);
-    pieces.push_back({work.piece.vertices[arc.to].point, work.piece.vertices[arc.to].error, arc.direction, box});
+    pieces.push_back(
+        {work.piece.vertices[arc.to].point, work.piece.vertices[arc.to].error, arc.direction, box});
     arc.pieces = std::move(pieces);
     return true;
 }
 
-// Two forms whose difference has a saddle's curvature all over the piece: its level set has no closed component, so
-// without a change there is no arc and two changes are the ends of one. With four, let c be the saddle. If
-// the difference is not zero there, its sign persists along the line through c in which it curves away from
-// zero; that line joins two stretches of the rim and cuts the other two off.
+// Two forms whose difference has a saddle's curvature all over the piece: its level set has no closed
+// component, so without a change there is no arc and two changes are the ends of one. With four, let c be the
+// saddle. If the difference is not zero there, its sign persists along the line through c in which it curves
+// away from zero; that line joins two stretches of the rim and cuts the other two off.
 bool MixedAnalysis::join_at_saddle(Work& work) {
     if (work.rivals.size() != 2 || work.width > node_width * work.extent) return false;
     const FormId f = work.rivals[0].form, g = work.rivals[1].form;
@@ -1606,7 +1707,8 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
         return true;
     }
     if (changes.size() != 4) return false;
-    const auto saddle = root_near([&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); }, work.middle());
+    const auto saddle = root_near(
+        [&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); }, work.middle());
     if (!saddle) return false;
     if (work.where(saddle->point, saddle->error) != Inside::Yes) return false;
 
@@ -1651,8 +1753,9 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     return true;
 }
 
-// Between two forms a third one that all but leaves the piece in its middle: around the rim it is lowest twice, f and g once
-// each, and these meet in the middle if the third one's height above their trisector is positive there.
+// Between two forms a third one that all but leaves the piece in its middle: around the rim it is lowest
+// twice, f and g once each, and these meet in the middle if the third one's height above their trisector is
+// positive there.
 bool MixedAnalysis::join_at_pinch(Work& work) {
     const auto& changes = work.changes;
     if (work.rivals.size() != 3 || !work.knots.empty() || changes.size() != 4) return false;
@@ -1692,11 +1795,13 @@ bool MixedAnalysis::join_at_pinch(Work& work) {
         return true;
     }
     if (!is_tie && pinch->lens) {
-        std::array<MixedPiece::Vertex, 2> ends{{{pinch->lens->ends[0], 0, f, {}}, {pinch->lens->ends[1], 0, f, {}}}};
+        std::array<MixedPiece::Vertex, 2> ends{
+            {{pinch->lens->ends[0], 0, f, {}}, {pinch->lens->ends[1], 0, f, {}}}};
         const Vector2d along(-pinch->across.y(), pinch->across.x());
         if (!settle_sharply(ends[0], {f, g, h}) || !settle_sharply(ends[1], {f, g, h})) return false;
         const double error = ends[0].error + ends[1].error;
-        if (along.dot(pinch->place - ends[0].point) > 64 * error && along.dot(ends[1].point - pinch->place) > 64 * error) {
+        if (along.dot(pinch->place - ends[0].point) > 64 * error &&
+            along.dot(ends[1].point - pinch->place) > 64 * error) {
             const std::uint32_t v = add_vertex(ends[0]), w = add_vertex(ends[1]), arc = add_arc(v, w, f, g);
             piece.leaving[v].push_back(arc);
             for (const int k : {0, 1}) lead_to(v, c[k]);
@@ -1706,10 +1811,12 @@ bool MixedAnalysis::join_at_pinch(Work& work) {
             return true;
         }
     }
-    const bool is_narrow = exponent < narrow_exponent && pinch->width <= std::ldexp(extent_, narrow_exponent / 2);
+    const bool is_narrow =
+        exponent < narrow_exponent && pinch->width <= std::ldexp(extent_, narrow_exponent / 2);
     if (!is_tie && !is_narrow) return false;
     const std::array forms{f, g, h};
-    MixedPiece::Vertex node{pinch->place, std::max(pinch->width, std::ldexp(extent_, assumed_exponent / 2)), f, {f, g, h}};
+    MixedPiece::Vertex node{
+        pinch->place, std::max(pinch->width, std::ldexp(extent_, assumed_exponent / 2)), f, {f, g, h}};
     const auto exact = exact_touch(forms, is_tie, pinch->at, work.piece.box);
     if (exact) {
         const auto& [x, y] = *exact;
@@ -1722,8 +1829,8 @@ bool MixedAnalysis::join_at_pinch(Work& work) {
     return true;
 }
 
-// What is left of a piece counts as a point: a vertex of the rim in which all rivals meet is that point. Where it reaches
-// into a cylinder's trace on the base, heights have no bound, and nothing speaks for that.
+// What is left of a piece counts as a point: a vertex of the rim in which all rivals meet is that point.
+// Where it reaches into a cylinder's trace on the base, heights have no bound, and nothing speaks for that.
 void MixedAnalysis::join_at_center(Work& work) {
     const auto& [x0, x1, y0, y1] = work.piece.box;
     for (const Spread& s : work.rivals)
@@ -1738,7 +1845,8 @@ void MixedAnalysis::join_at_center(Work& work) {
     else if (work.matched_pair() && work.rivals.size() == 2)
         work.join(work.changes[0], work.changes[1]);
     else
-        work.join_all_to({work.middle(), Interval::up(std::hypot(work.width, work.width)), work.changes[0].before, work.forms()});
+        work.join_all_to({work.middle(), Interval::up(std::hypot(work.width, work.width)),
+                          work.changes[0].before, work.forms()});
 }
 
 }  // namespace vcell

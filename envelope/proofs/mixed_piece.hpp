@@ -1,39 +1,41 @@
-/// Small convex pieces of the region whose minimization diagram is decided by enclosures alone, for forms that
-/// are not all circular.
+/// Small convex pieces of the region whose minimization diagram is decided by enclosures alone, for forms
+/// that are not all circular.
 ///
-/// Let a form compete in a convex piece if no other one is certainly lower all over it. The piece is plain when
+/// Let a form compete in a convex piece if no other one is certainly lower all over it. The piece is plain
+/// when
 ///
 ///   * for every two competitors the derivative of their difference in some direction keeps its sign: their
 ///     trisector has no closed component here and crosses every line of that direction at most once;
 ///   * for every three the Jacobian of their two differences is regular all over: by the mean value theorem
-///     on a convex set, they are equal in one point at most. Or a combination of the two is nowhere zero: then
-///     in none.
+///     on a convex set, they are equal in one point at most. Or a combination of the two is nowhere zero:
+///     then in none.
 ///
-/// Both are needed only where two forms are equal and lowest, and all over a box around the points where three are: over
-/// a sphere, where forms are compared cheaply (sphere_supports.hpp), the piece is looked at in parts, and most of them
-/// are left out. What is said about lines then holds for each visible stretch of the trisector; where there is more than
-/// one of them, it is asked of all of it.
+/// Both are needed only where two forms are equal and lowest, and all over a box around the points where
+/// three are: over a sphere, where forms are compared cheaply (sphere_supports.hpp), the piece is looked at
+/// in parts, and most of them are left out. What is said about lines then holds for each visible stretch of
+/// the trisector; where there is more than one of them, it is asked of all of it.
 ///
-/// Then the labels along the piece's boundary and the points in which three competitors are lowest determine the
-/// diagram inside: on each trisector's graph the ends of its visible stretches alternate. In the common cases
-/// (two changes of label, or three between three competitors) no point needs to be located to know it. Other
-/// pieces are split. Along a side everything is one-dimensional: the same argument with slopes.
+/// Then the labels along the piece's boundary and the points in which three competitors are lowest determine
+/// the diagram inside: on each trisector's graph the ends of its visible stretches alternate. In the common
+/// cases (two changes of label, or three between three competitors) no point needs to be located to know it.
+/// Other pieces are split. Along a side everything is one-dimensional: the same argument with slopes.
 ///
-/// Two heights have equal gradients where the objects touch from inside (equal cylinders with crossing axes): the
-/// trisector has a node there and no piece around it is plain. If all competitors of a small piece tie in such a
-/// point, or more than three of them in any point, the diagram is a fan around it (tie_fan.hpp), decided once it
-/// is known that they tie: exactly where all trisectors split into planes, or in a point in doubles, and else
-/// to 2^-200, listed as assumed. A saddle whose value is not zero keeps two curves apart. Along the region's
-/// sides the same holds in one dimension.
+/// Two heights have equal gradients where the objects touch from inside (equal cylinders with crossing axes):
+/// the trisector has a node there and no piece around it is plain. If all competitors of a small piece tie in
+/// such a point, or more than three of them in any point, the diagram is a fan around it (tie_fan.hpp),
+/// decided once it is known that they tie: exactly where all trisectors split into planes, or in a point in
+/// doubles, and else to 2^-200, listed as assumed. A saddle whose value is not zero keeps two curves apart.
+/// Along the region's sides the same holds in one dimension.
 ///
-/// A form that comes down to the trisector of two others from above and ends there (touching.hpp) makes a vertex with
-/// them, and no face. If it reaches through, its face is the lens between the two zeros of its height above the trisector;
-/// and where it lies between the two from side to side, they meet between the zeros, or nowhere. Located with many digits
-/// these zeros are vertices of the diagram however near to each other they are, as long as doubles tell them apart. Where
-/// they do not, and the form is lowest over a strip narrower than 2^-40 of the heights, the strip is taken for a point.
+/// A form that comes down to the trisector of two others from above and ends there (touching.hpp) makes a
+/// vertex with them, and no face. If it reaches through, its face is the lens between the two zeros of its
+/// height above the trisector; and where it lies between the two from side to side, they meet between the
+/// zeros, or nowhere. Located with many digits these zeros are vertices of the diagram however near to each
+/// other they are, as long as doubles tell them apart. Where they do not, and the form is lowest over a strip
+/// narrower than 2^-40 of the heights, the strip is taken for a point.
 ///
-/// Coincidences below 2^-200, such strips, and what is left of pieces narrower than `floor_width` of the region, are
-/// taken for points, counted in Decisions::assumed, and listed.
+/// Coincidences below 2^-200, such strips, and what is left of pieces narrower than `floor_width` of the
+/// region, are taken for points, counted in Decisions::assumed, and listed.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,8 +45,8 @@
 #include <vector>
 
 #include "../../core/small_vector.hpp"
-#include "../recursion/heights.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "../recursion/heights.hpp"
 #include "../sphere/sphere_supports.hpp"
 #include "tie_fan.hpp"
 
@@ -123,12 +125,14 @@ public:
     static constexpr double floor_width = 0x1p-34;
     /// Pieces narrower than this may be taken for a fan around a point in which all competitors tie.
     static constexpr double tie_width = 0x1p-8;
-    /// Two trisectors that avoid each other are told apart in pieces of this width or less: there an arc's direction is
-    /// only that across its chord.
+    /// Two trisectors that avoid each other are told apart in pieces of this width or less: there an arc's
+    /// direction is only that across its chord.
     static constexpr double node_width = 0x1p-22;
-    /// Nearer than this to a point where gradients agree rounding hides how a trisector runs; so it is not divided further.
+    /// Nearer than this to a point where gradients agree rounding hides how a trisector runs; so it is not
+    /// divided further.
     static constexpr double chord_width = 0x1p-26;
-    /// Wider pieces of a sphere are compared by supports: their errors are multiples of the heights', not of differences.
+    /// Wider pieces of a sphere are compared by supports: their errors are multiples of the heights', not of
+    /// differences.
     static constexpr double supports_width = 0x1p-19;
     /// As floor_width, along a side, where no more than one direction has to be told apart.
     static constexpr double side_floor_width = 0x1p-44;
@@ -137,16 +141,17 @@ public:
 
     MixedAnalysis(const FormFamily& family, double extent);
 
-    /// What widths about a place are parts of: the region's extent. Over a sphere, whose chart reaches the farther the
-    /// nearer a vertex is to its pole, not that but the place's distance from the pole in the chart's unit there.
+    /// What widths about a place are parts of: the region's extent. Over a sphere, whose chart reaches the
+    /// farther the nearer a vertex is to its pole, not that but the place's distance from the pole in the
+    /// chart's unit there.
     double extent_at(const Interval& x, const Interval& y) const {
         if (!supports_) return extent_;
         const auto least = [](const Interval& i) { return std::max({0.0, i.lower(), -i.upper()}); };
         return std::min(extent_, 2 * (1 + least(x) * least(x) + least(y) * least(y)));
     }
 
-    /// What tie_width is a part of: the same, but over a cylinder no more than its circumference. Otherwise all
-    /// pieces of a long one would count as small, and be asked for ties that are not there.
+    /// What tie_width is a part of: the same, but over a cylinder no more than its circumference. Otherwise
+    /// all pieces of a long one would count as small, and be asked for ties that are not there.
     double tie_extent_at(const Interval& x, const Interval& y) const {
         const double extent = extent_at(x, y);
         return heights_.family().chart == RadialChart::HalfAngle ? std::min(extent, circumference) : extent;
@@ -161,30 +166,33 @@ public:
     /// The candidates that may be lowest somewhere in the rectangle.
     std::vector<FormId> cull(const std::array<double, 4>& box, std::span<const FormId> candidates);
 
-    /// How many times more the differences of what the last cull() left, about a box of these sides, change along x
-    /// than along y. None where their gradients are not bounded.
+    /// How many times more the differences of what the last cull() left, about a box of these sides, change
+    /// along x than along y. None where their gradients are not bounded.
     std::optional<double> steepness_across(double along_x, double along_y) const;
-    /// Are they few, and do they change many times as much along x as along y, or the other way round? None if not.
-    /// Pre: the base is a cylinder.
+    /// Are they few, and do they change many times as much along x as along y, or the other way round? None
+    /// if not. Pre: the base is a cylinder.
     std::optional<bool> asks_for_strips(const std::array<double, 4>& box) const;
 
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
 
-    /// The labels along a side between two corners, from `first` to `last`. Seams must be crossed cleanly: none
-    /// if forms tie on one otherwise than by crossing at a slope. Throws TieError if they tie along another side.
-    std::optional<SideLabels> label_side(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
-                                         FormId first, FormId last, std::vector<FormId> candidates, bool is_seam);
-    /// The label right after the corner `from`, where several forms tie. Throws TieError if they do all along.
+    /// The labels along a side between two corners, from `first` to `last`. Seams must be crossed cleanly:
+    /// none if forms tie on one otherwise than by crossing at a slope. Throws TieError if they tie along
+    /// another side.
+    std::optional<SideLabels> label_side(const PieceSide& side, const IntervalPoint& from,
+                                         const IntervalPoint& to, FormId first, FormId last,
+                                         std::vector<FormId> candidates, bool is_seam);
+    /// The label right after the corner `from`, where several forms tie. Throws TieError if they do all
+    /// along.
     FormId label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
                         std::span<const FormId> candidates);
 
-    /// Were sides divided, or heights asked for with many digits, so often that forms all but coincide along a curve or
-    /// an area?
+    /// Were sides divided, or heights asked for with many digits, so often that forms all but coincide along
+    /// a curve or an area?
     bool is_spent() const;
 
-    /// The diagram of the forms that the last cull() left over the piece, if it is plain. Pre: that was about its box,
-    /// and not asked before.
+    /// The diagram of the forms that the last cull() left over the piece, if it is plain. Pre: that was about
+    /// its box, and not asked before.
     std::optional<MixedPiece> resolve(const PieceBoundary& boundary);
 
 private:
@@ -205,32 +213,38 @@ private:
     struct Line;
 
     // Over a sphere, unless the box is so small that rounding counts.
-    bool compare_by_supports(double width, double extent) const { return supports_ && width > supports_width * extent; }
+    bool compare_by_supports(double width, double extent) const {
+        return supports_ && width > supports_width * extent;
+    }
     void bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const;
-    std::vector<Spread> lowest_spreads(const std::array<double, 4>& box, std::span<const FormId> candidates) const;
+    std::vector<Spread> lowest_spreads(const std::array<double, 4>& box,
+                                       std::span<const FormId> candidates) const;
     struct Rival {
         FormId form;
         Support support;
     };
-    SmallVector<Rival, usual_rivals> lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const;
+    SmallVector<Rival, usual_rivals> lowest_supports(const NormalBox& box,
+                                                     std::span<const FormId> candidates) const;
     std::optional<FormId> certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const;
     struct Rivals {
         SmallVector<FormId, usual_rivals> forms;
         double least_slope;
     };
     Rivals rivals_along(const Line& line, double s0, double s1, std::span<const FormId> candidates);
-    bool descend(const Line& line, double s0, FormId l0, double s1, FormId l1, std::span<const FormId> candidates,
-                 bool is_seam, std::vector<RimTransition>& out);
+    bool descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
+                 std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out);
     using Lowest = SmallVector<FormId, usual_rivals>;
     Lowest lowest_at(const Line& line, double s, std::span<const FormId> candidates);
     template <class Exactly>  // of the point, as a RationalPoint
     Lowest lowest_at(const IntervalPoint& p, std::span<const FormId> candidates, Exactly&& exactly);
-    RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope);
+    RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after,
+                         double least_slope);
     struct Guess {
         double s, slope;
     };
     Guess approximate_root(const Line& line, double s0, double s1, FormId before, FormId after) const;
-    std::optional<std::vector<RimTransition>> order_crossings(const Line& line, double s0, FormId l0, double s1, FormId l1,
+    std::optional<std::vector<RimTransition>> order_crossings(const Line& line, double s0, FormId l0,
+                                                              double s1, FormId l1,
                                                               std::span<const FormId> forms);
     std::optional<RimTransition> find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
                                           std::span<const FormId> forms);
@@ -244,7 +258,8 @@ private:
     static std::optional<Knot> forms_around_knot(const Work& work, std::uint32_t v);
     struct Apex;
     std::optional<Apex> find_apex(const Work& work);
-    std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g, const Eigen::Vector2d& start) const;
+    std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g,
+                                                            const Eigen::Vector2d& start) const;
     bool is_tie_in_space(const Work& work, const Apex& apex,
                          std::span<const std::array<std::size_t, 2>> touching) const;
     bool is_tie_of_planes(const Work& work, const Apex& apex) const;
@@ -254,21 +269,23 @@ private:
     bool join_at_pinch(Work& work);
     bool join_without_touching(Work& work);
     bool join_all(Work& work, std::span<const Knot> knots);
-    bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g, std::vector<Change>& ends);
+    bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g,
+                   std::vector<Change>& ends);
     void join_at_center(Work& work);
     enum class Inside { No, Yes, Unknown };
     bool locate_vertex(const Work& work, const std::array<FormId, 3>& forms, MixedPiece::Vertex& v);
     static bool leave_one_end(const Work& work, const std::array<FormId, 3>& forms);
     Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);
-    std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms,
-                                                    int exponent = -240);
+    std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v,
+                                                    const std::array<FormId, 3>& forms, int exponent = -240);
     bool settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
     bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     bool is_met(FormId f, const Interval& x, const Interval& y) const;
-    std::optional<IntervalPoint> exact_touch(std::span<const FormId> forms, bool is_tie, const std::array<Wide, 2>& at,
-                                             const std::array<double, 4>& box);
-    std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms, FormId other);
+    std::optional<IntervalPoint> exact_touch(std::span<const FormId> forms, bool is_tie,
+                                             const std::array<Wide, 2>& at, const std::array<double, 4>& box);
+    std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms,
+                                       FormId other);
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
 
     Heights heights_;

@@ -14,14 +14,17 @@ namespace {
 // Where two lines meet, by Cramer's rule: (x, y) times w, and w.
 template <class T>
 std::array<T, 3> crossing(const PieceSide& s, const PieceSide& t) {
-    return {T(s.b) * T(t.c) - T(t.b) * T(s.c), T(s.c) * T(t.a) - T(t.c) * T(s.a), T(s.a) * T(t.b) - T(s.b) * T(t.a)};
+    return {T(s.b) * T(t.c) - T(t.b) * T(s.c), T(s.c) * T(t.a) - T(t.c) * T(s.a),
+            T(s.a) * T(t.b) - T(s.b) * T(t.a)};
 }
 
 RationalPoint rational(const Exact& x, const Exact& y, const Exact& w) {
     return w.sign() == Sign::Negative ? RationalPoint{-x, -y, -w} : RationalPoint{x, y, w};
 }
 
-bool axis_parallel(const PieceSide& s) { return (s.a == 0 && std::abs(s.b) == 1) || (s.b == 0 && std::abs(s.a) == 1); }
+bool axis_parallel(const PieceSide& s) {
+    return (s.a == 0 && std::abs(s.b) == 1) || (s.b == 0 && std::abs(s.a) == 1);
+}
 
 }  // namespace
 
@@ -76,21 +79,26 @@ struct MixedAnalysis::Line {
         return by_x ? rational(s * q, other, q) : rational(other, s * q, q);
     }
     // Encloses the difference of two heights at m, and its derivative between lo and hi.
-    std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+    std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo,
+                                       double hi) const {
         const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
-        Interval derivative = along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]));
+        Interval derivative =
+            along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]));
         if (!derivative.sign()) derivative = slope_difference(heights, f, g, m, lo, hi);
         return {heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]), derivative};
     }
     // The derivative in mean value form: by far the sharper one where the two are nearly the same function.
-    Interval slope_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+    Interval slope_difference(const Heights& heights, FormId f, FormId g, double m, double lo,
+                              double hi) const {
         const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
         return along(heights.jet(f, p[0], p[1])) - along(heights.jet(g, p[0], p[1])) +
-               (bend(heights.curvature(f, range[0], range[1])) - bend(heights.curvature(g, range[0], range[1]))) *
+               (bend(heights.curvature(f, range[0], range[1])) -
+                bend(heights.curvature(g, range[0], range[1]))) *
                    (Interval(lo, hi) - Interval(m));
     }
     // The same with a difference that doubles would cancel.
-    std::array<Interval, 2> sharp_difference(const Heights& heights, FormId f, FormId g, double m, double lo, double hi) const {
+    std::array<Interval, 2> sharp_difference(const Heights& heights, FormId f, FormId g, double m, double lo,
+                                             double hi) const {
         return {(sharp_height(heights, f, m) - sharp_height(heights, g, m)).enclosure(),
                 difference(heights, f, g, m, lo, hi)[1]};
     }
@@ -106,7 +114,9 @@ struct MixedAnalysis::Line {
         return {j.v, by_x ? j.gx + rise * j.gy : j.gy + rise * j.gx};
     }
     // The derivative of a height along the side with respect to s.
-    Interval along(const HeightJet<Interval>& j) const { return by_x ? j.gx + slope * j.gy : j.gy + slope * j.gx; }
+    Interval along(const HeightJet<Interval>& j) const {
+        return by_x ? j.gx + slope * j.gy : j.gy + slope * j.gx;
+    }
     // And its second derivative.
     Interval bend(const HeightCurvature<Interval>& c) const {
         return (by_x ? c.xx : c.yy) + 2.0 * slope * c.xy + square(slope) * (by_x ? c.yy : c.xx);
@@ -130,7 +140,8 @@ std::vector<FormId> possibly_lowest(std::span<const FormId> candidates, Value&& 
     return lowest;
 }
 
-// Those of the candidates that attain the minimum at a point: with 320 bits, exactly where these leave several.
+// Those of the candidates that attain the minimum at a point: with 320 bits, exactly where these leave
+// several.
 std::vector<FormId> lowest_in_many_digits(const Heights& heights, const RationalPoint& p,
                                           std::span<const FormId> candidates, Decisions& decisions) {
     std::vector<Wide> values;
@@ -138,7 +149,8 @@ std::vector<FormId> lowest_in_many_digits(const Heights& heights, const Rational
     for (const FormId f : candidates) values.push_back(heights.value(f, x, y));
     std::vector<FormId> lowest;
     for (std::size_t i = 0; i < values.size(); ++i)
-        if (std::ranges::none_of(values, [&](const Wide& v) { return (v - values[i]).sign() == Sign::Negative; }))
+        if (std::ranges::none_of(values,
+                                 [&](const Wide& v) { return (v - values[i]).sign() == Sign::Negative; }))
             lowest.push_back(candidates[i]);
     decisions.by_multiprecision += candidates.size() - 1;
     return lowest.size() == 1 ? lowest : exactly_lowest(lowest, [&](FormId f, FormId g) {
@@ -149,7 +161,8 @@ std::vector<FormId> lowest_in_many_digits(const Heights& heights, const Rational
 }  // namespace
 
 // In doubles, over a sphere.
-std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const {
+std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p,
+                                                      std::span<const FormId> candidates) const {
     if (!supports_ || !is_point(p[0]) || !is_point(p[1])) return std::nullopt;
     const PointNormal n(p[0].mid(), p[1].mid());
     FormId lowest;
@@ -174,7 +187,8 @@ MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span
         ++decisions_.by_double;
         return {*f};
     }
-    std::vector<FormId> lowest = possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
+    std::vector<FormId> lowest =
+        possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
     ++decisions_.by_interval;
     if (lowest.size() > 1)
         lowest = is_point(p[0]) && is_point(p[1])
@@ -183,7 +197,8 @@ MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span
     return {lowest.begin(), lowest.end()};
 }
 
-std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates) {
+std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t,
+                                             std::span<const FormId> candidates) {
     const Lowest lowest = lowest_at(corner_of(s, t), candidates, [&] {
         const auto [x, y, w] = crossing<Exact>(s, t);
         return rational(x, y, w);
@@ -191,18 +206,22 @@ std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide
     return {lowest.begin(), lowest.end()};
 }
 
-MixedAnalysis::Lowest MixedAnalysis::lowest_at(const Line& line, double s, std::span<const FormId> candidates) {
+MixedAnalysis::Lowest MixedAnalysis::lowest_at(const Line& line, double s,
+                                               std::span<const FormId> candidates) {
     return lowest_at(line.at(Interval(s)), candidates, [&] { return line.exact_at(s); });
 }
 
 // A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
 constexpr double root_width = 0x1p-12;
-// How much steeper than the least slope a difference may be at its root, so that a guess is as good as a Newton step.
+// How much steeper than the least slope a difference may be at its root, so that a guess is as good as a
+// Newton step.
 constexpr double most_steepening = 8;
 constexpr int most_newton_steps = 30;
 
-// The root of before - after, which is negative at s0 and positive at s1: Newton's method with bisection, in doubles.
-MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0, double s1, FormId before, FormId after) const {
+// The root of before - after, which is negative at s0 and positive at s1: Newton's method with bisection, in
+// doubles.
+MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0, double s1, FormId before,
+                                                     FormId after) const {
     const double side_slope = line.slope.mid();
     const double enough = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(s0), std::abs(s1));
     Guess root{Interval(s0, s1).mid(), 0};
@@ -225,9 +244,11 @@ MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0
     return root;
 }
 
-// The one root of the two forms' difference between s0 and s1, where its slope is `least_slope` at least: a guess, and
-// its distance from the root by the mean value theorem; where that says little, interval Newton and bisection.
-RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after, double least_slope) {
+// The one root of the two forms' difference between s0 and s1, where its slope is `least_slope` at least: a
+// guess, and its distance from the root by the mean value theorem; where that says little, interval Newton
+// and bisection.
+RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after,
+                                    double least_slope) {
     const Guess guess = approximate_root(line, s0, s1, before, after);
     const IntervalPoint near = line.at(Interval(guess.s));
     double lo = s0, hi = s1;
@@ -242,10 +263,12 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
     };
     bool sharp = false, found = false;
     const IntervalPoint stretch = line.at(Interval(s0, s1));
-    if (compare_by_supports(s1 - s0, extent_at(stretch[0], stretch[1])) && is_point(near[0]) && is_point(near[1])) {
+    if (compare_by_supports(s1 - s0, extent_at(stretch[0], stretch[1])) && is_point(near[0]) &&
+        is_point(near[1])) {
         const PointNormal n(near[0].mid(), near[1].mid());
-        const Interval residual = Interval::ball(supports_->value(before, n) - supports_->value(after, n),
-                                                 supports_->value_error(before) + supports_->value_error(after));
+        const Interval residual =
+            Interval::ball(supports_->value(before, n) - supports_->value(after, n),
+                           supports_->value_error(before) + supports_->value_error(after));
         found = narrow_by(residual);
         if (!found && is_narrow()) {
             const IntervalPoint range = line.at(Interval(lo, hi));
@@ -255,14 +278,16 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
             found = narrow_by(residual);
         }
     }
-    if (!found) found = narrow_by(heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]));
+    if (!found)
+        found = narrow_by(heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]));
     while (!found) {
         const double m = Interval(lo, hi).mid();
         const auto [value, slope] = sharp ? line.sharp_difference(heights_, before, after, m, lo, hi)
                                           : line.difference(heights_, before, after, m, lo, hi);
         const Interval next = Interval(m) - value / slope;
         double l = std::max(lo, next.lower()), h = std::min(hi, next.upper());
-        // `before` is the lower one on the left: the middle's sign halves the range where the slope varies much.
+        // `before` is the lower one on the left: the middle's sign halves the range where the slope varies
+        // much.
         if (value.sign() == Sign::Negative) l = std::max(l, m);
         if (value.sign() == Sign::Positive) h = std::min(h, m);
         if (!(l <= h)) throw InternalError("no root of a sign change along a side");
@@ -278,7 +303,8 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
     return {before, after, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}};
 }
 
-// The forms that may be lowest somewhere between s0 and s1, and if there are two the least slope of their difference.
+// The forms that may be lowest somewhere between s0 and s1, and if there are two the least slope of their
+// difference.
 MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, double s1,
                                                   std::span<const FormId> candidates) {
     const double m = Interval(s0, s1).mid(), r = Interval(s0, s1).radius();
@@ -306,7 +332,9 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
         items.push_back({f, heights_.value(f, middle[0], middle[1]), line.along(all), all.v, {}});
     }
-    const auto top = [&](const Item& i) { return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r); };
+    const auto top = [&](const Item& i) {
+        return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r);
+    };
     drop_above_best(items, top, [&](const Item& a, const Item& b) {
         return a.range.lower() > b.range.upper() ||
                (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
@@ -316,15 +344,19 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         items[0].slope = line.slope_difference(heights_, items[0].form, items[1].form, m, s0, s1);
         items[1].slope = 0;
         out.least_slope = least(items[0].slope);
-        const Interval difference = items[0].v - items[1].v, reach = Interval(items[0].slope.magnitude()) * Interval(r);
-        if ((difference - reach).lower() > 0) items.erase(items.begin());
-        else if ((difference + reach).upper() < 0) items.pop_back();
+        const Interval difference = items[0].v - items[1].v,
+                       reach = Interval(items[0].slope.magnitude()) * Interval(r);
+        if ((difference - reach).lower() > 0)
+            items.erase(items.begin());
+        else if ((difference + reach).upper() < 0)
+            items.pop_back();
     }
     if (items.size() > 1 && out.least_slope == 0 && s1 - s0 < sharp_width * extent) {
         const std::size_t before = items.size();
         for (Item& i : items) i.sharp = line.sharp_height(heights_, i.form, m);
         drop_dominated(items, [&](const Item& a, const Item& b) {
-            return ((a.sharp - b.sharp).enclosure() - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
+            return ((a.sharp - b.sharp).enclosure() - Interval((a.slope - b.slope).magnitude()) * Interval(r))
+                       .lower() > 0;
         });
         decisions_.by_multiprecision += before - items.size();
     }
@@ -332,7 +364,8 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     return out;
 }
 
-// Stretches with more than two forms this short, as a part of the region, are asked for the order of all crossings.
+// Stretches with more than two forms this short, as a part of the region, are asked for the order of all
+// crossings.
 constexpr double crowded_width = 0x1p-36;
 
 // A seam on which forms tie is given up after so many evaluations with many digits: there are others.
@@ -340,7 +373,8 @@ constexpr std::size_t most_along_seam = 2000;
 
 // From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
 bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
-                            std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out) {
+                            std::span<const FormId> candidates, bool is_seam,
+                            std::vector<RimTransition>& out) {
     const double m = Interval(s0, s1).mid();
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
     const double extent = extent_at(range[0], range[1]);
@@ -368,7 +402,11 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
             obstacle_ = Assumption{{middle[0].mid(), middle[1].mid()}, s1 - s0, {left.begin(), left.end()}};
             return false;
         }
-        RimTransition t{l0, l1, {middle[0].mid(), middle[1].mid()}, reach(range[0], range[1]), {left.begin(), left.end()}};
+        RimTransition t{l0,
+                        l1,
+                        {middle[0].mid(), middle[1].mid()},
+                        reach(range[0], range[1]),
+                        {left.begin(), left.end()}};
         assume(t.point, s1 - s0, t.ties);
         out.push_back(std::move(t));
         return true;
@@ -396,11 +434,13 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     throw InternalError("a side was not divided");
 }
 
-// Where the differences of the forms that follow each other rise all along a stretch, each is lowest once at most, from
-// where it comes below the one before: the first one to do so is next. All of it with many digits, as the forms may follow
-// each other closer than stretches can be told apart. None if slopes do not tell, or doubles not keep the places apart.
-std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const Line& line, double s0, FormId l0, double s1,
-                                                                         FormId l1, std::span<const FormId> forms) {
+// Where the differences of the forms that follow each other rise all along a stretch, each is lowest once at
+// most, from where it comes below the one before: the first one to do so is next. All of it with many digits,
+// as the forms may follow each other closer than stretches can be told apart. None if slopes do not tell, or
+// doubles not keep the places apart.
+std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const Line& line, double s0,
+                                                                         FormId l0, double s1, FormId l1,
+                                                                         std::span<const FormId> forms) {
     constexpr int most_steps = 20, enough = -200;
     const double m = Interval(s0, s1).mid();
     // Where f and g are equal, f being lower before.
@@ -427,7 +467,8 @@ std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const L
             const Interval slope = line.difference(heights_, current, f, m, s0, s1)[1];
             if (!slope.sign()) return std::nullopt;
             if (slope.sign() != Sign::Positive) continue;
-            const auto at_end = (line.sharp_height(heights_, current, s1) - line.sharp_height(heights_, f, s1)).sign();
+            const auto at_end =
+                (line.sharp_height(heights_, current, s1) - line.sharp_height(heights_, f, s1)).sign();
             if (!at_end) return std::nullopt;
             if (at_end != Sign::Positive) continue;
             const auto s = crossing(current, f, slope);
@@ -453,11 +494,11 @@ std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const L
     return transitions;
 }
 
-// One point of a stretch of a side in which all of the forms tie. Any two of them differ by D = D' (s - p) or, where
-// the derivatives agree in p too, D'' (s - p)^2 / 2, D' and D'' somewhere on the stretch: if these keep their signs,
-// so does D on both sides of p.
-std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
-                                                     std::span<const FormId> forms) {
+// One point of a stretch of a side in which all of the forms tie. Any two of them differ by D = D' (s - p)
+// or, where the derivatives agree in p too, D'' (s - p)^2 / 2, D' and D'' somewhere on the stretch: if these
+// keep their signs, so does D on both sides of p.
+std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0, FormId l0, double s1,
+                                                     FormId l1, std::span<const FormId> forms) {
     const std::size_t n = forms.size();
     const double m = Interval(s0, s1).mid();
     const IntervalPoint range = line.at(Interval(s0, s1));
@@ -481,8 +522,10 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     double near = m;
     for (int i = 0; i < 8; ++i) {
         const IntervalPoint at = line.at(Interval(near));
-        const HeightJet<Interval> f = heights_.jet(forms[a], at[0], at[1]), g = heights_.jet(forms[b], at[0], at[1]);
-        near = std::clamp(near - inverse * (touching ? line.along(f) - line.along(g) : f.v - g.v).mid(), s0, s1);
+        const HeightJet<Interval> f = heights_.jet(forms[a], at[0], at[1]),
+                                  g = heights_.jet(forms[b], at[0], at[1]);
+        near =
+            std::clamp(near - inverse * (touching ? line.along(f) - line.along(g) : f.v - g.v).mid(), s0, s1);
     }
     const IntervalPoint about = line.at(Interval(near));
     if (possibly_lowest(forms, [&](FormId f) { return heights_.value(f, about[0], about[1]); }).size() < n)
@@ -514,8 +557,8 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
             auto after = slope(i, j).sign(), before = after ? std::optional(-*after) : after;
             if (!after) {
                 if (!agree(jets[i][1], jets[j][1], Wide(1.0))) return std::nullopt;
-                decided = decided && have_equal_slopes(heights_.family(), forms[i], forms[j], *exact, line.side.a,
-                                                       line.side.b);
+                decided = decided && have_equal_slopes(heights_.family(), forms[i], forms[j], *exact,
+                                                       line.side.a, line.side.b);
                 before = after = bend(i, j).sign();
             }
             if (!after || *after == Sign::Zero) return std::nullopt;
@@ -530,8 +573,8 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     const IntervalPoint place = exact ? enclosure(*exact) : line.at(p.enclosure());
     tie.point = {place[0].mid(), place[1].mid()};
     tie.error = reach(place[0], place[1]);
-    // Any two have a difference, or where they touch a slope of it, that is zero once on the stretch: so what the
-    // equations leave is that place.
+    // Any two have a difference, or where they touch a slope of it, that is zero once on the stretch: so what
+    // the equations leave is that place.
     const auto is_tie_in_space = [&] {
         const FormFamily& family = heights_.family();
         const SpaceTie::ChartLine side{line.side.a, line.side.b, line.side.c};
@@ -546,7 +589,8 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
             if (!(s_at.lower() >= s0 && s_at.upper() <= s1)) return false;
             for (std::size_t i = 0; i < n; ++i)
                 for (std::size_t j = i + 1; j < n; ++j)
-                    if (!slope(i, j).sign() && !have_equal_slopes(family, forms[i], forms[j], x, side)) return false;
+                    if (!slope(i, j).sign() && !have_equal_slopes(family, forms[i], forms[j], x, side))
+                        return false;
             return true;
         });
     };
@@ -556,15 +600,17 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     return tie;
 }
 
-std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
-                                                    FormId first, FormId last, std::vector<FormId> candidates, bool is_seam) {
+std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const IntervalPoint& from,
+                                                    const IntervalPoint& to, FormId first, FormId last,
+                                                    std::vector<FormId> candidates, bool is_seam) {
     const Line line(side);
     const Interval p = line.coordinate(from), q = line.coordinate(to);
     const bool ascending = line.ascends();
     const double s0 = std::min(p.lower(), q.lower()), s1 = std::max(p.upper(), q.upper());
     SideLabels labels{ascending ? first : last, {}};
     wide_before_side_ = heights_.wide_evaluations();
-    if (!descend(line, s0, labels.first, s1, ascending ? last : first, candidates, is_seam, labels.transitions))
+    if (!descend(line, s0, labels.first, s1, ascending ? last : first, candidates, is_seam,
+                 labels.transitions))
         return std::nullopt;
     // What ties in a corner is the corner's.
     std::erase_if(labels.transitions, [&](const RimTransition& t) {

@@ -17,8 +17,8 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 // Below this exponent, relative to the heights compared, equality is assumed.
 inline constexpr int assumed_exponent = -200;
 
-// Stretches shorter than this part of the region are worth more digits: differences that vanish to second order
-// drown in a double's rounding there.
+// Stretches shorter than this part of the region are worth more digits: differences that vanish to second
+// order drown in a double's rounding there.
 inline constexpr double sharp_width = 0x1p-19;
 
 // Are the numbers equal to 200 bits of `scale`?
@@ -53,8 +53,8 @@ void drop_dominated(Items& items, Above&& certainly_above) {
 // More items than this are not compared with each other: pairs would take longer than what they spare.
 inline constexpr std::size_t most_compared_in_pairs = 16;
 
-// As drop_dominated(), whatever their number: first what is above the item whose top is lowest. That beats most of the
-// others; few are left to be compared in pairs.
+// As drop_dominated(), whatever their number: first what is above the item whose top is lowest. That beats
+// most of the others; few are left to be compared in pairs.
 template <class Items, class Top, class Above>
 void drop_above_best(Items& items, Top&& top, Above&& certainly_above) {
     if (items.size() < 2) return;
@@ -78,7 +78,8 @@ std::vector<FormId> exactly_lowest(std::span<const FormId> candidates, Compare&&
 // At a point in doubles.
 inline std::vector<FormId> exactly_lowest(const Heights& heights, double x, double y,
                                           std::span<const FormId> candidates, Decisions& decisions) {
-    return exactly_lowest(candidates, [&](FormId f, FormId g) { return heights.compare(f, g, x, y, decisions); });
+    return exactly_lowest(candidates,
+                          [&](FormId f, FormId g) { return heights.compare(f, g, x, y, decisions); });
 }
 
 }  // namespace vcell

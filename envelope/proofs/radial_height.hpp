@@ -1,8 +1,9 @@
 /// Heights over curved bases and their derivatives over boxes of the chart, in Interval or Wide.
 ///
 /// What is enclosed is -q = -Q / W, the negative reciprocal of the distance from the centre or axis
-/// (primitives/forms/radial_form.hpp): forms are compared by -Q, which is polynomial for most, but the common factor W
-/// grows over the chart and would blur differences; q belongs to the base point alone. With m = 2 / W
+/// (primitives/forms/radial_form.hpp): forms are compared by -Q, which is polynomial for most, but the common
+/// factor W grows over the chart and would blur differences; q belongs to the base point alone. With m = 2 /
+/// W
 ///
 ///     u = (X, Y, m - 1),   X = x m,  Y = y m,       u_x = (m - X^2, -XY, -X m),  u_y = (-XY, m - Y^2, -Y m)
 ///
@@ -19,9 +20,9 @@
 #include <algorithm>
 #include <array>
 
+#include "../../core/numbers/sign.hpp"
 #include "../../primitives/forms/form_family.hpp"
 #include "../../primitives/forms/radial_form.hpp"
-#include "../../core/numbers/sign.hpp"
 
 namespace vcell {
 
@@ -42,7 +43,11 @@ public:
 
     RadialNormals() = default;
     RadialNormals(RadialChart chart, const T& x, const T& y)
-        : chart_(chart), u_(normals(x, y)), y_(y), middle_y_(y.mid()), is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
+        : chart_(chart),
+          u_(normals(x, y)),
+          y_(y),
+          middle_y_(y.mid()),
+          is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
         if (is_point_) return;
         const T mx = x.mid();
         middle_ = normals(mx, middle_y_);
@@ -50,7 +55,8 @@ public:
         dy_ = y - middle_y_;
         if (chart == RadialChart::HalfAngle) return;
         // Mean value forms, and what follows from the sharper numbers.
-        const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v, refined(u_[2], middle_[2]).v};
+        const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v,
+                                     refined(u_[2], middle_[2]).v};
         u_ = stereographic(sharp[0], sharp[1], sharp[2] + T(1.0));
     }
 
@@ -89,7 +95,8 @@ private:
                  {Y, -XY, m - YY, Y * p, X * q, Y * (two * YY - three_m)},
                  {m - T(1.0), -(X * m), -(Y * m), m * p, two * XY * m, m * q}}};
     }
-    // The front's numbers, or the back's, where x counts from the opposite direction and both components change signs.
+    // The front's numbers, or the back's, where x counts from the opposite direction and both components
+    // change signs.
     static Jets half(const T& x, bool is_back) {
         const T zero(0.0), m = T(2.0) / (T(1.0) + square(x)), X = x * m, XX = square(X), two_XX = T(2.0) * XX;
         const auto turned = [&](const T& t) { return is_back ? -t : t; };
@@ -165,8 +172,10 @@ public:
             a_[i] = convert(form.a[i]);
         }
     }
-    /// A circular form (k r^2 + a x + b y + e) / w over a sphere, w > 0: with r^2 = (1 - u_z) W / 2, x = u_x W / 2, ...
-    RadialHeight(const T& k, const T& a, const T& b, const T& e, const T& w) : is_cylinder_(false), has_root_(false) {
+    /// A circular form (k r^2 + a x + b y + e) / w over a sphere, w > 0: with r^2 = (1 - u_z) W / 2, x = u_x
+    /// W / 2, ...
+    RadialHeight(const T& k, const T& a, const T& b, const T& e, const T& w)
+        : is_cylinder_(false), has_root_(false) {
         const T quarter(-0.25), zero(0.0);
         c_ = {w, zero, zero};
         b0_ = quarter * (k + e);
@@ -175,8 +184,8 @@ public:
         slope_ = zero;
     }
 
-    /// Derivatives up to the given order; the others are unset. Where the root may vanish (the object is met at
-    /// infinity only) the first ones bound difference quotients, and second ones are the whole line.
+    /// Derivatives up to the given order; the others are unset. Where the root may vanish (the object is met
+    /// at infinity only) the first ones bound difference quotients, and second ones are the whole line.
     template <int order>
     RadialJet<T> jet(const RadialNormals<T>& n) const {
         if (!tips_.any()) return plain_jet<order>(n);
@@ -187,21 +196,23 @@ public:
     template <int order>
     RadialJet<T> plain_jet(const RadialNormals<T>& n) const {
         const T zero(0.0), two(2.0);
-        // B = b.u + slope y a.u, the two parts the larger and the more opposite to each other the farther the box is from
-        // y = 0: they are added up at the box's middle, where b + slope y a are numbers.
+        // B = b.u + slope y a.u, the two parts the larger and the more opposite to each other the farther the
+        // box is from y = 0: they are added up at the box's middle, where b + slope y a are numbers.
         std::array<T, 3> b = b_;
         if (is_cylinder_ && has_root_) {
             const T at_middle = slope_ * n.middle_y();
             for (const int i : {0, 2}) b[i] += at_middle * a_[i];
         }
-        RadialJet<T> B = n.template along<order>(b), C{c_[0], zero, zero, zero, zero, zero}, f;  // C.x is zero
+        RadialJet<T> B = n.template along<order>(b), C{c_[0], zero, zero, zero, zero, zero},
+                     f;  // C.x is zero
         B.v += b0_;
         if (is_cylinder_) {
             C.y = c_[1] + two * c_[2] * n.y();
             C.yy = two * c_[2];
             const auto at = [&](const T& y) { return c_[0] + y * (c_[1] + c_[2] * y); };
             C.v = hull(at(bottom(n.y())), at(top(n.y())));
-            if (!C.y.sign() && c_[2].sign() == Sign::Positive) C.v = hull(C.v, c_[0] - square(c_[1]) / (T(4.0) * c_[2]));
+            if (!C.y.sign() && c_[2].sign() == Sign::Positive)
+                C.v = hull(C.v, c_[0] - square(c_[1]) / (T(4.0) * c_[2]));
             if (C.v.sign() != Sign::Positive) return unknown();
         }
         if (!has_root_) {
@@ -211,7 +222,8 @@ public:
                 f.y = is_cylinder_ ? -(two * B.y + C.y * f.v) / C.v : -(two * B.y) / C.v;
             }
             if constexpr (order > 1) {
-                const auto second = [&](const T& Buv, const T& Cuv, const T& Cu, const T& Cv, const T& fu, const T& fv) {
+                const auto second = [&](const T& Buv, const T& Cuv, const T& Cu, const T& Cv, const T& fu,
+                                        const T& fv) {
                     return -(two * Buv + Cuv * f.v + Cu * fv + Cv * fu) / C.v;
                 };
                 f.xx = second(B.xx, C.xx, C.x, C.x, f.x, f.x);
@@ -233,10 +245,11 @@ public:
                 B.xy = slope_ * A.x;
             }
         }
-        // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All of q, s and
-        // k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends nothing is lost.
-        const T A2 = square(A.v), B_low = bottom(B.v), B_high = top(B.v), A2_low = bottom(A2), A2_high = top(A2),
-                C_low = bottom(C.v), C_high = top(C.v);
+        // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All
+        // of q, s and k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends
+        // nothing is lost.
+        const T A2 = square(A.v), B_low = bottom(B.v), B_high = top(B.v), A2_low = bottom(A2),
+                A2_high = top(A2), C_low = bottom(C.v), C_high = top(C.v);
         f.v = -hull(root(B_low, A2_low, C_high), root(B_high, A2_high, C_low));
         if constexpr (order > 0) {
             const auto quotient = [&](const T& p, const T& p2, const T& q2) {  // p / sqrt(p2 + q2), p2 = p^2
@@ -249,9 +262,10 @@ public:
             const T AC_low = A2_low * C_low, AC_high = A2_high * C_high;
             const T s = hull(extreme(B_low, false, AC_low, AC_high), extreme(B_high, true, AC_low, AC_high));
             // k sqrt(C) = A' / sqrt(A'^2 + B^2) with A' = A sqrt(C).
-            const T root_C = sqrt(C.v), scaled = A.v * root_C, low = bottom(scaled), high = top(scaled), B2 = square(B.v),
-                    B2_low = bottom(B2), B2_high = top(B2);
-            const T k = hull(extreme(low, false, B2_low, B2_high), extreme(high, true, B2_low, B2_high)) / root_C;
+            const T root_C = sqrt(C.v), scaled = A.v * root_C, low = bottom(scaled), high = top(scaled),
+                    B2 = square(B.v), B2_low = bottom(B2), B2_high = top(B2);
+            const T k =
+                hull(extreme(low, false, B2_low, B2_high), extreme(high, true, B2_low, B2_high)) / root_C;
             const T slope = (T(1.0) + s) / C.v, half_f = T(0.5) * f.v;
             // Over a cylinder A is constant along the axis.
             f.x = -(slope * B.x + k * A.x);
@@ -263,8 +277,9 @@ public:
                     return f;
                 }
                 // C f^2 + 2 B f - A^2 = 0, differentiated twice; C f + B = -R.
-                const auto second = [&](const T& Buv, const T& Cuv, const T& Auv, const T& Bu, const T& Bv, const T& Cu,
-                                        const T& Cv, const T& Au, const T& Av, const T& fu, const T& fv) {
+                const auto second = [&](const T& Buv, const T& Cuv, const T& Auv, const T& Bu, const T& Bv,
+                                        const T& Cu, const T& Cv, const T& Au, const T& Av, const T& fu,
+                                        const T& fv) {
                     return ((Cuv * f.v + two * (Cu * fv + Cv * fu + Buv)) * f.v +
                             two * (Bu * fv + Bv * fu + C.v * fu * fv - Au * Av - A.v * Auv)) /
                            (two * R);

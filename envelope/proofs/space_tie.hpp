@@ -27,8 +27,8 @@
 #include <span>
 #include <vector>
 
-#include "../../primitives/forms/form_family.hpp"
 #include "../../core/numbers/interval.hpp"
+#include "../../primitives/forms/form_family.hpp"
 #include "../recursion/exact_heights.hpp"
 
 namespace vcell {

@@ -38,7 +38,8 @@ private:
         Interval x, y;
     };
     Direction direction(Interval s) const {
-        return {Interval(origin_.x()) + s * Interval(along_.x()), Interval(origin_.y()) + s * Interval(along_.y())};
+        return {Interval(origin_.x()) + s * Interval(along_.x()),
+                Interval(origin_.y()) + s * Interval(along_.y())};
     }
     // The sign of form i less form j in the directions u.
     std::optional<Sign> sign(std::size_t i, std::size_t j, const Direction& u) const {
@@ -48,14 +49,17 @@ private:
         }
         const TiedDifference& d = differences_[i][j];
         if (!d.curvature) return (d.gradient[0] * u.x + d.gradient[1] * u.y).sign();
-        return (d.curvature->xx * square(u.x) + 2.0 * (d.curvature->xy * u.x * u.y) + d.curvature->yy * square(u.y)).sign();
+        return (d.curvature->xx * square(u.x) + 2.0 * (d.curvature->xy * u.x * u.y) +
+                d.curvature->yy * square(u.y))
+            .sign();
     }
     // Has its derivative along the line between the corners a sign?
     bool turns(std::size_t i, std::size_t j, const Direction& u) const {
         const TiedDifference& d = differences_[std::min(i, j)][std::max(i, j)];
         const Interval vx(along_.x()), vy(along_.y());
         if (!d.curvature) return (d.gradient[0] * vx + d.gradient[1] * vy).sign().has_value();
-        return (d.curvature->xx * u.x * vx + d.curvature->xy * (u.x * vy + u.y * vx) + d.curvature->yy * u.y * vy)
+        return (d.curvature->xx * u.x * vx + d.curvature->xy * (u.x * vy + u.y * vx) +
+                d.curvature->yy * u.y * vy)
             .sign()
             .has_value();
     }
@@ -65,11 +69,13 @@ private:
         const Direction u = direction({lo, hi});
         std::vector<std::size_t> lowest;
         for (const std::size_t i : candidates)
-            if (std::ranges::none_of(candidates, [&](std::size_t j) { return j != i && sign(i, j, u) == Sign::Positive; }))
+            if (std::ranges::none_of(
+                    candidates, [&](std::size_t j) { return j != i && sign(i, j, u) == Sign::Positive; }))
                 lowest.push_back(i);
         if (lowest.size() == 1) return enter(lowest[0]);
         if (lowest.size() == 2 && turns(lowest[0], lowest[1], u)) {
-            const auto before = sign(lowest[0], lowest[1], direction(lo)), after = sign(lowest[0], lowest[1], direction(hi));
+            const auto before = sign(lowest[0], lowest[1], direction(lo)),
+                       after = sign(lowest[0], lowest[1], direction(hi));
             if (before && after) {
                 if (*before == Sign::Positive) std::swap(lowest[0], lowest[1]);
                 if (!enter(lowest[0])) return false;
@@ -107,7 +113,8 @@ private:
 
 }  // namespace
 
-std::optional<Fan> find_fan(std::span<const FormId> forms, const std::vector<std::vector<TiedDifference>>& differences,
+std::optional<Fan> find_fan(std::span<const FormId> forms,
+                            const std::vector<std::vector<TiedDifference>>& differences,
                             std::span<const Vector2d> corners) {
     return FanSearch(forms, differences).run(corners);
 }

@@ -6,11 +6,11 @@
 ///     D(c + t u) = t grad D . u,            or  t^2 u^T (Hess D) u / 2  where the gradients agree at c too,
 ///     grad D(c + t u) . v                       t v^T (Hess D) u.
 ///
-/// So an enclosure of grad D, or of Hess D, over the set gives the sign of D for all t at once in every direction
-/// in which it is definite; and where instead the derivative across the direction is, D vanishes once at
-/// every t: its zero set is one arm that starts at c and crosses the sector. When the directions can be divided
-/// into sectors in which one function is lowest and sectors crossed by one arm of two functions, all others
-/// being higher there, then the envelope is a fan: faces and arms that meet at c and nowhere else.
+/// So an enclosure of grad D, or of Hess D, over the set gives the sign of D for all t at once in every
+/// direction in which it is definite; and where instead the derivative across the direction is, D vanishes
+/// once at every t: its zero set is one arm that starts at c and crosses the sector. When the directions can
+/// be divided into sectors in which one function is lowest and sectors crossed by one arm of two functions,
+/// all others being higher there, then the envelope is a fan: faces and arms that meet at c and nowhere else.
 #pragma once
 
 #include <Eigen/Core>
@@ -45,7 +45,8 @@ struct Fan {
 /// The fan of forms in the directions between the first and the last of `corners`, each less than half a turn
 /// counter-clockwise from the one before. differences[i][j]: of form i less form j, i < j. None where the
 /// enclosures do not tell.
-std::optional<Fan> find_fan(std::span<const FormId> forms, const std::vector<std::vector<TiedDifference>>& differences,
+std::optional<Fan> find_fan(std::span<const FormId> forms,
+                            const std::vector<std::vector<TiedDifference>>& differences,
                             std::span<const Eigen::Vector2d> corners);
 
 }  // namespace vcell

@@ -208,12 +208,14 @@ private:
     double least_rise_ = 0;          // of h - g and f - h along d
 };
 
-// meet_nowhere(): along the trisector f = g, a graph n(s) over the box, h - g changes by less than it is in its middle.
+// meet_nowhere(): along the trisector f = g, a graph n(s) over the box, h - g changes by less than it is in
+// its middle.
 class MeetingSearch {
 public:
     MeetingSearch(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box)
         : heights_(heights), h_(h), f_(f), g_(g), at_{Interval(box[0], box[1]), Interval(box[2], box[3])} {
-        // n along the coordinate along which the trisector is thin, with surroundings as wide again; s along the other.
+        // n along the coordinate along which the trisector is thin, with surroundings as wide again; s along
+        // the other.
         const double dx = box[1] - box[0], dy = box[3] - box[2];
         n_ = dx <= dy ? 0 : 1;
         margin_ = std::min(dx, dy);
@@ -275,7 +277,8 @@ private:
         }
         const Interval reach = enclosure(p[n_]) + run_ * Interval(-1.0, 1.0) * half_;
         if (!at_[n_].contains(reach.lower()) || !at_[n_].contains(reach.upper())) return false;
-        const Interval off = Interval(enclosure(residual).magnitude()) / slope_ * across_;  // of the true trisector
+        const Interval off =
+            Interval(enclosure(residual).magnitude()) / slope_ * across_;  // of the true trisector
         const Interval phi = enclosure(difference(h_, g_, p));
         const double least = std::max(phi.lower(), -phi.upper());
         if (Interval(least).lower() > (change_ + off.magnitude()).upper()) return true;

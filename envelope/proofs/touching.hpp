@@ -28,8 +28,8 @@ namespace vcell {
 struct Touching {
     std::array<Wide, 2> at;  ///< on the trisector
     Eigen::Vector2d place;   ///< the same, rounded
-    Wide gap;               ///< h less the others there
-    Wide height;            ///< theirs
+    Wide gap;                ///< h less the others there
+    Wide height;             ///< theirs
     double width;  ///< bounds the distance from `place` of all that is on the trisector and not below h
     Eigen::Vector2d across;  ///< f - g, f - h and h - g grow in this direction, all over the box
     /// Where phi has a zero on both sides of `place`, h is lowest between the two points, in a face that ends
@@ -53,9 +53,9 @@ std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f
 std::optional<Touching> find_pinch(const Heights& heights, FormId h, FormId f, FormId g,
                                    const std::array<double, 4>& box);
 
-/// Do three forms certainly tie nowhere in the box? Where F = f - g grows along one coordinate the trisector is a graph
-/// over the other, s, and phi = h - g along it changes by no more than |D_s + D_n n'| for each unit of s. Pre: the base is
-/// curved. Counts the answer, whatever it is.
+/// Do three forms certainly tie nowhere in the box? Where F = f - g grows along one coordinate the trisector
+/// is a graph over the other, s, and phi = h - g along it changes by no more than |D_s + D_n n'| for each
+/// unit of s. Pre: the base is curved. Counts the answer, whatever it is.
 bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box,
                   Decisions& decisions);
 

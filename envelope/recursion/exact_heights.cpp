@@ -23,7 +23,8 @@ struct Fraction {
     Exact numerator, denominator;
 };
 
-// The first convergent of the continued fraction [Knuth98, section 4.5.3] after which what remains is no more than noise.
+// The first convergent of the continued fraction [Knuth98, section 4.5.3] after which what remains is no more
+// than noise.
 std::optional<Fraction> simplest_near(Wide v) {
     constexpr int noise = -60, most_bits = 100;
     constexpr double largest_quotient = 0x1p64;  // of a remainder that is no noise
@@ -69,7 +70,8 @@ Equation cylinder_equation(const ExactCylinder& f, const RationalPoint& p) {
     const Exact &w = p.w, s = f.unit * w;
     const ExactVector a(f.ax, f.ay, f.az), m(f.unit * p.x - w * f.px, f.unit * p.y - w * f.py, -(w * f.pz));
     const Exact rho = w * f.rho, norm = dot(a, a), along = dot(m, a), twice_s = 2.0 * s, ss = s * s;
-    return {{norm * (dot(m, m) - rho * rho) - along * along, s * (norm * (rho - m.z) + along * a.z), ss * a.z * a.z},
+    return {{norm * (dot(m, m) - rho * rho) - along * along, s * (norm * (rho - m.z) + along * a.z),
+             ss * a.z * a.z},
             {twice_s * (norm * m.x - along * a.x), ss * a.x * a.z, Exact()},
             {twice_s * (norm * m.y - along * a.y), ss * a.y * a.z, Exact()},
             a.z.sign() != Sign::Zero};
@@ -105,7 +107,8 @@ Equation radial_equation(const RadialForm& f, RadialChart chart, const RationalP
     const Exact slope = y * f.slope, A = dot(f.a, n), Ax = dot(f.a, nx), Ay = dot(f.a, ny);
     return {{-(A * A), -(f.b0 * W + dot(f.b, n) + slope * A), -(f.c[0] + y * (f.c[1] + y * f.c[2]))},
             {-(two * A * Ax), -(f.b0 * Wx + dot(f.b, nx) + slope * Ax), Exact()},
-            {-(two * A * Ay), -(f.b0 * Wy + dot(f.b, ny) + slope * Ay + f.slope * A), -(f.c[1] + two * y * f.c[2])},
+            {-(two * A * Ay), -(f.b0 * Wy + dot(f.b, ny) + slope * Ay + f.slope * A),
+             -(f.c[1] + two * y * f.c[2])},
             f.has_root()};
 }
 
@@ -129,7 +132,8 @@ ExactHeight height(const Equation& e) {
         return ExactHeight{value, den};
     };
     if (e.has_root) return over({-b, Exact(1.0), b * b + a * c}, a);
-    return a.sign() == Sign::Zero ? over({c, Exact(), Exact()}, b + b) : over({-(b + b), Exact(), Exact()}, a);
+    return a.sign() == Sign::Zero ? over({c, Exact(), Exact()}, b + b)
+                                  : over({-(b + b), Exact(), Exact()}, a);
 }
 
 // r_x, r_y and 1 times a common factor, where the height is r.
@@ -148,7 +152,8 @@ Gradient gradient(const Equation& e, const ExactHeight& r) {
     return {along(e.x), along(e.y), two_den * (number(e.at.b * r.den) + e.at.a * v)};
 }
 
-std::vector<Gradient> gradients(const FormFamily& family, std::span<const FormId> forms, const RationalPoint& p) {
+std::vector<Gradient> gradients(const FormFamily& family, std::span<const FormId> forms,
+                                const RationalPoint& p) {
     const ExactHeight r = height(equation(family, forms[0], p));
     std::vector<Gradient> all;
     for (const FormId f : forms) all.push_back(gradient(equation(family, f, p), r));
@@ -164,8 +169,8 @@ std::optional<RationalPoint> rational_near(const Wide& x, const Wide& y, double 
     const Wide scale(std::ldexp(1.0, -exponent));
     const auto p = simplest_near(scale * x), q = simplest_near(scale * y);
     if (!p || !q) return std::nullopt;
-    RationalPoint point{(p->numerator * q->denominator).scaled(exponent), (q->numerator * p->denominator).scaled(exponent),
-                        p->denominator * q->denominator};
+    RationalPoint point{(p->numerator * q->denominator).scaled(exponent),
+                        (q->numerator * p->denominator).scaled(exponent), p->denominator * q->denominator};
     // Dyadic numbers need no denominator.
     const Interval w = point.w.enclosure();
     int power = 0;
@@ -203,7 +208,8 @@ bool have_gradients_in_line(const FormFamily& family, std::span<const FormId> fo
                    g[0].unit * (g[1].x * g[2].y - g[2].x * g[1].y));
 }
 
-bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const RationalPoint& p, double a, double b) {
+bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const RationalPoint& p, double a,
+                       double b) {
     const auto d = gradients(family, std::array{f, g}, p);
     const auto slope = [&](const Gradient& of) { return Exact(b) * of.x - Exact(a) * of.y; };
     return is_zero(slope(d[0]) * d[1].unit - slope(d[1]) * d[0].unit);

@@ -1,17 +1,18 @@
-/// Heights at points with rational coordinates, exact: where forms tie and whether they have equal gradients there.
+/// Heights at points with rational coordinates, exact: where forms tie and whether they have equal gradients
+/// there.
 ///
-/// Every height r is a root of c - 2 b r - a r^2 = 0 whose coefficients are polynomials in the point's coordinates: over
-/// a plane C, beta and A of plane_base.hpp and cylinder_form.hpp; over curved bases, where r = -Q, -A^2, -B and -C of
-/// radial_form.hpp. Differentiated, r_x = (c_x - 2 b_x r - a_x r^2) / (2 (b + a r)). All of that lies in the field of r; forms
-/// that tie share it.
+/// Every height r is a root of c - 2 b r - a r^2 = 0 whose coefficients are polynomials in the point's
+/// coordinates: over a plane C, beta and A of plane_base.hpp and cylinder_form.hpp; over curved bases, where
+/// r = -Q, -A^2, -B and -C of radial_form.hpp. Differentiated, r_x = (c_x - 2 b_x r - a_x r^2) / (2 (b + a
+/// r)). All of that lies in the field of r; forms that tie share it.
 #pragma once
 
 #include <array>
 #include <optional>
 #include <span>
 
-#include "../../primitives/forms/form_family.hpp"
 #include "../../core/numbers/wide_interval.hpp"
+#include "../../primitives/forms/form_family.hpp"
 
 namespace vcell {
 
@@ -23,8 +24,8 @@ struct RationalPoint {
 /// As many digits of an exact number as there are.
 Wide to_wide(Exact v);
 
-/// The point with denominators of no more than some 2^100 that two coordinates, known to 2^-200 of `extent`, are taken
-/// to stand for; nothing is proved about it. None if there is no such point.
+/// The point with denominators of no more than some 2^100 that two coordinates, known to 2^-200 of `extent`,
+/// are taken to stand for; nothing is proved about it. None if there is no such point.
 std::optional<RationalPoint> rational_near(const Wide& x, const Wide& y, double extent);
 
 /// Intervals around its coordinates; points where these are doubles.
@@ -32,7 +33,8 @@ std::array<Interval, 2> enclosure(const RationalPoint& p);
 
 bool is_on_line(const RationalPoint& p, double a, double b, double c);
 
-/// Sign of f - g. Here and below over curved bases w is 1, and the point lies outside the trace of every cylinder.
+/// Sign of f - g. Here and below over curved bases w is 1, and the point lies outside the trace of every
+/// cylinder.
 Sign compare_exactly(const FormFamily& family, FormId f, FormId g, const RationalPoint& p);
 
 /// Do all of them have one height?
@@ -42,7 +44,8 @@ bool all_tie(const FormFamily& family, std::span<const FormId> forms, const Rati
 bool have_gradients_in_line(const FormFamily& family, std::span<const FormId> forms, const RationalPoint& p);
 
 /// Do the two change alike along the line a x + b y + c = 0? Pre: they tie.
-bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const RationalPoint& p, double a, double b);
+bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const RationalPoint& p, double a,
+                       double b);
 
 /// Are their gradients equal? Pre: they tie.
 bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const RationalPoint& p);

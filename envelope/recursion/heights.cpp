@@ -13,8 +13,8 @@ bool is_level(const CylinderNumbers<T>& f) {
     return f.az.sign() == Sign::Zero;
 }
 
-// A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead of
-// N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
+// A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead
+// of N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
 template <class T>
 struct CylinderHeight {
     T cx, cy, cz;  // m x a
@@ -50,7 +50,8 @@ HeightJet<T> cylinder_jet(const Cylinder& f, const T& norm, const T& A, const T&
     const CylinderHeight<T> h(f, norm, A, x, y);
     if (!h.outside) return {T::whole(), T::whole(), T::whole()};
     // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
-    return {h.v, (f.ay * h.cz - f.az * (h.cy + f.ax * h.v)) / h.root, (f.az * (h.cx - f.ay * h.v) - f.ax * h.cz) / h.root};
+    return {h.v, (f.ay * h.cz - f.az * (h.cy + f.ax * h.v)) / h.root,
+            (f.az * (h.cx - f.ay * h.v) - f.ax * h.cz) / h.root};
 }
 
 }  // namespace
@@ -88,7 +89,8 @@ Heights::Heights(const FormFamily& family) : family_(family) {
     for (Place& p : places_) p.normals = RadialNormals<Interval>(family.chart, p.x, p.y);
     radial_.reserve(family.size());
     wide_radial_.resize(family.size());
-    for (const CircularForm& f : family.forms) radial_.emplace_back(Interval(f.k), ball(f.a), ball(f.b), ball(f.e), ball(f.w));
+    for (const CircularForm& f : family.forms)
+        radial_.emplace_back(Interval(f.k), ball(f.a), ball(f.b), ball(f.e), ball(f.w));
     for (const RadialForm& f : family.radial)
         radial_.emplace_back(
             f, family.chart, [](const Exact& v) { return v.enclosure(); }, family.tips);
@@ -117,7 +119,8 @@ RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) cons
     std::unique_ptr<RadialHeight<Wide>>& p = wide_radial_[f.value];
     if (!p && family_.is_circular(f)) {
         const ExactForm e = family_.exact(f);
-        p = std::make_unique<RadialHeight<Wide>>(to_wide(e.K), to_wide(e.A), to_wide(e.B), to_wide(e.C), to_wide(e.W));
+        p = std::make_unique<RadialHeight<Wide>>(to_wide(e.K), to_wide(e.A), to_wide(e.B), to_wide(e.C),
+                                                 to_wide(e.W));
     } else if (!p) {
         p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), family_.chart, to_wide,
                                                  family_.tips);
@@ -221,7 +224,8 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
     const CylinderForm& form = family_.cylinder(f);
     const CylinderNumbers<Interval>* t = turned(f);
     const CylinderNumbers<Interval> c =
-        t != nullptr ? *t : CylinderNumbers<Interval>{form.px, form.py, form.pz, form.ax, form.ay, form.az, form.rho};
+        t != nullptr ? *t : CylinderNumbers<Interval>{form.px, form.py, form.pz, form.ax,
+                                                      form.ay, form.az, form.rho};
     const HeightJet<Interval> j = jet(f, x, y);
     const Interval &ax = c.ax, &ay = c.ay, &az = c.az, bx = az * ax, by = az * ay;
     const Interval beta = p.norm * (c.rho + c.pz) + ((x - c.px) * ax + (y - c.py) * ay - c.pz * az) * az;
@@ -230,7 +234,8 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
     const auto second = [&](Interval C, Interval bu, Interval bv, Interval ru, Interval rv) {
         return (C - two * (bu * rv + bv * ru) - two * p.A * ru * rv) / (two * root);
     };
-    return {second(two * (square(ay) + square(az)), bx, bx, j.gx, j.gx), second(-two * ax * ay, bx, by, j.gx, j.gy),
+    return {second(two * (square(ay) + square(az)), bx, bx, j.gx, j.gx),
+            second(-two * ax * ay, bx, by, j.gx, j.gy),
             second(two * (square(ax) + square(az)), by, by, j.gy, j.gy)};
 }
 

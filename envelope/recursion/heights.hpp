@@ -10,12 +10,12 @@
 #include <optional>
 #include <vector>
 
-#include "../../primitives/forms/form_family.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../core/numbers/sign.hpp"
 #include "../../core/numbers/wide_interval.hpp"
-#include "exact_heights.hpp"
+#include "../../primitives/forms/form_family.hpp"
 #include "../proofs/radial_height.hpp"
+#include "exact_heights.hpp"
 
 namespace vcell {
 
@@ -60,15 +60,16 @@ public:
     /// The forms' value over what is enclosed here: 1 over a plane. Pre: y lies between the tips.
     Interval scale(Interval x, Interval y) const;
 
-    /// Encloses height and gradient of f over the box x times y. Where the box reaches into a cylinder's trace
-    /// on the base: the whole line.
+    /// Encloses height and gradient of f over the box x times y. Where the box reaches into a cylinder's
+    /// trace on the base: the whole line.
     HeightJet<Interval> jet(FormId f, Interval x, Interval y) const;
     Interval value(FormId f, Interval x, Interval y) const;
     /// The same with more digits, for boxes so small that doubles cannot tell.
     HeightJet<Wide> jet(FormId f, const Wide& x, const Wide& y) const;
     Wide value(FormId f, const Wide& x, const Wide& y) const;
 
-    /// How often heights were asked for with more digits so far: what costs most where forms all but coincide.
+    /// How often heights were asked for with more digits so far: what costs most where forms all but
+    /// coincide.
     std::size_t wide_evaluations() const { return wide_evaluations_; }
 
     /// Encloses the second derivatives of f over the box, likewise.
@@ -94,15 +95,17 @@ private:
         Interval norm, A;
     };
 
-    // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders, and of
-    // those that doubles do not give exactly their numbers.
+    // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders, and
+    // of those that doubles do not give exactly their numbers.
     struct WidePrepared {
         std::array<Wide, 4> coefficients;
         std::optional<CylinderNumbers<Wide>> cylinder;
     };
     const WidePrepared& wide(FormId f) const;
     // The cylinder's numbers, if doubles do not give them exactly.
-    const CylinderNumbers<Interval>* turned(FormId f) const { return turned_.empty() ? nullptr : turned_[f.value].get(); }
+    const CylinderNumbers<Interval>* turned(FormId f) const {
+        return turned_.empty() ? nullptr : turned_[f.value].get();
+    }
     bool is_radial() const { return !radial_.empty(); }
     template <int order>
     RadialJet<Interval> radial_jet(FormId f, Interval x, Interval y) const;
@@ -113,7 +116,7 @@ private:
     std::vector<Prepared> prepared_;
     std::vector<std::unique_ptr<CylinderNumbers<Interval>>> turned_;  // of all forms, or none
     mutable std::vector<std::unique_ptr<WidePrepared>> wide_;         // made when asked for
-    std::vector<RadialHeight<Interval>> radial_;               // of all forms over curved bases
+    std::vector<RadialHeight<Interval>> radial_;                      // of all forms over curved bases
     mutable std::vector<std::unique_ptr<RadialHeight<Wide>>> wide_radial_;
     // Those of the last two boxes: forms are asked one after the other about a box and its middle.
     struct Place {

@@ -7,8 +7,8 @@
 // trisectors is ever computed. A piece whose forms cannot be culled (many meeting at one vertex, say) is
 // halved and merged by overlay, which keeps the worst case at O(n log n) overlays of what is there.
 //
-// Where a cylinder competes the pieces are split until they are plain (mixed_piece.hpp); the labels along their
-// sides are found once, when the side is made, so that the pieces beside a seam cannot disagree. Pieces
+// Where a cylinder competes the pieces are split until they are plain (mixed_piece.hpp); the labels along
+// their sides are found once, when the side is made, so that the pieces beside a seam cannot disagree. Pieces
 // without a competing cylinder are left to exact merging.
 #include <algorithm>
 #include <cmath>
@@ -17,11 +17,11 @@
 
 #include "../../core/errors.hpp"
 #include "../../core/small_vector.hpp"
-#include "../diagram/minimization_diagram.hpp"
-#include "../proofs/mixed_piece.hpp"
-#include "../diagram/patchwork.hpp"
-#include "../sphere/sphere_diagram.hpp"
 #include "../circles/work_diagram.hpp"
+#include "../diagram/minimization_diagram.hpp"
+#include "../diagram/patchwork.hpp"
+#include "../proofs/mixed_piece.hpp"
+#include "../sphere/sphere_diagram.hpp"
 
 namespace vcell {
 
@@ -30,14 +30,15 @@ namespace {
 using Form = CircleKernel::Form;
 using Jet = CircleKernel::Jet;
 
-// Measured on random scenes (bench_envelope): pieces of fewer candidates spend more on seams, larger ones more
-// on comparing faces with forms that lose there.
+// Measured on random scenes (bench_envelope): pieces of fewer candidates spend more on seams, larger ones
+// more on comparing faces with forms that lose there.
 struct Sizes {
     std::size_t piece;       // candidates that are merged without splitting further
     std::size_t quartering;  // more of them are culled in quarters before
 };
 constexpr Sizes region_sizes{64, 16}, sphere_sizes{32, 4};
-// Splitting on although the candidates hardly get fewer: this often in a row, then the piece is taken as it is.
+// Splitting on although the candidates hardly get fewer: this often in a row, then the piece is taken as it
+// is.
 constexpr int most_stalled_splits = 8;
 // Pieces with more competitors than this are not plain: looking closer is a waste.
 constexpr std::size_t most_competitors = 6;
@@ -46,19 +47,20 @@ constexpr std::size_t most_tied = 8;
 // A tube's circumference, 4, is cut into such parts as long as there are more competitors than this.
 constexpr std::size_t most_around = 32;
 constexpr double part_around = 0.3;
-// Where differences of three competitors or more change so much more along one axis pieces are cut across that, unless
-// they are too slender.
+// Where differences of three competitors or more change so much more along one axis pieces are cut across
+// that, unless they are too slender.
 constexpr double much_steeper = 4, most_slender = 0x1p16;
-// A vertex needs some hundred pieces below this part of the region at worst, and a form has two vertices on average. Many
-// more of them in all, or within one piece of that size, follow a curve along which forms tie without crossing: no number
-// of pieces decides that.
+// A vertex needs some hundred pieces below this part of the region at worst, and a form has two vertices on
+// average. Many more of them in all, or within one piece of that size, follow a curve along which forms tie
+// without crossing: no number of pieces decides that.
 constexpr double small_part = 0x1p-16;
 constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 200;
-// Pieces of any size are split fewer than 50 times to a form usually, 200 times where few forms have much to do with each
-// other, 80,000 times in all along a line that hardly leaves a plane; forms that all but coincide want it as often as the
-// square of the region's size over their distance.
+// Pieces of any size are split fewer than 50 times to a form usually, 200 times where few forms have much to
+// do with each other, 80,000 times in all along a line that hardly leaves a plane; forms that all but
+// coincide want it as often as the square of the region's size over their distance.
 constexpr std::size_t most_splits = 80000, splits_of_form = 250;
-// Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but slow.
+// Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but
+// slow.
 constexpr double split_ratio = 0.48643;
 
 struct Rect {
@@ -102,8 +104,13 @@ Piece make_piece(Sides sides) {
 class EnvelopeBuilder {
 public:
     EnvelopeBuilder(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options)
-        : family_(family), region_(region), options_(options), patchwork_(family), work_(kernel_),
-          root_(make_piece(sides_of(region))), analysis_(family, extent(root_.rect)) {
+        : family_(family),
+          region_(region),
+          options_(options),
+          patchwork_(family),
+          work_(kernel_),
+          root_(make_piece(sides_of(region))),
+          analysis_(family, extent(root_.rect)) {
         forms_.reserve(family.forms.size());
         for (const CircularForm& f : family.forms) forms_.push_back(CircleKernel::make_form(f));
     }
@@ -123,20 +130,21 @@ public:
         return result;
     }
 
-    // The region is [-1, 3] x [y0, y1] of half-angle coordinates; both halves are smooth pieces, and together they
-    // close. The seams are labelled once.
+    // The region is [-1, 3] x [y0, y1] of half-angle coordinates; both halves are smooth pieces, and together
+    // they close. The seams are labelled once.
     MinimizationDiagram over_cylinder() {
         is_cylinder_ = true;
         const double y0 = root_.rect.y0, y1 = root_.rect.y1;
-        const std::uint32_t middle = patchwork_.new_seam(), left = patchwork_.new_seam(), right = patchwork_.new_seam();
+        const std::uint32_t middle = patchwork_.new_seam(), left = patchwork_.new_seam(),
+                            right = patchwork_.new_seam();
         const PieceSide bottom{0, 1, -y0, 0}, top{0, -1, y1, 2};
         LabelledPiece front = label(make_piece({bottom, {-1, 0, 1, middle}, top, {1, 0, 1, left}})),
                       back = label(make_piece({bottom, {-1, 0, 3, right}, top, {1, 0, -1, middle}}));
         back.labels[3] = front.labels[1].reversed();
         back.labels[1] = front.labels[3].reversed();
         for (RimTransition& t : back.labels[1].transitions) t.point.x() += circumference;
-        const Patchwork::Index all =
-            patchwork_.glue(solve_labelled(front, all_forms(), 0.5), solve_labelled(back, all_forms(), 0.5), middle);
+        const Patchwork::Index all = patchwork_.glue(solve_labelled(front, all_forms(), 0.5),
+                                                     solve_labelled(back, all_forms(), 0.5), middle);
         patchwork_.close(all, right, left, circumference, top.id);
         return finish();
     }
@@ -172,12 +180,13 @@ private:
     }
     static double extent(const Rect& r) { return std::max(r.x1 - r.x0, r.y1 - r.y0); }
 
-    // Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above a
-    // rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
+    // Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above
+    // a rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
     template <class Keep>
     void cull(const Rect& r, std::span<const FormId> candidates, Keep&& keep) {
         const double x = 0.5 * r.x0 + 0.5 * r.x1, y = 0.5 * r.y0 + 0.5 * r.y1;
-        const double rx = Interval::up(std::max(r.x1 - x, x - r.x0)), ry = Interval::up(std::max(r.y1 - y, y - r.y0));
+        const double rx = Interval::up(std::max(r.x1 - x, x - r.x0)),
+                     ry = Interval::up(std::max(r.y1 - y, y - r.y0));
         places_.resize(candidates.size());
         std::size_t rival = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -192,7 +201,8 @@ private:
     void cull_in_quarters(const Rect& r, std::vector<FormId>& candidates) {
         const double x = r.x0 + 0.5 * (r.x1 - r.x0), y = r.y0 + 0.5 * (r.y1 - r.y0);
         kept_.assign(candidates.size(), false);
-        for (const Rect& quarter : {Rect{r.x0, x, r.y0, y}, Rect{x, r.x1, r.y0, y}, Rect{r.x0, x, y, r.y1}, Rect{x, r.x1, y, r.y1}})
+        for (const Rect& quarter :
+             {Rect{r.x0, x, r.y0, y}, Rect{x, r.x1, r.y0, y}, Rect{r.x0, x, y, r.y1}, Rect{x, r.x1, y, r.y1}})
             cull(quarter, candidates, [&](std::size_t i) { kept_[i] = true; });
         std::size_t count = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i)
@@ -208,7 +218,8 @@ private:
         if (candidates.size() > sizes_.piece && stalled <= most_stalled_splits) {
             if (const auto halves = split(piece)) {
                 const Patchwork::Index a = solve(halves->first, candidates, share * split_ratio, stalled);
-                const Patchwork::Index b = solve(halves->second, candidates, share * (1 - split_ratio), stalled);
+                const Patchwork::Index b =
+                    solve(halves->second, candidates, share * (1 - split_ratio), stalled);
                 return patchwork_.glue(a, b, halves->seam);
             }
         }
@@ -332,21 +343,25 @@ private:
             if (ties.size() == 1) {
                 ties.clear();
             } else {
-                first[i] = analysis_.label_beside(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], ties);
-                last[before] = analysis_.label_beside(piece.sides[before], piece.corners[i], piece.corners[before], ties);
+                first[i] = analysis_.label_beside(piece.sides[i], piece.corners[i],
+                                                  piece.corners[(i + 1) % n], ties);
+                last[before] = analysis_.label_beside(piece.sides[before], piece.corners[i],
+                                                      piece.corners[before], ties);
             }
             out.corner_ties.push_back(std::move(ties));
         }
         for (std::size_t i = 0; i < n; ++i) {
-            auto labels = analysis_.label_side(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], first[i], last[i],
-                                               candidates, Patchwork::is_seam(piece.sides[i].id));
+            auto labels =
+                analysis_.label_side(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], first[i],
+                                     last[i], candidates, Patchwork::is_seam(piece.sides[i].id));
             if (!labels) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
             out.labels.push_back(*std::move(labels));
         }
         return out;
     }
 
-    Patchwork::Index solve_labelled(const LabelledPiece& part, std::span<const FormId> inherited, double share) {
+    Patchwork::Index solve_labelled(const LabelledPiece& part, std::span<const FormId> inherited,
+                                    double share) {
         const Rect& r = part.piece.rect;
         std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, inherited);
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
@@ -355,9 +370,10 @@ private:
         const bool at_floor = size <= MixedAnalysis::floor_width,
                    is_small = extent(r) <=
                               MixedAnalysis::tie_width * analysis_.tie_extent_at({r.x0, r.x1}, {r.y0, r.y1});
-        if (candidates.size() <= most_competitors ||
-            (is_small && candidates.size() <= most_tied) || size <= MixedAnalysis::node_width) {
-            if (const auto resolved = analysis_.resolve({part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
+        if (candidates.size() <= most_competitors || (is_small && candidates.size() <= most_tied) ||
+            size <= MixedAnalysis::node_width) {
+            if (const auto resolved = analysis_.resolve(
+                    {part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
                 done_ += share;
                 if (options_.progress) options_.progress(done_);
                 return patchwork_.add(*resolved);
@@ -371,7 +387,8 @@ private:
         }
         splits_ += family_.radial.empty() ? 1 : 4;  // over a curved base a piece costs four times as much
         if (at_floor || splits_ > most_splits + splits_of_form * family_.size() || analysis_.is_spent() ||
-            small_pieces_ > small_pieces_of_form * family_.size() || small_pieces_in_place_ > most_small_pieces_in_place)
+            small_pieces_ > small_pieces_of_form * family_.size() ||
+            small_pieces_in_place_ > most_small_pieces_in_place)
             throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);
         if (!halves) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
@@ -390,9 +407,9 @@ private:
         std::uint32_t seam;
     };
 
-    // Which way to cut other than across the longer side. Beside a tip no one metric suits all differences, and
-    // where they change along one axis only, as between tubes along a tube, pieces are to be as long as these.
-    // Seen from half of a tube's circumference no object is nearest all around: none is culled.
+    // Which way to cut other than across the longer side. Beside a tip no one metric suits all differences,
+    // and where they change along one axis only, as between tubes along a tube, pieces are to be as long as
+    // these. Seen from half of a tube's circumference no object is nearest all around: none is culled.
     std::optional<bool> cut_upright(const Rect& r, std::size_t candidates) const {
         if (family_.chart == RadialChart::HalfAngle && candidates > most_around && r.x1 - r.x0 > part_around)
             return true;
@@ -410,7 +427,8 @@ private:
         return std::nullopt;
     }
 
-    std::optional<LabelledHalves> split_labelled(const LabelledPiece& part, const std::vector<FormId>& candidates) {
+    std::optional<LabelledHalves> split_labelled(const LabelledPiece& part,
+                                                 const std::vector<FormId>& candidates) {
         const Piece& piece = part.piece;
         const std::size_t n = piece.sides.size();
         const auto upright = cut_upright(piece.rect, candidates.size());
@@ -423,7 +441,8 @@ private:
                 half->labels.reserve(n + 1);
                 half->corner_ties.reserve(n + 1);
             }
-            const auto push = [](LabelledPiece& to, const PieceSide& side, SideLabels labels, std::vector<FormId> ties) {
+            const auto push = [](LabelledPiece& to, const PieceSide& side, SideLabels labels,
+                                 std::vector<FormId> ties) {
                 to.piece.sides.push_back(side);
                 to.labels.push_back(std::move(labels));
                 to.corner_ties.push_back(std::move(ties));
@@ -447,7 +466,8 @@ private:
                     ((s > cut->at) == from ? before : after).transitions.push_back(t);
                 }
                 after.first = before.last();
-                LabelledPiece &start = from ? halves.second : halves.first, &end = from ? halves.first : halves.second;
+                LabelledPiece &start = from ? halves.second : halves.first,
+                              &end = from ? halves.first : halves.second;
                 push(start, piece.sides[i], before, part.corner_ties[i]);
                 (from ? seam_in_second : seam_in_first) = start.labels.size();
                 (from ? at_returning : at_leaving) = before.last();
@@ -456,13 +476,14 @@ private:
             }
             if (!clear) continue;
             halves.seam = patchwork_.new_seam();
-            halves.first.piece.sides[seam_in_first].id = halves.second.piece.sides[seam_in_second].id = halves.seam;
+            halves.first.piece.sides[seam_in_first].id = halves.second.piece.sides[seam_in_second].id =
+                halves.seam;
             halves.first.piece = make_piece(std::move(halves.first.piece.sides));
             halves.second.piece = make_piece(std::move(halves.second.piece.sides));
             const Piece& first = halves.first.piece;
             auto labels = analysis_.label_side(first.sides[seam_in_first], first.corners[seam_in_first],
-                                               first.corners[(seam_in_first + 1) % first.corners.size()], at_leaving,
-                                               at_returning, candidates, true);
+                                               first.corners[(seam_in_first + 1) % first.corners.size()],
+                                               at_leaving, at_returning, candidates, true);
             if (!labels) continue;
             halves.second.labels[seam_in_second] = labels->reversed();
             halves.first.labels[seam_in_first] = *std::move(labels);
@@ -474,7 +495,8 @@ private:
     }
 
     Patchwork::Index conquer(const Piece& piece, std::vector<FormId>& candidates, double share) {
-        const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1, y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
+        const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1,
+                     y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
         if (candidates.size() > sizes_.quartering) cull_in_quarters(piece.rect, candidates);
         // Low ones first: most of the others then lose at once.
         order_.clear();
@@ -545,14 +567,16 @@ private:
 namespace {
 
 // How far from the middle the chart of a sphere has to reach: beyond it one form is certainly lowest. With
-// (x, y) = (x', y') / (x'^2 + y'^2) every form is f / (x^2 + y^2) with its constant and quadratic terms exchanged, so
-// the question is about a square |x'|, |y'| <= h; the chart reaches to 1 / h.
+// (x, y) = (x', y') / (x'^2 + y'^2) every form is f / (x^2 + y^2) with its constant and quadratic terms
+// exchanged, so the question is about a square |x'|, |y'| <= h; the chart reaches to 1 / h.
 class ChartReach {
 public:
     explicit ChartReach(const FormFamily& family) {
         for (const FormId f : family.forms.ids()) {
             const CircularForm& c = family.forms[f];
-            const auto ball = [](double v) { return Interval::ball(v, 4 * std::numeric_limits<double>::epsilon() * std::abs(v)); };
+            const auto ball = [](double v) {
+                return Interval::ball(v, 4 * std::numeric_limits<double>::epsilon() * std::abs(v));
+            };
             const Interval w = Interval(1.0) / ball(c.w);
             circular_.push_back({Interval(c.k) * w, ball(c.a) * w, ball(c.b) * w, ball(c.e) * w});
         }
@@ -560,7 +584,8 @@ public:
             RadialForm inverted = f;  // seen from the other pole: u_z changes its sign
             inverted.b[2] = -f.b[2];
             inverted.a[2] = -f.a[2];
-            radial_.emplace_back(inverted, RadialChart::Stereographic, [](const Exact& v) { return v.enclosure(); });
+            radial_.emplace_back(inverted, RadialChart::Stereographic,
+                                 [](const Exact& v) { return v.enclosure(); });
         }
     }
 
@@ -571,7 +596,8 @@ public:
             if (i == owner) continue;
             // v - s h - 2 e h^2 > 0: its root, and a bit less.
             const std::array<Interval, 4> d = difference(circular_[i], circular_[owner]);
-            const double v = d[0].lower(), s = (d[1].magnitude() + d[2].magnitude()), e = std::max(0.0, -d[3].lower());
+            const double v = d[0].lower(), s = (d[1].magnitude() + d[2].magnitude()),
+                         e = std::max(0.0, -d[3].lower());
             if (!(v > 0)) throw undecided();
             h = std::min(h, 0.999 * 2 * v / (s + std::sqrt(s * s + 8 * e * v)));
         }
@@ -585,9 +611,12 @@ public:
 private:
     static constexpr double least = 0x1p-40;
 
-    static UndecidedError undecided() { return UndecidedError("which object is nearest around the pole of the chart"); }
+    static UndecidedError undecided() {
+        return UndecidedError("which object is nearest around the pole of the chart");
+    }
 
-    static std::array<Interval, 4> difference(const std::array<Interval, 4>& f, const std::array<Interval, 4>& g) {
+    static std::array<Interval, 4> difference(const std::array<Interval, 4>& f,
+                                              const std::array<Interval, 4>& g) {
         return {f[0] - g[0], f[1] - g[1], f[2] - g[2], f[3] - g[3]};
     }
 
@@ -635,7 +664,8 @@ private:
 
 }  // namespace
 
-MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options) {
+MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion& region,
+                                   const EnvelopeOptions& options) {
     if (family.size() == 0) {
         // Any one form makes the region's face; then its label is taken away.
         FormFamily constant;
@@ -652,14 +682,15 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
     if (family.is_all_circular() && options.incremental)
         if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
     const double reach = ChartReach(family).find();
-    return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options).over_sphere();
+    return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options)
+        .over_sphere();
 }
 
 namespace {
 
-// The unit of y over a cylinder. x is an angle's: pieces are square where a step of y is about as long as a step of
-// x at the cell's distance from the axis. Four times that distance needs the fewest pieces on scenes of all kinds.
-// A power of two, so that nothing is rounded.
+// The unit of y over a cylinder. x is an angle's: pieces are square where a step of y is about as long as a
+// step of x at the cell's distance from the axis. Four times that distance needs the fewest pieces on scenes
+// of all kinds. A power of two, so that nothing is rounded.
 double axial_unit(const FormFamily& family, double y0, double y1) {
     constexpr int along = 4, around = 4;
     const Heights heights(family);
@@ -717,7 +748,8 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
     };
     MinimizationDiagram out = [&] {
         try {
-            return EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options).over_cylinder();
+            return EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options)
+                .over_cylinder();
         } catch (const TieError& e) {
             Assumption tie = e.tie;
             to_length(tie);
@@ -733,7 +765,8 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
     for (MinimizationDiagram::ArcPiece& p : out.pieces_) {
         p.end.y() *= unit;
         p.error *= most;
-        // Where the derivative along (dx, dy) of the scaled chart is positive, so is that along (dx, unit dy).
+        // Where the derivative along (dx, dy) of the scaled chart is positive, so is that along (dx, unit
+        // dy).
         p.direction.y() *= unit;
         p.direction.normalize();
         p.box[2] *= unit;
@@ -748,7 +781,8 @@ FormId lowest_form(const FormFamily& family, double x, double y) {
     Decisions decisions;
     FormId best;
     for (std::uint32_t i = 0; i < family.size(); ++i)
-        if (!best.valid() || heights.compare(FormId{i}, best, x, y, decisions) == Sign::Negative) best = FormId{i};
+        if (!best.valid() || heights.compare(FormId{i}, best, x, y, decisions) == Sign::Negative)
+            best = FormId{i};
     return best;
 }
 

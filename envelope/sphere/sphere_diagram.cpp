@@ -17,21 +17,23 @@
 //   pole is where f is lowest, and a form that others have beaten is mostly flatter than f.
 // A small diagram is looked through for vertices, a large one has a tree of them.
 //
-// A form that doubles cannot tell from a vertex is compared with it by the kernel of circles, exactly. The edges
-// that this leaves may be too short to have a direction in doubles: they lie in a ball about their ends.
+// A form that doubles cannot tell from a vertex is compared with it by the kernel of circles, exactly. The
+// edges that this leaves may be too short to have a direction in doubles: they lie in a ball about their
+// ends.
 //
-// Where it ties with the vertex it counts as the higher one. That is the diagram of forms of which each is raised by an
-// infinitesimal that is beyond all multiples of those before: vertices have three edges still, and those in which more
-// forms tie are several, joined by edges without length. Of these it is known exactly that both their ends are one point.
-// In the end they are contracted, and the vertices have all their forms. A face that meets itself in such a point, and an
-// edge that is closed there, are left to the general engine; so are forms that tie along edges, or inside faces.
+// Where it ties with the vertex it counts as the higher one. That is the diagram of forms of which each is
+// raised by an infinitesimal that is beyond all multiples of those before: vertices have three edges still,
+// and those in which more forms tie are several, joined by edges without length. Of these it is known exactly
+// that both their ends are one point. In the end they are contracted, and the vertices have all their forms.
+// A face that meets itself in such a point, and an edge that is closed there, are left to the general engine;
+// so are forms that tie along edges, or inside faces.
 //
-// Bounds on rounding. Where k operations of relative error u = 2^-53 follow each other, k < 128, their product is
-// within k u (1 + 2^-45) of 1 [Higham02, Lemma 3.1]: a constant that is a tenth above its count of roundings covers all
-// orders. Of a circle n.p = o with radius R the coefficients are off by dn and do, |dn| + |do| <= error (the
-// largest value of dn.p - do on the sphere), and it is used only where error < 2^-20 |n| and R^2 > 2^-10. With e = error /
-// |n| the offset o / |n| is then off by e, the centre by 2 e, of that at most e across n, and R^2 by 2 e, R by 32 e; what
-// is left of second order is less than a hundredth of that.
+// Bounds on rounding. Where k operations of relative error u = 2^-53 follow each other, k < 128, their
+// product is within k u (1 + 2^-45) of 1 [Higham02, Lemma 3.1]: a constant that is a tenth above its count of
+// roundings covers all orders. Of a circle n.p = o with radius R the coefficients are off by dn and do, |dn|
+// + |do| <= error (the largest value of dn.p - do on the sphere), and it is used only where error < 2^-20 |n|
+// and R^2 > 2^-10. With e = error / |n| the offset o / |n| is then off by e, the centre by 2 e, of that at
+// most e across n, and R^2 by 2 e, R by 32 e; what is left of second order is less than a hundredth of that.
 #include "sphere_diagram.hpp"
 
 #include <Eigen/Geometry>
@@ -99,9 +101,9 @@ public:
 private:
     struct Vertex : Mark {
         std::array<Index, 3> forms{};
-        Index out = none;  // while a form is inserted: the edge of its face that leaves here
-        Index stamp = 0;   // current: compared with the challenger
-        Index taken = 0;   // current: the challenger is lower
+        Index out = none;   // while a form is inserted: the edge of its face that leaves here
+        Index stamp = 0;    // current: compared with the challenger
+        Index taken = 0;    // current: the challenger is lower
         Index ties = none;  // the list of forms that tie here and came later
     };
     struct HalfEdge {
@@ -117,7 +119,7 @@ private:
         // long arc there is infinite doubt.
         Mark apex;
         Index stamp = 0;
-        Index cut = none;  // while a form is inserted that crosses the edge: its vertex there
+        Index cut = none;       // while a form is inserted that crosses the edge: its vertex there
         bool is_point = false;  // certainly: both ends are the same point, and all of the edge
     };
     struct Face {            // of the form of the same number
@@ -316,10 +318,11 @@ private:
         const Vector3d center = edge.offset / edge.square * edge.normal,
                        middle = 0.5 * (p.p + q.p) - center;  // of the chord
         const double depth2 = middle.squaredNorm();
-        // Up to a third of a turn the apex is at most twice the radius away: R^2 < 4 |m|^2, m = middle, so |m| > 2^-6.
-        // m -> R^2 m / |m|^2 is an inversion: it takes a change d of m to one of R^2 |d| / (|m| |m + d|) < 8 |d| for |d| <
-        // |m| / 2. From the ends |d| is half the sum of their errors, from the centre 2 e; and R^2 itself changes the
-        // apex by 2 e / |m| < 128 e, the centre by 2 e. Together 4 times the ends' errors and less than 150 e.
+        // Up to a third of a turn the apex is at most twice the radius away: R^2 < 4 |m|^2, m = middle, so
+        // |m| > 2^-6. m -> R^2 m / |m|^2 is an inversion: it takes a change d of m to one of R^2 |d| / (|m|
+        // |m + d|) < 8 |d| for |d| < |m| / 2. From the ends |d| is half the sum of their errors, from the
+        // centre 2 e; and R^2 itself changes the apex by 2 e / |m| < 128 e, the centre by 2 e. Together 4
+        // times the ends' errors and less than 150 e.
         if (!(radius2 < 4 * depth2) || !(p.error + q.error < 0x1p-7)) return;
         edge.apex.p = center + radius2 / depth2 * middle;
         edge.apex.error = edge.apex_blur + 32 * (p.error + q.error);
@@ -328,8 +331,8 @@ private:
         edge.apex.set_level(steepest_);
     }
 
-    // Of an arc whose ends are too near to each other to tell how it runs, unless it seems to be the rest of the circle:
-    // the point opposite to its ends would be on it. Otherwise it lies in a ball about its ends.
+    // Of an arc whose ends are too near to each other to tell how it runs, unless it seems to be the rest of
+    // the circle: the point opposite to its ends would be on it. Otherwise it lies in a ball about its ends.
     void set_short_arc(Index e) {
         constexpr double near = 0x1p-20;
         Edge& edge = edges_[e];
@@ -349,9 +352,10 @@ private:
         has_points_ = has_points_ || edge.is_point;
     }
 
-    // Are both ends exactly one point? None where there are no exact numbers, of forms that are not the family's. The three
-    // forms of the end P with the larger error tie in two points, 2 det / length apart, which meet() has seen to be more
-    // than 12 times that error; and if all three tie in the other end, too, that is one of them, within 4 errors of P.
+    // Are both ends exactly one point? None where there are no exact numbers, of forms that are not the
+    // family's. The three forms of the end P with the larger error tie in two points, 2 det / length apart,
+    // which meet() has seen to be more than 12 times that error; and if all three tie in the other end, too,
+    // that is one of them, within 4 errors of P.
     std::optional<bool> are_one_point(const Vertex& p, const Vertex& q) {
         if ((p.p - q.p).norm() > p.error + q.error + slack) return false;
         const bool is_p = p.error >= q.error;
@@ -546,15 +550,15 @@ private:
         if (!is_decided) return false;
         if (!rivals_.empty()) return true;
         is_beaten = is_beaten_on_edges(form);
-        for (const Index f : is_beaten && is_flatter(form) ? wide_faces_ : alive_faces_)
+        for (const Index f : is_beaten&& is_flatter(form) ? wide_faces_ : alive_faces_)
             if (!(is_beaten && is_beaten_in(form, f))) add_rival(f);
         is_beaten = rivals_.empty();
         if (is_beaten && !is_top_known_) set_top();
         return true;
     }
 
-    // Does the form grow towards the pole of each face that lies in its hemisphere, even with |b| |rival.b| in place of
-    // grows_to_pole()'s product? Slopes are rounded up, squares down.
+    // Does the form grow towards the pole of each face that lies in its hemisphere, even with |b| |rival.b|
+    // in place of grows_to_pole()'s product? Slopes are rounded up, squares down.
     bool is_flatter(const Linear& form) {
         if (!is_flattest_known_) {
             is_flattest_known_ = true;
@@ -574,7 +578,8 @@ private:
     bool is_beaten_on_edges(const Linear& form) {
         return apex_rows_.search(form, [&](Index e) {
             const Edge& edge = edges_[e];
-            return edge.is_point || is_beside(edge, false, form) || look_between(e, false, form) == Middle::Same;
+            return edge.is_point || is_beside(edge, false, form) ||
+                   look_between(e, false, form) == Middle::Same;
         });
     }
 
@@ -642,7 +647,8 @@ private:
             const bool is_from_taken = is_taken(vertices_[half_edges_[h].origin]);
             bool is_crossed = is_from_taken != is_taken(to);
             Edge& edge = edges_[h >> 1];
-            if (!is_crossed && !edge.is_point && !is_beside(edge, is_from_taken, form) && edge.stamp != stamp_) {
+            if (!is_crossed && !edge.is_point && !is_beside(edge, is_from_taken, form) &&
+                edge.stamp != stamp_) {
                 edge.stamp = stamp_;
                 const Middle middle = look_between(h >> 1, is_from_taken, form);
                 if (middle == Middle::Unknown) return false;
@@ -732,8 +738,8 @@ private:
         }
         return sign.has_value();
     }
-    // Of the challenger less the forms that tie in the vertex: that is one of two points where they do, told apart by
-    // the turn of their gradients. The chart shows the sphere as it is seen from outside.
+    // Of the challenger less the forms that tie in the vertex: that is one of two points where they do, told
+    // apart by the turn of their gradients. The chart shows the sphere as it is seen from outside.
     std::optional<Sign> exact_sign(const Vertex& v, Index challenger) {
         if (std::max(challenger, std::ranges::max(v.forms)) >= family_.size()) return std::nullopt;
         kernel_.reset(&family_);
@@ -786,8 +792,8 @@ private:
         if (!(extreme < -doubt) || !(steepness > 0x1p-20 * slope)) return Middle::Unknown;
         const Vector3d center = edge.offset / edge.square * edge.normal;
         middle_ = center - sign * radius / steepness * across;
-        // n.(a x b) for two points seen from the centre: each end is off by its error, the centre counts across n only, e
-        // times |a - b| <= 2, and n itself by dn R^2.
+        // n.(a x b) for two points seen from the centre: each end is off by its error, the centre counts
+        // across n only, e times |a - b| <= 2, and n itself by dn R^2.
         const double turn_doubt =
             length * (2 * end_error + slack) + 4 * edge.error + length * radius * doubt / steepness;
         const auto turn = [&](const Vector3d& a, const Vector3d& b) {
@@ -981,7 +987,8 @@ private:
         for (const auto& [place, f] : faces) {
             Index h = faces_[f].start;
             do {
-                if (edge_map[h >> 1] == none && !is_within_point(h) && !add_edge(out, h >> 1, vertex_map, edge_map))
+                if (edge_map[h >> 1] == none && !is_within_point(h) &&
+                    !add_edge(out, h >> 1, vertex_map, edge_map))
                     return std::nullopt;
                 h = half_edges_[h].next;
             } while (h != faces_[f].start);
@@ -1025,14 +1032,15 @@ private:
         while (places_[v] != v) v = places_[v] = places_[places_[v]];
         return v;
     }
-    // Finds the vertices that are one point, and all forms that tie there. False where an edge is closed in one, or a face
-    // meets itself, and where that is not known.
+    // Finds the vertices that are one point, and all forms that tie there. False where an edge is closed in
+    // one, or a face meets itself, and where that is not known.
     bool unite_vertices() {
         const auto is_alive = [&](Index e) { return !edges_[e].apex.is_gone(); };
         if (ties_.empty()) return true;
         for (Index e = 0; e < edges_.size(); ++e) {
             if (!is_alive(e) || edges_[e].is_point) continue;
-            if (are_one_point(vertices_[half_edges_[2 * e].origin], vertices_[half_edges_[2 * e + 1].origin]) != false)
+            if (are_one_point(vertices_[half_edges_[2 * e].origin],
+                              vertices_[half_edges_[2 * e + 1].origin]) != false)
                 return false;
         }
         places_.resize(vertices_.size());
@@ -1126,7 +1134,7 @@ private:
     SomeIndices alive_faces_;  // as long as there is no tree
     double top_ = HUGE_VAL;    // the diagram is nowhere higher
     bool is_top_known_ = false;
-    double flattest_ = 0;      // forms of less slope grow towards the poles of all faces but these
+    double flattest_ = 0;  // forms of less slope grow towards the poles of all faces but these
     SomeIndices wide_faces_;
     bool is_flattest_known_ = false;
     // Of small diagrams: what of the vertices and of the edges' apexes most forms are compared with.
@@ -1145,8 +1153,8 @@ private:
     SmallVector<Cut, 32> cuts_;
     Vector3d middle_;
     std::vector<std::vector<Index>> ties_;  // the lists of vertices
-    // The result has for each vertex one in the same place (none if all are apart), and the forms where they are more than
-    // three.
+    // The result has for each vertex one in the same place (none if all are apart), and the forms where they
+    // are more than three.
     std::vector<Index> places_, met_;
     std::map<Index, std::vector<Index>> tied_;
 };
@@ -1155,8 +1163,8 @@ private:
 
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
                                                           const EnvelopeOptions& options) {
-    // What fails in the beginning, when faces are large, may succeed in another order. The more forms there are, the
-    // less it costs to try again, compared with the other engine.
+    // What fails in the beginning, when faces are large, may succeed in another order. The more forms there
+    // are, the less it costs to try again, compared with the other engine.
     constexpr std::size_t beginning = 64, many = 1024;
     const std::size_t attempts = family.size() > many ? 16 : 4;
     for (std::size_t attempt = 0; attempt < attempts; ++attempt) {

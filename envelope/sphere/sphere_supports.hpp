@@ -21,9 +21,9 @@
 #include <span>
 #include <vector>
 
-#include "../../primitives/forms/form_family.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../core/small_vector.hpp"
+#include "../../primitives/forms/form_family.hpp"
 
 namespace vcell {
 

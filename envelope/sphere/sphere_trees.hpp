@@ -82,8 +82,8 @@ struct Mark {
     double height = 0;  // of the forms that tie, in p
     double doubt = 0;   // bound on what error and rounding change about height
     double error = 0;   // bound on the distance of p from the true place
-    // A form of which also value - 2 error is more in p is certainly higher in the true place; minus infinity: a mark
-    // that is no more.
+    // A form of which also value - 2 error is more in p is certainly higher in the true place; minus
+    // infinity: a mark that is no more.
     double level = 0;
 
     // No form that is compared has a greater slope than the steepest.
@@ -93,15 +93,16 @@ struct Mark {
 
     // Is the form certainly higher in the true place?
     bool is_below(const Linear& form) const {
-        return form(p) - 2 * form.error > level || form(p) - height > 2 * form.error + doubt + form.slope * error;
+        return form(p) - 2 * form.error > level ||
+               form(p) - height > 2 * form.error + doubt + form.slope * error;
     }
     bool is_above(const Linear& form) const {
         return height - form(p) > 2 * form.error + doubt + form.slope * error;
     }
 };
 
-/// The places and levels of numbered marks, side by side in short numbers: most forms are higher at most marks, which
-/// is seen of four marks at a time.
+/// The places and levels of numbered marks, side by side in short numbers: most forms are higher at most
+/// marks, which is seen of four marks at a time.
 class MarkRows {
 public:
     void set(Index i, const Mark& mark) {
@@ -115,8 +116,8 @@ public:
         if (i / 4 < rows_.size()) rows_[i / 4].level[i % 4] = -HUGE_VALF;
     }
 
-    /// Calls visit(i) for the marks that their level does not show to be below the form, and some more; ends where that
-    /// returns false.
+    /// Calls visit(i) for the marks that their level does not show to be below the form, and some more; ends
+    /// where that returns false.
     template <class Visit>
     bool search(const Linear& form, const Visit& visit) const {
         const Short b(form);
@@ -136,9 +137,9 @@ private:
         Four level{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF, -HUGE_VALF};  // of numbers that no mark has
     };
 
-    // A form, lower than the true one by 3 errors and by more than rounding adds where |p| <= 2. With v = 2^-24 that is
-    // 5 v |b| |p| for b and p, the products and two sums of them, 3 v (|b| |p| + |e|) for e and the last sum, and less
-    // than 2^-140 for underflow. A number that is none is not above any level.
+    // A form, lower than the true one by 3 errors and by more than rounding adds where |p| <= 2. With v =
+    // 2^-24 that is 5 v |b| |p| for b and p, the products and two sums of them, 3 v (|b| |p| + |e|) for e and
+    // the last sum, and less than 2^-140 for underflow. A number that is none is not above any level.
     struct Short {
         Four b;
 
@@ -150,8 +151,11 @@ private:
         // Of which marks is it: a bit for each.
 #if defined(__SSE2__)
         unsigned higher(const Row& row) const {
-            const auto term = [&](int k) { return _mm_mul_ps(_mm_set1_ps(b[k]), _mm_load_ps(row.p[k].data())); };
-            const __m128 value = _mm_add_ps(_mm_add_ps(_mm_add_ps(term(0), term(1)), term(2)), _mm_set1_ps(b[3]));
+            const auto term = [&](int k) {
+                return _mm_mul_ps(_mm_set1_ps(b[k]), _mm_load_ps(row.p[k].data()));
+            };
+            const __m128 value =
+                _mm_add_ps(_mm_add_ps(_mm_add_ps(term(0), term(1)), term(2)), _mm_set1_ps(b[3]));
             return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(value, _mm_load_ps(row.level.data()))));
         }
 #else
@@ -171,7 +175,8 @@ private:
     std::vector<Row> rows_;
 };
 
-/// The octant of a cube about `center` in which p lies, and the centres of the octants' own cubes, of half the size.
+/// The octant of a cube about `center` in which p lies, and the centres of the octants' own cubes, of half
+/// the size.
 inline Index octant(const Vector3d& center, const Vector3d& p) {
     return (p.x() > center.x()) + 2 * (p.y() > center.y()) + 4 * (p.z() > center.z());
 }
@@ -254,9 +259,7 @@ private:
         n.cap.shrink_to({center, half * std::numbers::sqrt3 + slack});
         nodes_.push_back(std::move(n));
     }
-    Index child(Index n, const Vector3d& p) const {
-        return nodes_[n].first + octant(nodes_[n].center, p);
-    }
+    Index child(Index n, const Vector3d& p) const { return nodes_[n].first + octant(nodes_[n].center, p); }
     void put(Index v, Index leaf) {
         if (places_.size() <= v) places_.resize(2 * static_cast<std::size_t>(v) + 64);
         places_[v] = {leaf, static_cast<Index>(nodes_[leaf].vertices.size())};

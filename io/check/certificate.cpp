@@ -9,12 +9,9 @@ namespace vcell {
 
 std::string_view to_string(Verdict verdict) {
     switch (verdict) {
-        case Verdict::proved:
-            return "proved";
-        case Verdict::refuted:
-            return "refuted";
-        default:
-            return "open";
+        case Verdict::proved: return "proved";
+        case Verdict::refuted: return "refuted";
+        default: return "open";
     }
 }
 

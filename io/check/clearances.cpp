@@ -34,8 +34,8 @@ public:
         return is_plane_ ? p.z() : (is_sphere_ ? p.norm() : p.head<2>().norm()) - radius_;
     }
     /// A height over a plane, or a squared distance, is a quotient of polynomials of which the denominator's
-    /// Bernstein coefficients are positive: it lies between the least and the greatest quotient of coefficients. On
-    /// a circle about the centre or the axis they are all the same.
+    /// Bernstein coefficients are positive: it lies between the least and the greatest quotient of
+    /// coefficients. On a circle about the centre or the axis they are all the same.
     std::array<double, 2> range(const Part& part) const {
         std::array<double, 2> bounds{HUGE_VAL, -HUGE_VAL};
         const auto meet = [&](double h) { bounds = {std::min(bounds[0], h), std::max(bounds[1], h)}; };
@@ -72,11 +72,12 @@ Control at(const Part& part, double t) {
     return level[0];
 }
 
-/// Cut where the parabola through three heights is highest or lowest: beside the true place quotients of coefficients
-/// are monotonic, and the bound is attained.
+/// Cut where the parabola through three heights is highest or lowest: beside the true place quotients of
+/// coefficients are monotonic, and the bound is attained.
 std::array<Part, 2> cut(const Part& part, const Heights& heights) {
     const auto height = [&](const Control& c) { return heights.at(c.head<3>() / c[3]); };
-    const double first = height(part.points.front()), middle = height(at(part, 0.5)), last = height(part.points.back());
+    const double first = height(part.points.front()), middle = height(at(part, 0.5)),
+                 last = height(part.points.back());
     const double bend = first - 2 * middle + last, place = 0.5 + 0.25 * (first - last) / bend;
     const double t = place > 0x1p-4 && place < 1 - 0x1p-4 ? place : 0.5;
     std::array<Part, 2> result{part, part};
@@ -124,7 +125,8 @@ Interval greatest(std::vector<Part> parts, const Heights& heights, double sign, 
 }
 
 /// Half the distance between the base and an object, and whether the base's point nearest to it is one of the
-/// region: surely, perhaps (none), or not. A bisector that is lowest all along a line or an arc is so on edges too.
+/// region: surely, perhaps (none), or not. A bisector that is lowest all along a line or an arc is so on
+/// edges too.
 struct Nearest {
     Interval half_distance;
     std::optional<bool> is_inside;
@@ -166,7 +168,8 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
     Interval low, high;
     if (std::holds_alternative<Cylinder>(scene.base)) {
         const auto end = [&](const Interval& y) {
-            return hull(frame.length(y.lower()), frame.length(y.upper())) + Interval(-rounding, rounding) * size;
+            return hull(frame.length(y.lower()), frame.length(y.upper())) +
+                   Interval(-rounding, rounding) * size;
         };
         low = end(subject.space.stretch()[0]);
         high = end(subject.space.stretch()[1]);
@@ -198,20 +201,24 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
                     double inside = HUGE_VAL;
                     for (int axis = 0; axis < 3; ++axis)
                         if (n[(axis + 1) % 3] != 0 || n[(axis + 2) % 3] != 0)
-                            inside = std::min({inside, foot[axis] - scene.box.min[axis], scene.box.max[axis] - foot[axis]});
+                            inside = std::min(
+                                {inside, foot[axis] - scene.box.min[axis], scene.box.max[axis] - foot[axis]});
                     inside /= frame.unit();
                     Nearest result{0.5 * (c[2] - r), std::nullopt};
                     if (std::abs(inside) > rounding * size) result.is_inside = inside > 0;
                     return result;
                 }
-                if (about_sphere) return Nearest{0.5 * (sqrt(square(c[0]) + square(c[1]) + square(c[2])) - r - radius), true};
+                if (about_sphere)
+                    return Nearest{0.5 * (sqrt(square(c[0]) + square(c[1]) + square(c[2])) - r - radius),
+                                   true};
                 return Nearest{0.5 * (sqrt(square(c[0]) + square(c[1])) - r - radius),
                                lies_within(c[2], low, high)};
             }
             if (const auto* plane = std::get_if<Plane>(&object)) {
                 if (!about_sphere) return std::nullopt;
                 const double scale = plane->normal.cwiseAbs().maxCoeff();
-                const Triad<Interval> n = frame.direction(plane->normal / scale), p = frame.point(plane->point);
+                const Triad<Interval> n = frame.direction(plane->normal / scale),
+                                      p = frame.point(plane->point);
                 const Interval d = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
                 const Interval length = sqrt(square(n[0]) + square(n[1]) + square(n[2]));
                 return Nearest{0.5 * ((d.mid() < 0 ? -d : d) / length - radius), true};
@@ -237,8 +244,9 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             return Nearest{0.5 * (distance - r - radius), lies_within(z, low, high)};
         }();
         if (!nearest || nearest->is_inside == false) continue;
-        least = Interval(std::min(least.lower(), nearest->half_distance.lower()),
-                         nearest->is_inside ? std::min(least.upper(), nearest->half_distance.upper()) : least.upper());
+        least = Interval(
+            std::min(least.lower(), nearest->half_distance.lower()),
+            nearest->is_inside ? std::min(least.upper(), nearest->half_distance.upper()) : least.upper());
         // A cell of one face without an edge is as high as low.
         if (most.upper() == -HUGE_VAL) most = nearest->half_distance;
     }

@@ -38,7 +38,8 @@ std::optional<Quadratic> size_of(const Triad<Quadratic>& n) {
         MidRad sum = 0.0;
         for (int i = std::max(0, k - 2); 2 * i <= k; ++i) {
             const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k - i);
-            MidRad product = n[0].c[a] * n[0].c[b] + n[1].c[a] * n[1].c[b] + n[2].c[a] * n[2].c[b] - q.c[a] * q.c[b];
+            MidRad product =
+                n[0].c[a] * n[0].c[b] + n[1].c[a] * n[1].c[b] + n[2].c[a] * n[2].c[b] - q.c[a] * q.c[b];
             if (a < b) product = 2.0 * product;
             sum += product;
         }
@@ -118,7 +119,8 @@ Segment::Segment(const Span& span) {
         }
         sizes_[k] = sqrt(square(ends_[k][0]) + square(ends_[k][1]) + square(ends_[k][2]));
     }
-    // (p v + o v) x (q w) with q w = p' w + o w: p x p' + o x (p' v - p w), where what is large has cancelled.
+    // (p v + o v) x (q w) with q w = p' w + o w: p x p' + o x (p' v - p w), where what is large has
+    // cancelled.
     const auto& [p, q] = relative_;
     Triad<MidRad> way;
     for (std::size_t i = 0; i < 3; ++i) way[i] = q[i] * weights_[0] - p[i] * weights_[1];
@@ -131,12 +133,13 @@ Segment::Segment(const Span& span) {
 
 MidRad Segment::length() const {
     MidRad sum = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) sum += square(relative_[1][i] * weights_[0] - relative_[0][i] * weights_[1]);
+    for (std::size_t i = 0; i < 3; ++i)
+        sum += square(relative_[1][i] * weights_[0] - relative_[0][i] * weights_[1]);
     return sqrt(sum) / (weights_[0] * weights_[1]);
 }
 
-// Seen from the centre the segment lies on a great circle, and the face in the plane where z t = K / A: with both ends
-// p and q at heights x and y over the centre's plane across the axis a, the triangle has the area
+// Seen from the centre the segment lies on a great circle, and the face in the plane where z t = K / A: with
+// both ends p and q at heights x and y over the centre's plane across the axis a, the triangle has the area
 // (K / A)^2 det(a, p, q) / (2 x y) and the solid angle [VanOosterom83]
 //     2 arctan(det(a, p, q) / (|p| |q| + x |q| + y |p| + p q)).
 std::optional<std::array<MidRad, 3>> Segment::beside(const Shadow& shadow) const {
@@ -149,13 +152,15 @@ std::optional<std::array<MidRad, 3>> Segment::beside(const Shadow& shadow) const
     if (!(x.lower() > 0) || !(y.lower() > 0)) return std::nullopt;
     const MidRad share = determinant / (x * y) / form->A;
     const MidRad sum = sizes_[0] * sizes_[1] + x * sizes_[1] + y * sizes_[0] + product_;
-    // The angle of a point that is off by less than its distance from the origin is off by less than the quotient of
-    // that by what is left of the distance; arctan itself by three units in its last place, as glibc's manual states.
+    // The angle of a point that is off by less than its distance from the origin is off by less than the
+    // quotient of that by what is left of the distance; arctan itself by three units in its last place, as
+    // glibc's manual states.
     const double off = (determinant.radius() + sum.radius()) * (1 + 0x1p-50),
                  reach = std::hypot(determinant.mid(), sum.mid()) * (1 - 0x1p-50) - off;
     if (!(reach > 0) || !(sum.lower() > 0)) return std::nullopt;
     const double angle = std::atan2(determinant.mid(), sum.mid());
-    const MidRad shadow_of_face = 2.0 * MidRad::ball(angle, (off / reach) * (1 + 0x1p-50) + 0x1p-50 * std::abs(angle));
+    const MidRad shadow_of_face =
+        2.0 * MidRad::ball(angle, (off / reach) * (1 + 0x1p-50) + 0x1p-50 * std::abs(angle));
     return std::array{form->volume * share, 0.5 * (form->K2 / form->A * share), shadow_of_face};
 }
 

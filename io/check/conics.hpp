@@ -98,8 +98,8 @@ private:
     std::optional<Quadratic> size_, squared_size_;  ///< from a centre
 };
 
-/// A span of degree one about a sphere, beside flat faces: these have the triangle between its ends and the foot of
-/// their axis there, and nothing takes a rule.
+/// A span of degree one about a sphere, beside flat faces: these have the triangle between its ends and the
+/// foot of their axis there, and nothing takes a rule.
 class Segment {
 public:
     explicit Segment(const Span& span);

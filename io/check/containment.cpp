@@ -23,8 +23,8 @@ Exact squared_sine(const Vector& a, const Vector& b) {  // times both squared le
     return dot(a, a) * dot(b, b) - along * along;
 }
 
-/// What doubles tell: false where exact numbers need not be asked. The part of a squared length, of numbers of the size
-/// of the ways' ends, that all their roundings are far below.
+/// What doubles tell: false where exact numbers need not be asked. The part of a squared length, of numbers
+/// of the size of the ways' ends, that all their roundings are far below.
 constexpr double blur = 0x1p-40;
 bool may_fit(const Vec3& way, double size, const Vec3& axis, double room) {
     return way.cross(axis).squaredNorm() <= (room * room + blur * size * size) * axis.squaredNorm();
@@ -49,7 +49,8 @@ bool contains(const Cylinder& holder, const Sphere& held) {
                  holder.radius - held.radius))
         return false;
     const Vector axis = exact(holder.axis);
-    return fits(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius, dot(axis, axis));
+    return fits(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius,
+                dot(axis, axis));
 }
 bool contains(const Cylinder& holder, const Cylinder& held) {
     return may_be_parallel(holder.axis, held.axis) && contains(holder, Sphere{held.point, held.radius}) &&
@@ -57,11 +58,13 @@ bool contains(const Cylinder& holder, const Cylinder& held) {
 }
 bool contains(const Plane& holder, const Sphere& held) {
     return held.radius == 0 &&
-           may_be_orthogonal(holder.normal, held.center - holder.point, held.center.norm() + holder.point.norm()) &&
+           may_be_orthogonal(holder.normal, held.center - holder.point,
+                             held.center.norm() + holder.point.norm()) &&
            are_orthogonal(exact(holder.normal), from(holder.point, held.center));
 }
 bool contains(const Plane& holder, const Cylinder& held) {
-    return contains(holder, Sphere{held.point, held.radius}) && are_orthogonal(exact(holder.normal), exact(held.axis));
+    return contains(holder, Sphere{held.point, held.radius}) &&
+           are_orthogonal(exact(holder.normal), exact(held.axis));
 }
 bool contains(const Plane& holder, const Plane& held) {
     return contains(holder, Sphere{held.point, 0}) &&
@@ -80,7 +83,8 @@ bool is_behind(const Plane& base, const Sphere& ball) {
 }
 bool is_behind(const Plane& base, const Cylinder& tube) {
     return may_be_orthogonal(base.normal, tube.axis, tube.axis.norm()) &&
-           are_orthogonal(exact(base.normal), exact(tube.axis)) && is_behind(base, Sphere{tube.point, tube.radius});
+           are_orthogonal(exact(base.normal), exact(tube.axis)) &&
+           is_behind(base, Sphere{tube.point, tube.radius});
 }
 bool is_behind(const Plane& base, const Plane& plane) {
     return may_be_parallel(base.normal, plane.normal) &&

@@ -5,8 +5,8 @@
 
 namespace vcell::check {
 
-/// Does `holder` contain all of `held`? A plane holds what lies in it, balls and cylinders are solid. Of a cylinder the
-/// axis may have any length.
+/// Does `holder` contain all of `held`? A plane holds what lies in it, balls and cylinders are solid. Of a
+/// cylinder the axis may have any length.
 bool contains(const Object& holder, const Object& held);
 /// Does the base contain all of an object, or as a plane have it behind its front?
 bool base_contains(const Object& base, const Object& held);

@@ -96,29 +96,32 @@ private:
         double distance, slope;  ///< the least singular value that far around
         double growth;           ///< the lesser of both excesses', as growth() has it
     };
-    /// What bounds on the excesses e and f say about the distance from the arc, or nothing where gradients are
-    /// parallel in the box.
+    /// What bounds on the excesses e and f say about the distance from the arc, or nothing where gradients
+    /// are parallel in the box.
     ///
-    /// Both excesses fall in proportion to each other, to zero, along the path that takes the shortest way: with
-    /// their gradients g and h it is |e h - f g| / |g x h| long for some place in the box.
+    /// Both excesses fall in proportion to each other, to zero, along the path that takes the shortest way:
+    /// with their gradients g and h it is |e h - f g| / |g x h| long for some place in the box.
     std::optional<Reach> distance(const Vector<Interval>& box, const std::array<Interval, 2>& excesses,
                                   double size) const {
-        return reach([&](double margin) -> std::optional<Reach> {
-            const Interval m(-margin, margin);
-            const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
-            const Vector<Interval> g = space().gradient(conditions_[0], x),
-                                   h = space().gradient(conditions_[1], x);
-            const Vector<Interval> difference = space().gradient_difference(conditions_[1], conditions_[0], x);
-            const Interval sine = square(cross(g, difference)), sum = square(g) + square(h);
-            if (!(sine.lower() > 0)) return std::nullopt;
-            // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of
-            // which the greater is below the sum of squares.
-            const double slope = sqrt(sine / sum).lower();
-            const auto& [e, f] = excesses;
-            const Interval way = sqrt(square(e * h - f * g) / sine);
-            return Reach{std::min((Interval(size) / slope).upper(), way.upper()), slope,
-                         std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
-        }, size);
+        return reach(
+            [&](double margin) -> std::optional<Reach> {
+                const Interval m(-margin, margin);
+                const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
+                const Vector<Interval> g = space().gradient(conditions_[0], x),
+                                       h = space().gradient(conditions_[1], x);
+                const Vector<Interval> difference =
+                    space().gradient_difference(conditions_[1], conditions_[0], x);
+                const Interval sine = square(cross(g, difference)), sum = square(g) + square(h);
+                if (!(sine.lower() > 0)) return std::nullopt;
+                // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of
+                // which the greater is below the sum of squares.
+                const double slope = sqrt(sine / sum).lower();
+                const auto& [e, f] = excesses;
+                const Interval way = sqrt(square(e * h - f * g) / sine);
+                return Reach{std::min((Interval(size) / slope).upper(), way.upper()), slope,
+                             std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
+            },
+            size);
     }
     /// The first one that lies within the margin for which it was found.
     template <class Find>
@@ -174,13 +177,15 @@ private:
             distances([&](const Condition& c) { return part.spheres->excess(c); });
         if (!result) return std::nullopt;
         if (conditions_[0].site.is_object() && conditions_[1].site.is_object())
-            result->found = reach([&](double margin) -> std::optional<Reach> {
-                const auto found =
-                    part.spheres->slopes(conditions_[0].site, conditions_[1].site, result->size, margin);
-                return found ? std::optional(Reach{(Interval(result->size) / found->both).upper(), found->both,
-                                                   found->growth})
-                             : std::nullopt;
-            }, result->size);
+            result->found = reach(
+                [&](double margin) -> std::optional<Reach> {
+                    const auto found =
+                        part.spheres->slopes(conditions_[0].site, conditions_[1].site, result->size, margin);
+                    return found ? std::optional(Reach{(Interval(result->size) / found->both).upper(),
+                                                       found->both, found->growth})
+                                 : std::nullopt;
+                },
+                result->size);
         else
             result->found = distance(part.net.box(), result->excesses, result->size);
         return result;
@@ -284,7 +289,8 @@ private:
                 std::erase_if(task.rivals, [&](const Condition& c) {
                     const double least = along.excess(c).lower();
                     if (least >= 0) return true;
-                    if (!ties_at_ends(c, whole) && is_little(c, least, this->growth(c, task.part.net.box()), HUGE_VAL))
+                    if (!ties_at_ends(c, whole) &&
+                        is_little(c, least, this->growth(c, task.part.net.box()), HUGE_VAL))
                         return true;
                     return is_held(c.site, conditions_);
                 });
@@ -332,7 +338,8 @@ private:
     void drop_farther(const Part& part, std::vector<Condition>& rivals) const {
         const Vector<Interval>& box = part.net.box();
         std::erase_if(rivals, [&](const Condition& c) {
-            if (c.site.kind == Site::Kind::BoxSide) return space().inside_side(c.site.index, box).lower() >= 0;
+            if (c.site.kind == Site::Kind::BoxSide)
+                return space().inside_side(c.site.index, box).lower() >= 0;
             if (!part.spheres || !c.site.is_object()) return false;
             const auto least = part.spheres->least(c.site);
             if (!least) return false;
@@ -347,7 +354,8 @@ private:
         });
     }
     /// Is an excess that is no less than `least`, which is negative, within the allowance, and is what that
-    /// means for the boundary, where it grows by `growth` per length, no more than `most`? That is noted then.
+    /// means for the boundary, where it grows by `growth` per length, no more than `most`? That is noted
+    /// then.
     bool is_little(const Condition& c, double least, double growth, double most) const {
         if (!(least >= -allowance(c))) return false;
         if (!(growth > 0) || !(-least / growth <= most)) return false;

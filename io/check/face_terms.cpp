@@ -46,12 +46,12 @@ Approximate artanh_series(const Approximate& square_of_x) {
 
 }  // namespace
 
-/// Below 1/4 by the series, of which the rest is less than 2^-58. By Horner's rule the k-th term, which is below
-/// 16^-k / (2 k + 1), goes through 2 k + 2 roundings: all of them are less than four of the sum.
+/// Below 1/4 by the series, of which the rest is less than 2^-58. By Horner's rule the k-th term, which is
+/// below 16^-k / (2 k + 1), goes through 2 k + 2 roundings: all of them are less than four of the sum.
 ///
-/// Beyond, with r = sqrt(1 - x^2), artanh(x) = 2 artanh(y) for y = x / (1 + r). Below 3/4, 1 - x^2 is off by less
-/// than 2.5 roundings, r by 2.3 and 1 + r by two, y by three and with it artanh(y) / y by one: each of two steps at
-/// most adds seven roundings.
+/// Beyond, with r = sqrt(1 - x^2), artanh(x) = 2 artanh(y) for y = x / (1 + r). Below 3/4, 1 - x^2 is off by
+/// less than 2.5 roundings, r by 2.3 and 1 + r by two, y by three and with it artanh(y) / y by one: each of
+/// two steps at most adds seven roundings.
 Approximate artanh_ratio(const Approximate& x) {
     const double most = abs(x).greatest();
     if (most < 0x1p-8) return artanh_series<4>(square(x));
@@ -83,22 +83,24 @@ struct Computed {
 
 }  // namespace
 
-// To first order in relative errors, of which each is below 2^-12 and no term has more than sixteen factors: what that
-// leaves out is less than a hundredth, and so is what the bounds themselves lose to rounding. B counts relative to its
-// largest magnitude, and terms that may cancel by their magnitudes.
+// To first order in relative errors, of which each is below 2^-12 and no term has more than sixteen factors:
+// what that leaves out is less than a hundredth, and so is what the bounds themselves lose to rounding. B
+// counts relative to its largest magnitude, and terms that may cancel by their magnitudes.
 double error_of_antiderivative(const Revolved& r, const Disc& range, double error) {
-    constexpr double u = 0x1p-53, up = 1 + 0x1p-40, down = 1 - 0x1p-40, first_order = 1.02, most_relative = 0x1p-12;
+    constexpr double u = 0x1p-53, up = 1 + 0x1p-40, down = 1 - 0x1p-40, first_order = 1.02,
+                     most_relative = 0x1p-12;
     const double reach = (range.radius() + error) * up, low = (range.center() - reach) * down,
                  high = (range.center() + reach) * up;
     const double b1 = r.b1.mid(), B = r.B.mid(), E = r.E.mid(), beta = r.B.magnitude();
     if (!(low > 0) || !(b1 > 0) || !(r.is_paraboloid || E > 0)) return HUGE_VAL;
-    const double off_b = error / low, off_1 = r.b1.radius() / b1 * up, off_B = beta > 0 ? r.B.radius() / beta : 0,
-                 off_place = std::max(off_b, off_1);
+    const double off_b = error / low, off_1 = r.b1.radius() / b1 * up,
+                 off_B = beta > 0 ? r.B.radius() / beta : 0, off_place = std::max(off_b, off_1);
     const double product = low * b1;
     if (r.is_paraboloid) {
         const double relative = off_B + 6 * off_place + 32 * u;
         if (!(relative < most_relative)) return HUGE_VAL;
-        const double root = std::sqrt(product), value = std::sqrt(2 * beta) * (high + b1 + std::sqrt(high * b1)) /
+        const double root = std::sqrt(product), value = std::sqrt(2 * beta) *
+                                                        (high + b1 + std::sqrt(high * b1)) /
                                                         ((std::sqrt(low) + std::sqrt(b1)) * root * product);
         return relative * value * first_order;
     }
@@ -134,10 +136,12 @@ double error_of_antiderivative(const Revolved& r, const Disc& range, double erro
     if (!(least > 0)) return HUGE_VAL;
     const double ratio = (s.most * s1.most + E) / (sum * least),
                  off_ratio = std::max(s.error + s1.error + u, off_E) + off_sum + lost / least + 4 * u;
-    const double apart = std::max(std::abs(b1 - low), std::abs(high - b1)) + r.b1.radius(), size = std::sqrt(E) * ratio;
+    const double apart = std::max(std::abs(b1 - low), std::abs(high - b1)) + r.b1.radius(),
+                 size = std::sqrt(E) * ratio;
     const double x_error = size * (error + r.b1.radius() + apart * (off_E + off_ratio + 6 * u)) * first_order;
     const double x = size * apart * up + x_error;
-    if (!(off_ratio < most_relative) || !(off_E < most_relative) || !(off_B < most_relative) || !(x < 1 - 0x1p-20))
+    if (!(off_ratio < most_relative) || !(off_E < most_relative) || !(off_B < most_relative) ||
+        !(x < 1 - 0x1p-20))
         return HUGE_VAL;
     const double rest = 1 - x * x, artanh = 1 + x * x / (3 * rest);
     const double factor = beta * beta / E * ratio, third = factor * artanh;

@@ -36,8 +36,8 @@ T antiderivative(const Revolved& r, const T& b) {
     const T x = sqrt(E) * (b1 - b) * ratio;
     return first + second - square(B) / E * ratio * T(artanh_ratio(x));
 }
-/// How far rounding may take the antiderivative from the true one, at any b of a disc's real part: `error` is that of
-/// the b that it is computed at. Infinite where nothing is known.
+/// How far rounding may take the antiderivative from the true one, at any b of a disc's real part: `error` is
+/// that of the b that it is computed at. Infinite where nothing is known.
 double error_of_antiderivative(const Revolved& r, const Disc& b, double error);
 
 template <class T>

@@ -115,12 +115,13 @@ private:
 
     // --- On the bisector ----------------------------------------------------------------------------
 
-    /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or no more than its boundary
-    /// is; or, where halves are no nearer to it, by what its edges state.
+    /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or no more than
+    /// its boundary is; or, where halves are no nearer to it, by what its edges state.
     std::optional<double> follow_bisector(const std::string& where, const Patch& patch, const Tile& whole,
                                           const std::optional<double>& boundary) {
         if (spheres_)
-            if (const auto near = nearness_by_spheres(*spheres_); near && near->distance && near->size <= width_)
+            if (const auto near = nearness_by_spheres(*spheres_);
+                near && near->distance && near->size <= width_)
                 return near->distance;
         if (boundary)
             if (const auto distance = distance_inside(patch, whole.net, *boundary)) return distance;
@@ -193,11 +194,13 @@ private:
         return Nearness{size, distance_by_spheres(spheres, size)};
     }
     std::optional<double> distance_by_spheres(const TouchingSpheres& spheres, double size) const {
-        return distance_where([&](double margin) -> std::optional<double> {
-            if (!own_[0].site.is_object()) return 1.0;
-            const auto growth = spheres.growth(own_[0].site, size, margin);
-            return growth ? std::optional(sqrt(Interval(2.0) * *growth).lower()) : std::nullopt;
-        }, size);
+        return distance_where(
+            [&](double margin) -> std::optional<double> {
+                if (!own_[0].site.is_object()) return 1.0;
+                const auto growth = spheres.growth(own_[0].site, size, margin);
+                return growth ? std::optional(sqrt(Interval(2.0) * *growth).lower()) : std::nullopt;
+            },
+            size);
     }
     /// Inside the loops, which lift to within `boundary` of their edges. None: it takes tiles to tell.
     std::optional<double> distance_inside(const Patch& patch, const Net& net, double boundary) const {
@@ -211,7 +214,8 @@ private:
                     for (std::size_t i = 0; i < piece.points.size(); ++i)
                         reach = std::max(reach, (piece.control(i) - base->center).norm());
             }
-        const auto inside = TouchingSpheres::inside(net, own_[0].site, space(), (reach + boundary) * (1 + 0x1p-40));
+        const auto inside =
+            TouchingSpheres::inside(net, own_[0].site, space(), (reach + boundary) * (1 + 0x1p-40));
         if (!inside || !(inside->excess <= width_)) return std::nullopt;
         return distance_by_spheres(inside->spheres, inside->excess);
     }
@@ -219,16 +223,19 @@ private:
 
     /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
-        return distance_where([&](double margin) -> std::optional<double> {
-            const Interval m(-margin, margin);
-            const Vector<Interval> around{box[0] + m, box[1] + m, box[2] + m};
-            const double slope = sqrt(square(space().gradient(own_[0], around))).lower();
-            return slope > 0 ? slope : slope_between_balls(around, size + 2 * margin);
-        }, size);
+        return distance_where(
+            [&](double margin) -> std::optional<double> {
+                const Interval m(-margin, margin);
+                const Vector<Interval> around{box[0] + m, box[1] + m, box[2] + m};
+                const double slope = sqrt(square(space().gradient(own_[0], around))).lower();
+                return slope > 0 ? slope : slope_between_balls(around, size + 2 * margin);
+            },
+            size);
     }
-    /// The least length of the gradient where the excess is at most `size`, between a base ball and another: at the
-    /// distances s and s + d + e from their centres, which are L apart, its square is (L^2 - (d + e)^2) / (s (s + d + e)).
-    /// Far out gradients are short and turn within a box, and this does not look at directions.
+    /// The least length of the gradient where the excess is at most `size`, between a base ball and another:
+    /// at the distances s and s + d + e from their centres, which are L apart, its square is (L^2 - (d +
+    /// e)^2) / (s (s + d + e)). Far out gradients are short and turn within a box, and this does not look at
+    /// directions.
     double slope_between_balls(const Vector<Interval>& box, double size) const {
         const auto* base = std::get_if<Sphere>(&scene_.base);
         const Sphere* own =
@@ -263,12 +270,12 @@ private:
                     const double allowed = 2 * std::max(width_, stated_);
                     if (!(magnitude(e).lower() > allowed)) continue;
                     const auto is_inside = inside(patch, uv, rounding());
-                    // Excesses change by twice the distance at most: from inside the loops to what is near them.
+                    // Excesses change by twice the distance at most: from inside the loops to what is near
+                    // them.
                     const SurfacePoint s = lift(patch, uv);
                     const Vec2 near = kNearEdge * (patch.hi - patch.lo);
                     const double reach = near.x() * s.pu.norm() + near.y() * s.pv.norm();
-                    if (is_inside.value_or(magnitude(e).lower() > allowed + 4 * reach))
-                        return e.mid();
+                    if (is_inside.value_or(magnitude(e).lower() > allowed + 4 * reach)) return e.mid();
                 }
         return std::nullopt;
     }
@@ -333,7 +340,8 @@ private:
             const Sphere* rival = ball(c);
             // In the order of what they take.
             if (spheres_ && rival && own && !spheres_->may_be_least(*own, *rival, margin_)) continue;
-            if (base && rival && own && LeastPlaces::do_rays_miss(*base, *own, *rival, center, reach)) continue;
+            if (base && rival && own && LeastPlaces::do_rays_miss(*base, *own, *rival, center, reach))
+                continue;
             if (spheres_ && spheres_->is_farther(c.site, margin_)) continue;
             if (!least) least.emplace(scene_, own_[0].site);
             const auto spots = least->of(c.site, 2 * stated_ + tie_width(c.site));
@@ -345,7 +353,8 @@ private:
 
     /// Is it a side of the box that a tile lies inside of?
     bool is_beside(const Condition& c, const Vector<Interval>& box) const {
-        return c.site.kind == Site::Kind::BoxSide && space().inside_side(c.site.index, box).lower() >= margin_;
+        return c.site.kind == Site::Kind::BoxSide &&
+               space().inside_side(c.site.index, box).lower() >= margin_;
     }
 
     /// Drops the rivals that need not be looked for in a tile.
@@ -365,9 +374,9 @@ private:
             if (std::ranges::all_of(*rival.spots, is_elsewhere)) return true;
             // A least value that is not negative is as good as none.
             return tile.depth == 0 && std::ranges::all_of(*rival.spots, [&](const Spot& spot) {
-                const Vector<Interval> place = box_about(spot.center, spot.radius);
-                return is_elsewhere(spot) || space().excess(rival.condition, place).lower() >= 0;
-            });
+                       const Vector<Interval> place = box_about(spot.center, spot.radius);
+                       return is_elsewhere(spot) || space().excess(rival.condition, place).lower() >= 0;
+                   });
         });
         if (tile.rivals.empty()) return;
         const Test test(*this, tile.net, is_small);
@@ -425,7 +434,8 @@ private:
                     s.turn + base_.turn};
         }
 
-        /// Own and rival: their excesses and gradients may differ by little, but the difference is known well.
+        /// Own and rival: their excesses and gradients may differ by little, but the difference is known
+        /// well.
         bool are_balls(const Condition& c) const {
             const auto is_ball = [&](const Condition& x) {
                 return x.site.is_object() && std::holds_alternative<Sphere>(scene_.objects[x.site.index]);
@@ -439,8 +449,8 @@ private:
                        .lower() > 0;
         }
 
-        /// Where bisectors touch, the excess changes slowly on the patch. Of two balls the difference of the excesses
-        /// does, and the patch's own is below the width on all of it.
+        /// Where bisectors touch, the excess changes slowly on the patch. Of two balls the difference of the
+        /// excesses does, and the patch's own is below the width on all of it.
         bool is_farther(const Condition& c) const {
             const Space<Interval>& space = faces_.space();
             const Condition& own = faces_.own_[0];
@@ -455,8 +465,8 @@ private:
             return (excess - change).lower() >= -faces_.tie_width(c.site);
         }
 
-        /// How the tile's points change along both parameters, from a corner on. It is the same for all rivals, and found
-        /// once for that.
+        /// How the tile's points change along both parameters, from a corner on. It is the same for all
+        /// rivals, and found once for that.
         struct Changes {
             std::array<Vector<Interval>, 2> slopes;
             Vector<Interval> corner;
@@ -479,12 +489,13 @@ private:
 
     // --- Inside the trims ---------------------------------------------------------------------------
 
-    /// Is a tile certainly outside the loops? No curve meets it, and they do not wind around it. If they do, its halves
-    /// are inside, too.
+    /// Is a tile certainly outside the loops? No curve meets it, and they do not wind around it. If they do,
+    /// its halves are inside, too.
     bool is_outside(const Patch& patch, Tile& tile) const {
         if (tile.is_inside) return false;
         // A patch may be no wider than its numbers' rounding, below which halves of a piece do not shrink.
-        const Vec2 least_size = kNearEdge * (patch.hi - patch.lo) + kRough * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
+        const Vec2 least_size =
+            kNearEdge * (patch.hi - patch.lo) + kRough * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop)
                 for (const auto& piece : trim.pieces)
@@ -513,9 +524,9 @@ private:
     std::vector<Condition> own_;
     std::optional<TouchingSpheres> spheres_;     // about the patch
     mutable std::vector<Condition> conditions_;  // of rivals
-    double margin_ = 0;  // how far the patch is from its bisector
-    double width_ = 0;   // what rounding of the patch's numbers makes of an excess
-    double stated_ = 0;  // the largest error of its edges
+    double margin_ = 0;                          // how far the patch is from its bisector
+    double width_ = 0;                           // what rounding of the patch's numbers makes of an excess
+    double stated_ = 0;                          // the largest error of its edges
 };
 
 }  // namespace

@@ -33,7 +33,8 @@ T speed(const Place<T>& p) {
 class Summation {
 public:
     Summation(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
-              const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort, bool prove_all)
+              const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort,
+              bool prove_all)
         : cell_(cell), frame_(frame), uses_(uses), bands_(bands), effort_(effort), prove_all_(prove_all) {
         sums_.faces.resize(cell.faces.size());
         sums_.slack.resize(cell.faces.size());
@@ -43,7 +44,8 @@ public:
             shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, corners[f]));
             sums_.faces[f].is_known = shadows_.back().has_value();
         }
-        // Shares of what may be missed: of each piece on either side, two units wide; of all together a sixteenth.
+        // Shares of what may be missed: of each piece on either side, two units wide; of all together a
+        // sixteenth.
         std::size_t pieces = 1;
         for (const CellEdge& edge : cell.edges)
             pieces += edge.curve.points.size() / static_cast<std::size_t>(edge.curve.degree);
@@ -71,9 +73,9 @@ private:
                     direct[k] = &*shadow;
             }
             const bool is_direct = direct[0] || direct[1];
-            const Interval length = !is_direct                 ? length_of(span)
-                                    : span.degree() <= 2       ? add_conic(e, direct, span)
-                                                               : add_direct(e, direct, span);
+            const Interval length = !is_direct           ? length_of(span)
+                                    : span.degree() <= 2 ? add_conic(e, direct, span)
+                                                         : add_direct(e, direct, span);
             sums_.lengths[e] += length;
             add_slack(e, span, length);
             if (uses_[e].size() == 1) add_side(e, span);
@@ -83,15 +85,16 @@ private:
     Interval length_of(const Span& span) {
         std::array<Interval, 1> sum{};
         Effort effort{effort_};
-        sums_.is_complete &= integrate<1>(
-            [&]<class T>(const T& s) { return std::array<T, 1>{speed(span.at(s))}; }, -1, 1, {enough_[2]}, sum,
-            effort);
+        sums_.is_complete &=
+            integrate<1>([&]<class T>(const T& s) { return std::array<T, 1>{speed(span.at(s))}; }, -1, 1,
+                         {enough_[2]}, sum, effort);
         return sum[0];
     }
 
     /// Faces on both sides whose integrands need no start, and the length, at one go. Returns the length.
     template <class F>
-    Interval add_both(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span, const F& f) {
+    Interval add_both(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span,
+                      const F& f) {
         std::array<Interval, 7> sum{};
         const std::array<double, 7> enough{enough_[0], enough_[1], enough_[1], enough_[0],
                                            enough_[1], enough_[1], enough_[2]};
@@ -107,18 +110,18 @@ private:
 
     Interval add_direct(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
         return add_both(e, shadows, span, [&]<class T>(const T& s) {
-                const Place<T> p = span.at(s);
-                std::array<T, 7> values{};
-                for (std::size_t k = 0; k < 2; ++k) {
-                    if (!shadows[k]) continue;
-                    const Densities<T> d = densities(*shadows[k], p);
-                    values[3 * k] = d.volume;
-                    values[3 * k + 1] = d.area;
-                    values[3 * k + 2] = d.shadow;
-                }
-                values[6] = speed(p);
-                return values;
-            });
+            const Place<T> p = span.at(s);
+            std::array<T, 7> values{};
+            for (std::size_t k = 0; k < 2; ++k) {
+                if (!shadows[k]) continue;
+                const Densities<T> d = densities(*shadows[k], p);
+                values[3 * k] = d.volume;
+                values[3 * k + 1] = d.area;
+                values[3 * k + 2] = d.shadow;
+            }
+            values[6] = speed(p);
+            return values;
+        });
     }
 
     Interval add_conic(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
@@ -134,7 +137,8 @@ private:
     }
 
     /// None: it takes rules.
-    std::optional<Interval> add_segment(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
+    std::optional<Interval> add_segment(std::size_t e, const std::array<const Shadow*, 2>& shadows,
+                                        const Span& span) {
         if (span.degree() != 1 || !std::holds_alternative<Sphere>(cell_.scene.base)) return std::nullopt;
         const Segment segment(span);
         std::array<std::optional<std::array<MidRad, 3>>, 2> beside;
@@ -181,8 +185,8 @@ private:
             const bool is_complete = estimate<3>(density, {-1, 0}, {1, 1}, enough, sum, effort);
             sums_.is_complete &= is_complete;
             sums_.is_proved = false;
-            // Where the rules never came near each other their difference tells little: beside a pole both miss
-            // most of it.
+            // Where the rules never came near each other their difference tells little: beside a pole both
+            // miss most of it.
             constexpr double poor = 0x1p-16, wider = 16;
             if (!is_complete)
                 for (Interval& x : sum) x = Interval::ball(x.mid(), wider * x.radius());
@@ -243,20 +247,22 @@ private:
         return 1 / (is_sphere ? squared : std::sqrt(squared));
     }
 
-    // In the band beside an edge that is off by e the other face may be the true one: that changes areas by the
-    // band's times the steepness of both, and volumes by the band's times how far the faces part in it, at most
-    // e times their slopes.
+    // In the band beside an edge that is off by e the other face may be the true one: that changes areas by
+    // the band's times the steepness of both, and volumes by the band's times how far the faces part in it,
+    // at most e times their slopes.
     void add_slack(std::size_t e, const Span& span, Interval length) {
         double steep = 0;
         for (const EdgeUse& use : uses_[e]) {
             double s = cell_.faces[use.face].site.is_object() ? bands_[e].steepness : HUGE_VAL;
             if (!std::isfinite(s)) s = steepest(use, span);
             if (!std::isfinite(s))
-                s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0), steepness(use, span, 1.0)});
+                s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0),
+                                  steepness(use, span, 1.0)});
             steep += s;
         }
         const double band = bands_[e].error * length.upper();
-        const double area = band * steep, volume = bands_[e].error * area, shadow = band * shadow_of_area(span);
+        const double area = band * steep, volume = bands_[e].error * area,
+                     shadow = band * shadow_of_area(span);
         for (const EdgeUse& use : uses_[e]) {
             sums_.slack[use.face].area += area;
             sums_.slack[use.face].volume += volume;
@@ -301,7 +307,8 @@ private:
             },
             -1, 1, {enough_[1]}, sum, effort);
         // The face is on the left: around the lower end it runs with the angle, around the upper against it.
-        const bool is_upper = std::ranges::find(cell_.edges[e].sites, Site::end(1)) != cell_.edges[e].sites.end();
+        const bool is_upper =
+            std::ranges::find(cell_.edges[e].sites, Site::end(1)) != cell_.edges[e].sites.end();
         const bool with_angle = is_upper == uses_[e][0].reversed;
         sums_.sides = with_angle ? sums_.sides + sum[0] : sums_.sides - sum[0];
     }
@@ -321,7 +328,8 @@ private:
 }  // namespace
 
 Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
-                          const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort, bool prove_all) {
+                          const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort,
+                          bool prove_all) {
     return Summation(cell, frame, uses, bands, enough, effort, prove_all).run();
 }
 

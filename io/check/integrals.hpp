@@ -11,8 +11,8 @@ namespace vcell::check {
 
 struct FaceIntegrals {
     Interval volume, area;  ///< volume: from the plane, the centre or the axis on
-    Interval shadow;        ///< area over a plane, solid angle about a sphere, angle times length on a cylinder
-    bool is_known = true;   ///< false: its side of a plane, or a start, could not be told
+    Interval shadow;  ///< area over a plane, solid angle about a sphere, angle times length on a cylinder
+    bool is_known = true;  ///< false: its side of a plane, or a start, could not be told
 };
 
 /// A face or an edge lies as far from the true one as its edges' errors allow: what that may change.
@@ -25,11 +25,11 @@ struct Integrals {
     std::vector<Slack> slack;       ///< by face
     std::vector<Interval> lengths;  ///< by edge
     Slack total;
-    /// Of the cell's sides over the rim: walls under a plane's rim, discs and rings where a cylinder's stretch ends
-    /// (from the axis on).
+    /// Of the cell's sides over the rim: walls under a plane's rim, discs and rings where a cylinder's
+    /// stretch ends (from the axis on).
     Interval sides = 0.0;
-    bool is_complete = true;        ///< false: some integral's effort was spent
-    bool is_proved = true;          ///< false: what some rule leaves out is estimated
+    bool is_complete = true;         ///< false: some integral's effort was spent
+    bool is_proved = true;           ///< false: what some rule leaves out is estimated
     bool are_shadows_proved = true;  ///< false: of shadows, too
 };
 
@@ -41,15 +41,17 @@ struct EdgeUse {
 
 /// What is known of an edge.
 struct EdgeBand {
-    double error;      ///< how far it may be from the true one, in the frame's unit
-    double steepness;  ///< at most, of objects' faces beside it (shadows.hpp); infinite where nothing is known
+    double error;  ///< how far it may be from the true one, in the frame's unit
+    double
+        steepness;  ///< at most, of objects' faces beside it (shadows.hpp); infinite where nothing is known
 };
 
 /// In the frame's unit. `bands`: by edge. `enough`:
 /// volume, area and length that need not be known better, of the whole cell. Faces that need integrals in two
-/// variables (of tubes, and on cylinders) are estimated unless `prove_all`, which takes a hundred times as long.
-/// Pre: the structure holds.
+/// variables (of tubes, and on cylinders) are estimated unless `prove_all`, which takes a hundred times as
+/// long. Pre: the structure holds.
 Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
-                          const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort, bool prove_all);
+                          const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort,
+                          bool prove_all);
 
 }  // namespace vcell::check

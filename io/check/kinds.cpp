@@ -28,7 +28,7 @@ private:
         if (const auto kinds = possible_kinds(i);
             !kinds.empty() && std::ranges::find(kinds, kind) == kinds.end())
             return note(where(), fmt::format("is {}, the sites meet in another kind ({})", to_string(kind),
-                                           to_string(kinds[0])));
+                                             to_string(kinds[0])));
         for (const auto& piece : edge_pieces_[i])
             if (!fits(kind, piece, full_error(i)))
                 return note(where(), fmt::format("is {}, the control points disagree", to_string(kind)));
@@ -94,11 +94,11 @@ private:
     }
 
     /// From a sphere's centre on, points at the distance t from it are as far from a sphere or a plane where
-    /// a.p + d t = k: a sphere's centre and the difference of the radii, or a plane's normal, away from the base,
-    /// and its length; a side of the box is the plane of its normal, with d = 0.
+    /// a.p + d t = k: a sphere's centre and the difference of the radii, or a plane's normal, away from the
+    /// base, and its length; a side of the box is the plane of its normal, with d = 0.
     struct Bisector {
         std::array<Exact, 3> a;
-        Exact d;           // of a plane, its square
+        Exact d;  // of a plane, its square
         bool has_root = false;
     };
 
@@ -137,11 +137,13 @@ private:
     };
     std::optional<RoughBisector> rough_bisector(const Site& s) const {
         const auto& base = std::get<Sphere>(scene_.base);
-        if (!s.is_object()) return RoughBisector{to_vector<Interval>(Vec3::Unit(static_cast<int>(s.index / 2))), 0.0};
+        if (!s.is_object())
+            return RoughBisector{to_vector<Interval>(Vec3::Unit(static_cast<int>(s.index / 2))), 0.0};
         const Sphere* sphere = as_sphere(s);
         if (!sphere) return std::nullopt;
-        return RoughBisector{to_vector<Interval>(sphere->center) - to_vector<Interval>(base.center),
-                             sphere->radius == base.radius ? Interval(0.0) : Interval(sphere->radius) - base.radius};
+        return RoughBisector{
+            to_vector<Interval>(sphere->center) - to_vector<Interval>(base.center),
+            sphere->radius == base.radius ? Interval(0.0) : Interval(sphere->radius) - base.radius};
     }
     /// None: it takes exact numbers to tell.
     std::optional<CurveKind> rough_kind(const std::array<Site, 2>& sites) const {
@@ -160,9 +162,9 @@ private:
         return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     }
 
-    /// Two bisectors a.p + d t = k, b.p + e t = l meet in the plane of normal n = e a - d b. In it t is linear, of slope
-    /// |a x b| / |n|: below 1 for an ellipse, 0 for a circle. Exact, but for the kinds next to a parabola where a
-    /// plane's length has a root.
+    /// Two bisectors a.p + d t = k, b.p + e t = l meet in the plane of normal n = e a - d b. In it t is
+    /// linear, of slope |a x b| / |n|: below 1 for an ellipse, 0 for a circle. Exact, but for the kinds next
+    /// to a parabola where a plane's length has a root.
     std::vector<CurveKind> kinds_over_sphere(const std::array<Site, 2>& sites) const {
         using enum CurveKind;
         if (const auto kind = rough_kind(sites)) return {*kind};
@@ -182,7 +184,8 @@ private:
             const Exact &n2 = p->has_root ? aa : bb, &c2 = p->has_root ? bb : aa;
             const Exact d2 = plane.has_root ? plane.d : plane.d * plane.d, e = other.d;
             const Exact rational = across - e * e * n2 - d2 * c2, root = (e * ab).scaled(1);
-            steep = plane.has_root ? sign(OneRoot{rational, root, plane.d}) : (rational + root * plane.d).sign();
+            steep =
+                plane.has_root ? sign(OneRoot{rational, root, plane.d}) : (rational + root * plane.d).sign();
             // The cell's plane has a length in doubles.
             if (plane.has_root && steep != Sign::Zero) {
                 const Interval gap = rational.enclosure() + root.enclosure() * sqrt(plane.d.enclosure());
@@ -212,14 +215,11 @@ private:
         // A small one's points have few digits.
         const double tolerance = kPlaceRounding * (1 + geometry_.scale() / left);
         switch (kind) {
-            case CurveKind::Parabola:
-                return std::abs(k - 1) < tolerance;
-            case CurveKind::Hyperbola:
-                return k > 1 - tolerance;
+            case CurveKind::Parabola: return std::abs(k - 1) < tolerance;
+            case CurveKind::Hyperbola: return k > 1 - tolerance;
             case CurveKind::Circle:
                 return std::abs(left - right) <= rounding() && std::abs(k - cosine * cosine) <= tolerance;
-            default:
-                return k < 1 + tolerance;
+            default: return k < 1 + tolerance;
         }
     }
 };

@@ -53,7 +53,8 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
     double last = HUGE_VAL;  // width
     std::optional<Enclosure<T>> found;
     for (int round = 0; round < rounds; ++round) {
-        // Any matrix serves as Y. That of the present m keeps the contraction quadratic up to a double's digits.
+        // Any matrix serves as Y. That of the present m keeps the contraction quadratic up to a double's
+        // digits.
         Eigen::Matrix3d j;
         for (int r = 0; r < 3; ++r) {
             const Vector<T> g = space.gradient(conditions[r], m);
@@ -108,8 +109,8 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
     return found;
 }
 
-/// As enclose(), by one step of Krawczyk's from a point that is all but the true one: of the Jacobian over the box
-/// only how far its rows may turn is asked. None: it takes more than that, or the base is a cylinder.
+/// As enclose(), by one step of Krawczyk's from a point that is all but the true one: of the Jacobian over
+/// the box only how far its rows may turn is asked. None: it takes more than that, or the base is a cylinder.
 std::optional<Enclosure<Interval>> enclose_nearby(const Scene& scene, const Space<Interval>& space,
                                                   std::span<const Condition> three, const Vec3& p);
 

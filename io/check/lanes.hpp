@@ -19,7 +19,7 @@ public:
 
     Lanes() = default;
     Lanes(double value) : values_{Pair{value, value}, Pair{value, value}} {}  // NOLINT: a number
-    Lanes(const MidRad& enclosure) : Lanes(enclosure.mid()) {}                // NOLINT: what it encloses, about
+    Lanes(const MidRad& enclosure) : Lanes(enclosure.mid()) {}  // NOLINT: what it encloses, about
     /// f(lane) in each.
     template <class F>
     static Lanes of(const F& f) {
@@ -37,7 +37,9 @@ public:
             if (!((*this)[k] <= most)) most = (*this)[k];
         return most;
     }
-    double least() const { return std::min(std::min((*this)[0], (*this)[1]), std::min((*this)[2], (*this)[3])); }
+    double least() const {
+        return std::min(std::min((*this)[0], (*this)[1]), std::min((*this)[2], (*this)[3]));
+    }
 
     friend Lanes operator-(const Lanes& a) { return {-a.values_[0], -a.values_[1]}; }
     friend Lanes operator+(const Lanes& a, const Lanes& b) {

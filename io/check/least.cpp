@@ -128,7 +128,8 @@ std::optional<Spots> LeastPlaces::of(const Sphere& rival) const {
 
 bool LeastPlaces::do_rays_miss(const Sphere& base, const Sphere& own, const Sphere& rival, const Vec3& center,
                                double radius) {
-    const double from_own = (rival.center - own.center).norm(), from_base = (rival.center - base.center).norm();
+    const double from_own = (rival.center - own.center).norm(),
+                 from_base = (rival.center - base.center).norm();
     // Where the rival holds the own ball of() knows nothing.
     if (!(from_own + own.radius >= rival.radius * (1 + 0x1p-40))) return false;
     const auto misses = [&](const Vec3& focus) {
@@ -163,7 +164,8 @@ LeastPlacesOfSites::LeastPlacesOfSites(const Scene& scene, const Site& own) : sc
     if (own.kind == Site::Kind::BoxSide) {
         const int axis = static_cast<int>(own.index / 2);
         const bool is_upper = own.index % 2;
-        side_ = focus(Plane{is_upper ? scene.box.max : scene.box.min, (is_upper ? -1.0 : 1.0) * Vec3::Unit(axis)});
+        side_ = focus(
+            Plane{is_upper ? scene.box.max : scene.box.min, (is_upper ? -1.0 : 1.0) * Vec3::Unit(axis)});
     }
     if (!own.is_object()) return;
     const Object& object = scene.objects[own.index];
@@ -201,10 +203,11 @@ std::optional<Spots> LeastPlacesOfSites::of(const Site& rival, double apart) con
 
 /// Where on the bisector a linear function of gradient m is stationary, m of length one.
 ///
-/// With n_o = v + a m and u = v - a m, v across m: of balls at distances s and d from their centres, s - d = delta the
-/// difference of the radii, the way between these is u d - n_o s = -delta v - (s + d) a m. That tells v, and a up to
-/// its sign, which is such that s + d is positive. Of a plane n_o is its normal, and of the two sites the other one is
-/// a ball: its distance d = (l + r) / (1 - u n_o), with l from its centre to the plane, and 1 - u n_o = 2 (m n_o)^2.
+/// With n_o = v + a m and u = v - a m, v across m: of balls at distances s and d from their centres, s - d =
+/// delta the difference of the radii, the way between these is u d - n_o s = -delta v - (s + d) a m. That
+/// tells v, and a up to its sign, which is such that s + d is positive. Of a plane n_o is its normal, and of
+/// the two sites the other one is a ball: its distance d = (l + r) / (1 - u n_o), with l from its centre to
+/// the plane, and 1 - u n_o = 2 (m n_o)^2.
 std::optional<Spots> LeastPlacesOfSites::stationary_place(const V& m) const {
     if (base_->is_plane && own_->is_plane) return Spots();  // linear
     V start, way;
@@ -218,7 +221,8 @@ std::optional<Spots> LeastPlacesOfSites::stationary_place(const V& m) const {
         const MidRad reach = plane.distance(start) + ball.radius, squared = 2.0 * square(along);
         d = reach / squared;
         // Where the plane is all but along m the place is far outside of the box, in which the face is.
-        const double farthest = scene_.box.diagonal() + sqrt(square(start - to_vector<MidRad>(scene_.box.min))).upper();
+        const double farthest =
+            scene_.box.diagonal() + sqrt(square(start - to_vector<MidRad>(scene_.box.min))).upper();
         if (reach.lower() > (squared.magnitude() * 2) * farthest) return Spots();
     } else {
         const V between = own_->place - base_->place;

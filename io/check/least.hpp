@@ -11,17 +11,18 @@
 /// the bisector once at most, and behind a centre on the focus's own side: there is one place at most. The
 /// bisector of a base ball and a plane is that of a base plane and a ball.
 ///
-/// Of a side of the box the gradient is a constant m, and n_o - u is parallel to it where u is n_o reflected in the
-/// plane across m: there is one place at most (stationary_place).
+/// Of a side of the box the gradient is a constant m, and n_o - u is parallel to it where u is n_o reflected
+/// in the plane across m: there is one place at most (stationary_place).
 ///
-/// A plane's excess is l - t where it has the base on its side. Where n_r = u that is what the plane is away from the
-/// base's centre and its radius more, and where n_r = n_o so with the own ball: not negative unless that is behind the
-/// plane. A base ball that is farther from the plane than `apart` leaves all excesses beyond it below -apart; where
-/// edges tell that they are not, what a face has there is enclosed in it, and l is least in it at its one place.
+/// A plane's excess is l - t where it has the base on its side. Where n_r = u that is what the plane is away
+/// from the base's centre and its radius more, and where n_r = n_o so with the own ball: not negative unless
+/// that is behind the plane. A base ball that is farther from the plane than `apart` leaves all excesses
+/// beyond it below -apart; where edges tell that they are not, what a face has there is enclosed in it, and l
+/// is least in it at its one place.
 ///
-/// On a side of the box the excess of a plane is less than linear by a distance, which is convex: it is least at the
-/// edges. That of a ball is |p - c| - |p - o| up to radii, with c on the base's side, as good as its reflection: it is
-/// least where the line from o through c meets the side, if c is nearer to the side.
+/// On a side of the box the excess of a plane is less than linear by a distance, which is convex: it is least
+/// at the edges. That of a ball is |p - c| - |p - o| up to radii, with c on the base's side, as good as its
+/// reflection: it is least where the line from o through c meets the side, if c is nearer to the side.
 #pragma once
 
 #include <optional>
@@ -79,7 +80,8 @@ class LeastPlacesOfSites {
 public:
     LeastPlacesOfSites(const Scene& scene, const Site& own);
 
-    /// None: where they are cannot be told. `apart`: more than what the face's edges may leave of the rival's excess.
+    /// None: where they are cannot be told. `apart`: more than what the face's edges may leave of the rival's
+    /// excess.
     std::optional<Spots> of(const Site& rival, double apart) const;
 
 private:

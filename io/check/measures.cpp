@@ -16,8 +16,8 @@ namespace {
 
 /// A bound that many times larger than what the enclosure needs excludes nothing.
 constexpr double kLargestExcess = 0x1p20;
-/// Relative: how wide enclosures may grow over the operations of an integral, where each takes the worst of all
-/// roundings, before they are no better than nothing.
+/// Relative: how wide enclosures may grow over the operations of an integral, where each takes the worst of
+/// all roundings, before they are no better than nothing.
 constexpr double kBlur = 8 * kRounding;
 /// Effort from which on integrals in two variables are proved too.
 constexpr int kEffortOfProofs = 14;
@@ -48,8 +48,8 @@ private:
     double unit(int dimension) const { return power(frame_.unit(), dimension); }
     static Interval pi() { return {std::numbers::pi, std::nextafter(std::numbers::pi, 4)}; }
 
-    /// How far an edge may be from the true one, in the frame's unit: what was proved of it. Where nothing was,
-    /// the edge is refuted or open itself; measures are judged as if it kept to the scene's tolerance.
+    /// How far an edge may be from the true one, in the frame's unit: what was proved of it. Where nothing
+    /// was, the edge is refuted or open itself; measures are judged as if it kept to the scene's tolerance.
     double edge_error(std::size_t e) const {
         const double rounding = kRounding * size_;
         const double known = std::isfinite(edges_[e].distance) ? edges_[e].distance : full_error(e);
@@ -60,22 +60,26 @@ private:
         std::vector<std::vector<EdgeUse>> uses(uses_.size());
         std::vector<EdgeBand> bands;
         for (std::size_t e = 0; e < uses_.size(); ++e) {
-            // Half the squared gradient of an excess is 1 - u n', of which the steepness is sqrt(2 / (1 - u n')).
+            // Half the squared gradient of an excess is 1 - u n', of which the steepness is sqrt(2 / (1 - u
+            // n')).
             const double growth = edges_[e].growth;
             bands.push_back({edge_error(e), growth > 0 ? std::sqrt(2 / growth) : HUGE_VAL});
             for (const auto& use : uses_[e]) uses[e].push_back({use.face, use.reversed});
         }
         // As exact as coordinates are.
-        const std::array<double, 3> enough{0x1p-44 * power(size_, 3), 0x1p-44 * power(size_, 2), 0x1p-44 * size_};
-        integrals_ = integrate_faces(cell_, frame_, uses, bands, enough, 1 << std::clamp(options_.effort - 4, 0, 20),
-                                     options_.effort >= kEffortOfProofs);
+        const std::array<double, 3> enough{0x1p-44 * power(size_, 3), 0x1p-44 * power(size_, 2),
+                                           0x1p-44 * size_};
+        integrals_ =
+            integrate_faces(cell_, frame_, uses, bands, enough, 1 << std::clamp(options_.effort - 4, 0, 20),
+                            options_.effort >= kEffortOfProofs);
     }
 
-    /// As many times what rules estimate of their own errors those may be wrong by before they refute anything.
+    /// As many times what rules estimate of their own errors those may be wrong by before they refute
+    /// anything.
     static constexpr double kDoubt = 16;
 
-    /// Judges a number with its bound, both as stated. `slack`: what the edges' errors may change; `dimension` of
-    /// the length in its unit.
+    /// Judges a number with its bound, both as stated. `slack`: what the edges' errors may change;
+    /// `dimension` of the length in its unit.
     void judge(std::string where, double stated, double bound, Interval enclosure, double slack,
                int dimension, bool is_proved = true) {
         const double u = unit(dimension);
@@ -85,41 +89,49 @@ private:
         const double value = stated / u, b = bound / u;
         const double own = enclosure.radius() + slack;
         if (!std::isfinite(own))
-            return certificate_.leave_open(where, "its integrals could not be enclosed with this effort", own);
+            return certificate_.leave_open(where, "its integrals could not be enclosed with this effort",
+                                           own);
         const Interval off = Interval(value) - enclosure;
-        const double least = std::max({0.0, off.lower(), -off.upper()}) - slack, most = off.magnitude() + slack;
+        const double least = std::max({0.0, off.lower(), -off.upper()}) - slack,
+                     most = off.magnitude() + slack;
         if (least > b) {
-            const std::string what = fmt::format("is {} -+ {:.3g}, integration gives {} -+ {:.3g}", stated, bound,
-                                                 enclosure.mid() * u, own * u);
-            if (is_proved || least > b + kDoubt * enclosure.radius()) return certificate_.refute(where, what, least * u);
+            const std::string what = fmt::format("is {} -+ {:.3g}, integration gives {} -+ {:.3g}", stated,
+                                                 bound, enclosure.mid() * u, own * u);
+            if (is_proved || least > b + kDoubt * enclosure.radius())
+                return certificate_.refute(where, what, least * u);
             return certificate_.leave_open(where, what + " by rules that estimate", most * u);
         }
         const double rounding = kRounding * power(size_, dimension) + slack;
-        // What a length may be off by where curves keep to the scene's tolerance, however close they are in fact: four
-        // times that, as in judge_edges().
+        // What a length may be off by where curves keep to the scene's tolerance, however close they are in
+        // fact: four times that, as in judge_edges().
         const double tolerated = 4 * scene_tolerance() / frame_.unit() * power(size_, dimension) / size_;
         if (b > std::max(kLargestExcess * (own + rounding), tolerated))
             return certificate_.refute(
-                where, fmt::format("a bound of {:.3g} on its error excludes nothing, {:.3g} would do", bound, most * u),
+                where,
+                fmt::format("a bound of {:.3g} on its error excludes nothing, {:.3g} would do", bound,
+                            most * u),
                 bound);
         const bool is_exact = enclosure.width() <= 0x1p-1000 && enclosure.contains(value);
         if (b < 0x1p-54 * std::abs(value) && !is_exact)
             return certificate_.refute(
-                where, fmt::format("a bound of {:.3g} on its error is less than its own last place", bound), most * u);
+                where, fmt::format("a bound of {:.3g} on its error is less than its own last place", bound),
+                most * u);
         if (most > b && enclosure.radius() > b + slack + kBlur * power(size_, dimension))
             return certificate_.leave_open(
-                where, fmt::format("is {} -+ {:.3g}, enclosed no better than within {:.3g} of {}", stated, bound, own * u,
-                                   enclosure.mid() * u),
+                where,
+                fmt::format("is {} -+ {:.3g}, enclosed no better than within {:.3g} of {}", stated, bound,
+                            own * u, enclosure.mid() * u),
                 most * u);
-        certificate_.prove(std::move(where), most * u, is_proved ? "" : "what quadrature leaves out is estimated");
+        certificate_.prove(std::move(where), most * u,
+                           is_proved ? "" : "what quadrature leaves out is estimated");
     }
 
     void judge_edges() {
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
             const CellEdge& edge = cell_.edges[e];
-            // The true arc ends within the error of its vertices; between them its length differs by the error of
-            // the direction, of which the written curve's turning tells: at most the error times the angle, twice
-            // the error at the ends and the error's own turning, which nobody bounds.
+            // The true arc ends within the error of its vertices; between them its length differs by the
+            // error of the direction, of which the written curve's turning tells: at most the error times the
+            // angle, twice the error at the ends and the error's own turning, which nobody bounds.
             judge(edge_path(e) + ".length", edge.length, edge.length_error, integrals_.lengths[e],
                   4 * edge_error(e), 1);
         }
@@ -129,8 +141,8 @@ private:
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             const FaceIntegrals& face = integrals_.faces[f];
             if (!face.is_known) {
-                certificate_.leave_open(face_path(f) + ".area", "on which side of its site the base is could not be told",
-                                        HUGE_VAL);
+                certificate_.leave_open(face_path(f) + ".area",
+                                        "on which side of its site the base is could not be told", HUGE_VAL);
                 continue;
             }
             judge(face_path(f) + ".area", cell_.faces[f].area, cell_.faces[f].area_error, face.area,
@@ -160,20 +172,22 @@ private:
             side_slack += edge_error(e) * (integrals_.lengths[e].upper() + 2 * size_);
         }
         Interval body = 0.0;
-        Interval region = Interval::ball(geometry_.base_area() / unit(2), 0.25 * kRounding * size_ * size_);  // a plane's
+        Interval region =
+            Interval::ball(geometry_.base_area() / unit(2), 0.25 * kRounding * size_ * size_);  // a plane's
         const Interval r = frame_.radius();
         if (geometry_.is_sphere()) {
             body = pi() * (4.0 / Interval(3.0)) * r * square(r);
             region = 4.0 * (pi() * square(r));
         } else if (geometry_.is_cylinder()) {
             const auto& stretch = subject_.space.stretch();
-            const Interval length =
-                hull(frame_.length((stretch[1] - stretch[0]).lower()), frame_.length((stretch[1] - stretch[0]).upper()));
+            const Interval length = hull(frame_.length((stretch[1] - stretch[0]).lower()),
+                                         frame_.length((stretch[1] - stretch[0]).upper()));
             body = pi() * square(r) * length;
             region = 2.0 * (pi() * r * length);
             box_area -= 2.0 * (pi() * square(r));
         }
-        judge("measures.volume", m.volume, m.volume_error, volume, integrals_.total.volume, 3, integrals_.is_proved);
+        judge("measures.volume", m.volume, m.volume_error, volume, integrals_.total.volume, 3,
+              integrals_.is_proved);
         judge("measures.area", m.area, m.area_error, area, object_slack, 2, integrals_.is_proved);
         judge("measures.box_area", m.box_area, m.box_area_error, box_area, box_slack + side_slack, 2,
               integrals_.is_proved);
@@ -186,8 +200,8 @@ private:
         judge_shadow(shadow);
     }
 
-    /// Edges are used once from either side, so that every base point that is on none lies under the same number
-    /// of faces, counted with their orientation; the area of all shadows tells how many.
+    /// Edges are used once from either side, so that every base point that is on none lies under the same
+    /// number of faces, counted with their orientation; the area of all shadows tells how many.
     void judge_shadow(Interval shadow) {
         const double u = geometry_.is_plane() ? unit(2) : geometry_.is_cylinder() ? unit(1) : 1;
         const double whole = geometry_.shadow() / u;
@@ -197,15 +211,16 @@ private:
         else if (times.upper() < 0.75 || times.lower() > 1.25)
             note("faces", fmt::format("stand over {:.6g} of the base region", times.mid()));
         else
-            certificate_.leave_open("faces", "the area that they stand over could not be enclosed with this effort",
-                                    HUGE_VAL);
+            certificate_.leave_open(
+                "faces", "the area that they stand over could not be enclosed with this effort", HUGE_VAL);
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             if (integrals_.faces[f].shadow.upper() >= -integrals_.slack[f].shadow) continue;
             constexpr const char* what = "its loops run the wrong way around its shadow on the base";
             if (integrals_.is_proved)
                 note(face_path(f), what);
             else
-                certificate_.leave_open(face_path(f), fmt::format("{}, by rules that estimate", what), HUGE_VAL);
+                certificate_.leave_open(face_path(f), fmt::format("{}, by rules that estimate", what),
+                                        HUGE_VAL);
         }
     }
 
@@ -251,15 +266,16 @@ private:
             }
         }
         for (const auto& [object, o] : owned)
-            if (!listed.contains(object)) note("neighbors", fmt::format("lack object {}, which owns a face", object));
+            if (!listed.contains(object))
+                note("neighbors", fmt::format("lack object {}, which owns a face", object));
         if (certificate_.count(Verdict::refuted) == before) certificate_.prove("neighbors");
     }
 
     void judge_report() {
         const Report& report = cell_.report;
         for (const auto& [name, seconds] :
-             {std::pair("bisectors", report.seconds_bisectors), std::pair("envelope", report.seconds_envelope),
-              std::pair("patches", report.seconds_patches)})
+             {std::pair("bisectors", report.seconds_bisectors),
+              std::pair("envelope", report.seconds_envelope), std::pair("patches", report.seconds_patches)})
             if (!(seconds >= 0) || std::isinf(seconds))
                 note(fmt::format("report.seconds.{}", name),
                      fmt::format("is {}, must be finite and not negative", seconds));
@@ -267,8 +283,8 @@ private:
         const auto named = static_cast<std::uint64_t>(std::ranges::count_if(
             report.warnings, [](const std::string& w) { return w.find("taken") != std::string::npos; }));
         if (report.decisions.assumed != named)
-            note("report.decisions.assumed",
-                 fmt::format("is {}, {} warnings say what was taken for granted", report.decisions.assumed, named));
+            note("report.decisions.assumed", fmt::format("is {}, {} warnings say what was taken for granted",
+                                                         report.decisions.assumed, named));
         else
             certificate_.prove("report.decisions.assumed");
     }

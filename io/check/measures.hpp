@@ -2,12 +2,14 @@
 /// compared with what is stated.
 ///
 /// What is stated with a bound b on its error is
-///   - refuted, where it is farther than b from all that the enclosure allows; where b is 2^20 times larger than
-///     the enclosure needs it (a bound that excludes nothing is none); and where b is smaller than the last place
-///     of the number, which a number that is not exact cannot keep;
-///   - proved, where all that the enclosure allows is within b, or the enclosure is as narrow as b, the rounding of
-///     coordinates and what the edges' own errors may change together; how far the number is from the true one at
-///     most is the amount that the certificate names;
+///   - refuted, where it is farther than b from all that the enclosure allows; where b is 2^20 times larger
+///   than
+///     the enclosure needs it (a bound that excludes nothing is none); and where b is smaller than the last
+///     place of the number, which a number that is not exact cannot keep;
+///   - proved, where all that the enclosure allows is within b, or the enclosure is as narrow as b, the
+///   rounding of
+///     coordinates and what the edges' own errors may change together; how far the number is from the true
+///     one at most is the amount that the certificate names;
 ///   - open otherwise.
 #pragma once
 
@@ -18,8 +20,8 @@
 
 namespace vcell::check {
 
-/// What certify_edges() found tells how far edges may be from the true ones. False: integrals by which faces are
-/// said to stand over all of the base are estimates.
+/// What certify_edges() found tells how far edges may be from the true ones. False: integrals by which faces
+/// are said to stand over all of the base are estimates.
 bool certify_measures(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
                       Certificate& certificate);
 

@@ -36,7 +36,8 @@ Vector<Interval> Net::position(const Point& p) const {
 
 namespace {
 
-/// The least interval that holds some by midpoint and radius, rounded outward once: rounding keeps their order.
+/// The least interval that holds some by midpoint and radius, rounded outward once: rounding keeps their
+/// order.
 class Hull {
 public:
     void meet(double mid, double radius) {
@@ -57,8 +58,8 @@ private:
 
 }  // namespace
 
-// Where p is within r of its midpoint p0 and w within v of w0, p / w - p0 / w0 = ((p - p0) - (p0 / w0) (w - w0)) / w.
-// The quotient's midpoint goes through two roundings, and the sum with the origin through one.
+// Where p is within r of its midpoint p0 and w within v of w0, p / w - p0 / w0 = ((p - p0) - (p0 / w0) (w -
+// w0)) / w. The quotient's midpoint goes through two roundings, and the sum with the origin through one.
 const Vector<Interval>& Net::box() const {
     if (has_box_) return box_;
     std::array<Hull, 3> all;
@@ -67,8 +68,9 @@ const Vector<Interval>& Net::box() const {
         const double per_rest = rest > 0 ? (1 + 0x1p-40) / rest : HUGE_VAL, quotient = w == 1 ? 0 : 0x1p-51;
         for (std::size_t k = 0; k < 3; ++k) {
             const double q = share * p[k].mid(), x = q + origin_[static_cast<Eigen::Index>(k)];
-            const double radius = (p[k].radius() + std::abs(q) * p[3].radius()) * per_rest + quotient * std::abs(q) +
-                                  0x1p-52 * std::abs(x) + std::numeric_limits<double>::min();
+            const double radius = (p[k].radius() + std::abs(q) * p[3].radius()) * per_rest +
+                                  quotient * std::abs(q) + 0x1p-52 * std::abs(x) +
+                                  std::numeric_limits<double>::min();
             all[k].meet(x, radius);
         }
     }

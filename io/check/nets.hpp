@@ -60,7 +60,8 @@ typename Span<Dim>::Point homogeneous(const RationalCurve<Dim>& c, std::size_t i
 template <int Dim>
 std::optional<Span<Dim>> only_span(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
     if (c.points.size() != static_cast<std::size_t>(c.degree) + 1) return std::nullopt;
-    if (c.knots[0] != c.knots[c.degree] || c.knots[c.degree + 1] != c.knots[2 * c.degree + 1]) return std::nullopt;
+    if (c.knots[0] != c.knots[c.degree] || c.knots[c.degree + 1] != c.knots[2 * c.degree + 1])
+        return std::nullopt;
     Span<Dim> span{c.domain_begin(), c.domain_end(), {}};
     for (std::size_t i = 0; i < c.points.size(); ++i) span.points.push_back(homogeneous(c, i, origin));
     return span;
@@ -72,7 +73,9 @@ template <int Dim>
 std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
     using Point = typename Span<Dim>::Point;
     const int d = c.degree;
-    const auto homogeneous = [&](int i) { return check::homogeneous(c, static_cast<std::size_t>(i), origin); };
+    const auto homogeneous = [&](int i) {
+        return check::homogeneous(c, static_cast<std::size_t>(i), origin);
+    };
     std::vector<Span<Dim>> result;
     for (int k = d; k + d + 1 < static_cast<int>(c.knots.size()); ++k) {
         const double a = c.knots[k], b = c.knots[k + 1];
@@ -116,7 +119,8 @@ Span<Dim> part_of(const Span<Dim>& span, double begin, double end) {
     return result;
 }
 
-/// What is known of homogeneous control points: the largest magnitudes and errors of each coordinate, and the least weight.
+/// What is known of homogeneous control points: the largest magnitudes and errors of each coordinate, and the
+/// least weight.
 struct Sizes {
     std::array<double, 4> most{}, error{};
     double least_weight = HUGE_VAL;

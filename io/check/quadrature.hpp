@@ -39,7 +39,8 @@ struct GaussRule {
     std::size_t packs = 0;
 };
 
-/// How many nodes rules have, and sums of the semi-axes of ellipses: where f is bounded far away few nodes do.
+/// How many nodes rules have, and sums of the semi-axes of ellipses: where f is bounded far away few nodes
+/// do.
 inline constexpr std::array<unsigned, 5> node_counts{7, 10, 15, 20, 30};
 inline constexpr std::array<double, 5> ellipses{24, 8, 4, 2.75, 2};
 /// In two variables each ellipse goes with one rule; the last one's nodes are too many there.
@@ -61,7 +62,8 @@ GaussRule gauss_rule() {
     rule.packs = (rule.count + lanes - 1) / lanes;
     for (std::size_t k = 0; k < rule.packs; ++k) {
         rule.places[k] = Approximate::of([&](std::size_t i) { return rule.nodes[k * lanes + i].at.mid(); });
-        rule.weights[k] = Approximate::of([&](std::size_t i) { return rule.nodes[k * lanes + i].weight.mid(); });
+        rule.weights[k] =
+            Approximate::of([&](std::size_t i) { return rule.nodes[k * lanes + i].weight.mid(); });
     }
     return rule;
 }
@@ -76,8 +78,9 @@ inline const GaussRule& gauss(std::size_t rule) {
     return rules[rule];
 }
 
-/// What rules with n nodes leave out at most, for each unit of M on an ellipse: 8 rho^(1 - 2n) / (rho - 1). Known to
-/// the compiler. 2n divisions, each off by 2^-53 of its quotient at most, are off by less than 2^-46 in all.
+/// What rules with n nodes leave out at most, for each unit of M on an ellipse: 8 rho^(1 - 2n) / (rho - 1).
+/// Known to the compiler. 2n divisions, each off by 2^-53 of its quotient at most, are off by less than 2^-46
+/// in all.
 inline const std::array<double, node_counts.size()>& remainder_factors(std::size_t ellipse) {
     using Table = std::array<std::array<double, node_counts.size()>, ellipses.size()>;
     static_assert(2 * node_counts.back() <= 64);
@@ -116,19 +119,21 @@ bool is_below(const Value& value, const std::array<double, N>& most) {
     return true;
 }
 
-/// Is |f(z, x)| at most `most` for all x of a real interval? It is halved until that tells, into `left` parts at
-/// most.
+/// Is |f(z, x)| at most `most` for all x of a real interval? It is halved until that tells, into `left` parts
+/// at most.
 template <std::size_t N, class F>
 bool is_bounded(const F& f, const Disc& z, const Interval& x, const std::array<double, N>& most, int& left) {
     if (--left < 0) return false;
     if (is_below(f(z, Disc(MidRad(x))), most)) return true;
     const double m = x.mid();
-    return is_bounded(f, z, Interval(x.lower(), m), most, left) && is_bounded(f, z, Interval(m, x.upper()), most, left);
+    return is_bounded(f, z, Interval(x.lower(), m), most, left) &&
+           is_bounded(f, z, Interval(m, x.upper()), most, left);
 }
 
 namespace detail {
 
-/// Relative to the values of an integrand: what a rule leaves out need not be smaller than their own rounding.
+/// Relative to the values of an integrand: what a rule leaves out need not be smaller than their own
+/// rounding.
 constexpr double value_rounding = 0x1p-48;
 /// Into how many parts the one of two intervals is cut for a bound about the other.
 constexpr int parts_of_product = 15;
@@ -157,8 +162,8 @@ std::array<double, N> allowed(const std::array<double, N>& missing, double facto
 
 namespace detail {
 
-/// How far rounding may take f's values in plain doubles from its true ones within a disc's real part, which may
-/// be looked at in parts. Nodes are known to 2^-52, and computed with two roundings.
+/// How far rounding may take f's values in plain doubles from its true ones within a disc's real part, which
+/// may be looked at in parts. Nodes are known to 2^-52, and computed with two roundings.
 template <std::size_t N, class F>
 bool is_rounding_below(const F& f, double middle, double half, const std::array<double, N>& most,
                        std::array<double, N>& rounding) {
@@ -181,7 +186,8 @@ bool is_rounding_below(const F& f, double middle, double half, const std::array<
 }
 
 /// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit
-/// of width; values in plain doubles are off by `rounding`. `first`: those at the first places, where they are known.
+/// of width; values in plain doubles are off by `rounding`. `first`: those at the first places, where they
+/// are known.
 template <std::size_t N, class F>
 void add_plain(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
                const std::array<Approximate, N>* first, const std::array<double, N>& rounding,
@@ -199,7 +205,8 @@ void add_plain(const F& f, double middle, const MidRad& half_width, const GaussR
         add_pack(k, f(Approximate(middle) + half_width.mid() * rule.places[k]));
     // Weights add up to 2. Their own rounding and that of the sum are relative to its terms.
     for (std::size_t i = 0; i < N; ++i) {
-        const MidRad part = MidRad::ball(totals[i].sum(), (2 * rounding[i] + 0x1p-46 * sizes[i].sum()) * (1 + 0x1p-40));
+        const MidRad part =
+            MidRad::ball(totals[i].sum(), (2 * rounding[i] + 0x1p-46 * sizes[i].sum()) * (1 + 0x1p-40));
         sum[i] += (half_width * (part + MidRad::ball(0, missing[i]))).enclosure();
     }
 }
@@ -225,11 +232,11 @@ void add_enclosed(const F& f, double middle, const MidRad& half_width, const Gau
 /// perhaps infinite.
 ///
 /// One look at f all about [a, b], in discs that know of rounding, bounds what a rule leaves out and how far
-/// plain doubles are off at its nodes. Where f.is_singular(disc) tells at little cost that f would not be bounded in
-/// a disc, that look is saved.
+/// plain doubles are off at its nodes. Where f.is_singular(disc) tells at little cost that f would not be
+/// bounded in a disc, that look is saved.
 template <std::size_t N, class F>
-bool integrate(const F& f, double a, double b, const std::array<double, N>& enough, std::array<Interval, N>& sum,
-               Effort& effort) {
+bool integrate(const F& f, double a, double b, const std::array<double, N>& enough,
+               std::array<Interval, N>& sum, Effort& effort) {
     // The first ellipse seldom holds no pole, and bounds cost as much as several nodes.
     constexpr std::size_t first_ellipse = 1, first_rule = 1, frequent_rule = 2;
     // Rounding may be so many times larger than what a rule leaves out.
@@ -243,7 +250,8 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
     std::array<double, N> missing, most, rounding;
     std::array<Approximate, N> places;  // values at the first places of the rule that is taken most
     if (first < ellipses.size()) {
-        // Of plain values: centers of discs may be far larger. The first place of an odd number is the middle.
+        // Of plain values: centers of discs may be far larger. The first place of an odd number is the
+        // middle.
         static_assert(node_counts[frequent_rule] % 2 == 1);
         places = f(Approximate(middle) + half_width.mid() * gauss(frequent_rule).places[0]);
         for (std::size_t i = 0; i < N; ++i) {
@@ -262,8 +270,8 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
         bool is_plain = true;
         for (std::size_t i = 0; i < N; ++i) is_plain = is_plain && rounding[i] <= most[i];
         if (is_plain || detail::is_rounding_below(f, middle, half, most, rounding))
-            detail::add_plain(f, middle, half_width, gauss(r), r == frequent_rule ? &places : nullptr, rounding,
-                              missing, sum);
+            detail::add_plain(f, middle, half_width, gauss(r), r == frequent_rule ? &places : nullptr,
+                              rounding, missing, sum);
         else
             detail::add_enclosed(f, middle, half_width, gauss(r), missing, sum);
         return true;
@@ -278,11 +286,11 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
     return false;
 }
 
-/// The same over rectangles: f(s, t) for s in [a0, b0], t in [a1, b1]. What the product of two rules leaves out
-/// is what one leaves out along s for the worst t, and the other along t for the worst s.
+/// The same over rectangles: f(s, t) for s in [a0, b0], t in [a1, b1]. What the product of two rules leaves
+/// out is what one leaves out along s for the worst t, and the other along t for the worst s.
 template <std::size_t N, class F>
-bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, const std::array<double, N>& enough,
-               std::array<Interval, N>& sum, Effort& effort) {
+bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
+               const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
     const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
     const std::array half{Interval::up(0.5 * (b[0] - a[0])), Interval::up(0.5 * (b[1] - a[1]))};
     const std::array width{MidRad(b[0]) - a[0], MidRad(b[1]) - a[1]};
@@ -296,9 +304,7 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b, con
     for (const std::size_t axis : {0, 1})
         for (std::size_t k = 0; k <= last_in_two && chosen[axis] == none; ++k) {
             int left = detail::parts_of_product;
-            const auto along = [&](const Disc& z, const Disc& x) {
-                return axis == 0 ? f(z, x) : f(x, z);
-            };
+            const auto along = [&](const Disc& z, const Disc& x) { return axis == 0 ? f(z, x) : f(x, z); };
             if (is_bounded(along, around(k, middle[axis], half[axis]), Interval(a[1 - axis], b[1 - axis]),
                            detail::allowed(missing, 4 * remainder_factors(k)[k]), left))
                 chosen[axis] = k;
@@ -339,8 +345,8 @@ namespace detail {
 
 inline constexpr std::size_t estimating_rule = 1;  // of ten nodes
 
-/// What takes values at a rule's nodes to the coefficients of Legendre's polynomials of the two highest degrees that the
-/// nodes tell apart.
+/// What takes values at a rule's nodes to the coefficients of Legendre's polynomials of the two highest
+/// degrees that the nodes tell apart.
 struct LastCoefficients {
     std::array<std::array<double, GaussRule::most>, 2> of_nodes{};
     std::array<std::array<Approximate, GaussRule::most / Approximate::lanes>, 2> of_packs{};
@@ -355,8 +361,8 @@ inline const LastCoefficients& last_coefficients() {
                 result.of_nodes[k][i] = (degree + 0.5) * rule.nodes[i].weight.mid() *
                                         std::legendre(degree, rule.nodes[i].at.mid());
             for (std::size_t p = 0; p < rule.packs; ++p)
-                result.of_packs[k][p] =
-                    Approximate::of([&](std::size_t i) { return result.of_nodes[k][p * Approximate::lanes + i]; });
+                result.of_packs[k][p] = Approximate::of(
+                    [&](std::size_t i) { return result.of_nodes[k][p * Approximate::lanes + i]; });
         }
         return result;
     }();
@@ -365,16 +371,18 @@ inline const LastCoefficients& last_coefficients() {
 
 }  // namespace detail
 
-/// The same integral where a proof would take too long, by the product of rules with ten nodes. An estimate, if a
-/// generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with those of degrees 8 and 9 at
-/// p of the integrand's size the rule, which knows all up to 19, leaves out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it
-/// is taken to be p^(7/4), and as long as they do not fall p. False: the effort is spent, and it is a poor one.
+/// The same integral where a proof would take too long, by the product of rules with ten nodes. An estimate,
+/// if a generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with those of
+/// degrees 8 and 9 at p of the integrand's size the rule, which knows all up to 19, leaves out about p^2
+/// [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they do not fall p. False: the
+/// effort is spent, and it is a poor one.
 template <std::size_t N, class F>
-bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b, const std::array<double, N>& enough,
-              std::array<Interval, N>& sum, Effort& effort) {
+bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
+              const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
     constexpr double rounding = 0x1p-46, falling = 0x1p-8;
     ++effort.parts_used;
-    const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])}, half{0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])};
+    const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])},
+        half{0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])};
     const double quarter = half[0] * half[1];
     const GaussRule& rule = gauss(detail::estimating_rule);
     const detail::LastCoefficients& last = detail::last_coefficients();
@@ -416,7 +424,8 @@ bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b, cons
         double left_out = 0;
         for (const std::size_t axis : {0, 1}) {
             const double part = tail[axis][i] / size[i];
-            const double along = part < falling ? tail[axis][i] * std::sqrt(part * std::sqrt(part)) : tail[axis][i];
+            const double along =
+                part < falling ? tail[axis][i] * std::sqrt(part * std::sqrt(part)) : tail[axis][i];
             left_out += along * quarter;
             worst[axis] = std::max(worst[axis], along * quarter / allowed);
         }

@@ -25,8 +25,8 @@ bool Room::is_held(const Site& site, std::span<const Condition> own) const {
     if (!site.is_object()) return false;
     const Object& object = scene_.objects[site.index];
     return base_contains(scene_.base, object) || std::ranges::any_of(own, [&](const Condition& c) {
-        return c.site.is_object() && contains(scene_.objects[c.site.index], object);
-    });
+               return c.site.is_object() && contains(scene_.objects[c.site.index], object);
+           });
 }
 
 std::optional<std::string> Room::contradiction(const Vec3& p, double error,

@@ -51,8 +51,8 @@ protected:
     double full_error(std::size_t e) const { return subject_.full_error(e); }
     std::vector<Site> label(std::size_t e) const { return subject_.label(e); }
 
-    /// Finds the sites but the given ones that may be nearer than the base within `reach` of p. Sides of the box that
-    /// are ends of the base cylinder's stretch are no sites beside them.
+    /// Finds the sites but the given ones that may be nearer than the base within `reach` of p. Sides of the
+    /// box that are ends of the base cylinder's stretch are no sites beside them.
     void rivals(const Vec3& p, double reach, std::span<const Condition> own,
                 std::vector<Condition>& found) const;
     /// Is a site nowhere nearer than the base and the given ones, by what contains it?

@@ -216,8 +216,8 @@ void SceneGeometry::find_region() {
     }
 }
 
-/// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very small ones
-/// count as larger (docs/files.md).
+/// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very
+/// small ones count as larger (docs/files.md).
 void SceneGeometry::find_stretch() {
     const double radius = std::max(radius_, 0x1p-26 * scene_.box.diagonal());
     stretch_ = {-HUGE_VAL, HUGE_VAL};
@@ -253,14 +253,10 @@ double SceneGeometry::inside_box(const Vec3& p) const {
 
 bool SceneGeometry::exists(const Site& s) const {
     switch (s.kind) {
-        case Site::Kind::Object:
-            return s.index < scene_.objects.size() && scene_.competes(s.index);
-        case Site::Kind::BoxSide:
-            return s.index < 6;
-        case Site::Kind::End:
-            return is_cylinder() && s.index < 2;
-        default:
-            return false;
+        case Site::Kind::Object: return s.index < scene_.objects.size() && scene_.competes(s.index);
+        case Site::Kind::BoxSide: return s.index < 6;
+        case Site::Kind::End: return is_cylinder() && s.index < 2;
+        default: return false;
     }
 }
 

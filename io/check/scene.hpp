@@ -87,7 +87,8 @@ public:
     bool exists(const Site& s) const;
     /// Is a side of the box across a base cylinder's axis, an end of its stretch?
     bool is_end(std::uint32_t side) const {
-        return cylinder_ && cylinder_->axis[(side / 2 + 1) % 3] == 0 && cylinder_->axis[(side / 2 + 2) % 3] == 0;
+        return cylinder_ && cylinder_->axis[(side / 2 + 1) % 3] == 0 &&
+               cylinder_->axis[(side / 2 + 2) % 3] == 0;
     }
 
     /// How far p lies inside the box.

@@ -79,7 +79,8 @@ Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u)
                                      dot(equation.across[1], f) - T(equation.across_c[1])};
             const T alpha = dot(equation.d, u);
             const T C = square(m[0]) + square(m[1]) - T(square(equation.delta));
-            const T beta = T(equation.delta) - dot(equation.across[0], u) * m[0] - dot(equation.across[1], u) * m[1];
+            const T beta =
+                T(equation.delta) - dot(equation.across[0], u) * m[0] - dot(equation.across[1], u) * m[1];
             const T root = sqrt(square(beta) + square(alpha) * C);
             // The other form of the root, where this one would cancel.
             const T t = [&] {
@@ -168,12 +169,13 @@ Densities<T> along(const RuledHeight& h, const Place<T>& p) {
                   {T(0.0), T(0.0), T(1.0)});
     const T sum = T(1.0) + lambda, shadow = 0.5 * (sum * turn);
     // The apex is at height -delta.
-    const T volume = (t + T(h.equation.delta)) * (sum + square(lambda)) * T(third) * turn - h.equation.delta * shadow;
+    const T volume =
+        (t + T(h.equation.delta)) * (sum + square(lambda)) * T(third) * turn - h.equation.delta * shadow;
     return {volume, shadow * steepness, shadow, steepness};
 }
 
-// The face is a polygon or the like in its side: that of the edge's foot there, the wall between both, whose volume
-// towards the axis counts, and what lies straight towards the axis from it, which has none.
+// The face is a polygon or the like in its side: that of the edge's foot there, the wall between both, whose
+// volume towards the axis counts, and what lies straight towards the axis from it, which has none.
 template <class T>
 Densities<T> along(const Flat& f, const Place<T>& p) {
     Triad<T> q, dq;
@@ -222,7 +224,8 @@ Densities<T> along(const Fan&, const Place<T>&) {
 
 }  // namespace
 
-// --- The frame ----------------------------------------------------------------------------------------------
+// --- The frame
+// ----------------------------------------------------------------------------------------------
 
 Frame::Frame(const Scene& scene) {
     int exponent = 0;
@@ -270,8 +273,7 @@ Triad<Interval> Frame::point(const Vec3& p) const {
         // A difference of doubles is exact more often than not, and an enclosure that knows stays a number.
         const double difference = p[i] - origin_[i];
         const bool is_exact = difference + origin_[i] == p[i] && p[i] - difference == origin_[i];
-        d[static_cast<std::size_t>(i)] =
-            is_exact ? length(difference) : length(p[i]) - length(origin_[i]);
+        d[static_cast<std::size_t>(i)] = is_exact ? length(difference) : length(p[i]) - length(origin_[i]);
     }
     return turned(d);
 }
@@ -298,7 +300,8 @@ Triad<MidRad> Frame::way(const Vec3& from, const Vec3& to) const {
 
 Triad<Interval> Frame::direction(const Vec3& d) const { return turned({Interval(d.x()), d.y(), d.z()}); }
 
-// --- Curves -------------------------------------------------------------------------------------------------
+// --- Curves
+// -------------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -343,9 +346,10 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
         const double a = curve.knots[k], b = curve.knots[k + 1];
         if (!(a < b)) continue;
         const bool is_full = curve.knots[k - d + 1] == a && curve.knots[k + d] == b;
-        // Splines of many spans are taken about points of their own: what a short span's points lose about one far
-        // away, its derivatives lose many times over. Ends stay the points that other curves end in, as the frame has
-        // them, and so do all joints of conics: next to an axis a gap that rounding makes would be a turn about it.
+        // Splines of many spans are taken about points of their own: what a short span's points lose about
+        // one far away, its derivatives lose many times over. Ends stay the points that other curves end in,
+        // as the frame has them, and so do all joints of conics: next to an axis a gap that rounding makes
+        // would be a turn about it.
         const std::size_t middle = curve.points.size() / 2;
         const std::size_t about = d <= 2 ? middle : k == d ? 0 : k + 1 == curve.points.size() ? k : k - d / 2;
         const Vec3 origin = curve.points[about].head<3>();
@@ -388,7 +392,8 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
             differences.assign(level.begin(), level.begin() + static_cast<long>(order) + 1);
             for (std::size_t r = 0; r < order; ++r)
                 for (std::size_t i = 0; i + r < order; ++i)
-                    for (std::size_t c = 0; c < 4; ++c) differences[i][c] = differences[i + 1][c] - differences[i][c];
+                    for (std::size_t c = 0; c < 4; ++c)
+                        differences[i][c] = differences[i + 1][c] - differences[i][c];
             for (std::size_t c = 0; c < 4; ++c)
                 span.coefficients[order][c] = (binomial * half_power) * differences[0][c];
             for (std::size_t i = 0; i < order; ++i)
@@ -405,12 +410,13 @@ std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame) {
     return result;
 }
 
-// --- Integrands ---------------------------------------------------------------------------------------------
+// --- Integrands
+// ---------------------------------------------------------------------------------------------
 
 namespace {
 
 std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
-                            std::span<const Triad<double>> corners) {
+                                    std::span<const Triad<double>> corners) {
     Equation equation{};
     equation.radius = frame.radius();
     if (site.kind == Site::Kind::BoxSide) {
@@ -428,8 +434,8 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         equation.c = near(frame.point(ball->center));
         const auto* base = std::get_if<Sphere>(&scene.base);
         equation.delta = base && base->radius == ball->radius
-                         ? MidRad(0.0)
-                         : MidRad(frame.length(ball->radius)) - frame.radius();
+                             ? MidRad(0.0)
+                             : MidRad(frame.length(ball->radius)) - frame.radius();
         if (std::holds_alternative<Plane>(scene.base)) equation.delta = frame.length(ball->radius);
         return equation;
     }
@@ -437,7 +443,8 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         equation.kind = Equation::Kind::tube;
         equation.c = near(frame.point(tube->point));
         equation.d = normalized(near(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff())));
-        // Over a plane the first runs along it, so that heights lie in the second alone, unless the tube is upright.
+        // Over a plane the first runs along it, so that heights lie in the second alone, unless the tube is
+        // upright.
         const auto* plane = std::get_if<Plane>(&scene.base);
         const Vec3 axis = tube->axis.normalized();
         constexpr double upright = 0.9;
@@ -483,14 +490,16 @@ std::optional<RuledHeight> ruled_height(const Equation& equation, std::span<cons
     const MidRad x = corner[0] - equation.c[0], y = corner[1] - equation.c[1];
     const MidRad v = n[0] * x + n[1] * y, across = n[0] * y - n[1] * x;
     // D times the slope.
-    const MidRad rise = v * equation.d[2] + (equation.c[2] + equation.delta) * run, kappa = equation.d[2] / rise;
+    const MidRad rise = v * equation.d[2] + (equation.c[2] + equation.delta) * run,
+                 kappa = equation.d[2] / rise;
     constexpr double nearest = 0.25;
     for (const Triad<double>& p : corners) {
         const MidRad reach = 1.0 + kappa * (n[0] * (p[0] - corner[0]) + n[1] * (p[1] - corner[1]));
         if (!(reach.lower() >= nearest)) return std::nullopt;
     }
     const MidRad aside = kappa * across;
-    return RuledHeight{equation, {corner[0], corner[1]}, n, {n[0] - aside * n[1], n[1] + aside * n[0]}, kappa};
+    return RuledHeight{
+        equation, {corner[0], corner[1]}, n, {n[0] - aside * n[1], n[1] + aside * n[0]}, kappa};
 }
 
 Shadow over_plane(const Equation& equation, std::span<const Triad<double>> corners) {
@@ -548,8 +557,7 @@ namespace {
 
 Shadow about_sphere(const Equation& equation, MidRad radius) {
     switch (equation.kind) {
-        case Equation::Kind::side:
-            return Revolved{equation.c, equation.offset, 1.0, 0.0, 1.0, false};
+        case Equation::Kind::side: return Revolved{equation.c, equation.offset, 1.0, 0.0, 1.0, false};
         case Equation::Kind::plane: {
             const MidRad s = equation.sign;
             return Revolved{scaled(-s, equation.c), radius + s * equation.offset, 1.0, 1.0, 0.0, true};
@@ -560,8 +568,8 @@ Shadow about_sphere(const Equation& equation, MidRad radius) {
             return Revolved{normalized(equation.c), 0.5 * E, distance, equation.delta, E, false};
         }
         default: {
-            // The start is where the tube is nearest: a great circle from there to a direction in which the tube is
-            // met meets it all along, for alpha has one sign on it, or beta is positive.
+            // The start is where the tube is nearest: a great circle from there to a direction in which the
+            // tube is met meets it all along, for alpha has one sign on it, or beta is positive.
             const MidRad along = dot(equation.d, equation.c);
             Triad<MidRad> nearest;
             for (const std::size_t i : {0, 1, 2}) nearest[i] = equation.c[i] - along * equation.d[i];
@@ -627,14 +635,15 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
             const MidRad x0 = fan.start[0], y0 = fan.start[1];
             const auto [x, y, dx, dy] = relative(p, {x0, y0});
             const T turn = sigma * ((x * dy - y * dx) / square(p.w));
-            const auto [t, steepness] = height<T>(
-                fan.equation, {T(x0) + sigma * (x / p.w), T(y0) + sigma * (y / p.w), T(0.0)}, {T(0.0), T(0.0), T(1.0)});
+            const auto [t, steepness] =
+                height<T>(fan.equation, {T(x0) + sigma * (x / p.w), T(y0) + sigma * (y / p.w), T(0.0)},
+                          {T(0.0), T(0.0), T(1.0)});
             return {turn * t, turn * steepness, turn, steepness};
         }
         case Fan::Base::sphere: {
-            // Stereographic coordinates about the start a: y = (p - q a) / (|p| + q), q = a p, of which sigma y runs
-            // from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle
-            // 4 / (1 + |y|^2)^2 of y's area.
+            // Stereographic coordinates about the start a: y = (p - q a) / (|p| + q), q = a p, of which sigma
+            // y runs from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle 4 / (1 +
+            // |y|^2)^2 of y's area.
             const Triad<MidRad>& a = fan.start;
             const Triad<T> n = p.whole(), dn = p.whole_derivative();
             const T q = dot(a, n), size = sqrt(squared_norm(n)), sum = size + q;
@@ -653,8 +662,8 @@ Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
             const T s2 = square(n[0]) + square(n[1]), s = sqrt(s2);
             const T rise = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
             const T turn = rise * (n[1] * dn[0] - n[0] * dn[1]) / s2;
-            const auto [t, steepness] = height<T>(fan.equation, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise},
-                                                  {n[0] / s, n[1] / s, T(0.0)});
+            const auto [t, steepness] = height<T>(
+                fan.equation, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise}, {n[0] / s, n[1] / s, T(0.0)});
             return {turn * square(t) * T(0.5), turn * t * steepness, turn, steepness};
         }
     }

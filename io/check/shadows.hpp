@@ -1,17 +1,17 @@
-/// Faces as integrands: volume below them, their area and that of their shadow on the base, as integrals along
-/// their edges. Patches have no part in it: over each base point the scene gives the height of a bisector, and
-/// edges bound the shadows.
+/// Faces as integrands: volume below them, their area and that of their shadow on the base, as integrals
+/// along their edges. Patches have no part in it: over each base point the scene gives the height of a
+/// bisector, and edges bound the shadows.
 ///
-/// Everything is in the base's own frame: a plane is z = 0 seen from above, a sphere's centre is the origin, a
-/// cylinder's axis is that of z; the unit of length is a power of two of the box.
+/// Everything is in the base's own frame: a plane is z = 0 seen from above, a sphere's centre is the origin,
+/// a cylinder's axis is that of z; the unit of length is a power of two of the box.
 ///
-/// With t the distance from the base's plane, centre or axis along the unit normal u, an object over the foot f
-/// has the equation C - 2 beta t - alpha^2 t^2 = 0:
+/// With t the distance from the base's plane, centre or axis along the unit normal u, an object over the foot
+/// f has the equation C - 2 beta t - alpha^2 t^2 = 0:
 ///   |f + t u - c|^2 = (t + delta)^2 for balls, the same without the part along the axis d for tubes, and
 ///   s (n (f + t u) + D) = t - R for planes, where delta = rho - R, R the base's radius or 0.
-/// The bisector's normal is along u - n', n' the unit direction from the object's nearest point, so its area over
-/// a piece of the base is that of the piece at distance t times sqrt(2 / (1 - u n')); and
-/// 1 - u n' = sqrt(beta^2 + alpha^2 C) / (t + delta), for planes 2 beta.
+/// The bisector's normal is along u - n', n' the unit direction from the object's nearest point, so its area
+/// over a piece of the base is that of the piece at distance t times sqrt(2 / (1 - u n')); and 1 - u n' =
+/// sqrt(beta^2 + alpha^2 C) / (t + delta), for planes 2 beta.
 #pragma once
 
 #include <array>
@@ -52,9 +52,9 @@ private:
     Interval radius_;
 };
 
-/// A point of a rational curve in homogeneous coordinates relative to a nearby origin (w (x - origin), w), and their
-/// derivatives. Relative: where coordinates are large for the curve, the bounds of w x and of w would not know of
-/// each other.
+/// A point of a rational curve in homogeneous coordinates relative to a nearby origin (w (x - origin), w),
+/// and their derivatives. Relative: where coordinates are large for the curve, the bounds of w x and of w
+/// would not know of each other.
 template <class T>
 struct Place {
     Triad<T> n, dn;
@@ -68,7 +68,8 @@ struct Place {
     }
 };
 
-/// A polynomial piece of a space curve in the frame, by its Taylor coefficients about its middle: s in [-1, 1].
+/// A polynomial piece of a space curve in the frame, by its Taylor coefficients about its middle: s in [-1,
+/// 1].
 struct Span {
     SmallVector<std::array<MidRad, 4>, 4> coefficients;
     Triad<double> origin;
@@ -128,8 +129,8 @@ struct Equation {
     std::array<MidRad, 2> across_c;       ///< tube: the coordinates of c in it
     MidRad delta;                         ///< ball, tube
     MidRad offset;                        ///< plane: D; side: n p = offset on it
-    double sign = 1;    ///< plane: of the side where the base is
-    MidRad radius;      ///< plane: R
+    double sign = 1;                      ///< plane: of the side where the base is
+    MidRad radius;                        ///< plane: R
 };
 /// Over a plane: heights that grow in proportion to the distance from an apex.
 struct ConeHeight {
@@ -141,32 +142,32 @@ struct ConeHeight {
 ///
 /// With n the axis' direction over the plane, v = n (q - a) for a point a of the line, D = n (a - apex) and
 /// kappa = 1 / D, the line cuts what lies between apex and q at lambda = 1 / (1 + kappa v) of the way. From
-/// there to q the integrals are those from the apex times 1 - lambda^2 and 1 - lambda^3, of which 1 - lambda =
-/// kappa v lambda; what is left out depends on the direction from the apex alone, and adds up to nothing around
-/// a face that is on one side of it. Then det(q - apex, dq) comes with a factor of kappa, and is as small as the
-/// face: kappa (q - apex) = kappa (q - a) + m.
+/// there to q the integrals are those from the apex times 1 - lambda^2 and 1 - lambda^3, of which 1 - lambda
+/// = kappa v lambda; what is left out depends on the direction from the apex alone, and adds up to nothing
+/// around a face that is on one side of it. Then det(q - apex, dq) comes with a factor of kappa, and is as
+/// small as the face: kappa (q - apex) = kappa (q - a) + m.
 struct RuledHeight {
     Equation equation;
     std::array<MidRad, 2> start, along, m;  ///< a, n, m
     MidRad kappa;
 };
-/// About a cylinder: a side of the box, in coordinates of its own. As seen from the axis it may turn by almost half
-/// a circle within no length at all, where the axis ends close to it.
+/// About a cylinder: a side of the box, in coordinates of its own. As seen from the axis it may turn by
+/// almost half a circle within no length at all, where the axis ends close to it.
 struct Flat {
     Triad<MidRad> normal;  ///< outwards
     Triad<MidRad> corner;
-    MidRad corner_above;   ///< the side
-    Triad<MidRad> flux;    ///< of (x, y, 0) / 2 through the side below p: grows by flux (p - corner)
+    MidRad corner_above;  ///< the side
+    Triad<MidRad> flux;   ///< of (x, y, 0) / 2 through the side below p: grows by flux (p - corner)
     MidRad flux_at_corner;
 };
-/// About a cylinder: a plane's, of which the distance from the axis grows evenly along each generator: what lies
-/// between the start's height and an edge's is told at once.
+/// About a cylinder: a plane's, of which the distance from the axis grows evenly along each generator: what
+/// lies between the start's height and an edge's is told at once.
 struct Tapered {
     Equation equation;
     MidRad start;
 };
-/// Any other: integrated from a point of the base to the edge: along a line of the plane, along a great circle, or on
-/// a cylinder along the generator from a height.
+/// Any other: integrated from a point of the base to the edge: along a line of the plane, along a great
+/// circle, or on a cylinder along the generator from a height.
 struct Fan {
     enum class Base { plane, sphere, cylinder } base;
     Equation equation;
@@ -175,8 +176,8 @@ struct Fan {
 
 using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Tapered, Fan>;
 
-/// The integrand of a face over the base. `corners`: points of its edges, in the frame, by which a place to start
-/// from is chosen and the side of a plane. None: it cannot be told.
+/// The integrand of a face over the base. `corners`: points of its edges, in the frame, by which a place to
+/// start from is chosen and the side of a plane. None: it cannot be told.
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
                              std::span<const Triad<double>> corners);
 

@@ -198,9 +198,9 @@ public:
         const Vector<T> m = inwards(c.site.index);
         return c.at_rim ? m - dot(m, base_.direction) * base_.direction : m;
     }
-    /// The gradient of c's excess less that of d's. Of two balls with centres a and b, |p - a| = s and |p - b| = t,
-    /// it is (b - a - ((s - t) / t) (p - b)) / s with s - t = (b - a) (2 p - a - b) / (s + t): as small as b - a
-    /// is, also over a box of points.
+    /// The gradient of c's excess less that of d's. Of two balls with centres a and b, |p - a| = s and |p -
+    /// b| = t, it is (b - a - ((s - t) / t) (p - b)) / s with s - t = (b - a) (2 p - a - b) / (s + t): as
+    /// small as b - a is, also over a box of points.
     Vector<T> gradient_difference(const Condition& c, const Condition& d, const Vector<T>& p) const {
         const auto ball = [&](const Condition& e) {
             return e.site.is_object() ? std::get_if<Sphere>(&scene_.objects[e.site.index]) : nullptr;

@@ -61,8 +61,7 @@ private:
         check_control_points<Dim>(where, c.points);
     }
     template <int Dim, class Where>
-    void check_control_points(const Where& where,
-                              std::span<const Eigen::Matrix<double, Dim + 1, 1>> points) {
+    void check_control_points(const Where& where, std::span<const Eigen::Matrix<double, Dim + 1, 1>> points) {
         for (const auto& p : points) {
             if (!p.allFinite()) return note(where, "a control point is not finite");
             if (!(p[Dim] > 0)) return note(where, fmt::format("weight {}, must be positive", p[Dim]));

@@ -43,8 +43,8 @@ public:
     }
 
 private:
-    /// Written as one point, and not because its ends are nearer to each other than doubles: then other sites tie in each
-    /// of them, all of which a proved vertex lists.
+    /// Written as one point, and not because its ends are nearer to each other than doubles: then other sites
+    /// tie in each of them, all of which a proved vertex lists.
     bool is_point(std::size_t e) const {
         const auto& points = cell_.edges[e].curve.points;
         const auto& ends = cell_.edges[e].vertices;
@@ -52,7 +52,8 @@ private:
             return p.template head<3>() == points.front().template head<3>();
         };
         return std::ranges::all_of(points, is_first) &&
-               (ends.empty() || std::ranges::equal(cell_.vertices[ends[0]].sites, cell_.vertices[ends[1]].sites));
+               (ends.empty() ||
+                std::ranges::equal(cell_.vertices[ends[0]].sites, cell_.vertices[ends[1]].sites));
     }
 
     void check_uses() {
@@ -60,8 +61,10 @@ private:
             const auto& uses = uses_[e];
             if (uses.empty()) note(edge_path(e), "no face uses it");
             const auto& [left, right] = cell_.edges[e].sites;
-            // A side of the box that leans over its own rim is met there by the region's rim: a site of both sides.
-            if (left == right && !rim_[e]) note(edge_path(e) + ".sites", fmt::format("are {} on both sides", title(left)));
+            // A side of the box that leans over its own rim is met there by the region's rim: a site of both
+            // sides.
+            if (left == right && !rim_[e])
+                note(edge_path(e) + ".sites", fmt::format("are {} on both sides", title(left)));
             if (is_point(e)) note(edge_path(e) + ".curve", "is a single point");
             if (uses.size() > 2) note(edge_path(e), fmt::format("used {} times", uses.size()));
             if (uses.size() == 2 && uses[0].reversed == uses[1].reversed)
@@ -141,14 +144,16 @@ private:
                 const int turn = orientation(patch, patch.loops[l]);
                 if (l == 0 && turn < 0) note(where(), "the outer loop does not run counter-clockwise");
                 if (l > 0 && turn > 0) note(where(), "a hole does not run clockwise");
-                if (l > 0 && is_outside(patch, patch.loops[l])) note(where(), "a hole outside the outer loop");
+                if (l > 0 && is_outside(patch, patch.loops[l]))
+                    note(where(), "a hole outside the outer loop");
             }
         check_cycles();
     }
 
-    /// The sign of a loop's area: that of the polygon through points of it, if it is larger than what lies between
-    /// the chords and the curves, of which each stays in the hull of its control points, and than a band along the loop
-    /// as wide as rounding of these points and the errors of their edges. 0: the parts are too small to tell.
+    /// The sign of a loop's area: that of the polygon through points of it, if it is larger than what lies
+    /// between the chords and the curves, of which each stays in the hull of its control points, and than a
+    /// band along the loop as wide as rounding of these points and the errors of their edges. 0: the parts
+    /// are too small to tell.
     int orientation(const Patch& patch, const std::vector<Trim>& loop) const {
         double off = kPlaceRounding * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs()).maxCoeff();
         for (std::size_t i = 0; i < loop.size(); ++i)
@@ -173,7 +178,8 @@ private:
                     after = std::max(after, along);
                 }
                 if (above > below)
-                    between += 2 * (above - below) * (chord.squaredNorm() > 0 ? (after - before) / chord.squaredNorm() : HUGE_VAL);
+                    between += 2 * (above - below) *
+                               (chord.squaredNorm() > 0 ? (after - before) / chord.squaredNorm() : HUGE_VAL);
             }
         };
         const auto sign_of = [&](const Polygon& polygon) {
@@ -228,7 +234,8 @@ private:
             if (vertices.empty() || vertices[0] == vertices[1]) continue;
             for (const auto& use : uses_[e])
                 for (const int end : {0, 1})
-                    balance[{use.face, vertices[static_cast<std::size_t>(end)]}] += (end == 1) == use.reversed ? -1 : 1;
+                    balance[{use.face, vertices[static_cast<std::size_t>(end)]}] +=
+                        (end == 1) == use.reversed ? -1 : 1;
         }
         for (const auto& [at, sum] : balance)
             if (sum != 0)

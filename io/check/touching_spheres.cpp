@@ -24,12 +24,14 @@ const Sphere* as_ball(const Scene& scene, const Site& site) {
 /// Bernstein coefficients of a polynomial of degree (m, n).
 using Coefficients = std::array<double, (kMost + 1) * (kMost + 1)>;
 
-/// A lower bound of its values: halves are looked at as long as coefficients are far below those at the corners.
+/// A lower bound of its values: halves are looked at as long as coefficients are far below those at the
+/// corners.
 double least_value(const Coefficients& c, int m, int n, int depth) {
     const int count = (m + 1) * (n + 1);
     const double least = *std::min_element(c.begin(), c.begin() + count);
-    const double at_corner = std::min({c[0], c[static_cast<std::size_t>(n)], c[static_cast<std::size_t>(m * (n + 1))],
-                                       c[static_cast<std::size_t>(count - 1)]});
+    const double at_corner =
+        std::min({c[0], c[static_cast<std::size_t>(n)], c[static_cast<std::size_t>(m * (n + 1))],
+                  c[static_cast<std::size_t>(count - 1)]});
     if (depth == 0 || least >= 0.75 * at_corner) return least;
     const int axis = depth % 2, degree = axis == 0 ? m : n, lines = axis == 0 ? n : m;
     const auto at = [&](Coefficients& x, int line, int i) -> double& {
@@ -45,8 +47,8 @@ double least_value(const Coefficients& c, int m, int n, int depth) {
     return std::min(least_value(first, m, n, depth - 1), least_value(second, m, n, depth - 1));
 }
 
-/// binomial(m, i) binomial(n, j), at i (n + 1) + j, by m and n. Known to the compiler: few cells have as many edges as
-/// entries.
+/// binomial(m, i) binomial(n, j), at i (n + 1) + j, by m and n. Known to the compiler: few cells have as many
+/// edges as entries.
 template <int Most>
 struct ProductsOfBinomials {
     static constexpr std::size_t count = Most + 1;
@@ -60,7 +62,8 @@ struct ProductsOfBinomials {
         for (std::size_t m = 0; m < count; ++m)
             for (std::size_t n = 0; n < count; ++n)
                 for (std::size_t i = 0; i <= m; ++i)
-                    for (std::size_t j = 0; j <= n; ++j) of[m][n][i * (n + 1) + j] = pascal[m][i] * pascal[n][j];
+                    for (std::size_t j = 0; j <= n; ++j)
+                        of[m][n][i * (n + 1) + j] = pascal[m][i] * pascal[n][j];
     }
 };
 constexpr ProductsOfBinomials<kMost> products_of_binomials;
@@ -148,9 +151,10 @@ std::optional<TouchingSpheres> TouchingSpheres::on(const Net& patch, const Site&
     return result.finish_about_sphere() ? std::optional(result) : std::nullopt;
 }
 
-// With X = w (p - o), T = w t and D = T + R w, F of the base is G / w^2 with G = |X|^2 - D^2, and |p - o| - (t + R),
-// which is F by |p - o| + t + R, no more than |G| / (w D); likewise for the own ball. On the loops D^2 <= (w reach)^2 +
-// |G|, and where w grows, falls or is concave all along one variable it is least on them.
+// With X = w (p - o), T = w t and D = T + R w, F of the base is G / w^2 with G = |X|^2 - D^2, and |p - o| -
+// (t + R), which is F by |p - o| + t + R, no more than |G| / (w D); likewise for the own ball. On the loops
+// D^2 <= (w reach)^2 + |G|, and where w grows, falls or is concave all along one variable it is least on
+// them.
 std::optional<TouchingSpheres::Inside> TouchingSpheres::inside(const Net& patch, const Site& own,
                                                                const Space<Interval>& space, double reach) {
     const auto* base = std::get_if<Sphere>(&space.scene().base);
@@ -201,7 +205,8 @@ bool TouchingSpheres::is_weight_least_at_loops() const {
                 const double step = weight(line, i) - weight(line, i - 1);
                 grows = grows && step > error;
                 falls = falls && step < -error;
-                if (i > 1) is_concave = is_concave && step - (weight(line, i - 1) - weight(line, i - 2)) < -error;
+                if (i > 1)
+                    is_concave = is_concave && step - (weight(line, i - 1) - weight(line, i - 2)) < -error;
             }
         if (grows || falls || is_concave) return true;
     }
@@ -244,8 +249,8 @@ bool TouchingSpheres::set_distance_at_three_places() {
     return finish_about_sphere();
 }
 
-// A distance is convex: it is below what is linear between the ends, by no more than length^2 / 8 by the least
-// distance, and above its share in any direction. That of the line's nearest point tells the least one.
+// A distance is convex: it is below what is linear between the ends, by no more than length^2 / 8 by the
+// least distance, and above its share in any direction. That of the line's nearest point tells the least one.
 bool TouchingSpheres::set_distance_along_line() {
     const auto& sphere = std::get<Sphere>(space_->scene().base);
     const Vec3 from = origin_ - sphere.center;
@@ -266,9 +271,9 @@ bool TouchingSpheres::set_distance_along_line() {
     const double aside = across_.norm();
     across_ = aside > 0 ? Vec3(across_ / aside) : Vec3(Vec3::Zero());
     sines_ = {along / distance[0], ends[1].dot(way_) / distance[1]};
-    const Vec3 toward = along >= 0                     ? Vec3(ends[0] / distance[0])
+    const Vec3 toward = along >= 0               ? Vec3(ends[0] / distance[0])
                         : ends[1].dot(way_) <= 0 ? Vec3(ends[1] / distance[1])
-                                                       : across_;
+                                                 : across_;
     const std::array share{ends[0].dot(toward), ends[1].dot(toward)};
     const double reach = from.cwiseAbs().maxCoeff();
     const double rounding = (kFew * 4 * (most + reach + sphere.radius) +
@@ -367,18 +372,21 @@ TouchingSpheres::Element TouchingSpheres::base() const {
     return {true, middle(space_->base().direction), 0, std::get<Plane>(space_->scene().base).point};
 }
 
-/// A quotient of polynomials lies between those of their Bernstein coefficients, which go through a quotient, a product
-/// and four sums.
+/// A quotient of polynomials lies between those of their Bernstein coefficients, which go through a quotient,
+/// a product and four sums.
 Interval TouchingSpheres::range(const Linear& f) const {
-    const double size = std::abs(f.k) + std::abs(f.g.x()) * most_place_.x() + std::abs(f.g.y()) * most_place_.y() +
-                        std::abs(f.g.z()) * most_place_.z() + std::abs(f.h) * most_clearance_;
+    const double size = std::abs(f.k) + std::abs(f.g.x()) * most_place_.x() +
+                        std::abs(f.g.y()) * most_place_.y() + std::abs(f.g.z()) * most_place_.z() +
+                        std::abs(f.h) * most_clearance_;
     const double blur = std::abs(f.k) * weight_error_ + sum_of_magnitudes(f.g) * position_error_;
     // The weight's own error counts with the quotient.
     const double off = (size * (2 * kFew + weight_error_ / least_weight_) + f.error + blur / least_weight_ +
                         std::abs(f.h) * clearance_error_) *
                        kAbove;
     if (!(off < HUGE_VAL)) return Interval::whole();
-    const auto value = [&](const Affine& p) { return ((f.k + f.g.x() * p.x) + (f.g.y() * p.y + f.g.z() * p.z)) + f.h * p.t; };
+    const auto value = [&](const Affine& p) {
+        return ((f.k + f.g.x() * p.x) + (f.g.y() * p.y + f.g.z() * p.z)) + f.h * p.t;
+    };
     Lanes lo = value(affine_[0]), hi = lo;
     for (std::size_t i = 1; i < affine_.size(); ++i) {
         const Lanes v = value(affine_[i]);
@@ -390,8 +398,8 @@ Interval TouchingSpheres::range(const Linear& f) const {
             Interval::up(hi.greatest() + (off - std::min(sag, 0.0)))};
 }
 
-/// A lower bound of f. Along a line where t counts as positive, t + R is at least the share of p - c in any direction:
-/// in that of the place where f is least the bound is f there.
+/// A lower bound of f. Along a line where t counts as positive, t + R is at least the share of p - c in any
+/// direction: in that of the place where f is least the bound is f there.
 double TouchingSpheres::least_of(const Linear& f) const {
     if (!(sag_ > 0) || !(f.h > 0)) return range(f).lower();
     const auto& sphere = std::get<Sphere>(space_->scene().base);
@@ -512,9 +520,10 @@ std::optional<Interval> TouchingSpheres::excess(const Condition& c) const {
     }
     if (!has_reference_) return std::nullopt;
     const Linear f = difference(*ball, reference_center_, reference_radius_);
-    const Interval all = Interval(least_of(f), range(f).upper()) + Interval(-reference_error_, reference_error_);
-    // e is F by s + t + rho, where s = t + rho + e is not negative. About a base ball s + t + rho is the sum of two
-    // sides of a triangle, and of the difference of the radii.
+    const Interval all =
+        Interval(least_of(f), range(f).upper()) + Interval(-reference_error_, reference_error_);
+    // e is F by s + t + rho, where s = t + rho + e is not negative. About a base ball s + t + rho is the sum
+    // of two sides of a triangle, and of the difference of the radii.
     const double reach = (clearance_.lower() + ball->radius) * kBelow;
     double least_sum = 0;
     if (const auto* base = std::get_if<Sphere>(&space_->scene().base))
@@ -539,7 +548,8 @@ std::optional<double> TouchingSpheres::least(const Site& object) const {
         return f ? std::optional(range(*f).lower()) : std::nullopt;
     }
     if (!has_reference_) return std::nullopt;
-    return Interval::down(least_of(difference(*ball, reference_center_, reference_radius_)) - reference_error_);
+    return Interval::down(least_of(difference(*ball, reference_center_, reference_radius_)) -
+                          reference_error_);
 }
 
 // Where e is less than 2 margin F is less than that times s + t + rho = 2 (t + rho) + e; excesses change by

@@ -32,11 +32,12 @@ public:
     /// On a patch of a site's bisector.
     static std::optional<TouchingSpheres> on(const Net& patch, const Site& own, const Space<Interval>& space);
 
-    /// On a patch of the bisector of a base ball and a ball of another radius, inside loops that stay within `reach` of
-    /// the base's center: known of it are the upper end of the clearance and growth(). Where the patch runs far beyond
-    /// its loops, on() may know nothing.
+    /// On a patch of the bisector of a base ball and a ball of another radius, inside loops that stay within
+    /// `reach` of the base's center: known of it are the upper end of the clearance and growth(). Where the
+    /// patch runs far beyond its loops, on() may know nothing.
     struct Inside;
-    static std::optional<Inside> inside(const Net& patch, const Site& own, const Space<Interval>& space, double reach);
+    static std::optional<Inside> inside(const Net& patch, const Site& own, const Space<Interval>& space,
+                                        double reach);
 
     /// Of all points.
     const Interval& clearance() const { return clearance_; }
@@ -121,8 +122,8 @@ private:
     double most_clearance_ = 0;
     double position_error_ = 0, weight_error_ = 0;  // of the homogeneous coordinates
     double clearance_error_ = 0;                    // of t / w
-    // Along a line about a sphere t / w may be less by `sag_`. As seen from the base's center: the way and the
-    // direction across, and the sines of the angles between that and the ends.
+    // Along a line about a sphere t / w may be less by `sag_`. As seen from the base's center: the way and
+    // the direction across, and the sines of the angles between that and the ends.
     double sag_ = 0;
     Vec3 way_, across_;
     std::array<double, 2> sines_;

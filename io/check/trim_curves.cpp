@@ -68,7 +68,8 @@ struct Places {
         using Known = const Places& (*)();
         static constexpr auto known = []<int... N>(std::integer_sequence<int, N...>) {
             return std::array<Known, sizeof...(N)>{known_of<N>...};
-        }(std::make_integer_sequence<int, most_degree + 1>());
+        }
+        (std::make_integer_sequence<int, most_degree + 1>());
         return known[static_cast<std::size_t>(degree)]();
     }
 
@@ -144,13 +145,13 @@ public:
         return result;
     }
 
-    /// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients. Infinite where the curve runs
-    /// beside the patch, or degrees are none of the usual ones.
+    /// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients. Infinite where the
+    /// curve runs beside the patch, or degrees are none of the usual ones.
     ///
     /// With s = a / w, b = w - a and so for t, S's homogeneous coordinates are sums of N_ij times products of
-    /// binomials and powers of a, b that are not negative, and add up to w^(m + n). Coefficients of a and b may be
-    /// negative, with magnitudes that add up to more: so many roundings are relative to the largest N times powers of
-    /// those.
+    /// binomials and powers of a, b that are not negative, and add up to w^(m + n). Coefficients of a and b
+    /// may be negative, with magnitudes that add up to more: so many roundings are relative to the largest N
+    /// times powers of those.
     double gap_at_places(const Pair& pair) const {
         const int m = net_->degree_s(), n = net_->degree_t(), d = pair.trim.degree(), e = pair.edge.degree();
         if (m > 2 || n > 2 || d > 2) return HUGE_VAL;
@@ -169,7 +170,8 @@ public:
                 b[k][i] = y.mid();
                 off = std::max(off, x.radius() + y.radius());
                 least_weight = std::min(least_weight, point[2].mid() - point[2].radius());
-                most_shares = std::max(most_shares, std::abs(x.mid()) + std::abs(y.mid()) + x.radius() + y.radius());
+                most_shares =
+                    std::max(most_shares, std::abs(x.mid()) + std::abs(y.mid()) + x.radius() + y.radius());
             }
             // Beside the patch by rounding is on its side.
             const double aside = -std::min(least_of(a[k], d), least_of(b[k], d));
@@ -184,19 +186,21 @@ public:
         const Places& places = Places::of(degree);
         const bool is_usual = m == 2 && n == 2 && d == 2 && e == 2;
         using Two = std::integral_constant<int, 2>;
-        const std::array<Lanes, 3> most = is_usual ? largest(places, Two(), Two(), Two(), Two(), a, b, pair.edge)
-                                                   : largest(places, m, n, d, e, a, b, pair.edge);
+        const std::array<Lanes, 3> most = is_usual
+                                              ? largest(places, Two(), Two(), Two(), Two(), a, b, pair.edge)
+                                              : largest(places, m, n, d, e, a, b, pair.edge);
         // w^(m + n), with what a and b may be off by.
         double power = 1, least_power = 1;
         for (int i = 0; i < m + n; ++i) {
             power *= most_shares + off;
             least_power *= least_weight;
         }
-        // Terms of a sum of d + 1 go through 3 + 1 + d roundings, their products of m + n factors through m + n times as
-        // many and as many more, sums of them through eight.
+        // Terms of a sum of d + 1 go through 3 + 1 + d roundings, their products of m + n factors through m +
+        // n times as many and as many more, sums of them through eight.
         const double relative = rounding((m + n) * (4 + d) + m + n + 9) + (m + n) * (off / least_weight),
                      relative_of_edge = rounding(4 * e + 4);
-        const auto &size = of_net.most, &error = of_net.error, &edge_size = of_edge.most, &edge_error = of_edge.error;
+        const auto &size = of_net.most, &error = of_net.error, &edge_size = of_edge.most,
+                   &edge_error = of_edge.error;
         const double weight_error = (size[3] * relative + error[3]) * power;
         double sum = 0;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -209,15 +213,17 @@ public:
             const double x = places.lebesgue * (most[k].greatest() + 1.01 * own);
             sum += x * x;
         }
-        const double scale = (of_net.least_weight * least_power - weight_error) * of_edge.least_weight * (1 - 0x1p-40);
+        const double scale =
+            (of_net.least_weight * least_power - weight_error) * of_edge.least_weight * (1 - 0x1p-40);
         if (!(scale > 0)) return HUGE_VAL;
         return std::sqrt(sum) / scale * (1 + 0x1p-40);
     }
 
-    /// The largest differences at places, of coordinates times both weights. Degrees are known to the compiler where
-    /// they are the usual ones.
+    /// The largest differences at places, of coordinates times both weights. Degrees are known to the
+    /// compiler where they are the usual ones.
     template <class M, class N, class D, class E>
-    std::array<Lanes, 3> largest(const Places& places, M m, N n, D d, E e, const std::array<std::array<double, 3>, 2>& a,
+    std::array<Lanes, 3> largest(const Places& places, M m, N n, D d, E e,
+                                 const std::array<std::array<double, 3>, 2>& a,
                                  const std::array<std::array<double, 3>, 2>& b, const Span<3>& edge) const {
         const Net::Point* const net = &net_->at(0, 0);
         const auto* const curve = &edge.points[0];
@@ -225,24 +231,28 @@ public:
         for (std::size_t pack = 0; pack < places.packs; ++pack) {
             const Lanes &t = places.at[pack], &r = places.rest[pack];
             const auto powers = [](const Lanes& x, const Lanes& y, auto power) {
-                return power == 2 ? std::array<Lanes, 3>{y * y, 2.0 * (x * y), x * x} : std::array<Lanes, 3>{y, x, 0.0};
+                return power == 2 ? std::array<Lanes, 3>{y * y, 2.0 * (x * y), x * x}
+                                  : std::array<Lanes, 3>{y, x, 0.0};
             };
             const std::array<Lanes, 3> basis = powers(t, r, d);
             const auto value = [&](const std::array<double, 3>& c) {
                 return basis[0] * c[0] + basis[1] * c[1] + basis[2] * c[2];
             };
-            const std::array<Lanes, 3> along = powers(value(a[0]), value(b[0]), m), across = powers(value(a[1]), value(b[1]), n);
+            const std::array<Lanes, 3> along = powers(value(a[0]), value(b[0]), m),
+                                       across = powers(value(a[1]), value(b[1]), n);
             std::array<Lanes, 4> lifted{};
             for (int i = 0; i <= m; ++i)
                 for (int j = 0; j <= n; ++j) {
-                    const Lanes share = along[static_cast<std::size_t>(i)] * across[static_cast<std::size_t>(j)];
+                    const Lanes share =
+                        along[static_cast<std::size_t>(i)] * across[static_cast<std::size_t>(j)];
                     const Net::Point& p = net[i * (n + 1) + j];
                     for (std::size_t k = 0; k < 4; ++k) lifted[k] += share * p[k].mid();
                 }
             std::array<Lanes, 4> on_edge{};
             for (std::size_t k = 0; k < 4; ++k) {
                 if (e == 2 && d == 2) {
-                    on_edge[k] = basis[0] * curve[0][k].mid() + basis[1] * curve[1][k].mid() + basis[2] * curve[2][k].mid();
+                    on_edge[k] = basis[0] * curve[0][k].mid() + basis[1] * curve[1][k].mid() +
+                                 basis[2] * curve[2][k].mid();
                     continue;
                 }
                 // By Horner's rule in t, with powers of r.
@@ -259,8 +269,8 @@ public:
         return most;
     }
 
-    /// A lower bound of 0 and of a polynomial of degree 2 at most in Bernstein form. With u and v what the middle
-    /// coefficient is below the others, its least value is u v / (u + v) above that.
+    /// A lower bound of 0 and of a polynomial of degree 2 at most in Bernstein form. With u and v what the
+    /// middle coefficient is below the others, its least value is u v / (u + v) above that.
     static double least_of(const std::array<double, 3>& c, int degree) {
         const double last = c[static_cast<std::size_t>(degree)], at_ends = std::min({c[0], last, 0.0});
         if (degree < 2 || c[1] >= std::min(c[0], last)) return at_ends;
@@ -288,8 +298,8 @@ public:
         return sqrt(sum).upper();
     }
 
-    /// The same with the patch as it is around the trim, about a point there: weights and places that are many times as
-    /// large elsewhere leave no rounding here. `near`: the point in space.
+    /// The same with the patch as it is around the trim, about a point there: weights and places that are
+    /// many times as large elsewhere leave no rounding here. `near`: the point in space.
     double gap_near(const Pair& pair, const Vec3& near) const {
         Vec2 least = Vec2::Constant(HUGE_VAL), most = -least;
         for (const auto& p : pair.trim.points)
@@ -310,7 +320,9 @@ public:
         const auto moved = [](auto points, const auto& from, const auto& to) {
             for (auto& p : points)
                 for (std::size_t k = 0; k + 1 < p.size(); ++k)
-                    p[k] = p[k] + (MidRad(from[static_cast<Eigen::Index>(k)]) - to[static_cast<Eigen::Index>(k)]) * p.back();
+                    p[k] = p[k] +
+                           (MidRad(from[static_cast<Eigen::Index>(k)]) - to[static_cast<Eigen::Index>(k)]) *
+                               p.back();
             return points;
         };
         Pair there = pair;

@@ -73,8 +73,8 @@ private:
         Vec3 direction;
         double length;  // from the center; of a plane infinite
     };
-    // A norm of differences is off by less than four roundings, and the distance by one more; a plane's distance by
-    // less than eight.
+    // A norm of differences is off by less than four roundings, and the distance by one more; a plane's
+    // distance by less than eight.
     Distance distance(const Object& object) const {
         if (const auto* ball = std::get_if<Sphere>(&object)) {
             const Vec3 q = p_ - ball->center;
@@ -118,7 +118,8 @@ std::optional<Enclosure<Interval>> enclose_nearby(const Scene& scene, const Spac
     const Eigen::Matrix3d size = inverse.cwiseAbs();
     constexpr double above = 1 + 0x1p-40;
     // A box that the step and what rounding makes of it fit in.
-    const double half = (2 * (newton.cwiseAbs() + size * error).maxCoeff() + 0x1p-80 * p.cwiseAbs().maxCoeff()) * above;
+    const double half =
+        (2 * (newton.cwiseAbs() + size * error).maxCoeff() + 0x1p-80 * p.cwiseAbs().maxCoeff()) * above;
     const double reach = 2 * half;
     Vec3 turn;
     for (int r = 0; r < 3; ++r) {
@@ -128,7 +129,8 @@ std::optional<Enclosure<Interval>> enclose_nearby(const Scene& scene, const Spac
     }
     const Eigen::Matrix3d rest = (Eigen::Matrix3d::Identity() - inverse * jacobian).cwiseAbs() +
                                  0x1p-50 * (Eigen::Matrix3d::Identity() + size * jacobian.cwiseAbs());
-    const Vec3 radius = (size * (error + reach * turn + 0x1p-50 * f.cwiseAbs()) + half * rest.rowwise().sum()) * above;
+    const Vec3 radius =
+        (size * (error + reach * turn + 0x1p-50 * f.cwiseAbs()) + half * rest.rowwise().sum()) * above;
     Enclosure<Interval> result;
     for (int r = 0; r < 3; ++r) {
         if (!(std::abs(newton[r]) + radius[r] < half)) return std::nullopt;
@@ -159,7 +161,8 @@ private:
         T clearance = space.clearance(point);
 
         T excess(const Condition& c) const {
-            return c.site.is_object() ? space.object_excess(c.site.index, point, clearance) : space.excess(c, point);
+            return c.site.is_object() ? space.object_excess(c.site.index, point, clearance)
+                                      : space.excess(c, point);
         }
     };
 
@@ -174,8 +177,9 @@ private:
         }
         const Interval r = space().clearance(to_vector<Interval>(v.point));
         if (const Interval off = magnitude(r - v.radius); off.lower() > v.error + rounding())
-            return certificate_.refute(
-                vertex_path(i) + ".radius", fmt::format("is {}, the base is {} away", v.radius, r.mid()), off.lower());
+            return certificate_.refute(vertex_path(i) + ".radius",
+                                       fmt::format("is {}, the base is {} away", v.radius, r.mid()),
+                                       off.lower());
         if (conditions.size() == 3)
             if (const auto box = enclose_nearby(scene_, space(), conditions, v.point)) {
                 const Place<Interval> place{space(), box->box(), box->distance(v.point)};
@@ -199,10 +203,12 @@ private:
     /// A Newton step may not leave the vertex farther than that behind.
     double reach() const { return 0x1p-6 * scene_.box.diagonal(); }
 
-    /// What a site asks of a vertex. A side of the box is met by the boundary, or over a base plane by the region below
-    /// it: what holds there, or the one that is less wrong if neither does. Where both may hold as far as the vertex is
-    /// told, above the base it is the side if the ways off the base lead out of the box through it, else the rim.
-    void add_conditions(const Site& s, const CellVertex& v, bool both, std::vector<Condition>& conditions) const {
+    /// What a site asks of a vertex. A side of the box is met by the boundary, or over a base plane by the
+    /// region below it: what holds there, or the one that is less wrong if neither does. Where both may hold
+    /// as far as the vertex is told, above the base it is the side if the ways off the base lead out of the
+    /// box through it, else the rim.
+    void add_conditions(const Site& s, const CellVertex& v, bool both,
+                        std::vector<Condition>& conditions) const {
         if (s.kind != Site::Kind::BoxSide || !geometry_.is_plane() || is_parallel(s)) {
             conditions.push_back({s});
             return;
@@ -304,8 +310,7 @@ private:
     /// Sites that the vertex does not list and that are not far.
     template <class T>
     const std::vector<Condition>& rivals(const CellVertex& v, const Place<T>& place) const {
-        const double reach =
-            upper_bound(place.clearance) + 2 * upper_bound(place.distance);
+        const double reach = upper_bound(place.clearance) + 2 * upper_bound(place.distance);
         std::vector<Condition>& found = rivals_;
         Room::rivals(v.point, reach + rounding(), {}, found);
         for (std::uint32_t s = 0; geometry_.is_plane() && s < 6; ++s)

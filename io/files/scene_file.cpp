@@ -103,21 +103,20 @@ void write_object(JsonWriter& out, const Object& object, const std::string& name
 
 Scene read_scene_value(JsonReader& in) {
     Scene scene;
-    in.object(required_member("vcell", [&] { read_format_version(in); }),
-              required_member("base", [&] { scene.base = read_object(in, scene.base_name); }),
-              required_member("objects", [&] { read_objects(in, scene); }),
-              optional_member("base_object",
-                              [&] {
-                                  scene.base_object =
-                                      static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX - 1));
-                              }),
-              required_member("box",
-                              [&] {
-                                  in.object(required_member("min", [&] { scene.box.min = read_vec3(in); }),
-                                            required_member("max", [&] { scene.box.max = read_vec3(in); }));
-                              }),
-              optional_member("units", [&] { scene.units = in.string(); }),
-              optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
+    in.object(
+        required_member("vcell", [&] { read_format_version(in); }),
+        required_member("base", [&] { scene.base = read_object(in, scene.base_name); }),
+        required_member("objects", [&] { read_objects(in, scene); }),
+        optional_member(
+            "base_object",
+            [&] { scene.base_object = static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX - 1)); }),
+        required_member("box",
+                        [&] {
+                            in.object(required_member("min", [&] { scene.box.min = read_vec3(in); }),
+                                      required_member("max", [&] { scene.box.max = read_vec3(in); }));
+                        }),
+        optional_member("units", [&] { scene.units = in.string(); }),
+        optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
     return scene;
 }
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "../../primitives/bases/plane_base.hpp"
-#include "site_style.hpp"
 #include "../files/text.hpp"
+#include "site_style.hpp"
 #include "unfold.hpp"
 
 namespace vcell {

@@ -11,14 +11,14 @@
 
 #include "../../core/numbers/exact.hpp"
 #include "../objects/objects.hpp"
-#include "plane_base.hpp"
 #include "../objects/scene.hpp"
+#include "plane_base.hpp"
 
 namespace vcell {
 
 /// A rotation in doubles is off by a few units of 2^-53. Components of a unit vector below that are noise (a
-/// cosine of pi/2) where it is rounded anyway: of a cylinder base's axis and of the box's sides over a plane base. That
-/// is counted as motion.
+/// cosine of pi/2) where it is rounded anyway: of a cylinder base's axis and of the box's sides over a plane
+/// base. That is counted as motion.
 inline constexpr double frame_rounding = 0x1p-51;
 
 /// A double's relative error bound only holds above the subnormals; forms stay well clear of them.
@@ -35,7 +35,8 @@ struct BoxSide {
 };
 std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame);
 
-/// How far planes within the box have moved as their |n| are rounded, or a bound: that scales distances from them.
+/// How far planes within the box have moved as their |n| are rounded, or a bound: that scales distances from
+/// them.
 double moved_by_length(const Plane& plane, const Box& box);
 double moved_by_lengths(const Scene& scene);
 

@@ -22,8 +22,8 @@ namespace {
 
 using Kind = InputError::Kind;
 
-// canonical = rotation . (world - origin) / norm. What objects are to each other stays exact; the base's axis turns by a
-// few 2^-53 to become the y axis, or not at all where its length is a double.
+// canonical = rotation . (world - origin) / norm. What objects are to each other stays exact; the base's axis
+// turns by a few 2^-53 to become the y axis, or not at all where its length is a double.
 struct CylinderFrame {
     Vec3 along;  // scaled: what becomes the y axis, but for rounding
     Vec3 axis;   // the same, noise rounded to zero
@@ -57,10 +57,10 @@ struct CylinderFrame {
 
     // A rotation in doubles, from a quaternion that is nearly a half turn, say.
     static constexpr double bundle_rounding = 0x1p-48;
-    // The tubes of a bundle about the base that was turned in doubles have one direction and lean towards the base by
-    // its rounding: where three of them tie along a line, strips would be as narrow. As the base turns anyhow it turns
-    // to the first direction that three of these have in common, unless there are tubes along it. Fewer lean as they
-    // do.
+    // The tubes of a bundle about the base that was turned in doubles have one direction and lean towards the
+    // base by its rounding: where three of them tie along a line, strips would be as narrow. As the base
+    // turns anyhow it turns to the first direction that three of these have in common, unless there are tubes
+    // along it. Fewer lean as they do.
     static Vec3 direction(const Scene& scene, const Cylinder& base) {
         const Vec3 own = scaled_axis(base.axis), axis = without_noise(own);
         if (ExactRotation(axis, 1).turn(own, 1) == 0) return own;
@@ -81,11 +81,13 @@ struct CylinderFrame {
             else
                 ++same->second;
         }
-        const auto bundle = std::ranges::find_if(leaning, [](const auto& known) { return known.second >= fewest; });
+        const auto bundle =
+            std::ranges::find_if(leaning, [](const auto& known) { return known.second >= fewest; });
         return bundle == leaning.end() ? own : bundle->first;
     }
-    // A cosine of pi/2 in a direction that was turned in doubles is no lean: the base would end on sides of the box
-    // that it runs along. The base turns with its frame anyhow, by about as much, and `turn` counts it.
+    // A cosine of pi/2 in a direction that was turned in doubles is no lean: the base would end on sides of
+    // the box that it runs along. The base turns with its frame anyhow, by about as much, and `turn` counts
+    // it.
     static Vec3 without_noise(Vec3 axis) {
         const double size = axis.cwiseAbs().maxCoeff();
         for (double& component : axis)
@@ -220,13 +222,13 @@ private:
             objects_.balls.add(ball, i);
     }
 
-    // Is C = 0 or less about the base as it is given? A ball about a point of its axis would come off that as the base
-    // turns, by so little that nothing near it could be told.
+    // Is C = 0 or less about the base as it is given? A ball about a point of its axis would come off that as
+    // the base turns, by so little that nothing near it could be told.
     bool touched_before_turn(const Ball& ball) const {
         if (frame_.turn == 0) return false;
         const Vec3 center(ball.cx, ball.cy, ball.cz);
         const ExactVector d(scaled_axis(base_.axis)), c = ExactVector(center) - ExactVector(base_.point),
-            across = cross(c, d);
+                                                      across = cross(c, d);
         const Exact delta = Exact(ball.rho) - base_.radius, y = frame_.turned(frame_.from_origin(center)).y;
         return (dot(across, across) - delta * delta * dot(d, d)).sign() != Sign::Positive &&
                y >= frame_.norm * stretch_[0] && y <= frame_.norm * stretch_[1];
@@ -419,8 +421,7 @@ private:
                 const ExactVector axis = frame_.turned(direction(f));
                 add(site,
                     Cylinder{motion_.to_canonical(cylinder.point),
-                             is_along_base(f) ? Vec3::UnitY().eval() : frame_.rounded(axis),
-                             cylinder.radius},
+                             is_along_base(f) ? Vec3::UnitY().eval() : frame_.rounded(axis), cylinder.radius},
                     form(f));
             }
         }
@@ -467,7 +468,8 @@ private:
                                                           : e.form);
         }
         const std::vector<AxialTie> ties = find_axial_ties(forms);
-        // In a turned scene places are rounded: what that hides counts as motion, and the rest as an assumption.
+        // In a turned scene places are rounded: what that hides counts as motion, and the rest as an
+        // assumption.
         const double most_rounded = frame_.turn > 0 ? tie_rounding * scene_.box.diagonal() : 0;
         double rounded = 0;
         for (const AxialTie& tie : ties) {
@@ -496,7 +498,8 @@ private:
         problem.chart = chart() / turn_norm;
         for (const std::optional<Site>& site : early_ends_)
             if (site)
-                problem.warnings.push_back("base: ends " + to_text(unit_ * least_end_radius * scene_.box.diagonal()) +
+                problem.warnings.push_back("base: ends " +
+                                           to_text(unit_ * least_end_radius * scene_.box.diagonal()) +
                                            " from side " + to_string(*site) +
                                            ", which it runs into obliquely: its clearance falls to 0 there");
         objects_.warn(found.sites, problem.warnings);
@@ -510,7 +513,8 @@ private:
     const double unit_;
     const CylinderFrame frame_;
     const BaseFrame motion_;  // rounded
-    std::array<std::optional<Site>, 2> early_ends_;  // sides before which the stretch ends by least_end_radius
+    std::array<std::optional<Site>, 2>
+        early_ends_;  // sides before which the stretch ends by least_end_radius
     const std::array<double, 2> stretch_;
     RadialObjects objects_;
 };

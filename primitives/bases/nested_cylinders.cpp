@@ -11,19 +11,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Bounds of a cylinder's numbers as they are found here: m - d (d.m) / d.d is off by less than 32 u of |m|, u = 2^-53,
-// and points that differ by a multiple of d by as little; so are cosines. The rest is for sums, and for underflow.
+// Bounds of a cylinder's numbers as they are found here: m - d (d.m) / d.d is off by less than 32 u of |m|, u
+// = 2^-53, and points that differ by a multiple of d by as little; so are cosines. The rest is for sums, and
+// for underflow.
 constexpr double rounding = 0x1p-46, least = 0x1p-500;
 
 struct Item {
     std::uint32_t index;
-    Vector3d direction;   // of length 1 within a factor of 1 + rounding
-    Vector3d foot;        // the axis's point nearest to the middle
+    Vector3d direction;    // of length 1 within a factor of 1 + rounding
+    Vector3d foot;         // the axis's point nearest to the middle
     double radius, error;  // of the foot
-    double key;           // of the foot, along the line
+    double key;            // of the foot, along the line
 };
 
-// May p contain q? Parallel axes have cosines of +-1, and feet that are no farther apart than their radii allow.
+// May p contain q? Parallel axes have cosines of +-1, and feet that are no farther apart than their radii
+// allow.
 bool may_contain(const Item& p, const Item& q) {
     const double error = p.error + q.error + rounding * (p.radius + q.radius);
     return p.radius - q.radius + error >= 0 && p.direction.cross(q.direction).norm() <= rounding &&

@@ -11,13 +11,13 @@
 #include <utility>
 #include <variant>
 
-#include "../../core/numbers/compensated.hpp"
 #include "../../core/errors.hpp"
+#include "../../core/numbers/compensated.hpp"
 #include "../../core/numbers/exact.hpp"
-#include "base_problem.hpp"
 #include "../objects/exact_motion.hpp"
 #include "../objects/exact_space.hpp"
 #include "../objects/message.hpp"
+#include "base_problem.hpp"
 #include "nested_cylinders.hpp"
 #include "solids.hpp"
 
@@ -36,9 +36,9 @@ constexpr double far_in_steps = 16;
 
 // ---- Frame ------------------------------------------------------------------------------------------
 
-// canonical = (rotation (world - origin) - (0, 0, lift)) / norm. What objects are to each other is exact; the base
-// turns by a few 2^-53 to become z = 0, or not at all where its normal's length is a double. The sides of the box are
-// rounded to doubles.
+// canonical = (rotation (world - origin) - (0, 0, lift)) / norm. What objects are to each other is exact; the
+// base turns by a few 2^-53 to become z = 0, or not at all where its normal's length is a double. The sides
+// of the box are rounded to doubles.
 class PlaneFrame {
 public:
     PlaneFrame(const Plane& base, const Box& box) : rotation_(scaled_axis(base.normal), 2) {
@@ -48,8 +48,8 @@ public:
         is_axis_parallel_ = (n.array() != 0).count() == 1;
         turn_ = rotation_.turn(scaled_axis(n), 2);
         motion_.rotation = rotation_.rounded();
-        // Other coordinates than the k-th keep their digits: a box far from the origin is brought near by a multiple of a
-        // power of two above its size.
+        // Other coordinates than the k-th keep their digits: a box far from the origin is brought near by a
+        // multiple of a power of two above its size.
         if (is_axis_parallel_) {
             const double step = std::exp2(std::ceil(std::log2(box.diagonal())));
             const Vec3 steps = (0.5 / step * box.min + 0.5 / step * box.max).array().round();
@@ -94,8 +94,8 @@ private:
         origin_ = base.point;
         if (away.norm() > box.diagonal()) {
             origin_ = center - unit * unit.dot(away);
-            // No rounding of the origin leaves the base: what it is above it counts as height. Near the origin the
-            // base has not moved then.
+            // No rounding of the origin leaves the base: what it is above it counts as height. Near the
+            // origin the base has not moved then.
             const Exact above = dot(ExactVector(n), ExactVector(base.point) - ExactVector(origin_));
             if (is_exact())
                 lift_ = dot(rotation_.rows[2], ExactVector(base.point) - ExactVector(origin_));
@@ -107,7 +107,8 @@ private:
         double reach = 0;
         for (const Vec3& corner : {box.min, box.max})
             reach = std::max(reach, (corner - origin_).cwiseAbs().maxCoeff());
-        // 2 > sqrt(3). What nearest() / norm() loses is a part of 2^-50 of a height that is itself a rounding.
+        // 2 > sqrt(3). What nearest() / norm() loses is a part of 2^-50 of a height that is itself a
+        // rounding.
         if (!is_exact()) moved_ = 2 * reach * turn_ + 0x1p-50 * std::abs(height);
     }
 
@@ -273,8 +274,8 @@ double place_of(const Box& box, Site side) {
     return (side.index % 2 == 0 ? box.min : box.max)[side.index / 2];
 }
 
-// The sides of the box through the point of the base on two of them, exact in world coordinates: the region's own
-// sides are rounded, and where three run through one point no two of them tell of the third.
+// The sides of the box through the point of the base on two of them, exact in world coordinates: the region's
+// own sides are rounded, and where three run through one point no two of them tell of the third.
 std::vector<Site> sides_through(const Plane& base, const Box& box, Site first, Site second) {
     const std::uint32_t i = first.index / 2, j = second.index / 2, k = 3 - i - j;
     std::vector<Site> sides{first, second};
@@ -314,9 +315,11 @@ Sign side_of(const Plane& plane, const WorldPoint& corner) {
     return (dot(n, corner.p) - corner.factor * dot(n, ExactVector(plane.point))).sign();
 }
 
-// Sign of the least of |a x (p - q)|^2 - (rho |a|)^2 over the base's region, q on the cylinder's axis. It is convex: least
-// where the axis meets the base, if that is inside, or else on a side. Exact in world coordinates.
-Sign lowest_in_world(const Cylinder& cylinder, const Plane& base, const Box& box, std::span<const WorldPoint> corners) {
+// Sign of the least of |a x (p - q)|^2 - (rho |a|)^2 over the base's region, q on the cylinder's axis. It is
+// convex: least where the axis meets the base, if that is inside, or else on a side. Exact in world
+// coordinates.
+Sign lowest_in_world(const Cylinder& cylinder, const Plane& base, const Box& box,
+                     std::span<const WorldPoint> corners) {
     const ExactVector a(cylinder.axis), q(cylinder.point), n(base.normal), b(base.point);
     const Exact square = Exact(cylinder.radius) * cylinder.radius * dot(a, a);
     Sign best = Sign::Positive;
@@ -487,8 +490,8 @@ ExactForm exact_ball_form(const ExactBall& s) {
             s.c.x * s.c.x + s.c.y * s.c.y + s.behind() * s.width(), twice_d * s.width()};
 }
 
-// About a centre in doubles, what it is off by in the linear terms: |p - c|^2 = |p - c~|^2 + 2 (c~ - c).p + |c|^2 -
-// |c~|^2. Coefficients are quotients of correctly rounded numbers: relative errors of 3u.
+// About a centre in doubles, what it is off by in the linear terms: |p - c|^2 = |p - c~|^2 + 2 (c~ - c).p +
+// |c|^2 - |c~|^2. Coefficients are quotients of correctly rounded numbers: relative errors of 3u.
 CircularForm ball_form(const ExactBall& s) {
     const double d = nearest(s.d), d2 = nearest(s.d * s.d);
     CircularForm f;
@@ -614,7 +617,8 @@ private:
         const double size = std::hypot(ball.cx, ball.cy, ball.cz) + ball.rho;
         if (!frame_->is_exact() && std::abs(ball.cz) <= ball.rho + near_contact * size) {
             const ExactVector n(base_.normal);
-            const Exact square = dot(n, n), height = dot(n, ExactVector(sphere.center) - ExactVector(base_.point));
+            const Exact square = dot(n, n),
+                        height = dot(n, ExactVector(sphere.center) - ExactVector(base_.point));
             const Exact power = square * Exact(sphere.radius) * sphere.radius - height * height;
             if (power.sign() != Sign::Negative) {
                 const ExactBall exact = placed(*frame_, world);
@@ -687,7 +691,8 @@ private:
             fail_touching(i, cuts ? Sign::Positive : Sign::Zero, place);
         }
         const double s = static_cast<int>(signs.front());
-        planes_.push_back({s * normal.x, s * normal.y, s * normal.z, -s * dot(normal, ExactVector(plane.point))});
+        planes_.push_back(
+            {s * normal.x, s * normal.y, s * normal.z, -s * dot(normal, ExactVector(plane.point))});
         plane_objects_.push_back(i);
         if (s < 0) h = {Exact(-1.0) * h.n, -h.d, h.length};
         placed_planes_.push_back(h);
@@ -712,7 +717,8 @@ private:
         const Vec3 axis = scaled_axis(cylinder.axis), p = frame_->to_canonical(cylinder.point);
         const ExactVector a = frame_->turned(axis);
         const double d = nearest(frame_->norm());
-        CylinderForm form{p.x(), p.y(), p.z(), nearest(a.x) / d, nearest(a.y) / d, nearest(a.z) / d, cylinder.radius};
+        CylinderForm form{p.x(),          p.y(), p.z(), nearest(a.x) / d, nearest(a.y) / d, nearest(a.z) / d,
+                          cylinder.radius};
         if (!frame_->keeps(cylinder.point)) {
             const ExactVector q = frame_->place(cylinder.point);
             form.px = nearest(q.x) / d;
@@ -732,8 +738,7 @@ private:
         if (!frame_->is_exact())
             clear = std::min(clear, lowest_in_world(cylinder, base_, scene_.box, world_corners()));
         if (clear != Sign::Positive) fail_touching(i, -clear, region_.lowest_point(trace));
-        const bool is_level =
-            dot(ExactVector(cylinder.axis), ExactVector(base_.normal)).sign() == Sign::Zero;
+        const bool is_level = dot(ExactVector(cylinder.axis), ExactVector(base_.normal)).sign() == Sign::Zero;
         const ExactCylinder exact = exact_cylinder(form);
         if (is_level && (exact.pz + exact.rho).sign() != Sign::Positive) {
             behind_.push_back(i);
@@ -767,8 +772,9 @@ private:
             objects.resize(kept);
         };
 
-        // A side of the box is where the base and its mirror image across that side, a plane, are equally far: with
-        // x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the base leans that way.
+        // A side of the box is where the base and its mirror image across that side, a plane, are equally
+        // far: with x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the base
+        // leans that way.
         std::vector<std::pair<LinearForm, std::string>> walls;
         for (std::size_t k = 0; k < planes_.size(); ++k)
             walls.emplace_back(planes_[k], object_title(scene_, plane_objects_[k]));
@@ -946,7 +952,7 @@ private:
     // Of the world: there objects hide in each other, exactly.
     std::vector<Ball> balls_;
     std::vector<std::uint32_t> ball_objects_;
-    std::vector<LinearForm> planes_;  // (n, d), the region on the positive side
+    std::vector<LinearForm> planes_;                // (n, d), the region on the positive side
     std::vector<HalfSpaceOverBase> placed_planes_;  // the same in canonical coordinates
     std::vector<LinearForm> plane_forms_;
     std::vector<std::uint32_t> plane_objects_;

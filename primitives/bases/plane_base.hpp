@@ -7,10 +7,11 @@
 ///     plane n.p + D, side s    C = s (nx x + ny y + D),                  beta = (|n| - s nz) / 2
 ///     box side m.p <= k        C = k - m.(x, y, 0),                      beta = mz / 2
 ///
-/// with beta <= 0: never met. Cylinders are CylinderForms (primitives/forms/cylinder_form.hpp), never met where the axis
-/// is parallel to the base and the cylinder nowhere above it. All others are CircularForms with w = 2 beta.
-/// |n| is rounded once, correctly; where the difference |n| - s nz would cancel, C and 2 beta are both
-/// multiplied by |n| + s nz, which leaves w = nx^2 + ny^2 and the height a relative error of one rounding.
+/// with beta <= 0: never met. Cylinders are CylinderForms (primitives/forms/cylinder_form.hpp), never met
+/// where the axis is parallel to the base and the cylinder nowhere above it. All others are CircularForms
+/// with w = 2 beta. |n| is rounded once, correctly; where the difference |n| - s nz would cancel, C and 2
+/// beta are both multiplied by |n| + s nz, which leaves w = nx^2 + ny^2 and the height a relative error of
+/// one rounding.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,13 +25,13 @@
 
 namespace vcell {
 
-/// A rigid motion between world and canonical coordinates: canonical = R (world - origin), rounded. Forms are those of
-/// an exact motion: for axis-parallel normals R is a signed permutation and the origin the base's point on that axis,
-/// or near a box that is far from the scene's origin; in general R is a rotation with rational entries
-/// (exact_motion.hpp) and the origin a point of the base near the box. Objects are to each other exactly what they
-/// are in the scene. What is rounded, and counted in PlaneBaseProblem::moved: the sides of the box, to doubles in
-/// canonical coordinates, and unless the normal's length is a double the base itself, which turns by a few 2^-53
-/// (planes parallel to it turn with it).
+/// A rigid motion between world and canonical coordinates: canonical = R (world - origin), rounded. Forms are
+/// those of an exact motion: for axis-parallel normals R is a signed permutation and the origin the base's
+/// point on that axis, or near a box that is far from the scene's origin; in general R is a rotation with
+/// rational entries (exact_motion.hpp) and the origin a point of the base near the box. Objects are to each
+/// other exactly what they are in the scene. What is rounded, and counted in PlaneBaseProblem::moved: the
+/// sides of the box, to doubles in canonical coordinates, and unless the normal's length is a double the base
+/// itself, which turns by a few 2^-53 (planes parallel to it turn with it).
 struct BaseFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 origin = Vec3::Zero();
@@ -53,16 +54,16 @@ struct PlaneBaseProblem {
     BaseFrame frame;
     std::vector<RegionSide> region;        ///< convex polygon, counter-clockwise
     std::vector<Eigen::Vector2d> corners;  ///< corner i: start of side i, rounded
-    /// Of corner i: the sides of the box that run through it in the scene as it is; three where the base plane runs
-    /// through a corner of the box.
+    /// Of corner i: the sides of the box that run through it in the scene as it is; three where the base
+    /// plane runs through a corner of the box.
     std::vector<std::vector<Site>> corner_sites;
     FormFamily family;
-    /// A bound on the distance that anything of the scene within the box has moved, in its unit: the base and the sides
-    /// of the box with the motion, planes by the rounding of |n|, which scales distances from them.
+    /// A bound on the distance that anything of the scene within the box has moved, in its unit: the base and
+    /// the sides of the box with the motion, planes by the rounding of |n|, which scales distances from them.
     double moved = 0;
     double unit = 1;  ///< of the scene's lengths, for messages
-    /// How the axis of each of family.cylinders lies to the base, in the scene as it is: forms are exact about a base
-    /// that may have turned a little.
+    /// How the axis of each of family.cylinders lies to the base, in the scene as it is: forms are exact
+    /// about a base that may have turned a little.
     std::vector<AxisToBase> axes;
     /// Are the centres of two forms' balls on one normal of the base? Likewise.
     std::function<bool(FormId, FormId)> on_one_normal;

@@ -28,7 +28,8 @@ void FormSites::settle() {
 }
 
 RadialBaseProblem radial_base_problem(const Scene& scene, double unit) {
-    if (const auto* sphere = std::get_if<Sphere>(&scene.base)) return sphere_base_problem(scene, *sphere, unit);
+    if (const auto* sphere = std::get_if<Sphere>(&scene.base))
+        return sphere_base_problem(scene, *sphere, unit);
     return cylinder_base_problem(scene, std::get<Cylinder>(scene.base), unit);
 }
 

@@ -1,18 +1,20 @@
 /// Sphere and cylinder bases: canonical position, charts, height functions.
 ///
-/// Canonical position and heights are those of primitives/forms/radial_form.hpp; with delta = rho - R0 (R0 the base's radius), the
-/// base point's axis point f = (0, y, 0) (y = 0 on a sphere), N = |a|^2 and m = f - p for a cylinder through p along a:
+/// Canonical position and heights are those of primitives/forms/radial_form.hpp; with delta = rho - R0 (R0
+/// the base's radius), the base point's axis point f = (0, y, 0) (y = 0 on a sphere), N = |a|^2 and m = f - p
+/// for a cylinder through p along a:
 ///
 ///     sphere (c, rho)                 C = |f - c|^2 - delta^2,                   B = c.n + delta W
 ///     plane n'.p + D, s its sign      C = s (n'.f + D) + R0 |n'|,                B = (|n'| W - s n'.n) / 2
 ///     box side m'.p <= k              C = k - m'.f,                              B = m'.n / 2
-///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) + (m.a)(a.n),  A = a.n
+///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) +
+///     (m.a)(a.n),  A = a.n
 ///
-/// |n'| is rounded once, correctly. C > 0 all over the base: objects may overlap the base's body (clearance is then
-/// negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
+/// |n'| is rounded once, correctly. C > 0 all over the base: objects may overlap the base's body (clearance
+/// is then negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
 ///
-/// Over a sphere everything but a cylinder is a CircularForm in the stereographic chart; its pole is put where
-/// one object is nearest all around, so that no edge of the diagram comes near it.
+/// Over a sphere everything but a cylinder is a CircularForm in the stereographic chart; its pole is put
+/// where one object is nearest all around, so that no edge of the diagram comes near it.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,9 +26,9 @@
 
 #include "../forms/form_family.hpp"
 #include "../objects/objects.hpp"
-#include "plane_base.hpp"
 #include "../objects/scene.hpp"
 #include "../objects/site.hpp"
+#include "plane_base.hpp"
 
 namespace vcell {
 
@@ -63,11 +65,12 @@ private:
 
 /// A scene over a sphere or a cylinder base, brought to canonical position and checked.
 struct RadialBaseProblem {
-    /// canonical = R (world - origin), rounded. Sphere: R is the identity, the origin the centre. Cylinder: the axis
-    /// becomes the y axis, the origin is its foot of the box's centre, or in general the base's point where that is
-    /// within a diagonal of the box. The forms are those of an exact R of rational entries: what objects and sides of
-    /// the box are to each other, it leaves alone. Only the base's axis turns, by a few 2^-53, unless its length is a
-    /// double (as of axis-parallel ones, or (1, 2, 2)), and the cylinders along it turn with it.
+    /// canonical = R (world - origin), rounded. Sphere: R is the identity, the origin the centre. Cylinder:
+    /// the axis becomes the y axis, the origin is its foot of the box's centre, or in general the base's
+    /// point where that is within a diagonal of the box. The forms are those of an exact R of rational
+    /// entries: what objects and sides of the box are to each other, it leaves alone. Only the base's axis
+    /// turns, by a few 2^-53, unless its length is a double (as of axis-parallel ones, or (1, 2, 2)), and the
+    /// cylinders along it turn with it.
     BaseFrame frame;
     bool is_sphere;
     double radius;  ///< R0
@@ -78,12 +81,14 @@ struct RadialBaseProblem {
     /// u = chart n / W. A rational rotation (of a cylinder about its axis), exact in the forms, rounded here.
     Eigen::Matrix3d chart = Eigen::Matrix3d::Identity();
     FormFamily family;
-    /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward normal.
+    /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward
+    /// normal.
     IdVector<FormId, Object> objects;
     /// As in PlaneBaseProblem.
     FormSites sites;
-    /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than the nearer
-    /// of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no form.
+    /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than
+    /// the nearer of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no
+    /// form.
     struct GeneratorTie {
         Site site;
         FormId before, after;  ///< the nearer ones on both sides, as the angle about the y axis grows
@@ -101,25 +106,26 @@ struct RadialBaseProblem {
     /// W / -f: the distance from the centre or axis at which a form of value f < 0 is met.
     double distance(const Vec2& p, double f) const;
     /// The canonical point over a chart point at that distance.
-    Vec3 point(const Vec2& p, double t) const {
-        return t * normal(p) + Vec3(0, is_sphere ? 0.0 : p.y(), 0);
-    }
+    Vec3 point(const Vec2& p, double t) const { return t * normal(p) + Vec3(0, is_sphere ? 0.0 : p.y(), 0); }
     /// Are both cylinders, of one radius, with axes that cross in a point? Exact, about the forms.
     bool cross_equally(FormId f, FormId g) const;
 };
 
 /// Throws InputError as plane_base_problem() does, by exact signs:
-///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a ball or
-///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of its
-///                circles), lies in it, or runs through it near its centre or axis;
-///   EmptyBox     the base sphere reaches beyond a side of the box (touching it from within is fine: clearance is 0
-///                there), a base of radius 0 lies on a side, or no stretch of the base cylinder is in the box;
+///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a
+///   ball or
+///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of
+///                its circles), lies in it, or runs through it near its centre or axis;
+///   EmptyBox     the base sphere reaches beyond a side of the box (touching it from within is fine:
+///   clearance is 0
+///                there), a base of radius 0 lies on a side, or no stretch of the base cylinder is in the
+///                box;
 ///   OutOfRange   a height's coefficients leave the double range.
 /// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
 /// objects are all but equal.
-/// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a plane; over a
-/// cylinder balls out of sight beyond the ends of the stretch.
-/// Pre: validate(scene) has passed; the base is a sphere or a cylinder.
+/// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a
+/// plane; over a cylinder balls out of sight beyond the ends of the stretch. Pre: validate(scene) has passed;
+/// the base is a sphere or a cylinder.
 RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
 
 }  // namespace vcell

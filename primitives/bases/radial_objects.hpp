@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "../forms/cylinder_form.hpp"
 #include "../../core/errors.hpp"
-#include "base_problem.hpp"
+#include "../forms/cylinder_form.hpp"
 #include "../objects/exact_space.hpp"
+#include "base_problem.hpp"
 #include "radial_base.hpp"
 
 namespace vcell {

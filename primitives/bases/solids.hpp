@@ -7,9 +7,9 @@
 
 #include <array>
 
-#include "../forms/cylinder_form.hpp"
 #include "../../core/numbers/exact.hpp"
 #include "../../core/numbers/sign.hpp"
+#include "../forms/cylinder_form.hpp"
 
 namespace vcell {
 
@@ -24,7 +24,8 @@ bool contains(const CylinderForm& outer, const CylinderForm& inner);
 bool is_beyond(const std::array<Exact, 4>& plane, const CylinderForm& cylinder);
 
 /// C of cylinder_form.hpp as a polynomial: xx x^2 + 2 xy x y + yy y^2 + 2 x1 x + 2 y1 y + c. It is convex:
-/// |a|^2 times (the squared distance of (x, y, 0) from the axis - rho^2), times the fourth power of an exact form's unit.
+/// |a|^2 times (the squared distance of (x, y, 0) from the axis - rho^2), times the fourth power of an exact
+/// form's unit.
 struct CylinderTrace {
     Exact xx, xy, yy, x1, y1, c;
 };

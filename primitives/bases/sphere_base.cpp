@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "../../core/numbers/compensated.hpp"
+#include "../charts/sphere_chart.hpp"
 #include "../objects/message.hpp"
 #include "radial_objects.hpp"
-#include "../charts/sphere_chart.hpp"
 
 namespace vcell {
 
@@ -47,8 +47,7 @@ struct SphereFrame {
         return {c, delta, (dot(c, c) - delta * delta).scaled(-1)};
     }
     LinearHeight height(const HalfSpace& h) const {
-        return {ExactVector(Vec3(-h.n)), h.length,
-                h(ExactVector(center)) + Exact(radius) * h.length};
+        return {ExactVector(Vec3(-h.n)), h.length, h(ExactVector(center)) + Exact(radius) * h.length};
     }
     LinearHeight height(const WorldSide& side) const {
         return {ExactVector(side.normal()), Exact(), side.distance(center)};
@@ -76,8 +75,8 @@ struct SphereFrame {
     }
 };
 
-// The coefficients divided by |K|, if that is not zero. Of coefficients within 1.45 u the quotients are within
-// 4 u.
+// The coefficients divided by |K|, if that is not zero. Of coefficients within 1.45 u the quotients are
+// within 4 u.
 CircularForm scaled_form(double K, double A, double B, double C, double W) {
     const double scale = K == 0 ? 1 : std::abs(K);
     CircularForm f;
@@ -99,9 +98,10 @@ CircularForm rounded(const ExactForm& f) {
     return scaled_form(round(f.K), round(f.A), round(f.B), round(f.C), round(f.W));
 }
 
-// c - center and rho - R0, each a high part plus a low one. The high parts are multiples of one unit, at most 2^25 of
-// it: of such numbers, four products with each other or with integers up to 2^26 have an exact sum [Rump, Ogita, Oishi,
-// Accurate floating-point summation I, section 3]. The low ones are at most 2^-24 of `size`, rounded once.
+// c - center and rho - R0, each a high part plus a low one. The high parts are multiples of one unit, at most
+// 2^25 of it: of such numbers, four products with each other or with integers up to 2^26 have an exact sum
+// [Rump, Ogita, Oishi, Accurate floating-point summation I, section 3]. The low ones are at most 2^-24 of
+// `size`, rounded once.
 struct SplitBall {
     Eigen::Array4d high, low;
     double size;  // the largest of the four
@@ -273,8 +273,7 @@ private:
             const WorldSide side(scene_.box, s);
             const double center = frame_.center[side.axis], radius = frame_.radius;
             const auto by_interval = (side.sign * (Interval(side.bound) - center) - radius).sign();
-            const Sign room =
-                by_interval ? *by_interval : (side.distance(frame_.center) - radius).sign();
+            const Sign room = by_interval ? *by_interval : (side.distance(frame_.center) - radius).sign();
             if (room == Sign::Negative)
                 fail_empty("does not contain the base sphere (base.sphere): it reaches beyond side " +
                            to_string(Site::box_side(s)));

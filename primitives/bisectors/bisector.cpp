@@ -329,40 +329,23 @@ std::pair<Vec3, double> plane_of(const Polynomial3& f) {
 
 std::string_view to_string(BisectorKind kind) {
     switch (kind) {
-        case Kind::Plane:
-            return "plane";
-        case Kind::PairOfPlanes:
-            return "pair of planes";
-        case Kind::Paraboloid:
-            return "paraboloid";
-        case Kind::CircularCone:
-            return "circular cone";
-        case Kind::EllipticCone:
-            return "elliptic cone";
-        case Kind::ParabolicCylinder:
-            return "parabolic cylinder";
-        case Kind::HyperbolicCylinder:
-            return "hyperbolic cylinder";
-        case Kind::EllipticCylinder:
-            return "elliptic cylinder";
-        case Kind::CircularCylinder:
-            return "circular cylinder";
-        case Kind::HyperbolicParaboloid:
-            return "hyperbolic paraboloid";
-        case Kind::Hyperboloid:
-            return "hyperboloid";
-        case Kind::Ellipsoid:
-            return "ellipsoid";
-        case Kind::Sphere:
-            return "sphere";
-        case Kind::Quartic:
-            return "quartic";
-        case Kind::Line:
-            return "line";
-        case Kind::Nowhere:
-            return "nowhere";
-        case Kind::Everywhere:
-            break;
+        case Kind::Plane: return "plane";
+        case Kind::PairOfPlanes: return "pair of planes";
+        case Kind::Paraboloid: return "paraboloid";
+        case Kind::CircularCone: return "circular cone";
+        case Kind::EllipticCone: return "elliptic cone";
+        case Kind::ParabolicCylinder: return "parabolic cylinder";
+        case Kind::HyperbolicCylinder: return "hyperbolic cylinder";
+        case Kind::EllipticCylinder: return "elliptic cylinder";
+        case Kind::CircularCylinder: return "circular cylinder";
+        case Kind::HyperbolicParaboloid: return "hyperbolic paraboloid";
+        case Kind::Hyperboloid: return "hyperboloid";
+        case Kind::Ellipsoid: return "ellipsoid";
+        case Kind::Sphere: return "sphere";
+        case Kind::Quartic: return "quartic";
+        case Kind::Line: return "line";
+        case Kind::Nowhere: return "nowhere";
+        case Kind::Everywhere: break;
     }
     return "everywhere";
 }

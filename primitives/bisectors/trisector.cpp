@@ -8,8 +8,8 @@
 #include <cmath>
 #include <utility>
 
-#include "quadratic_form.hpp"
 #include "../forms/round_surface.hpp"
+#include "quadratic_form.hpp"
 
 namespace vcell {
 
@@ -330,18 +330,12 @@ Basis unit_basis(std::size_t n) {
 
 std::string_view to_string(TrisectorKind kind) {
     switch (kind) {
-        case Kind::Line:
-            return "line";
-        case Kind::Circle:
-            return "circle";
-        case Kind::Ellipse:
-            return "ellipse";
-        case Kind::Parabola:
-            return "parabola";
-        case Kind::Hyperbola:
-            return "hyperbola";
-        case Kind::Spline:
-            break;
+        case Kind::Line: return "line";
+        case Kind::Circle: return "circle";
+        case Kind::Ellipse: return "ellipse";
+        case Kind::Parabola: return "parabola";
+        case Kind::Hyperbola: return "hyperbola";
+        case Kind::Spline: break;
     }
     return "spline";
 }

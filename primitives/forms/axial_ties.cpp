@@ -49,8 +49,8 @@ bool is_between(const RadialForm& j, const RadialForm& a, const RadialForm& b) {
 //
 //     m' - m = 2 (P_X M_J - J_X M_P) / (M_P M_J) = 2 (J_X (M_J - M_P) - E_X M_J) / (M_P M_J)
 //
-// and likewise delta' - delta; M_J - M_P = 2 (J_X.E_X - J_w E_w) - |E_X|^2 + E_w^2. All terms have a factor E, so
-// intervals cancel nothing. What counts is that P lies between A and B: any s of (0, 1) will do.
+// and likewise delta' - delta; M_J - M_P = 2 (J_X.E_X - J_w E_w) - |E_X|^2 + E_w^2. All terms have a factor
+// E, so intervals cancel nothing. What counts is that P lies between A and B: any s of (0, 1) will do.
 double move_between(const RadialForm& j, const RadialForm& a, const RadialForm& b, double s) {
     const auto scaled = [](const RadialForm& f) { return ExactVector(f.b[0], f.b[2], f.b0); };
     const Exact ab = a.c[0] * b.c[0];

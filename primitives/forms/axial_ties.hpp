@@ -10,11 +10,12 @@
 ///
 /// The coefficients of F are those of a tube about m whose radius is that of the base plus delta,
 ///
-///     F = 2 (m.u + delta) / N,  N = |m|^2 - delta^2;     m = 2 X / M,  delta = 2 w / M,  M = |X|^2 - w^2 = 4 / N
+///     F = 2 (m.u + delta) / N,  N = |m|^2 - delta^2;     m = 2 X / M,  delta = 2 w / M,  M = |X|^2 - w^2 = 4
+///     / N
 ///
-/// with X = 2 m / N and w = 2 delta / N. So every F near F_j belongs to a tube near the middle one, and the mean
-/// of F_a and F_b that is next to F_j to one that is never nearer than these two: `move` bounds how far distances
-/// from the middle one change when it gives way to that.
+/// with X = 2 m / N and w = 2 delta / N. So every F near F_j belongs to a tube near the middle one, and the
+/// mean of F_a and F_b that is next to F_j to one that is never nearer than these two: `move` bounds how far
+/// distances from the middle one change when it gives way to that.
 #pragma once
 
 #include <cstdint>

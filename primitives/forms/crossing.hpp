@@ -7,8 +7,8 @@
 
 #include <optional>
 
-#include "form_family.hpp"
 #include "../objects/exact_space.hpp"
+#include "form_family.hpp"
 
 namespace vcell {
 

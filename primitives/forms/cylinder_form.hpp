@@ -36,8 +36,8 @@ struct ExactCylinder : CylinderNumbers<Exact> {
     Exact unit;
 };
 
-/// The cylinder in canonical coordinates. The doubles are the exact definition, or within 4u of it: where the scene
-/// was turned, which doubles do not survive, they stand for `exact`.
+/// The cylinder in canonical coordinates. The doubles are the exact definition, or within 4u of it: where the
+/// scene was turned, which doubles do not survive, they stand for `exact`.
 struct CylinderForm {
     double px = 0, py = 0, pz = 0;  ///< a point of the axis
     double ax = 0, ay = 0, az = 0;  ///< its direction
@@ -53,7 +53,9 @@ inline ExactCylinder exact_cylinder(const CylinderForm& f) {
 template <class T, class Convert>
 CylinderNumbers<T> converted(const ExactCylinder& f, Convert&& convert) {
     const T unit = convert(f.unit);
-    const auto over_unit = [&](const Exact& v) { return v.sign() == Sign::Zero ? T(0.0) : convert(v) / unit; };
+    const auto over_unit = [&](const Exact& v) {
+        return v.sign() == Sign::Zero ? T(0.0) : convert(v) / unit;
+    };
     return {over_unit(f.px), over_unit(f.py), over_unit(f.pz), over_unit(f.ax),
             over_unit(f.ay), over_unit(f.az), over_unit(f.rho)};
 }

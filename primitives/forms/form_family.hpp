@@ -1,10 +1,10 @@
 /// The heights of a base's objects.
 ///
-/// Over a plane base, and over a sphere base in a stereographic chart, the clearance at which a plane, a sphere or a
-/// side of the box is met is a circular form: over a plane base sphere-like ones have a = b = 0, linear ones
-/// k = cx = cy = 0; over a sphere base k is -1, 0 or 1 and cx = cy = 0. Cylinders over a plane base have forms of
-/// their own; over curved bases what is not circular is a radial form (over a sphere those of cylinders, over a
-/// cylinder all).
+/// Over a plane base, and over a sphere base in a stereographic chart, the clearance at which a plane, a
+/// sphere or a side of the box is met is a circular form: over a plane base sphere-like ones have a = b = 0,
+/// linear ones k = cx = cy = 0; over a sphere base k is -1, 0 or 1 and cx = cy = 0. Cylinders over a plane
+/// base have forms of their own; over curved bases what is not circular is a radial form (over a sphere those
+/// of cylinders, over a cylinder all).
 #pragma once
 
 #include <vector>

@@ -1,8 +1,8 @@
 /// Heights over a sphere or a cylinder base, in rational coordinates of the unit normal.
 ///
-/// Canonical position: the sphere is centred at 0, the cylinder's axis is the y axis; the base point with unit
-/// outward normal u is (0, y, 0) + R0 u (y = 0 on a sphere), the point at distance t from the centre or the axis is
-/// (0, y, 0) + t u. In a chart u = n / W with polynomials n, W of the chart's coordinates:
+/// Canonical position: the sphere is centred at 0, the cylinder's axis is the y axis; the base point with
+/// unit outward normal u is (0, y, 0) + R0 u (y = 0 on a sphere), the point at distance t from the centre or
+/// the axis is (0, y, 0) + t u. In a chart u = n / W with polynomials n, W of the chart's coordinates:
 ///
 ///     stereographic  n = (2x, 2y, 1 - x^2 - y^2),  W = 1 + x^2 + y^2     sphere, without u = (0, 0, -1)
 ///     half angle     n = (2x, 0, 1 - x^2),         W = 1 + x^2           half a cylinder: -1 <= x <= 1
@@ -11,8 +11,8 @@
 ///
 ///     C Q^2 - 2 B Q - A^2 = 0,   B = b0 W + b.n + y slope (a.n),   A = a.n,   C = c0 + c1 y + c2 y^2 > 0
 ///
-/// ([HE, section 2.2] for any length of axes and normals; a = 0 but for cylinders: then Q = 2 B / C, and Q <= 0
-/// says never). The nearest object has the largest Q: heights are compared as f = -Q.
+/// ([HE, section 2.2] for any length of axes and normals; a = 0 but for cylinders: then Q = 2 B / C, and Q <=
+/// 0 says never). The nearest object has the largest Q: heights are compared as f = -Q.
 #pragma once
 
 #include <array>
@@ -58,8 +58,8 @@ struct RadialForm {
 /// How a chart point (x, y) names a base point.
 enum class RadialChart : std::uint8_t {
     Stereographic,
-    /// x in [-1, 1] is the half angle's tangent about u = (0, 0, 1), and [1, 3] that about (0, 0, -1) plus 2: together
-    /// once around, continuously; y runs along the axis.
+    /// x in [-1, 1] is the half angle's tangent about u = (0, 0, 1), and [1, 3] that about (0, 0, -1) plus 2:
+    /// together once around, continuously; y runs along the axis.
     HalfAngle,
 };
 

@@ -39,7 +39,8 @@ DecidedScene decide(const Scene& scene) {
     constexpr int highest = 200;
     double largest = 0;
     for_each_length(scene, [&](double x) { largest = std::max(largest, std::abs(x)); });
-    // The largest side has the scene's own digits; a rounded diagonal might cross a power of two with the scale.
+    // The largest side has the scene's own digits; a rounded diagonal might cross a power of two with the
+    // scale.
     const int exponent = std::max(std::ilogb((scene.box.max - scene.box.min).maxCoeff()),
                                   largest > 0 ? std::ilogb(largest) - highest : INT_MIN);
     DecidedScene decided{scene, std::ldexp(1.0, exponent), 0};

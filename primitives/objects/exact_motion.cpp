@@ -11,8 +11,8 @@ const Exact& component(const ExactVector& p, Eigen::Index i) { return i == 0 ? p
 }  // namespace
 
 // Let k be the direction's largest component. It goes to y by a cyclic shift; with -e_k the other two change
-// places. The rest is done by the quaternion w + x i + z k about axes across y, w = |d| + |d_k|: it turns half-way
-// from the direction beyond e_k. Another cyclic shift makes y the target.
+// places. The rest is done by the quaternion w + x i + z k about axes across y, w = |d| + |d_k|: it turns
+// half-way from the direction beyond e_k. Another cyclic shift makes y the target.
 ExactRotation::ExactRotation(const Vec3& direction, Eigen::Index target) {
     Eigen::Index k = 0;
     direction.cwiseAbs().maxCoeff(&k);

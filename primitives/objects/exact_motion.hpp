@@ -17,18 +17,23 @@ struct ExactRotation {
     std::array<ExactVector, 3> rows;
     Exact norm;
 
-    /// The rotation that takes `direction` to the coordinate axis `target`, up to an angle of a few 2^-53 unless the
-    /// direction's length is a double. Other coordinates than the direction's largest change no more than they must:
-    /// axis-parallel directions give signed permutations.
-    /// Pre: direction's largest component is in [1/2, 1).
+    /// The rotation that takes `direction` to the coordinate axis `target`, up to an angle of a few 2^-53
+    /// unless the direction's length is a double. Other coordinates than the direction's largest change no
+    /// more than they must: axis-parallel directions give signed permutations. Pre: direction's largest
+    /// component is in [1/2, 1).
     ExactRotation(const Vec3& direction, Eigen::Index target);
 
     /// norm times the rotation of p.
-    ExactVector operator()(const ExactVector& p) const { return {dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)}; }
+    ExactVector operator()(const ExactVector& p) const {
+        return {dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)};
+    }
     /// Of what the call operator returns: over norm, every component within 4u.
-    Vec3 rounded(const ExactVector& p) const { return Vec3(nearest(p.x), nearest(p.y), nearest(p.z)) / nearest(norm); }
+    Vec3 rounded(const ExactVector& p) const {
+        return Vec3(nearest(p.x), nearest(p.y), nearest(p.z)) / nearest(norm);
+    }
     Eigen::Matrix3d rounded() const;
-    /// A bound on the angle (as its tangent) between the image of `direction` and the coordinate axis `target`.
+    /// A bound on the angle (as its tangent) between the image of `direction` and the coordinate axis
+    /// `target`.
     double turn(const Vec3& direction, Eigen::Index target) const;
 };
 

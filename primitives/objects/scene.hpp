@@ -20,8 +20,8 @@ struct Scene {
     std::string base_name;
     Box box;
     std::string units = "mm";
-    /// Length; none: 1e-7 of the box diagonal. Curves around a ball or tube are no farther from the true ones than
-    /// 1e-4 of what the cell reaches from its centre or axis either.
+    /// Length; none: 1e-7 of the box diagonal. Curves around a ball or tube are no farther from the true ones
+    /// than 1e-4 of what the cell reaches from its centre or axis either.
     std::optional<double> tolerance;
 
     bool competes(std::size_t object) const { return !base_object || *base_object != object; }

@@ -347,7 +347,8 @@ TEST_CASE("program: meshes are as fine as the cell is large, and end at a number
     }
     w.write("scene.json", scene.dump());
     // The chart is another, and so are the triangles.
-    CHECK(static_cast<double>(triangles("").first) == doctest::Approx(static_cast<double>(fine)).epsilon(0.05));
+    CHECK(static_cast<double>(triangles("").first) ==
+          doctest::Approx(static_cast<double>(fine)).epsilon(0.05));
     CHECK(triangles("--chord 0.01%").first > 2 * fine);
     const auto [coarse, warning] = triangles("--chord 1e-300 --triangles 2000");
     CHECK(coarse <= 2000);

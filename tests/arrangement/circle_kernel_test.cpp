@@ -13,7 +13,8 @@ using namespace vcell;
 
 namespace {
 
-using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<200>, boost::multiprecision::et_off>;
+using Real =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<200>, boost::multiprecision::et_off>;
 
 struct Ball {
     double x, y, z, r;
@@ -29,7 +30,8 @@ struct Forms {
         family.exact = [this](FormId f) {
             const Ball& b = balls[f.value];
             const Exact x(b.x), y(b.y), z(b.z), r(b.r), two(2.0);
-            return ExactForm{Exact(1.0), -(two * x), -(two * y), x * x + y * y + z * z - r * r, two * (z + r)};
+            return ExactForm{Exact(1.0), -(two * x), -(two * y), x * x + y * y + z * z - r * r,
+                             two * (z + r)};
         };
     }
     Forms(const Forms&) = delete;
@@ -52,7 +54,8 @@ struct Forms {
         for (int i = 0; i < 9; ++i) {
             const Real f = value(id(p.first.f), x, y) - value(id(p.first.g), x, y);
             const Real g = value(id(p.second.f), x, y) - value(id(p.second.g), x, y);
-            const auto a = slope(id(p.first.f), id(p.first.g), x, y), b = slope(id(p.second.f), id(p.second.g), x, y);
+            const auto a = slope(id(p.first.f), id(p.first.g), x, y),
+                       b = slope(id(p.second.f), id(p.second.g), x, y);
             const Real det = a[0] * b[1] - a[1] * b[0];
             x -= (b[1] * f - a[1] * g) / det;
             y -= (a[0] * g - b[0] * f) / det;
@@ -145,7 +148,8 @@ TEST_CASE("circle_kernel: signs, turns and orders agree with 200 digits one ulp 
             const std::size_t a = triples[i][0], b = triples[i][1];
             for (std::size_t k = 0; k < 9; ++k) {
                 if (k == a) continue;
-                const Real size = 1 + x * x + y * y;  // of the terms: nearly straight curves may meet far away
+                const Real size =
+                    1 + x * x + y * y;  // of the terms: nearly straight curves may meet far away
                 const Sign want = sign_of_real((c.forms.value(k, x, y) - c.forms.value(a, x, y)) / size);
                 CHECK(c.kernel.sign_at(p, c.ids[k], c.ids[a]) == want);
                 zeros += want == Sign::Zero;
@@ -216,9 +220,11 @@ TEST_CASE("circle_kernel: bounds over rectangles and arcs hold at sampled points
         const FormId f = c.ids[rng() % 9], g = c.ids[rng() % 9];
         const double x0 = 4 * unit(rng), y0 = 4 * unit(rng), x1 = x0 + unit(rng), y1 = y0 + unit(rng);
         const double low = c.kernel.lower_bound(f, g, x0, x1, y0, y1);
-        const double x = 0.5 * (x0 + x1), y = 0.5 * (y0 + y1), rx = 0.5 * (x1 - x0) * (1 + 1e-15), ry = 0.5 * (y1 - y0) * (1 + 1e-15);
-        const bool above = CircleKernel::certainly_above(CircleKernel::place(c.kernel.form(f), x, y, rx, ry),
-                                                         CircleKernel::place(c.kernel.form(g), x, y, rx, ry), rx, ry);
+        const double x = 0.5 * (x0 + x1), y = 0.5 * (y0 + y1), rx = 0.5 * (x1 - x0) * (1 + 1e-15),
+                     ry = 0.5 * (y1 - y0) * (1 + 1e-15);
+        const bool above =
+            CircleKernel::certainly_above(CircleKernel::place(c.kernel.form(f), x, y, rx, ry),
+                                          CircleKernel::place(c.kernel.form(g), x, y, rx, ry), rx, ry);
         for (int k = 0; k < 20; ++k) {
             const Real px = x0 + unit(rng) * (x1 - x0), py = y0 + unit(rng) * (y1 - y0);
             const Real d = c.forms.value(f.value - 1, px, py) - c.forms.value(g.value - 1, px, py);
@@ -248,7 +254,8 @@ TEST_CASE("circle_kernel: points of one upright or level line share a coordinate
             const FormPair curve{c.ids[a], c.ids[b]};
             for (const Sign s : {Sign::Positive, Sign::Negative}) {
                 if (const auto p = c.kernel.intersection(one, curve, s, {2, 2})) on_one.push_back(*p);
-                if (const auto p = c.kernel.intersection(curve, one.reversed(), s, {2, 2})) on_one.push_back(*p);
+                if (const auto p = c.kernel.intersection(curve, one.reversed(), s, {2, 2}))
+                    on_one.push_back(*p);
                 if (const auto p = c.kernel.intersection(other, curve, s, {2, 2})) on_other.push_back(*p);
             }
         }
@@ -272,8 +279,8 @@ TEST_CASE("circle_kernel: points of one upright or level line share a coordinate
     CHECK(apart > 1000);
 }
 
-// Forms |p|^2 / w + 2 m t.p: all vanish at the origin, where the curves of any two have gradients along t. The
-// curves {0 = 1} and {0 = 2} are one where (1 / w - 1 / w_0) / (m - m_0) is the same for both.
+// Forms |p|^2 / w + 2 m t.p: all vanish at the origin, where the curves of any two have gradients along t.
+// The curves {0 = 1} and {0 = 2} are one where (1 / w - 1 / w_0) / (m - m_0) is the same for both.
 TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp from being the same") {
     std::mt19937_64 rng(test_seed());
     Decisions total;
@@ -301,7 +308,8 @@ TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp 
         family.exact = [&](FormId f) {
             const Eigen::Vector2d s = slope[f.value];
             const Exact two_w = Exact(2.0) * Exact(w[f.value]);
-            return ExactForm{Exact(1.0), two_w * Exact(s.x()), two_w * Exact(s.y()), Exact(), Exact(w[f.value])};
+            return ExactForm{Exact(1.0), two_w * Exact(s.x()), two_w * Exact(s.y()), Exact(),
+                             Exact(w[f.value])};
         };
         CircleKernel kernel;
         kernel.reset(&family);
@@ -323,8 +331,9 @@ TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp 
         same += sign_of_real(bend) == Sign::Zero;
         nearly += sign_of_real(bend) != Sign::Zero && abs(bend) < Real("1e-14");
         if (t[1] == 0) {
-            // Both run straight up or down. The same way, the sector is nearly a whole turn unless d bends left
-            // of c; opposite ways, it turns left from a curve that runs up, where its gradient points right.
+            // Both run straight up or down. The same way, the sector is nearly a whole turn unless d bends
+            // left of c; opposite ways, it turns left from a curve that runs up, where its gradient points
+            // right.
             const bool left = g.dot(h) > 0 ? sign_of_real(bend) != Sign::Positive : g.x() > 0;
             CHECK(kernel.sector_contains_left(origin, c, d) == left);
         }

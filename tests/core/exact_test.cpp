@@ -79,9 +79,7 @@ TEST_CASE("Exact: sums, differences and products agree with rationals") {
                     exact.push_back(exact[a] - exact[b]);
                     rational.push_back(rational[a] - rational[b]);
                     break;
-                default:
-                    exact.push_back(exact[a] * exact[b]);
-                    rational.push_back(rational[a] * rational[b]);
+                default: exact.push_back(exact[a] * exact[b]); rational.push_back(rational[a] * rational[b]);
             }
             CHECK(exact.back() == to_exact(rational.back()));
             CHECK(exact.back().sign() == sign_of_rational(rational.back()));

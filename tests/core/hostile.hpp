@@ -14,8 +14,7 @@ inline double hostile_double(std::mt19937_64& rng) {
     const auto any = [&] { return std::bit_cast<double>(rng()); };
     const double sign = rng() % 2 ? 1 : -1;
     switch (rng() % 8) {
-        case 0:
-            return sign * static_cast<double>(rng() % 4) * std::numeric_limits<double>::denorm_min();
+        case 0: return sign * static_cast<double>(rng() % 4) * std::numeric_limits<double>::denorm_min();
         case 1:
             return sign * static_cast<double>(rng() % (1ull << 52)) *
                    std::numeric_limits<double>::denorm_min();
@@ -29,15 +28,12 @@ inline double hostile_double(std::mt19937_64& rng) {
             const double towards = rng() % 3 ? (rng() % 2 ? 0.0 : 2 * power) : power;
             return sign * (std::isinf(towards) ? power : std::nextafter(power, towards));
         }
-        case 4:
-            return sign * static_cast<double>(rng() % 64);
+        case 4: return sign * static_cast<double>(rng() % 64);
         case 5:
             return sign * std::ldexp(1 + std::ldexp(static_cast<double>(rng() % 8), -52),
                                      static_cast<int>(rng() % 5) - 2);
-        case 6:
-            return sign * std::ldexp(static_cast<double>(rng() >> 11), -53);
-        default:
-            break;
+        case 6: return sign * std::ldexp(static_cast<double>(rng() >> 11), -53);
+        default: break;
     }
     double value = any();
     while (!std::isfinite(value)) value = any();

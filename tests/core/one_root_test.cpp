@@ -128,20 +128,11 @@ TEST_CASE("OneRoot: compare tells equal numbers of different spelling from those
         Number q{p.a * k, p.b * k * m, p.c / (m * m)};
         double den = k;
         switch (rng() % 6) {
-            case 0:
-                q.a = std::nextafter(q.a, 1e9);
-                break;
-            case 1:
-                q.b = std::nextafter(q.b, -1e9);
-                break;
-            case 2:
-                q.c = std::nextafter(q.c, 1e9);
-                break;
-            case 3:
-                den = std::nextafter(den, 1e9);
-                break;
-            default:
-                break;
+            case 0: q.a = std::nextafter(q.a, 1e9); break;
+            case 1: q.b = std::nextafter(q.b, -1e9); break;
+            case 2: q.c = std::nextafter(q.c, 1e9); break;
+            case 3: den = std::nextafter(den, 1e9); break;
+            default: break;
         }
         check_compare(p, 1.0, q, den);
         equal += compare(p.exact(), Exact(1.0), q.exact(), Exact(den)) == Sign::Zero;

@@ -53,12 +53,9 @@ Wide hostile_wide(std::mt19937_64& rng) {
     };
     const Wide a = point();
     switch (rng() % 3) {
-        case 0:
-            return a.mid();
-        case 1:
-            return a;
-        default:
-            return hull(a, point());
+        case 0: return a.mid();
+        case 1: return a;
+        default: return hull(a, point());
     }
 }
 

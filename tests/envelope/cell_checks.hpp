@@ -170,7 +170,8 @@ inline double stretch(const FormFamily& family, FormId form, const Vec3& p) {
         const double gx = (2 * f.k * (p.x() - f.cx) + f.a) / f.w, gy = (2 * f.k * (p.y() - f.cy) + f.b) / f.w;
         return std::sqrt(1 + gx * gx + gy * gy);
     }
-    // Across the bisector runs the difference of the directions away from the cylinder's axis and from the base.
+    // Across the bisector runs the difference of the directions away from the cylinder's axis and from the
+    // base.
     const CylinderForm& f = family.cylinder(form);
     const Vec3 axis = Vec3(f.ax, f.ay, f.az).normalized(), m = p - Vec3(f.px, f.py, f.pz);
     const Vec3 across = (m - m.dot(axis) * axis).normalized() - Vec3::UnitZ();

@@ -121,7 +121,8 @@ void check_splines(const Cell& cell) {
 void check(const Cell& cell, double tolerance) {
     testing::check_geometry(cell);
     check_measures(cell, tolerance);
-    for (const CellEdge& e : cell.edges) CHECK(e.error <= 1.001 * tolerance + (e.kind == CurveKind::Spline ? 0 : 1e-10));
+    for (const CellEdge& e : cell.edges)
+        CHECK(e.error <= 1.001 * tolerance + (e.kind == CurveKind::Spline ? 0 : 1e-10));
 }
 
 }  // namespace

@@ -50,8 +50,9 @@ std::vector<Scene> scenes_of_all_bases() {
     const std::vector<Object> objects{Sphere{{0.5, 0.25, 1.25}, 0.25}, Sphere{{-0.75, 0.5, 1}, 0.125},
                                       Plane{{0, 0, 1.75}, {0.125, 0.25, -1}},
                                       Cylinder{{0, -1.25, 1.5}, {1, 0.125, 0.0625}, 0.25}};
-    for (const Object& base : std::vector<Object>{Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0, 0, 0}, {0.0625, 0.03125, 1}},
-                                                  Sphere{{0, 0, 0}, 0.25}, Cylinder{{0, 0, 0}, {1, 0, 0.0625}, 0.125}}) {
+    for (const Object& base :
+         std::vector<Object>{Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0, 0, 0}, {0.0625, 0.03125, 1}},
+                             Sphere{{0, 0, 0}, 0.25}, Cylinder{{0, 0, 0}, {1, 0, 0.0625}, 0.125}}) {
         Scene scene;
         scene.base = base;
         scene.objects = objects;
@@ -135,7 +136,8 @@ TEST_CASE("decided scene: the unit is a power of two, about the box's size, and 
         CHECK(other.unit == std::ldexp(one.unit, k));
         CHECK(other.scene.box.max == one.scene.box.max);
         CHECK(std::get<Cylinder>(other.scene.base).axis == std::get<Cylinder>(scene.base).axis);
-        CHECK(std::get<Sphere>(other.scene.objects[0]).center == std::get<Sphere>(one.scene.objects[0]).center);
+        CHECK(std::get<Sphere>(other.scene.objects[0]).center ==
+              std::get<Sphere>(one.scene.objects[0]).center);
     }
     // A far object keeps its coordinates in range.
     Scene far = scaled(scene, 1e-60);
@@ -163,7 +165,8 @@ TEST_CASE("cell: messages give places in the scene's own unit") {
 
 TEST_CASE("hostile: between_2e-180, between_2e180_hangs are one cell in two units") {
     const Cell one = voronoi_cell(between(1));
-    for (const int k : {-180, 180}) check_scaled(one, voronoi_cell(between(std::ldexp(1.0, k))), std::ldexp(1.0, k));
+    for (const int k : {-180, 180})
+        check_scaled(one, voronoi_cell(between(std::ldexp(1.0, k))), std::ldexp(1.0, k));
 }
 
 TEST_CASE("hostile: underflow: every vertex lies in the box") {
@@ -223,7 +226,8 @@ TEST_CASE("cell: tilted planes of any direction leave lattices of balls their ve
 }
 
 TEST_CASE("cell: parallel tubes over tilted planes tie four at a time") {
-    // On a circle of radius 5 about a line at height 4: from its points all are as far, and from one the base is, too.
+    // On a circle of radius 5 about a line at height 4: from its points all are as far, and from one the base
+    // is, too.
     for (const Vec3& normal : {Vec3(2, 3, 6), Vec3(1, 2, 7), Vec3(1, 0, 8)}) {
         CAPTURE(normal.transpose());
         Scene scene;
@@ -294,7 +298,10 @@ TEST_CASE("environment: other rounding modes are refused, with what to do") {
             cell = complaint_of(compute);
             solver = complaint_of(roots);
         }
-        CHECK(cell.find("voronoi_cell(): this thread does not round to nearest; call std::fesetround(FE_TONEAREST)") == 0);
+        CHECK(
+            cell.find(
+                "voronoi_cell(): this thread does not round to nearest; call std::fesetround(FE_TONEAREST)") ==
+            0);
         CHECK(solver.find("solve(): this thread does not round to nearest") == 0);
     }
     CHECK(complaint_of(compute) == "accepted");
@@ -313,15 +320,15 @@ TEST_CASE("cell: what touches a tilted base touches it, although the base has tu
     scene.box = {{-4, -4, -4}, {4, 4, 4}};
     // Points of the base, within the box and beyond; and one that is a unit in the last place above it.
     scene.objects = {Sphere{{1, 0, -1}, 0}};
-    CHECK_THROWS_WITH_AS(voronoi_cell(scene), doctest::Contains("objects[0].sphere: touches the base region at (1"),
-                         InputError);
+    CHECK_THROWS_WITH_AS(voronoi_cell(scene),
+                         doctest::Contains("objects[0].sphere: touches the base region at (1"), InputError);
     scene.objects = {Sphere{{6, 0, -6}, 0}};
     CHECK(voronoi_cell(scene).neighbors.empty());
     // The base's own plane, and one through a corner of its region.
     for (const Plane& plane : {Plane{{1, 0, -1}, {2, -2, 2}}, Plane{{-4, -4, 0}, {1, 0, 0}}}) {
         scene.objects = {plane};
-        CHECK_THROWS_WITH_AS(voronoi_cell(scene), doctest::Contains("objects[0].plane: touches the base region at ("),
-                             InputError);
+        CHECK_THROWS_WITH_AS(voronoi_cell(scene),
+                             doctest::Contains("objects[0].plane: touches the base region at ("), InputError);
     }
     scene.objects = {Sphere{{1, 0x1p-40, -1}, 0}};
     const Measures m = voronoi_cell(scene).measures;
@@ -386,7 +393,10 @@ TEST_CASE("environment: flushed subnormals are refused, with what to do") {
         _mm_setcsr(before | mode);
         const std::string text = complaint_of([&] { voronoi_cell(scene); });
         _mm_setcsr(before);
-        CHECK(text.find("voronoi_cell(): this thread takes subnormal numbers for zero; call _MM_SET_FLUSH_ZERO_MODE") == 0);
+        CHECK(
+            text.find(
+                "voronoi_cell(): this thread takes subnormal numbers for zero; call _MM_SET_FLUSH_ZERO_MODE") ==
+            0);
     }
 }
 #endif

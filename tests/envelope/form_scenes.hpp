@@ -97,7 +97,8 @@ inline FormScene in_polygon(FormScene s) {
 
 // --- Degenerate scenes ------------------------------------------------------------------------------
 
-inline FormScene lattice(const std::string& name, int n, double dx, double shear, double dy, double x0, double y0) {
+inline FormScene lattice(const std::string& name, int n, double dx, double shear, double dy, double x0,
+                         double y0) {
     FormScene s{.name = name, .numbers = {}, .polygon = {}};
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) s.sphere(x0 + i * dx + (j % 2) * shear, y0 + j * dy, 1, 0.25);

@@ -1,4 +1,5 @@
-// Growth with the number of objects, by counts of decisions instead of times: no machine, load or build changes them.
+// Growth with the number of objects, by counts of decisions instead of times: no machine, load or build
+// changes them.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -27,7 +28,9 @@ double most_growth(GrowthBase base, Mix mix) {
 }
 
 // The smaller number of objects. Among fewer balls a ball's diagram has no trees, and decides less.
-std::uint32_t fewest(GrowthBase base, Mix mix) { return base == GrowthBase::Ball && mix == Mix::Balls ? 400 : 100; }
+std::uint32_t fewest(GrowthBase base, Mix mix) {
+    return base == GrowthBase::Ball && mix == Mix::Balls ? 400 : 100;
+}
 
 // What deciding cells took, ascending.
 std::vector<double> decisions(GrowthBase base, Mix mix, std::uint32_t objects) {
@@ -61,7 +64,8 @@ void check_growth(GrowthBase base) {
 TEST_CASE("growth: over a plane decisions grow little faster than the number of objects, in every mix") {
     check_growth(GrowthBase::Plane);
 }
-TEST_CASE("growth: over a tilted plane decisions grow little faster than the number of objects, in every mix") {
+TEST_CASE(
+    "growth: over a tilted plane decisions grow little faster than the number of objects, in every mix") {
     check_growth(GrowthBase::TiltedPlane);
 }
 TEST_CASE("growth: around a ball decisions grow little faster than the number of objects, in every mix") {

@@ -41,7 +41,8 @@ FormScene hub(int n, bool equal) {
     FormScene s{.name = "hub, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
     for (int i = 0; i < n; ++i) {
         const double angle = 2 * std::numbers::pi * i / n;
-        const double x = dyadic(std::cos(angle)), y = dyadic(std::sin(angle)), w = equal ? 2 : 2 + i % 3 * 0x1p-16;
+        const double x = dyadic(std::cos(angle)), y = dyadic(std::sin(angle)),
+                     w = equal ? 2 : 2 + i % 3 * 0x1p-16;
         s.paraboloid(x, y, 2 * w - (x * x + y * y), w);
     }
     return s;
@@ -50,7 +51,9 @@ FormScene hub(int n, bool equal) {
 /// Forms with few different numbers: many coincidences of every kind.
 FormScene coarse(std::mt19937_64& rng, int n) {
     FormScene s{.name = "coarse numbers, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
-    const auto pick = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(rng) / 2.0; };
+    const auto pick = [&](int low, int high) {
+        return std::uniform_int_distribution<int>(low, high)(rng) / 2.0;
+    };
     while (static_cast<int>(s.numbers.size()) < n) {
         FormScene one = s;
         one.numbers.clear();
@@ -113,7 +116,8 @@ TEST_CASE("lower_envelope: a hole that the challenger covers, and its surroundin
         EnvelopeOptions options;
         options.largest_piece = largest_piece;
         std::mt19937_64 rng(test_seed());
-        const auto complaints = oracle::check_diagram(lower_envelope(family, s.region(), options), family, rng);
+        const auto complaints =
+            oracle::check_diagram(lower_envelope(family, s.region(), options), family, rng);
         CHECK(complaints.empty());
     }
 }
@@ -121,8 +125,8 @@ TEST_CASE("lower_envelope: a hole that the challenger covers, and its surroundin
 TEST_CASE("lower_envelope: a circle runs through a point where another form touches the same face") {
     FormScene s{.name = "touching point on a later circle", .numbers = {}, .polygon = {}};
     s.plane(0, 0, 1);
-    s.paraboloid(1.5, 1, 1.5, 1.5);   // touches the plane at (1.5, 1)
-    s.paraboloid(2, 1, 0.25, 0.5);    // meets it in the circle of radius 1/2, leftmost there
+    s.paraboloid(1.5, 1, 1.5, 1.5);  // touches the plane at (1.5, 1)
+    s.paraboloid(2, 1, 0.25, 0.5);   // meets it in the circle of radius 1/2, leftmost there
     s.rectangle = {-2, -2, 3, 3};
     const FormFamily family = s.family();
     for (const std::size_t largest_piece : {1, 256}) {
@@ -140,7 +144,8 @@ TEST_CASE("lower_envelope: four hundred forms that meet in one vertex") {
         const MinimizationDiagram d = lower_envelope(family, s.region());
         EnvelopeOptions one_by_one;
         one_by_one.largest_piece = s.numbers.size();
-        CHECK(oracle::canonical(d, unchanged(s)) == oracle::canonical(lower_envelope(family, s.region(), one_by_one), unchanged(s)));
+        CHECK(oracle::canonical(d, unchanged(s)) ==
+              oracle::canonical(lower_envelope(family, s.region(), one_by_one), unchanged(s)));
         std::size_t largest = 0;
         for (const VertexId v : d.vertices.ids()) largest = std::max(largest, d.label(v).size());
         CHECK(largest == 400);

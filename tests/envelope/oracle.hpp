@@ -225,7 +225,8 @@ private:
             const Fast value = f(q);
             Fast error = 16 * std::numeric_limits<Fast>::epsilon() * size / f.W;
             // Next to the origin all terms of a form may be as small as the error of a refined p.
-            if constexpr (std::is_same_v<T, Real>) error += kTie.template convert_to<Fast>() * (1 + std::abs(value));
+            if constexpr (std::is_same_v<T, Real>)
+                error += kTie.template convert_to<Fast>() * (1 + std::abs(value));
             low[i] = value - error;
             lowest_upper = std::min(lowest_upper, value + error);
         }
@@ -729,8 +730,8 @@ inline std::vector<std::string> canonical(const MinimizationDiagram& d, const Re
     for (const EdgeId e : d.edges.ids()) {
         const auto& edge = d.edges[e];
         const HalfEdgeId h = Dcel::half_edge(e);
-        // Seen from its smaller side; turned round, or mirrored, an edge starts where it ended. Without labels,
-        // a rim edge keeps the region on its left in the mirror too.
+        // Seen from its smaller side; turned round, or mirrored, an edge starts where it ended. Without
+        // labels, a rim edge keeps the region on its left in the mirror too.
         std::array<std::string, 2> sides{form(edge.left), form(edge.right)};
         std::array<std::string, 2> ends{vertex(dcel.origin(h)), vertex(dcel.target(h))};
         if (r.mirrored) std::swap(sides[0], sides[1]);

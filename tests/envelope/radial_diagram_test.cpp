@@ -65,7 +65,8 @@ Answer judge(const Scene& scene, std::mt19937_64& rng, const Options& options = 
     CAPTURE(in_words(scene));
     Answer a;
     std::vector<std::string> complaints{"no diagram"};
-    CHECK_NOTHROW((a = answer(scene, how), complaints = Judge(scene, a.problem, a.diagram).check(rng, options)));
+    CHECK_NOTHROW(
+        (a = answer(scene, how), complaints = Judge(scene, a.problem, a.diagram).check(rng, options)));
     CHECK_MESSAGE(complaints.empty(), join(complaints));
     CHECK(a.diagram.assumptions.size() == a.diagram.decisions.assumed);
     return a;

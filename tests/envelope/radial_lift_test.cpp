@@ -143,7 +143,8 @@ void check_cell(const Cell& cell) {
             CHECK((edge.curve.evaluate(0) - cell.vertices[edge.vertices[0]].point).norm() <= tolerance);
             CHECK((edge.curve.evaluate(1) - cell.vertices[edge.vertices[1]].point).norm() <= tolerance);
         }
-        // Of a rational quadratic with 1 at both ends the middle weight tells; of a small one, with few digits.
+        // Of a rational quadratic with 1 at both ends the middle weight tells; of a small one, with few
+        // digits.
         if (edge.curve.degree == 2) {
             for (std::size_t i = 1; i < edge.curve.points.size(); i += 2) {
                 const auto& points = edge.curve.points;
@@ -154,7 +155,8 @@ void check_cell(const Cell& cell) {
                 CHECK(w >= 0.3);
                 if (edge.kind == CurveKind::Hyperbola) CHECK(w > 1 - rounding);
                 if (edge.kind == CurveKind::Parabola) CHECK(std::abs(w - 1) <= rounding);
-                if (edge.kind == CurveKind::Ellipse || edge.kind == CurveKind::Circle) CHECK(w < 1 + rounding);
+                if (edge.kind == CurveKind::Ellipse || edge.kind == CurveKind::Circle)
+                    CHECK(w < 1 + rounding);
             }
         }
         CHECK((edge.curve.degree == 1) == (edge.kind == CurveKind::Line));
@@ -552,9 +554,10 @@ TEST_CASE("cylinder cell: tubes along it meet in lines") {
     for (const Vec3& axis : {Vec3(0, 1, 0), Vec3(3, 4, 0), Vec3(1, 1, 0), Vec3(-1, 0.3, 2)}) {
         CAPTURE(axis.transpose());
         const Vec3 u = axis.unitOrthogonal(), v = axis.normalized().cross(u);
-        const Cell cell = checked(about_tube({Vec3::Zero(), axis, 0.5}, 4,
-                                             {Cylinder{2 * u, axis, 0.25}, Cylinder{2 * v - u, -2 * axis, 0.5},
-                                              Cylinder{-u - 2 * v, axis, 0.75}}));
+        const Cell cell =
+            checked(about_tube({Vec3::Zero(), axis, 0.5}, 4,
+                               {Cylinder{2 * u, axis, 0.25}, Cylinder{2 * v - u, -2 * axis, 0.5},
+                                Cylinder{-u - 2 * v, axis, 0.75}}));
         int lines = 0;
         for (const CellEdge& edge : cell.edges) {
             if (!edge.sites[0].is_object() || !edge.sites[1].is_object()) continue;
@@ -678,11 +681,12 @@ TEST_CASE(
 }
 
 TEST_CASE("cylinder cell: in lattices of tubes along it four meet in a line") {
-    const std::array<std::array<Vec3, 3>, 5> lattices{{{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
-                                                       {Vec3(0, -3, 0), Vec3(0, 0, 2), Vec3(1.5, 0, 0)},
-                                                       {Vec3(1, 1, 0), Vec3(1.5, -1.5, 0), Vec3(0, 0, 2)},
-                                                       {Vec3(1, 1, 0), Vec3(1.5, -1.5, 1.5), Vec3(1.5, -1.5, -3)},
-                                                       {Vec3(2, 3, 6), Vec3(3, -6, 2), Vec3(6, 2, -3)}}};
+    const std::array<std::array<Vec3, 3>, 5> lattices{
+        {{Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, 2, 0)},
+         {Vec3(0, -3, 0), Vec3(0, 0, 2), Vec3(1.5, 0, 0)},
+         {Vec3(1, 1, 0), Vec3(1.5, -1.5, 0), Vec3(0, 0, 2)},
+         {Vec3(1, 1, 0), Vec3(1.5, -1.5, 1.5), Vec3(1.5, -1.5, -3)},
+         {Vec3(2, 3, 6), Vec3(3, -6, 2), Vec3(6, 2, -3)}}};
     for (const auto& [axis, u, v] : lattices)
         for (const double radius : {0.0, 0.5}) {
             CAPTURE(axis.transpose());
@@ -877,8 +881,9 @@ TEST_CASE("cells: among tubes of one radius that cross") {
                                  Cylinder{{3, 0, 1}, {-1, 0, -1}, 0.25}})),
              2);
     // One of them along a tilted base.
-    has_node(checked(about_tube({Vec3::Zero(), {1, 1, 0}, 0.25}, 7,
-                                {Cylinder{{3, -3, 1.5}, {-2, -2, 0}, 0.25}, Cylinder{{1, 1, 1.5}, {-2, 1, 0}, 0.25}})),
+    has_node(checked(about_tube(
+                 {Vec3::Zero(), {1, 1, 0}, 0.25}, 7,
+                 {Cylinder{{3, -3, 1.5}, {-2, -2, 0}, 0.25}, Cylinder{{1, 1, 1.5}, {-2, 1, 0}, 0.25}})),
              2);
     // Lines along the axis and across it.
     has_node(checked(about_tube({Vec3::Zero(), {1, 0, 0}, 0.5}, 3,
@@ -985,12 +990,13 @@ TEST_CASE("cells: curves are fine as the cell, however large its box") {
     Scene scene;
     scene.base = Sphere{{0, 0, 0}, 0};
     scene.box = {{-2, -2, -2}, {2, 2, 2}};
-    for (const auto& [place, axis] : std::initializer_list<std::pair<Vec3, Vec3>>{{{1, 0.2, 0.1}, {0.1, 1, 0.3}},
-                                                                                  {{-1, 0.3, -0.2}, {0.2, -0.4, 1}},
-                                                                                  {{0.1, 1, 0.3}, {1, 0.1, 0.7}},
-                                                                                  {{0.2, -1, -0.1}, {0.5, 0.2, 1}},
-                                                                                  {{-0.2, 0.1, 1}, {1, 1, 0.2}},
-                                                                                  {{0.3, -0.1, -1}, {1, -0.8, 0.1}}})
+    for (const auto& [place, axis] :
+         std::initializer_list<std::pair<Vec3, Vec3>>{{{1, 0.2, 0.1}, {0.1, 1, 0.3}},
+                                                      {{-1, 0.3, -0.2}, {0.2, -0.4, 1}},
+                                                      {{0.1, 1, 0.3}, {1, 0.1, 0.7}},
+                                                      {{0.2, -1, -0.1}, {0.5, 0.2, 1}},
+                                                      {{-0.2, 0.1, 1}, {1, 1, 0.2}},
+                                                      {{0.3, -0.1, -1}, {1, -0.8, 0.1}}})
         scene.objects.push_back(Cylinder{size * place, axis, 0});
     const Cell cell = voronoi_cell(scene);
     REQUIRE(cell.edges.size() == 12);

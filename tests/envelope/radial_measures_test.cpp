@@ -318,13 +318,15 @@ TEST_CASE("radial measures: scale with the scene") {
 TEST_CASE("radial measures: the length of a conic around a cylinder is within its proven bound") {
     // A parabola in the end's plane about the base's axis, |p| - r = (x + z + 2) / sqrt 2.
     const double r = 0.5;
-    const Cell cell = voronoi_cell(over(Cylinder{Vec3::Zero(), {0, 2, 0}, r}, {Plane{{0, -1, -2}, {2, 0, 2}}}, cube(4)));
+    const Cell cell =
+        voronoi_cell(over(Cylinder{Vec3::Zero(), {0, 2, 0}, r}, {Plane{{0, -1, -2}, {2, 0, 2}}}, cube(4)));
     int checked = 0;
     for (const CellEdge& e : cell.edges) {
         if (e.kind != CurveKind::Parabola) continue;
         ++checked;
         CHECK_FALSE(e.is_estimated);
-        // With s across the axis of the parabola and f its distance from focus to directrix: s^2 / (2 f) + const.
+        // With s across the axis of the parabola and f its distance from focus to directrix: s^2 / (2 f) +
+        // const.
         const double f = std::sqrt(2) + r;
         const auto across = [](const Vec3& p) { return (p.x() - p.z()) / std::sqrt(2); };
         const auto primitive = [f](double s) {
@@ -366,8 +368,7 @@ TEST_CASE("radial measures: faces as small as rounding are no larger than their 
         for (std::size_t i = 0; i < cell.faces.size(); ++i) {
             if (!(perimeters[i] < 1e-9)) continue;
             ++tiny;
-            CHECK(cell.faces[i].area <=
-                  perimeters[i] * perimeters[i] / (4 * pi) + cell.faces[i].area_error);
+            CHECK(cell.faces[i].area <= perimeters[i] * perimeters[i] / (4 * pi) + cell.faces[i].area_error);
         }
     }
     CHECK(tiny > 20);

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <random>
 
-#include "../../core/curves/scaled_bernstein.hpp"
 #include "../../core/curves/quintic_nodes.hpp"
+#include "../../core/curves/scaled_bernstein.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
@@ -250,14 +250,12 @@ SpaceSite random_site(Kind kind, bool sphere_base, double radius, double unit, s
     }
     const Vec3 along = sphere_base ? Vec3::Zero().eval() : Vec3(0, (2 * unit_range(rng) - 1) * unit, 0);
     switch (kind) {
-        case Kind::Sphere:
-            return {Sphere{along + (radius + rho + gap) * out, rho}, false, {}};
+        case Kind::Sphere: return {Sphere{along + (radius + rho + gap) * out, rho}, false, {}};
         case Kind::Cylinder:
             return {Cylinder{along + (radius + rho + gap) * out, 3 * random_unit(rng).cross(out), rho},
                     false,
                     {}};
-        default:
-            break;
+        default: break;
     }
     // Over a cylinder the planes are parallel to the axis or nearly so.
     if (!sphere_base) out.y() = 0.1 * unit_range(rng);
@@ -442,8 +440,7 @@ TEST_CASE("space splines: lie within the stated bound of the true arc, whole, ov
                         CAPTURE(static_cast<int>(right));
                         CAPTURE(relative);
                         std::vector<SpaceSpan> spans;
-                        const SpaceFitError error =
-                            fitted(c.problem, traced->arc, tolerance, spans);
+                        const SpaceFitError error = fitted(c.problem, traced->arc, tolerance, spans);
                         CHECK(error.curve <= tolerance);
                         CHECK(error.trims <= tolerance);
                         const SpaceFitError truth = measured(c, spans);

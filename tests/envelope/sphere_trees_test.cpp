@@ -79,7 +79,8 @@ TEST_CASE("face tree: finds all faces in whose balls a form may be lower") {
     for (int round = 0; round < 30; ++round) {
         for (int i = 0; i < 30; ++i) {
             const double radius = random.uniform(0.01, 0.3);
-            faces.push_back({{std::sqrt(1 - radius * radius) * random.direction(), radius}, random.uniform(-1, 0)});
+            faces.push_back(
+                {{std::sqrt(1 - radius * radius) * random.direction(), radius}, random.uniform(-1, 0)});
             tree.add(static_cast<Index>(faces.size() - 1), faces.back().ball, faces.back().top);
         }
         for (Face& f : faces) {
@@ -136,7 +137,8 @@ TEST_CASE("mark rows: what is not below a form is found, and little else, at all
             CHECK(rows.search(form, [&](Index k) { return found.insert(k).second; }));
             for (Index k = 0; k < marks.size(); ++k) {
                 CAPTURE(k);
-                if (is_listed(k) && !(form(marks[k].p) - 2 * form.error > marks[k].level)) CHECK(found.count(k) == 1);
+                if (is_listed(k) && !(form(marks[k].p) - 2 * form.error > marks[k].level))
+                    CHECK(found.count(k) == 1);
                 if (scale == 1 && form(marks[k].p) > marks[k].level + 1e-4) CHECK(found.count(k) == 0);
                 if (!is_listed(k)) CHECK(found.count(k) == 0);
             }

@@ -9,8 +9,8 @@
 #include <random>
 #include <set>
 
-#include "../../envelope/recursion/exact_heights.hpp"
 #include "../../envelope/proofs/space_tie.hpp"
+#include "../../envelope/recursion/exact_heights.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/radial_base.hpp"
@@ -42,7 +42,8 @@ Cell check_decided(const Scene& scene) {
     CHECK(cell.vertices.size() >= 4);
     for (const CellVertex& v : cell.vertices) {
         CHECK(v.radius == doctest::Approx(testing::clearance(scene, v.point)).epsilon(1e-10));
-        for (const Site site : v.sites) CHECK(std::abs(testing::boundary_residual(scene, site, v.point)) < 1e-10);
+        for (const Site site : v.sites)
+            CHECK(std::abs(testing::boundary_residual(scene, site, v.point)) < 1e-10);
     }
     return cell;
 }
@@ -57,8 +58,10 @@ Cell check_decided_around(const Scene& scene) {
         CHECK(std::abs(r - v.radius) <= v.error + 1e-13);
         for (const Site site : v.sites)
             if (site.is_object())
-                CHECK(std::abs(testing::distance_to(scene.objects[site.index], v.point) - r) <= 2 * v.error + 1e-13);
-        for (const Object& o : scene.objects) CHECK(testing::distance_to(o, v.point) >= r - 2 * v.error - 1e-13);
+                CHECK(std::abs(testing::distance_to(scene.objects[site.index], v.point) - r) <=
+                      2 * v.error + 1e-13);
+        for (const Object& o : scene.objects)
+            CHECK(testing::distance_to(o, v.point) >= r - 2 * v.error - 1e-13);
     }
     return cell;
 }
@@ -111,8 +114,9 @@ TEST_CASE("ties: lines that cross over a corner or within the region tie with eq
     scene.box = {{-2, -2, -2}, {2, 2, 4}};
     check_decided(scene);
     // Over a point of a side: a point, a line and a tube.
-    scene.objects = {Sphere{{-1, 0, 2}, 0}, Cylinder{{-2, 1, 4}, {-1, -1, 0}, 0}, Cylinder{{0, 0, 4}, {-2, 1, 0}, 0},
-                     Cylinder{{2, 1, 2}, {0, -2, 0}, 1}, Cylinder{{2, -1, 4}, {1, 0, 0}, 0}};
+    scene.objects = {Sphere{{-1, 0, 2}, 0}, Cylinder{{-2, 1, 4}, {-1, -1, 0}, 0},
+                     Cylinder{{0, 0, 4}, {-2, 1, 0}, 0}, Cylinder{{2, 1, 2}, {0, -2, 0}, 1},
+                     Cylinder{{2, -1, 4}, {1, 0, 0}, 0}};
     check_decided(scene);
     // Over a point with thirds for coordinates.
     scene.objects = {Cylinder{{1.0 / 4, 0, 1}, {1, 4, 0}, 0}, Cylinder{{0, 1.0 / 4, 1}, {4, 1, 0}, 0}};
@@ -135,7 +139,8 @@ TEST_CASE("rational_near: finds quotients, and none near a root") {
     CHECK(dyadic->x == Exact(0.1));
 }
 
-TEST_CASE("have_equal_gradients: of lines that cross over the point, not of those that pass each other's heights") {
+TEST_CASE(
+    "have_equal_gradients: of lines that cross over the point, not of those that pass each other's heights") {
     const Plane base{{0, 0, 0}, {0, 0, 1}};
     const auto problem = plane_base_problem(
         scene_over(base, {Cylinder{{0, 0, 0.5}, {1, 2, 0}, 0}, Cylinder{{0, 0, 0.5}, {2, -1, 0}, 0},
@@ -172,7 +177,8 @@ TEST_CASE("ties: around a tube of a square bundle that was turned in doubles fou
         CHECK(cell.report.moved > 0);
         CHECK(cell.report.moved < 1e-13);
         std::set<Site> extra;
-        for (const CellEdge& edge : cell.edges) extra.insert(edge.extra_sites.begin(), edge.extra_sites.end());
+        for (const CellEdge& edge : cell.edges)
+            extra.insert(edge.extra_sites.begin(), edge.extra_sites.end());
         CHECK(extra == std::set{Site::object(0), Site::object(2), Site::object(5), Site::object(7)});
     }
 }
@@ -189,7 +195,8 @@ TEST_CASE("ties: parallel tubes touch the edge of two others around a ball in an
     }
 }
 
-TEST_CASE("ties: tubes all but across a tube tie over a point of its axis, where a rectangle of them is centred") {
+TEST_CASE(
+    "ties: tubes all but across a tube tie over a point of its axis, where a rectangle of them is centred") {
     const double h = std::sqrt(0.75);
     for (const Vec3& axis : {Vec3(0.98, -0.064, 0.19), Vec3(0.47, 0.84, 0.28)}) {
         std::vector<Object> tubes;
@@ -215,10 +222,9 @@ TEST_CASE("ties: four balls of a lattice tie in irrational directions from a tub
 
 TEST_CASE("SpaceTie: tells what ties where two planes of balls meet, and an ulp that it does not") {
     const auto problem_of = [](double off) {
-        return radial_base_problem(scene_around(
-            Cylinder{Vec3::Zero(), {1, 2, 3}, 0.25}, 4,
-            {Sphere{{1, 0, 0}, 0.25}, Sphere{{1, 1, 0}, 0.25}, Sphere{{1, 0, 1}, 0.25},
-             Sphere{{1, 1, 1 + off}, 0.25}}));
+        return radial_base_problem(scene_around(Cylinder{Vec3::Zero(), {1, 2, 3}, 0.25}, 4,
+                                                {Sphere{{1, 0, 0}, 0.25}, Sphere{{1, 1, 0}, 0.25},
+                                                 Sphere{{1, 0, 1}, 0.25}, Sphere{{1, 1, 1 + off}, 0.25}}));
     };
     for (const double off : {0.0, DBL_EPSILON}) {
         const auto problem = problem_of(off);
@@ -228,12 +234,13 @@ TEST_CASE("SpaceTie: tells what ties where two planes of balls meet, and an ulp 
     }
 }
 
-TEST_CASE("SpaceTie: tubes touch at the point of their line next to the ball, only if they are on one circle") {
+TEST_CASE(
+    "SpaceTie: tubes touch at the point of their line next to the ball, only if they are on one circle") {
     for (const double off : {0.0, DBL_EPSILON}) {
-        const auto problem = radial_base_problem(scene_around(
-            Sphere{Vec3::Zero(), 0.25}, 4,
-            {Cylinder{{1, 0, 0}, {0, 0, 1}, 0.25}, Cylinder{{0, 1, 0}, {0, 0, 1}, 0.25},
-             Cylinder{{1 + off, 1, 0}, {0, 0, 1}, 0.25}}));
+        const auto problem = radial_base_problem(
+            scene_around(Sphere{Vec3::Zero(), 0.25}, 4,
+                         {Cylinder{{1, 0, 0}, {0, 0, 1}, 0.25}, Cylinder{{0, 1, 0}, {0, 0, 1}, 0.25},
+                          Cylinder{{1 + off, 1, 0}, {0, 0, 1}, 0.25}}));
         const std::array<FormId, 3> tubes = [&] {
             std::array<FormId, 3> found;
             for (const FormId f : problem.sites.ids())

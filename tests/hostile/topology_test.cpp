@@ -1,6 +1,6 @@
-// Scenes whose diagram once was wrong or could not be found. Volumes are those of rays, each met by bisection on the
-// distances to all objects: 2.25 million for knot and node, 360,000 for point_line, 250,000 for shift1e6, 160,000 for
-// the edges that touch generators and the two lines.
+// Scenes whose diagram once was wrong or could not be found. Volumes are those of rays, each met by bisection
+// on the distances to all objects: 2.25 million for knot and node, 360,000 for point_line, 250,000 for
+// shift1e6, 160,000 for the edges that touch generators and the two lines.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,9 @@ namespace vcell {
 
 namespace {
 
-Cell cell_of(const std::string& name) { return voronoi_cell(read_scene(test_data("hostile/" + name + ".json"))); }
+Cell cell_of(const std::string& name) {
+    return voronoi_cell(read_scene(test_data("hostile/" + name + ".json")));
+}
 
 void check_counts(const Cell& cell, std::size_t vertices, std::size_t edges, std::size_t faces) {
     CHECK(cell.vertices.size() == vertices);
@@ -44,8 +46,9 @@ TEST_CASE("hostile: edges that touch a generator leave it to no seam") {
         std::size_t vertices, edges, faces;
         double volume;
     };
-    for (const Expected& e : {Expected{"seam", 12, 18, 6, 81.7828}, Expected{"notfinite", 12, 18, 6, 132.8211},
-                              Expected{"perturbed_cage_1e-9", 16, 24, 8, 73.9843}}) {
+    for (const Expected& e :
+         {Expected{"seam", 12, 18, 6, 81.7828}, Expected{"notfinite", 12, 18, 6, 132.8211},
+          Expected{"perturbed_cage_1e-9", 16, 24, 8, 73.9843}}) {
         CAPTURE(e.name);
         const Cell cell = cell_of(e.name);
         check_counts(cell, e.vertices, e.edges, e.faces);

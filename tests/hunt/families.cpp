@@ -7,24 +7,19 @@
 
 #include "../../core/errors.hpp"
 #include "../../io/files/scene_file.hpp"
-#include "../../primitives/objects/decided_scene.hpp"
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/radial_base.hpp"
+#include "../../primitives/objects/decided_scene.hpp"
 
 namespace vcell::hunt {
 
 std::string to_string(BaseKind kind) {
     switch (kind) {
-        case BaseKind::Plane:
-            return "plane";
-        case BaseKind::TiltedPlane:
-            return "tilted-plane";
-        case BaseKind::Ball:
-            return "ball";
-        case BaseKind::Tube:
-            return "tube";
-        case BaseKind::TiltedTube:
-            return "tilted-tube";
+        case BaseKind::Plane: return "plane";
+        case BaseKind::TiltedPlane: return "tilted-plane";
+        case BaseKind::Ball: return "ball";
+        case BaseKind::Tube: return "tube";
+        case BaseKind::TiltedTube: return "tilted-tube";
     }
     return {};
 }
@@ -163,12 +158,9 @@ Scene integers(std::mt19937_64& rng, BaseKind kind) {
     const auto radius = [&] { return 0.5 * b.count(0, 2); };
     b.add_some(b.count(2, 6), [&]() -> Object {
         switch (b.count(0, 2)) {
-            case 0:
-                return Plane{b.integers(3), b.integer_direction(2)};
-            case 1:
-                return Sphere{b.integers(3), radius()};
-            default:
-                return Cylinder{b.integers(3), b.integer_direction(2), radius()};
+            case 0: return Plane{b.integers(3), b.integer_direction(2)};
+            case 1: return Sphere{b.integers(3), radius()};
+            default: return Cylinder{b.integers(3), b.integer_direction(2), radius()};
         }
     });
     return b.done();
@@ -192,7 +184,8 @@ Scene lattice(std::mt19937_64& rng, BaseKind kind) {
     return b.done();
 }
 
-// Equal tubes, square, hexagonal or woven; turned, and perturbed or not. A ball or a tube has the place in the middle.
+// Equal tubes, square, hexagonal or woven; turned, and perturbed or not. A ball or a tube has the place in
+// the middle.
 Scene bundle(std::mt19937_64& rng, BaseKind kind) {
     Builder b(rng, kind);
     const double radius = b.chance(0.2) ? 0 : 0.2;
@@ -255,12 +248,9 @@ Scene contact(std::mt19937_64& rng, BaseKind kind) {
                                        : b.uniform(-1, 1) * (kind == BaseKind::Ball ? 0 : 1) * d;
         const double rho = b.chance(0.3) ? 0 : b.uniform(0.1, 0.5), start = b.is_plane() ? 0 : radius;
         switch (b.count(0, b.is_plane() || kind == BaseKind::Ball ? 2 : 1)) {
-            case 0:
-                return Sphere{foot + (start + gap + rho) * out, rho};
-            case 1:
-                return Cylinder{foot + (start + gap + rho) * out, across, rho};
-            default:
-                return Plane{foot + (start + gap) * out, out};
+            case 0: return Sphere{foot + (start + gap + rho) * out, rho};
+            case 1: return Cylinder{foot + (start + gap + rho) * out, across, rho};
+            default: return Plane{foot + (start + gap) * out, out};
         }
     });
     b.add_mix(b.count(0, 2), 0, b.count(0, 1));
@@ -280,18 +270,10 @@ Scene tangent(std::mt19937_64& rng, BaseKind kind) {
         const double r = 0.25 * b.count(0, 2), q = 0.25 * b.count(0, 2);
         const Vec3 next = p + (r + q + error) * out;
         switch (b.count(0, 3)) {
-            case 0:
-                b.add(Sphere{next, q});
-                break;
-            case 1:
-                b.add(Cylinder{next, along, q});
-                break;
-            case 2:
-                b.add(Cylinder{next, (along + out.cross(along)).eval(), q});
-                break;
-            default:
-                b.add(Plane{p + (r + error) * out, out});
-                break;
+            case 0: b.add(Sphere{next, q}); break;
+            case 1: b.add(Cylinder{next, along, q}); break;
+            case 2: b.add(Cylinder{next, (along + out.cross(along)).eval(), q}); break;
+            default: b.add(Plane{p + (r + error) * out, out}); break;
         }
         if (b.chance(0.5)) return Sphere{p, r};
         return Cylinder{p, along, r};

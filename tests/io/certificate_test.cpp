@@ -82,18 +82,20 @@ TEST_CASE("certify: proves a cell within a small distance, whatever its unit") {
 }
 
 TEST_CASE("certify: proves hostile cells, and finds no error in them larger than it need be") {
-    for (const char* name : {"near_twins", "steep_face", "uneven_weights", "leaning_tube", "bundle_of_lines",
-                             "scaled_ball", "far_corners", "line_beside_plane", "tip_beside_region",
-                             "small_face_far_out", "needle_in_bundle", "lines_an_ulp_apart", "flat_hyperboloid",
-                             "point_on_line", "line_in_plane", "ball_behind_base", "hidden_tie",
-                             "turning_twice", "lever"}) {
+    for (const char* name :
+         {"near_twins", "steep_face", "uneven_weights", "leaning_tube", "bundle_of_lines", "scaled_ball",
+          "far_corners", "line_beside_plane", "tip_beside_region", "small_face_far_out", "needle_in_bundle",
+          "lines_an_ulp_apart", "flat_hyperboloid", "point_on_line", "line_in_plane", "ball_behind_base",
+          "hidden_tie", "turning_twice", "lever"}) {
         CAPTURE(name);
-        const Certificate c = certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
+        const Certificate c =
+            certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
         CHECK_MESSAGE(c.holds(), listing(c));
     }
     // Beside a node two bisectors are nearly one: where another face may begin is left open.
     const Cell node = voronoi_cell(read_scene(test_data("hostile/node_of_tubes.json")));
-    const auto touching = std::ranges::count_if(node.vertices, [](const CellVertex& v) { return v.is_touching; });
+    const auto touching =
+        std::ranges::count_if(node.vertices, [](const CellVertex& v) { return v.is_touching; });
     CHECK(touching == 1);
     const Cell touched = voronoi_cell(read_scene(test_data("hostile/touching_from_above.json")));
     CHECK(touched.vertices.size() == 4);
@@ -101,13 +103,14 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
         const Certificate c = certify(*cell);
         CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
     }
-    // Of two balls that are 1e-8 apart one is nearly as near as the other beside its edges, which is left open; so are
-    // the length of a conic with a sharp turn, and edges of bisectors that are nearly parallel.
-    for (const char* name : {"twins_over_plane", "twins_over_tilted_plane", "twins_around_ball", "steep_cone",
-                             "near_node", "ball_on_line", "plane_on_base", "needle_in_tube", "base_line_in_side",
-                             "ends_at_a_tube"}) {
+    // Of two balls that are 1e-8 apart one is nearly as near as the other beside its edges, which is left
+    // open; so are the length of a conic with a sharp turn, and edges of bisectors that are nearly parallel.
+    for (const char* name :
+         {"twins_over_plane", "twins_over_tilted_plane", "twins_around_ball", "steep_cone", "near_node",
+          "ball_on_line", "plane_on_base", "needle_in_tube", "base_line_in_side", "ends_at_a_tube"}) {
         CAPTURE(name);
-        const Certificate c = certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
+        const Certificate c =
+            certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
         CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
     }
 }
@@ -137,8 +140,9 @@ TEST_CASE("certify: a face as thin as its numbers' rounding") {
 
 TEST_CASE("certify: kinds of conics about a sphere are told exactly") {
     using enum CurveKind;
-    // Circles lie across an axis that all three centres share, and 2^-50 beside it are ellipses. A ball at (4, 0, 3)
-    // meets a side x in an ellipse, a parabola, a hyperbola as its radius less the base's is above, at or below 3.
+    // Circles lie across an axis that all three centres share, and 2^-50 beside it are ellipses. A ball at
+    // (4, 0, 3) meets a side x in an ellipse, a parabola, a hyperbola as its radius less the base's is above,
+    // at or below 3.
     struct Case {
         std::vector<Object> balls;
         CurveKind kind, wrong;
@@ -167,7 +171,8 @@ TEST_CASE("certify: kinds of conics about a sphere are told exactly") {
         const Certificate found = certify(good);
         CHECK_MESSAGE(found.count(Verdict::refuted) == 0, listing(found));
         const auto e = static_cast<std::size_t>(edge - good.edges.begin());
-        expect_refuted(good, "edges[" + std::to_string(e) + "].kind", [&](Cell& bad) { bad.edges[e].kind = c.wrong; });
+        expect_refuted(good, "edges[" + std::to_string(e) + "].kind",
+                       [&](Cell& bad) { bad.edges[e].kind = c.wrong; });
     }
 }
 
@@ -408,7 +413,8 @@ TEST_CASE("containment: told exactly") {
     CHECK_FALSE(contains(line, Sphere{{1, -3, 2}, 0x1p-1000}));
     CHECK(contains(Cylinder{line.point, line.axis, 0.5}, Sphere{{1, -3, 2}, 0.5}));
     CHECK(contains(Cylinder{line.point, line.axis, 0.5}, Cylinder{{1, -3, 2}, {4, 4, -2}, 0.5}));
-    CHECK_FALSE(contains(Cylinder{line.point, line.axis, 0.5}, Cylinder{{1, -3, 2}, {4, 4, std::nextafter(-2, 0)}, 0.25}));
+    CHECK_FALSE(contains(Cylinder{line.point, line.axis, 0.5},
+                         Cylinder{{1, -3, 2}, {4, 4, std::nextafter(-2, 0)}, 0.25}));
     CHECK(contains(sheet, Cylinder{{0, 3, 3}, {-1, -2, 1}, 0}));
     CHECK_FALSE(contains(sheet, Cylinder{{0, 3, 3}, {-1, -2, 1}, 0x1p-1000}));
     CHECK(contains(sheet, Plane{{7, 5, 2}, {0, 3, 6}}));

@@ -633,7 +633,8 @@ TEST_CASE("check_cell: finds nothing wrong with computed cells of lines that mee
     for (const double radius : {0.0, 1e-12, 1e-6}) {
         CAPTURE(radius);
         const Cylinder base{{0.1, 0.2, 0}, {0.3, -0.2, 1}, radius};
-        // Faces of tubes have integrands with poles beside a line: their measures may stay open, the rest may not.
+        // Faces of tubes have integrands with poles beside a line: their measures may stay open, the rest may
+        // not.
         const Cell cell = voronoi_cell(scene_around(rng, base, 2, 0, 2));
         expect_not_accused(cell, cell.faces.size() + 4);
     }

@@ -1,5 +1,5 @@
-/// Integrands of faces: along conics, multiplied out, against the same point by point; of tubes and of sides of the
-/// box against sums over their faces.
+/// Integrands of faces: along conics, multiplied out, against the same point by point; of tubes and of sides
+/// of the box against sums over their faces.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -54,14 +54,17 @@ std::array<Interval, 3> integrals(const Shadow& shadow, const std::vector<Ration
 /// The height at which a tube is as far as the plane z = 0 below it.
 double height_of_tube(const Cylinder& tube, double x, double y) {
     const Vec3 d = tube.axis.normalized();
-    const auto excess = [&](double z) { return (Vec3(x, y, z) - tube.point).cross(d).norm() - tube.radius - z; };
+    const auto excess = [&](double z) {
+        return (Vec3(x, y, z) - tube.point).cross(d).norm() - tube.radius - z;
+    };
     double lo = 0, hi = 64;
     for (int k = 0; k < 80; ++k) (excess(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
     return lo;
 }
 
 /// Sums over the cells of a grid on a parallelogram, of heights, of the bisector's area and of the plane's.
-std::array<double, 3> sums_over(const Cylinder& tube, const Vec2& corner, const Vec2& first, const Vec2& second) {
+std::array<double, 3> sums_over(const Cylinder& tube, const Vec2& corner, const Vec2& first,
+                                const Vec2& second) {
     constexpr int n = 96;
     constexpr double step = 1e-5;
     const double share = std::abs(first.x() * second.y() - first.y() * second.x()) / (n * n);
@@ -70,7 +73,8 @@ std::array<double, 3> sums_over(const Cylinder& tube, const Vec2& corner, const 
         for (int j = 0; j < n; ++j) {
             const Vec2 q = corner + (i + 0.5) / n * first + (j + 0.5) / n * second;
             const auto z = [&](double dx, double dy) { return height_of_tube(tube, q.x() + dx, q.y() + dy); };
-            const double gx = (z(step, 0) - z(-step, 0)) / (2 * step), gy = (z(0, step) - z(0, -step)) / (2 * step);
+            const double gx = (z(step, 0) - z(-step, 0)) / (2 * step),
+                         gy = (z(0, step) - z(0, -step)) / (2 * step);
             sum[0] += share * z(0, 0);
             sum[1] += share * std::sqrt(1 + gx * gx + gy * gy);
             sum[2] += share;
@@ -79,7 +83,8 @@ std::array<double, 3> sums_over(const Cylinder& tube, const Vec2& corner, const 
 }
 
 /// Volume, area and shadow of a face by rules in two variables, from a corner.
-std::array<Interval, 3> in_two_variables(const Fan& fan, const std::vector<RationalCurve3>& sides, const Frame& frame) {
+std::array<Interval, 3> in_two_variables(const Fan& fan, const std::vector<RationalCurve3>& sides,
+                                         const Frame& frame) {
     std::array<Interval, 3> sum{};
     for (const RationalCurve3& side : sides)
         for (const Span& span : spans(side, frame)) {
@@ -101,13 +106,17 @@ TEST_CASE("quadrature: an estimate covers what its rules leave out, however near
     std::uniform_real_distribution<double> place(-1.2, 1.2), logarithm(-6, 2);
     for (int k = 0; k < 2000; ++k) {
         // Poles at p -+ i r along either axis.
-        const double p = place(rng), q = place(rng), r = std::exp2(logarithm(rng)), w = std::exp2(logarithm(rng));
+        const double p = place(rng), q = place(rng), r = std::exp2(logarithm(rng)),
+                     w = std::exp2(logarithm(rng));
         CAPTURE(p);
         CAPTURE(r);
         CAPTURE(q);
         CAPTURE(w);
-        const auto primitive = [](double x, double about, double away) { return std::atan((x - about) / away) / away; };
-        const double along = primitive(1, p, r) - primitive(-1, p, r), across = primitive(1, q, w) - primitive(0, q, w);
+        const auto primitive = [](double x, double about, double away) {
+            return std::atan((x - about) / away) / away;
+        };
+        const double along = primitive(1, p, r) - primitive(-1, p, r),
+                     across = primitive(1, q, w) - primitive(0, q, w);
         const auto density = [&]<class T>(const T& s, const T& t) {
             const T one(1.0), x = s - T(p), y = t - T(q);
             const T value = one / ((x * x + T(r * r)) * (y * y + T(w * w)));
@@ -131,7 +140,8 @@ TEST_CASE("conics: integrands multiplied out are those of their points") {
     int compared = 0, plain = 0;
     for (int k = 0; k < 16; ++k) {
         const bool about_sphere = k % 2;
-        const Cell cell = voronoi_cell(about_sphere ? scene_about_ball(rng, 8, 3) : scene_over_plane(rng, 8, 3));
+        const Cell cell =
+            voronoi_cell(about_sphere ? scene_about_ball(rng, 8, 3) : scene_over_plane(rng, 8, 3));
         const Frame frame(cell.scene);
         for (const CellEdge& edge : cell.edges) {
             if (edge.curve.degree > 2) continue;
@@ -172,7 +182,8 @@ TEST_CASE("conics: integrands multiplied out are those of their points") {
     CHECK(plain > 1000);
 }
 
-TEST_CASE("integrands of tubes over a plane: are sums over the face, upright, leaning, level and all but so") {
+TEST_CASE(
+    "integrands of tubes over a plane: are sums over the face, upright, leaning, level and all but so") {
     int ruled = 0, cones = 0;
     for (const Vec3& axis : {Vec3(1, 0.25, 0), Vec3(-0.5, 1, 0x1p-40), Vec3(1, 1, 1e-3), Vec3(0.25, 1, -0.04),
                              Vec3(1, 0.5, 0.3), Vec3(-1, 0.5, -0.7), Vec3(0.25, -0.125, 1), Vec3(0, 0, 1)})
@@ -190,7 +201,8 @@ TEST_CASE("integrands of tubes over a plane: are sums over the face, upright, le
             const Vec2 corner(-0.5, -0.75), first(1.25, 0.25), second(-0.25, 1);
             std::vector<Vec3> polygon;
             std::vector<Triad<double>> corners;
-            for (const Vec2& q : {corner, Vec2(corner + first), Vec2(corner + first + second), Vec2(corner + second)}) {
+            for (const Vec2& q :
+                 {corner, Vec2(corner + first), Vec2(corner + first + second), Vec2(corner + second)}) {
                 polygon.emplace_back(q.x(), q.y(), height_of_tube(tube, q.x(), q.y()));
                 corners.push_back(middle_of(frame.point(polygon.back())));
             }
@@ -238,7 +250,8 @@ TEST_CASE("integrands of planes about a tube: are those in two variables") {
                 const Vec3 middle = Vec3(0.25, 0.125, -0.25) + n;
                 std::vector<Vec3> polygon;
                 std::vector<Triad<double>> corners;
-                for (const auto& [a, b] : {std::pair(-0.5, -0.25), std::pair(0.5, -0.375), std::pair(0.25, 0.5)}) {
+                for (const auto& [a, b] :
+                     {std::pair(-0.5, -0.25), std::pair(0.5, -0.375), std::pair(0.25, 0.5)}) {
                     polygon.push_back(middle + a * side + b * up);
                     corners.push_back(middle_of(frame.point(polygon.back())));
                 }
@@ -270,7 +283,8 @@ TEST_CASE("integrands of sides of the box about a tube: are those of polygons, a
         const Vec3 d = axis.normalized(), normal = Vec3::UnitX();
         // Counter-clockwise as seen from outside.
         const auto rectangle = [](double y, double z, double width, double height) {
-            return std::vector<Vec3>{{2, y, z}, {2, y + width, z}, {2, y + width, z + height}, {2, y, z + height}};
+            return std::vector<Vec3>{
+                {2, y, z}, {2, y + width, z}, {2, y + width, z + height}, {2, y, z + height}};
         };
         for (const auto& polygon :
              {rectangle(-1, -0.5, 1.5, 2), rectangle(0.5, -1.75, 1, 0.75), rectangle(1, 1, 0.5, 0.25)}) {
@@ -303,14 +317,15 @@ TEST_CASE("integrands of sides of the box about a tube: are those of polygons, a
                     nearest = std::min(nearest, way.norm());
                 }
             if (nearest > 0.25) CHECK(found[2].mid() * u == doctest::Approx(turn).epsilon(1e-3));
-            // A boundary that floats above the side by a little stands on a wall: the volume grows as that of its foot
-            // and the wall around it.
+            // A boundary that floats above the side by a little stands on a wall: the volume grows as that of
+            // its foot and the wall around it.
             std::vector<Vec3> raised = polygon;
             constexpr double above = 0x1p-8;
             for (Vec3& p : raised) p.x() += above;
             double wall = 0;
             for (std::size_t i = 0; i < 4; ++i) {
-                const Vec3 side = polygon[(i + 1) % 4] - polygon[i], middle = 0.5 * (polygon[(i + 1) % 4] + polygon[i]);
+                const Vec3 side = polygon[(i + 1) % 4] - polygon[i],
+                           middle = 0.5 * (polygon[(i + 1) % 4] + polygon[i]);
                 const Vec3 at = middle + 0.5 * above * normal;
                 const Vec3 way = (at - base.point) - d.dot(at - base.point) * d;
                 wall += above * 0.5 * way.dot(normal.cross(side));

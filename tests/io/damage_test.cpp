@@ -73,16 +73,20 @@ Scene hexagonal_tubes() {
 Scene tubes_around_a_tube() {
     Scene scene;
     scene.base = Cylinder{{0, 0, 0}, {0, 0, 1}, 0.5};
-    scene.objects = {Sphere{{1.5, 0.25, 0.5}, 0.5}, Cylinder{{-1.25, 0.5, 0}, {0.25, 0.5, 1}, 0.25},
-                     Cylinder{{0, -1.5, -0.5}, {1, 0.125, 0.125}, 0.5}, Sphere{{0.3, 1.4, -0.4}, 0.4},
-                     Sphere{{1.3, -0.3, -0.7}, 0.3}, Sphere{{0.2, 1.5, 1}, 0.3}};
+    scene.objects = {Sphere{{1.5, 0.25, 0.5}, 0.5},
+                     Cylinder{{-1.25, 0.5, 0}, {0.25, 0.5, 1}, 0.25},
+                     Cylinder{{0, -1.5, -0.5}, {1, 0.125, 0.125}, 0.5},
+                     Sphere{{0.3, 1.4, -0.4}, 0.4},
+                     Sphere{{1.3, -0.3, -0.7}, 0.3},
+                     Sphere{{0.2, 1.5, 1}, 0.3}};
     scene.box = {{-3, -3, -2}, {3, 3, 2}};
     return scene;
 }
 
 /// Three balls so close to each other that their bisectors cut each other at angles of 10^-4.
 Scene needle() {
-    return over_the_plane({Sphere{{0, 0, 1.1}, 0.1}, Sphere{{2e-4, 0, 1.1}, 0.1}, Sphere{{-1e-4, 1e-4, 1.1}, 0.1}});
+    return over_the_plane(
+        {Sphere{{0, 0, 1.1}, 0.1}, Sphere{{2e-4, 0, 1.1}, 0.1}, Sphere{{-1e-4, 1e-4, 1.1}, 0.1}});
 }
 
 const Cell& good(const std::string& name) {
@@ -274,7 +278,9 @@ void cut_face(Cell& c, std::uint32_t f) {
     REQUIRE(face.patches[0].loops.size() == 1);
     auto loop = face.patches[0].loops[0];
     REQUIRE(loop.size() >= 4);
-    const auto start = [&](const TrimCurve& trim) { return c.edges[*trim.edge].vertices[trim.reversed ? 1 : 0]; };
+    const auto start = [&](const TrimCurve& trim) {
+        return c.edges[*trim.edge].vertices[trim.reversed ? 1 : 0];
+    };
     const auto place = [](const TrimCurve& trim) { return trim.curve.evaluate(trim.curve.domain_begin()); };
     const Vec2 p = place(loop[0]), q = place(loop[2]), m = 0.5 * (p + q);
     const auto quadratic = [](auto& curve) {
@@ -296,7 +302,8 @@ void cut_face(Cell& c, std::uint32_t f) {
     const auto trim = [&](bool reversed) {
         TrimCurve t{cut, {}, reversed, {}};
         quadratic(t.curve);
-        for (const Vec2& x : {reversed ? q : p, m, reversed ? p : q}) t.curve.points.push_back({x.x(), x.y(), 1});
+        for (const Vec2& x : {reversed ? q : p, m, reversed ? p : q})
+            t.curve.points.push_back({x.x(), x.y(), 1});
         return t;
     };
     CellFace other = face;
@@ -323,13 +330,14 @@ Vec3 gradient(const Object& o, const Vec3& p) {
     return (q - axis.dot(q) * axis).normalized();
 }
 
-/// The cell of the scene less one ball, given out as that of the whole scene: structure and measures agree with
-/// each other, and a face of `area` is missing. Where it is: about the point p of the boundary, where `sites` meet.
+/// The cell of the scene less one ball, given out as that of the whole scene: structure and measures agree
+/// with each other, and a face of `area` is missing. Where it is: about the point p of the boundary, where
+/// `sites` meet.
 Cell missing_face(const Cell& whole, const Vec3& p, std::span<const Site> sites, double area) {
     const Vec3 up = gradient(whole.scene.base, p);
-    // The heights of sites over the base have slopes there, towards objects in directions d: -(d without its part
-    // along up) / (1 + d up). The ball gets their mean, so that its face is as small as it reaches little beyond p;
-    // and it is smaller than the objects.
+    // The heights of sites over the base have slopes there, towards objects in directions d: -(d without its
+    // part along up) / (1 + d up). The ball gets their mean, so that its face is as small as it reaches
+    // little beyond p; and it is smaller than the objects.
     Vec3 slope = Vec3::Zero();
     double radius = 0.05, clearance = 0;
     for (const Site& s : sites) {
@@ -450,7 +458,7 @@ void raise_all_errors(Cell& c, double error) {
 
 TEST_CASE("damage: the good cells are proved") {
     for (const std::string name : {"balls", "lattice", "needle", "tube lattice", "hexagonal tubes", "atom",
-                             "tubes over a plane", "tubes around a tube", "around a cylinder"}) {
+                                   "tubes over a plane", "tubes around a tube", "around a cylinder"}) {
         CAPTURE(name);
         expect_proved(good(name));
     }
@@ -466,8 +474,10 @@ TEST_CASE("damage: errors that promise nothing hide nothing") {
     };
     std::vector<Damage> damages;
     for (const char* cell : {"balls", "atom", "tubes over a plane", "tubes around a tube"}) {
-        damages.push_back({cell, "every error 1e6, patches stretched, volume 12345", "measures.volume", stretched});
-        damages.push_back({cell, "every error 1e6, patches stretched, volume 12345", "faces[0].patches[0]", stretched});
+        damages.push_back(
+            {cell, "every error 1e6, patches stretched, volume 12345", "measures.volume", stretched});
+        damages.push_back(
+            {cell, "every error 1e6, patches stretched, volume 12345", "faces[0].patches[0]", stretched});
         damages.push_back({cell, "every error 1e6", "vertices[0]", [](Cell& c) {
                                raise_all_errors(c, 1e6);
                                return std::size_t{0};
@@ -528,9 +538,10 @@ TEST_CASE("damage: a face is missing, and all else agrees") {
             CAPTURE(area);
             const Cell& cell = good(name);
             const Site& owner = cell.vertices[farthest_vertex(cell)].sites[0];
-            const std::uint32_t f = first(cell.faces, [&](const CellFace& face) { return face.site == owner; });
-            const Certificate certificate =
-                certify(missing_face(cell, inside_of(cell.faces[f]), std::span(&cell.faces[f].site, 1), area));
+            const std::uint32_t f =
+                first(cell.faces, [&](const CellFace& face) { return face.site == owner; });
+            const Certificate certificate = certify(
+                missing_face(cell, inside_of(cell.faces[f]), std::span(&cell.faces[f].site, 1), area));
             CHECK_FALSE(certificate.holds());
             const bool refuted = std::ranges::any_of(certificate.elements, [&](const Element& e) {
                 return e.verdict == Verdict::refuted && names(e.where, "faces[" + std::to_string(f) + "]");
@@ -544,7 +555,8 @@ TEST_CASE("damage: a face is missing, and all else agrees") {
             CAPTURE(area);
             const Cell& cell = good(name);
             const std::uint32_t v = farthest_vertex(cell);
-            const Certificate certificate = certify(missing_face(cell, cell.vertices[v].point, cell.vertices[v].sites, area));
+            const Certificate certificate =
+                certify(missing_face(cell, cell.vertices[v].point, cell.vertices[v].sites, area));
             CHECK_FALSE(certificate.holds());
             const bool refuted = std::ranges::any_of(certificate.elements, [&](const Element& e) {
                 return e.verdict == Verdict::refuted && names(e.where, "vertices[" + std::to_string(v) + "]");
@@ -567,8 +579,7 @@ TEST_CASE("damage: the structure says what is not there") {
         const auto* tube = std::get_if<Cylinder>(&c.scene.base);
         if (plane) v.radius = plane->normal.normalized().dot(v.point - plane->point);
         if (sphere) v.radius = (v.point - sphere->center).norm() - sphere->radius;
-        if (tube)
-            v.radius = tube->axis.normalized().cross(v.point - tube->point).norm() - tube->radius;
+        if (tube) v.radius = tube->axis.normalized().cross(v.point - tube->point).norm() - tube->radius;
         v.sites = {e.sites[0], e.sites[1]};
         std::ranges::sort(v.sites);
         v.error = std::max(c.vertices[0].error, e.error);
@@ -578,9 +589,8 @@ TEST_CASE("damage: the structure says what is not there") {
     const std::vector<Damage> damages{
         {"lattice", "a vertex of four sites split by an edge of length zero", "edges[#]",
          [](Cell& c) {
-             split_vertex(c, first(c.vertices, [](const CellVertex& v) {
-                              return is_inner(v) && v.sites.size() == 4;
-                          }));
+             split_vertex(c, first(c.vertices,
+                                   [](const CellVertex& v) { return is_inner(v) && v.sites.size() == 4; }));
              return c.edges.size() - 1;
          }},
         {"balls", "a face cut by an edge between it and itself", "edges[#]",
@@ -738,18 +748,19 @@ TEST_CASE("damage: points, curves and patches moved") {
                                bump<3>(c.edges[e].curve, Vec3(1e-4, 1e-4, 1e-4));
                                return std::size_t{e};
                            }});
-        damages.push_back({cell, "a trimming curve with a bump between sample points", "faces[#]", [](Cell& c) {
-                               const auto e = spline(c);
-                               std::size_t face = 0;
-                               TrimCurve* found = nullptr;
-                               for_each_trim(c, [&](std::size_t f, TrimCurve& trim) {
-                                   if (found || trim.edge != e) return;
-                                   found = &trim;
-                                   face = f;
-                               });
-                               bump<2>(found->curve, Vec2(1e-4, 1e-4));
-                               return face;
-                           }});
+        damages.push_back(
+            {cell, "a trimming curve with a bump between sample points", "faces[#]", [](Cell& c) {
+                 const auto e = spline(c);
+                 std::size_t face = 0;
+                 TrimCurve* found = nullptr;
+                 for_each_trim(c, [&](std::size_t f, TrimCurve& trim) {
+                     if (found || trim.edge != e) return;
+                     found = &trim;
+                     face = f;
+                 });
+                 bump<2>(found->curve, Vec2(1e-4, 1e-4));
+                 return face;
+             }});
     }
     for (const Damage& d : damages) expect_refuted(d);
 }
@@ -767,9 +778,12 @@ TEST_CASE("damage: measures that are not the cell's") {
             [](Cell& c) { c.measures.volume += 10 * c.measures.volume_error + 1e-9; });
         add(cell, "an area off by ten times its error and 1e-8 of it", "measures.area",
             [](Cell& c) { c.measures.area -= 10 * c.measures.area_error + 1e-8 * c.measures.area; });
-        add(cell, "a face's area off", "faces[#].area", [](Cell& c) { c.faces[owned_face(c)].area *= 1 + 1e-3; });
-        add(cell, "an edge's length off", "edges", [](Cell& c) { c.edges[inner_edge(c)].length *= 1 + 1e-4; });
-        add(cell, "a wrong base area", "measures.base_area", [](Cell& c) { c.measures.base_area *= 1 + 1e-9; });
+        add(cell, "a face's area off", "faces[#].area",
+            [](Cell& c) { c.faces[owned_face(c)].area *= 1 + 1e-3; });
+        add(cell, "an edge's length off", "edges",
+            [](Cell& c) { c.edges[inner_edge(c)].length *= 1 + 1e-4; });
+        add(cell, "a wrong base area", "measures.base_area",
+            [](Cell& c) { c.measures.base_area *= 1 + 1e-9; });
         add(cell, "a wrong box area", "measures.box_area", [](Cell& c) { c.measures.box_area += 1e-2; });
         add(cell, "a wrong body", "measures.body_volume", [](Cell& c) { c.measures.body_volume += 1e-9; });
         add(cell, "a least clearance too large", "measures.min_clearance",
@@ -785,8 +799,8 @@ TEST_CASE("damage: measures that are not the cell's") {
 
 TEST_CASE("damage: right cells are not accused") {
     SUBCASE("tubes that stand on the plane: their cones are circular") {
-        expect_proved(voronoi_cell(over_the_plane({Cylinder{{2.6, 0.2, 0}, {0, 0, 1}, 0.25},
-                                                   Sphere{{-1, 0.5, 0.8}, 0.2}})));
+        expect_proved(voronoi_cell(
+            over_the_plane({Cylinder{{2.6, 0.2, 0}, {0, 0, 1}, 0.25}, Sphere{{-1, 0.5, 0.8}, 0.2}})));
     }
     SUBCASE("units so small or large that areas leave the doubles' middle") {
         for (const double unit : {1e-40, 0x1p-100, 0x1p100}) {
@@ -813,7 +827,8 @@ TEST_CASE("damage: right cells are not accused") {
         expect_proved(voronoi_cell(over_the_plane({})));
         Scene scene;
         scene.box = {{-2, -1, -1}, {1, 2, 3}};
-        for (const Object& base : {Object(Sphere{{0.1, 0.2, 0.3}, 0.5}), Object(Cylinder{{0, 0, 0}, {0, 0.3, 1}, 0.25})}) {
+        for (const Object& base :
+             {Object(Sphere{{0.1, 0.2, 0.3}, 0.5}), Object(Cylinder{{0, 0, 0}, {0, 0.3, 1}, 0.25})}) {
             scene.base = base;
             expect_proved(voronoi_cell(scene));
         }

@@ -297,8 +297,10 @@ TEST_CASE("errors: hostile nodes: what rounding blurs takes no halvings from the
 
 TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state rounding") {
     // Seen from the base its twin's bisector is steep: the other heights tell a vertex.
-    for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11), {"twins_around_ball", 1e-10},
-                                     {"twins_over_tilted_plane", 1e-10}, {"twin_of_base", 1e-10}}) {
+    for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11),
+                                     {"twins_around_ball", 1e-10},
+                                     {"twins_over_tilted_plane", 1e-10},
+                                     {"twin_of_base", 1e-10}}) {
         CAPTURE(name);
         const Cell cell = hostile(name);
         for (const CellVertex& v : cell.vertices) CHECK(v.error < most);
@@ -306,7 +308,8 @@ TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state r
     }
 }
 
-TEST_CASE("errors: hostile motion: what a scene moved by moves edges beside a twin of the base ball by as little") {
+TEST_CASE(
+    "errors: hostile motion: what a scene moved by moves edges beside a twin of the base ball by as little") {
     CHECK(largest_edge_error(hostile("planes_beside_twin")) < 1e-7);
 }
 

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "../../core/errors.hpp"
-#include "../../io/files/cell_file.hpp"
 #include "../../io/check/check.hpp"
+#include "../../io/files/cell_file.hpp"
 #include "../../io/files/scene_file.hpp"
 #include "sample_cells.hpp"
 #include "test_support.hpp"
@@ -27,18 +27,10 @@ std::string damaged_bytes(std::string text, std::mt19937_64& rng) {
     for (auto n = 1 + rng() % 3; n-- > 0 && !text.empty();) {
         const std::size_t at = rng() % text.size();
         switch (rng() % 5) {
-            case 0:
-                text[at] = static_cast<char>(rng());
-                break;
-            case 1:
-                text.erase(at, 1 + rng() % 20);
-                break;
-            case 2:
-                text.insert(at, text.substr(rng() % text.size(), rng() % 40));
-                break;
-            case 3:
-                text[at] = "0123456789eE+-.{}[]\",:\\u"[rng() % 24];
-                break;
+            case 0: text[at] = static_cast<char>(rng()); break;
+            case 1: text.erase(at, 1 + rng() % 20); break;
+            case 2: text.insert(at, text.substr(rng() % text.size(), rng() % 40)); break;
+            case 3: text[at] = "0123456789eE+-.{}[]\",:\\u"[rng() % 24]; break;
             default:
                 if (rng() % 10 == 0) text.resize(at);
         }
@@ -48,34 +40,20 @@ std::string damaged_bytes(std::string text, std::mt19937_64& rng) {
 
 json strange_value(std::mt19937_64& rng) {
     switch (rng() % 14) {
-        case 0:
-            return 1e308;
-        case 1:
-            return -1e308;
-        case 2:
-            return 5e-324;
-        case 3:
-            return -1;
-        case 4:
-            return 0;
-        case 5:
-            return UINT64_MAX;
-        case 6:
-            return INT64_MIN;
-        case 7:
-            return nullptr;
-        case 8:
-            return true;
-        case 9:
-            return "NaN";
-        case 10:
-            return json::array({json::array({1, 2, 3})});
-        case 11:
-            return json::object({{"sphere", 1}});
-        case 12:
-            return std::string(1000, 'x');
-        default:
-            return json::array();
+        case 0: return 1e308;
+        case 1: return -1e308;
+        case 2: return 5e-324;
+        case 3: return -1;
+        case 4: return 0;
+        case 5: return UINT64_MAX;
+        case 6: return INT64_MIN;
+        case 7: return nullptr;
+        case 8: return true;
+        case 9: return "NaN";
+        case 10: return json::array({json::array({1, 2, 3})});
+        case 11: return json::object({{"sphere", 1}});
+        case 12: return std::string(1000, 'x');
+        default: return json::array();
     }
 }
 

@@ -25,7 +25,8 @@ TEST_CASE("enclose_nearby: holds the point that three sites fix, from wherever i
             for (const CellVertex& v : cell.vertices) {
                 if (v.sites.size() != 3) continue;
                 // Sides of the box may be met over a plane by the boundary or the region.
-                if (over_plane && !std::ranges::all_of(v.sites, [](const Site& s) { return s.is_object(); })) continue;
+                if (over_plane && !std::ranges::all_of(v.sites, [](const Site& s) { return s.is_object(); }))
+                    continue;
                 const std::array<Condition, 3> three{Condition{v.sites[0]}, Condition{v.sites[1]},
                                                      Condition{v.sites[2]}};
                 const auto truth = enclose(wide, three, v.point, 1e-3, 16);

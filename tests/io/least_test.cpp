@@ -102,7 +102,8 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
     CHECK(found > 20);
 }
 
-TEST_CASE("least places of sites: excesses have no negative least value elsewhere, between balls, planes and sides") {
+TEST_CASE(
+    "least places of sites: excesses have no negative least value elsewhere, between balls, planes and sides") {
     std::mt19937_64 rng(test_seed());
     const auto uniform = [&](double lo, double hi) { return std::uniform_real_distribution(lo, hi)(rng); };
     const auto direction = [&] { return Vec3(1, uniform(-0.5, 0.5), uniform(-0.5, 0.5)).normalized(); };
@@ -136,10 +137,12 @@ TEST_CASE("least places of sites: excesses have no negative least value elsewher
         for (int i = 0; i <= n; ++i)
             for (int j = 0; j <= n; ++j) {
                 const double angle = 2.4 * (i / double(n) - 0.5), lift = 2.4 * (j / double(n) - 0.5);
-                const Vec3 way(std::cos(angle) * std::cos(lift), std::sin(angle) * std::cos(lift), std::sin(lift));
+                const Vec3 way(std::cos(angle) * std::cos(lift), std::sin(angle) * std::cos(lift),
+                               std::sin(lift));
                 double lo = 0.5, hi = 30;
                 const bool is_met = excess_at(own, lo * way) > 0 && excess_at(own, hi * way) < 0;
-                for (int b = 0; b < 60; ++b) (excess_at(own, 0.5 * (lo + hi) * way) > 0 ? lo : hi) = 0.5 * (lo + hi);
+                for (int b = 0; b < 60; ++b)
+                    (excess_at(own, 0.5 * (lo + hi) * way) > 0 ? lo : hi) = 0.5 * (lo + hi);
                 const Vec3 p = lo * way;
                 const bool is_beyond =
                     plane && plane->normal.dot(p - plane->point) * plane->normal.dot(-plane->point) < 0;
@@ -171,7 +174,8 @@ TEST_CASE("least places of sites: excesses have no negative least value elsewher
     CHECK(found > 20);
 }
 
-TEST_CASE("least places of sites: enclosed to rounding on the bisector, where its normal is that of the side") {
+TEST_CASE(
+    "least places of sites: enclosed to rounding on the bisector, where its normal is that of the side") {
     Scene scene;
     scene.base = Sphere{Vec3(0.1, 0.2, 0.3), 1};
     scene.box = {{-9, -9, -9}, {9, 9, 9}};

@@ -6,7 +6,9 @@ namespace vcell {
 
 namespace {
 
-double uniform(std::mt19937_64& rng, double lo, double hi) { return std::uniform_real_distribution(lo, hi)(rng); }
+double uniform(std::mt19937_64& rng, double lo, double hi) {
+    return std::uniform_real_distribution(lo, hi)(rng);
+}
 
 Vec3 direction(std::mt19937_64& rng) {
     std::normal_distribution<double> normal;

@@ -1,4 +1,5 @@
-/// What touching spheres bound along edges and on patches of computed cells, against distances in long doubles.
+/// What touching spheres bound along edges and on patches of computed cells, against distances in long
+/// doubles.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -100,7 +101,8 @@ private:
             highest = std::max(highest, e);
             if (!least) continue;
             const auto* ball = std::get_if<Sphere>(&scene_.objects[k]);
-            const Real f = ball ? e * (e + 2 * (distance(scene_.base, p) + static_cast<Real>(ball->radius))) : e;
+            const Real f =
+                ball ? e * (e + 2 * (distance(scene_.base, p) + static_cast<Real>(ball->radius))) : e;
             CHECK(*least <= f + rounding);
         }
         if (known) {
@@ -117,7 +119,8 @@ private:
         }
     }
 
-    void judge_slopes(const TouchingSpheres& spheres, std::span<const Point> points, const Site& a, const Site& b) {
+    void judge_slopes(const TouchingSpheres& spheres, std::span<const Point> points, const Site& a,
+                      const Site& b) {
         constexpr double margin = 1e-3, size = 1e-9;
         const auto slopes = spheres.slopes(a, b, size, margin);
         const auto growth = spheres.growth(a, size, margin);
@@ -126,7 +129,8 @@ private:
         Real least = HUGE_VALL;
         for (const Point& on : points) {
             const Point p = near(on, margin), u = gradient(scene_.base, p);
-            const Point g = gradient(scene_.objects[a.index], p) - u, h = gradient(scene_.objects[b.index], p) - u;
+            const Point g = gradient(scene_.objects[a.index], p) - u,
+                        h = gradient(scene_.objects[b.index], p) - u;
             least = std::min(least, least_singular_value(g, h));
             CHECK(slopes->both <= least_singular_value(g, h) + rounding_of_slopes);
             CHECK(slopes->growth <= 0.5L * std::min(g.squaredNorm(), h.squaredNorm()) + rounding_of_slopes);
@@ -148,7 +152,8 @@ TEST_CASE("touching spheres: bound clearances, excesses and slopes along edges a
         CAPTURE(over_plane);
         Tally edges, patches;
         for (int k = 0; k < 12; ++k) {
-            const Cell cell = voronoi_cell(over_plane ? scene_over_plane(rng, 10, 2) : scene_about_ball(rng, 10, 2));
+            const Cell cell =
+                voronoi_cell(over_plane ? scene_over_plane(rng, 10, 2) : scene_about_ball(rng, 10, 2));
             const Space<Interval> space(cell.scene);
             for (const CellEdge& e : cell.edges) {
                 if (!e.sites[0].is_object() || !e.sites[1].is_object()) continue;

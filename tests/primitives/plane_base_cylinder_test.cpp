@@ -133,7 +133,8 @@ TEST_CASE("cylinders: the height's point is equally far from base and cylinder")
     CHECK(tried > 100);
 }
 
-TEST_CASE("cylinders: over a base whose normal has no length in doubles, touching is what it is in the scene") {
+TEST_CASE(
+    "cylinders: over a base whose normal has no length in doubles, touching is what it is in the scene") {
     // Lines through a point of a side of the region, and past it.
     int tried = 0;
     for (const Vec3& normal : {Vec3(-1, -1, 1), Vec3(1, 2, -2.5), Vec3(3, -1, 1), Vec3(0.5, 0.25, 1)})
@@ -142,7 +143,8 @@ TEST_CASE("cylinders: over a base whose normal has no length in doubles, touchin
                 for (const double beyond : {0.0, 0x1p-30}) {
                     // On the base, x = 3 or a little more; z is exact where its digits are few.
                     const double x = 3 + beyond, z = -(normal.x() * x + normal.y() * y) / normal.z();
-                    if (std::abs(z) >= 3 || Exact(z) * normal.z() != -(Exact(normal.x()) * x + Exact(normal.y()) * y))
+                    if (std::abs(z) >= 3 ||
+                        Exact(z) * normal.z() != -(Exact(normal.x()) * x + Exact(normal.y()) * y))
                         continue;
                     if (normal.dot(along) == 0) continue;
                     Scene scene;

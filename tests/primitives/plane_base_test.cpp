@@ -218,7 +218,8 @@ TEST_CASE("heights: the bisector's point is equally far from base and object") {
                            real(form.W);
             const Real d = distance(scene.objects[site.index], problem.frame, {x, y, t});
             CAPTURE(site.index);
-            // Exact for spheres, where doubles hold the canonical centre; a plane's |n| has been rounded once.
+            // Exact for spheres, where doubles hold the canonical centre; a plane's |n| has been rounded
+            // once.
             const bool is_exact = site.index == 0 && problem.frame.is_axis_parallel();
             CHECK(abs(d - t) <= (is_exact ? Real(1e-80) : 16 * u * (1 + t)));
             CHECK(problem.family.forms[f](x, y) == doctest::Approx(t.convert_to<double>()).epsilon(1e-13));
@@ -251,7 +252,8 @@ TEST_CASE("frame: a tilted plane leaves alone what objects are to each other") {
             centers.push_back({-real(e.A) / (2 * K), -real(e.B) / (2 * K),
                                real(e.W) / (2 * K) - std::get<Sphere>(scene.objects[i]).radius});
             for (std::uint32_t j = 0; j < i; ++j) {
-                const Vec3 &p = std::get<Sphere>(scene.objects[i]).center, &q = std::get<Sphere>(scene.objects[j]).center;
+                const Vec3 &p = std::get<Sphere>(scene.objects[i]).center,
+                           &q = std::get<Sphere>(scene.objects[j]).center;
                 Real world = 0;
                 for (int k = 0; k < 3; ++k) world += (Real(p[k]) - q[k]) * (Real(p[k]) - q[k]);
                 const Real x = centers[i].x - centers[j].x, y = centers[i].y - centers[j].y,
@@ -261,7 +263,8 @@ TEST_CASE("frame: a tilted plane leaves alone what objects are to each other") {
             // And the doubles stand for that.
             const CircularForm& c = problem.family.forms[f];
             const Real value = (real(e.K) * (Real(0.25) * 0.25 + Real(0.5) * 0.5) + real(e.A) * 0.25 +
-                                real(e.B) * 0.5 + real(e.C)) / real(e.W);
+                                real(e.B) * 0.5 + real(e.C)) /
+                               real(e.W);
             CHECK(c(0.25, 0.5) == doctest::Approx(value.convert_to<double>()).epsilon(1e-14));
         }
         CHECK((problem.moved == 0) == false);  // sides of the box

@@ -592,7 +592,8 @@ TEST_CASE("radial base: cylinders of one radius that cross are told from those t
     };
     for (const Object& base :
          {Object(Sphere{{0.1, 0.2, 0.3}, 0.5}), Object(Cylinder{{0.125, 0.25, 0}, {0, 0, 1}, 0.5}),
-          Object(Cylinder{{0.125, 0, 0.25}, {0, 1, 0}, 0.5}), Object(Cylinder{{0.1, 0.2, 0.3}, {0, -0.3, 1}, 0.5}),
+          Object(Cylinder{{0.125, 0, 0.25}, {0, 1, 0}, 0.5}),
+          Object(Cylinder{{0.1, 0.2, 0.3}, {0, -0.3, 1}, 0.5}),
           Object(Cylinder{{0, 0.1, 0}, {0.2, 1, 0.1}, 0.5})}) {
         CAPTURE(base.index());
         CHECK(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c - b, -2 * b, 0.25}));
@@ -610,12 +611,12 @@ TEST_CASE("radial base: a tilted cylinder leaves alone what objects are to each 
         CAPTURE(axis.transpose());
         const Vec3 c = 2 * Vec3(-axis.y(), axis.x(), 3), p(0.1, 0.2, 0);
         const Scene scene =
-            scene_of(Cylinder{p, axis, 0.5}, {Sphere{c, 1},                                  // 0
-                                              Sphere{c + Vec3(0, 0, 0.75), 0.25},            // 1 touches 0 from within
-                                              Cylinder{-c, Vec3(3, 1, 2), 1},                // 2
+            scene_of(Cylinder{p, axis, 0.5}, {Sphere{c, 1},                        // 0
+                                              Sphere{c + Vec3(0, 0, 0.75), 0.25},  // 1 touches 0 from within
+                                              Cylinder{-c, Vec3(3, 1, 2), 1},      // 2
                                               Cylinder{-c - Vec3(3, 1, 2), -Vec3(6, 2, 4), 1},  // 3 equals 2
-                                              Cylinder{Vec3(5, 5, 5), axis, 0.25},           // 4
-                                              Cylinder{p + Vec3(0, 0, 20), -2 * axis, 0.5}});  // 5 mirrored
+                                              Cylinder{Vec3(5, 5, 5), axis, 0.25},              // 4
+                                              Cylinder{p + Vec3(0, 0, 20), -2 * axis, 0.5}});   // 5 mirrored
         const RadialBaseProblem problem = problem_of(scene);
         const auto form = [&](std::uint32_t i) { return form_of(problem, Site::object(i)); };
         CHECK(form(1) == FormId{});

@@ -24,9 +24,9 @@
 #include <limits>
 #include <optional>
 
-#include "box.hpp"
 #include "../../numbers/jet.hpp"
 #include "../systems/quadratic_system.hpp"
+#include "box.hpp"
 
 namespace vcell {
 

@@ -17,9 +17,9 @@
 #include <limits>
 #include <utility>
 
+#include "../systems/quadratic_system.hpp"
 #include "box.hpp"
 #include "krawczyk.hpp"
-#include "../systems/quadratic_system.hpp"
 
 namespace vcell {
 

@@ -29,8 +29,8 @@
 #include "../../platform.hpp"
 #include "../newton/box.hpp"
 #include "../newton/krawczyk.hpp"
-#include "../systems/polynomial.hpp"
 #include "../newton/quadratic_kernel.hpp"
+#include "../systems/polynomial.hpp"
 #include "../systems/quadratic_system.hpp"
 #include "search.hpp"
 
@@ -231,8 +231,8 @@ Solutions<static_cast<int>(N)> solve(const System& system, const std::array<Inte
     const auto wide = [&] { return detail::interval_steps<Wide, n>(system); };
     return in_ieee_arithmetic("solve()", [&] {
         if constexpr (QuadraticSystem<System, n>)
-            return detail::solve<n>(detail::QuadraticSteps<n>(system.template forms<Interval>(), box), wide, box,
-                                    options);
+            return detail::solve<n>(detail::QuadraticSteps<n>(system.template forms<Interval>(), box), wide,
+                                    box, options);
         else
             return detail::solve<n>(detail::interval_steps<Interval, n>(system), wide, box, options);
     });

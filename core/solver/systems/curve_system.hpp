@@ -5,9 +5,9 @@
 #include <memory>
 #include <utility>
 
-#include "../newton/box.hpp"
 #include "../../numbers/jet.hpp"
 #include "../../numbers/series.hpp"
+#include "../newton/box.hpp"
 
 namespace vcell {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "../../numbers/interval.hpp"
-#include "../../numbers/wide_interval.hpp"
 #include "../../numbers/jet.hpp"
+#include "../../numbers/wide_interval.hpp"
 
 namespace vcell {
 
