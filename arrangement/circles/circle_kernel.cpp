@@ -17,6 +17,8 @@
 #include <limits>
 #include <utility>
 
+#include "../../core/solver/newton/kantorovich.hpp"
+
 namespace vcell {
 
 namespace {
@@ -101,9 +103,8 @@ CircleKernel::Form CircleKernel::make_form(const CircularForm& f) {
 // --- First rung --------------------------------------------------------------------------------------
 
 // Newton-Kantorovich for F = (F1, F2) at the double point p, whose Jacobian J changes by exactly
-// 2 (K1, K2)^T (q - p)^T between p and q. With eta >= |J^-1 F(p)| and omega >= 2 |J^-1 (K1, K2)^T|:
-// if omega eta <= 1/4, F has exactly one root within 2 eta of p, and J is regular within 1/omega, so
-// the sign of det J at the root is its sign at p [Deuflhard04, Thm. 2.1].
+// 2 (K1, K2)^T (q - p)^T between p and q: eta >= |J^-1 F(p)| and omega >= 2 |J^-1 (K1, K2)^T|. J is regular
+// as far as the root, so the sign of det J there is its sign at p.
 bool CircleKernel::certify(KernelPoint& p) const {
     const Jet f1 = jet(forms_[p.first.f], p.x, p.y), g1 = jet(forms_[p.first.g], p.x, p.y);
     const Jet f2 = jet(forms_[p.second.f], p.x, p.y);
@@ -122,8 +123,9 @@ bool CircleKernel::certify(KernelPoint& p) const {
     const double bgx = std::abs(b.gx) + b.eg, bgy = std::abs(b.gy) + b.eg;
     const double eta = (bgy * fa + agy * fb + bgx * fa + agx * fb) / det_low * slop;
     const double omega = 2 * (bgy * Ka + agy * Kb + bgx * Ka + agx * Kb) / det_low * slop;
-    if (!(omega * eta <= 0.25) || !(eta < DBL_MAX)) return false;
-    p.error = 2 * eta * slop + tiny;
+    const auto radius = kantorovich_radius(eta, omega);
+    if (!radius) return false;
+    p.error = *radius;
     return true;
 }
 

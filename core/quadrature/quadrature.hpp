@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "../platform.hpp"
+
 namespace vcell::quadrature {
 
 inline constexpr int points = 16;              ///< of the rule where none is chosen

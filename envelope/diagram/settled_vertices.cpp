@@ -8,6 +8,7 @@
 
 #include "../../core/numbers/exact.hpp"
 #include "../../core/numbers/interval.hpp"
+#include "../../core/solver/newton/kantorovich.hpp"
 
 namespace vcell {
 
@@ -15,11 +16,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Is such an error next to nothing against a vertex's coordinates and height? Any larger one is worth exact
-// residuals.
-bool is_settled(const MinimizationDiagram::Vertex& v, double error) {
-    constexpr double enough_digits = 0x1p-33;
-    return error <= enough_digits * (std::abs(v.point.x()) + std::abs(v.point.y()) + std::abs(v.height));
+// Is such an error next to nothing against the numbers themselves? Any larger one is worth exact residuals.
+constexpr double enough_digits = 0x1p-33;
+bool is_point_settled(const MinimizationDiagram::Vertex& v, double error) {
+    return error <= enough_digits * (std::abs(v.point.x()) + std::abs(v.point.y()));
+}
+bool is_height_settled(const MinimizationDiagram::Vertex& v) {
+    return v.height_error <= enough_digits * std::abs(v.height);
 }
 
 // K |p|^2 + A x + B y + C, a positive multiple of f - g or of a side of the region.
@@ -44,10 +47,10 @@ Jet jet(const Curve& c, const Vector2d& p) {
     return {scaled(v), scaled(gx), scaled(gy), scaled(c.K)};
 }
 
-// The point in which two curves meet, by Newton's method; and Newton-Kantorovich as in
-// arrangement/circles/circle_kernel.cpp with residuals and gradients that carry no rounding: with eta >=
-// |J^-1 F(p)|, omega >= 2 |J^-1 (K1, K2)^T| and omega eta <= 1/4, F has a root within 2 eta of p, and no
-// other one within 1 / omega. So it is the true one, which lies within `error` of where p was.
+// The point in which two curves meet, by Newton's method; and Newton-Kantorovich as of circles
+// (arrangement/circles/circle_kernel.cpp), with residuals and gradients that carry no rounding: eta >= |J^-1
+// F(p)|, omega >= 2 |J^-1 (K1, K2)^T|. The point is the true one, which lies within `error` of where p was:
+// no other lies within 1 / omega.
 struct Meeting {
     Vector2d point;
     double error;
@@ -65,9 +68,9 @@ std::optional<Meeting> meeting(const Curve& c, const Curve& d, const Vector2d& s
         const double eta = sqrt(square(dx) + square(dy)).upper(),
                      omega = (2 * sqrt(square(kx) + square(ky))).upper();
         const double reach = Interval::up((p - start).norm() * (1 + 0x1p-50) + error);
-        if (omega * eta <= 0.25 && omega * reach < 1 - 0x1p-50 && 2 * eta < error &&
-            (!best || 2 * eta < best->error))
-            best = {p, Interval::up(2 * eta)};
+        const auto radius = kantorovich_radius(eta, omega);
+        if (radius && omega * reach < 1 - 0x1p-50 && *radius < (best ? best->error : error))
+            best = {p, *radius};
         else if (best)
             break;
         p -= Vector2d(dx.mid(), dy.mid());
@@ -98,7 +101,7 @@ public:
         }
         std::optional<Meeting> best;
         for (std::size_t i = 0; i < curves.size(); ++i)
-            for (std::size_t j = 0; j < i && !(best && is_settled(vertex, best->error)); ++j) {
+            for (std::size_t j = 0; j < i && !(best && is_point_settled(vertex, best->error)); ++j) {
                 const auto found = meeting(curves[i], curves[j], vertex.point, vertex.error);
                 if (found && (!best || found->error < best->error)) best = found;
             }
@@ -143,8 +146,8 @@ void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram) {
     Settler settler(family, diagram);
     for (const VertexId v : diagram.vertices.ids()) {
         const MinimizationDiagram::Vertex& vertex = diagram.vertices[v];
-        if (!is_settled(vertex, vertex.error)) settler.settle(v);
-        if (!is_settled(vertex, vertex.height_error)) settler.settle_height(v);
+        if (!is_point_settled(vertex, vertex.error)) settler.settle(v);
+        if (!is_height_settled(vertex)) settler.settle_height(v);
     }
 }
 

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "../../core/errors.hpp"
+#include "../../core/solver/newton/newton.hpp"
 #include "../../primitives/bisectors/height_conics.hpp"
 #include "crossing_tie.hpp"
 #include "mixed_terms.hpp"
@@ -172,82 +173,45 @@ std::optional<bool> MixedAnalysis::asks_for_strips(const std::array<double, 4>& 
 }
 
 // --- Roots of two equations
-// ----------------------------------------------------------------------------------
+// ---------------------------------------------------------------------------------
 
 namespace {
 
-struct System {
-    std::array<Interval, 2> value;
-    std::array<std::array<Interval, 2>, 2> jacobian;
-};
-
-Eigen::Matrix2d middle(const System& s) {
-    Eigen::Matrix2d m;
-    for (int r = 0; r < 2; ++r)
-        for (int c = 0; c < 2; ++c) m(r, c) = s.jacobian[r][c].mid();
-    return m;
+template <class T, class Linearise>
+auto model(Linearise linearise) {
+    return LinearisedModel<T, 2, Linearise>(std::move(linearise));
 }
 
-// Krawczyk's operator about p over the box p + d, less p: all roots of the box lie in it, and if it lies
-// inside the box there is exactly one [Krawczyk69].
-std::array<Interval, 2> krawczyk(const System& at_point, const System& over_box,
-                                 const Eigen::Matrix2d& inverse, const std::array<Interval, 2>& d) {
-    const Interval y00(inverse(0, 0)), y01(inverse(0, 1)), y10(inverse(1, 0)), y11(inverse(1, 1)), one(1.0);
-    const auto& J = over_box.jacobian;
-    const auto& v = at_point.value;
-    return {-(y00 * v[0] + y01 * v[1]) + (one - (y00 * J[0][0] + y01 * J[1][0])) * d[0] -
-                (y00 * J[0][1] + y01 * J[1][1]) * d[1],
-            -(y10 * v[0] + y11 * v[1]) - (y10 * J[0][0] + y11 * J[1][0]) * d[0] +
-                (one - (y10 * J[0][1] + y11 * J[1][1])) * d[1]};
-}
+const IntervalBox<2> everywhere{Interval::whole(), Interval::whole()};
 
 struct Root {
     Vector2d point;
     double error;
 };
 
-// Newton's method from a start, then a proof around what it found.
-template <class Evaluate>
-std::optional<Root> root_near(Evaluate&& evaluate, Vector2d p) {
-    double step = infinity;
-    for (int i = 0; i < 20; ++i) {
-        const System s = evaluate(Interval(p.x()), Interval(p.y()));
-        const Vector2d move = middle(s).inverse() * Vector2d(s.value[0].mid(), s.value[1].mid());
-        if (!move.allFinite()) return std::nullopt;
-        if (!(move.norm() < 0.5 * step)) break;
-        p -= move;
-        step = move.norm();
-    }
-    const System at_point = evaluate(Interval(p.x()), Interval(p.y()));
-    const Eigen::Matrix2d inverse = middle(at_point).inverse();
-    // Where values cancel, steps may be far smaller than the values' rounding allows for.
-    const auto rounding = krawczyk(at_point, at_point, inverse, {Interval(0.0), Interval(0.0)});
-    double radius = 2 * (step + std::max(rounding[0].magnitude(), rounding[1].magnitude())) +
-                    4 * std::numeric_limits<double>::epsilon() * p.norm() +
-                    std::numeric_limits<double>::min();
-    for (int i = 0; i < 12; ++i, radius *= 4) {
-        const Interval d(-radius, radius);
-        const auto k =
-            krawczyk(at_point, evaluate(Interval(p.x()) + d, Interval(p.y()) + d), inverse, {d, d});
-        if (k[0].magnitude() < radius && k[1].magnitude() < radius)
-            return Root{p, Interval::up(std::hypot(k[0].magnitude(), k[1].magnitude()))};
-    }
-    return std::nullopt;
+Root about(const IntervalBox<2>& box) { return {{box[0].mid(), box[1].mid()}, reach(box[0], box[1])}; }
+
+template <class Model>
+std::optional<Root> root_near(const Model& model, const Vector2d& start) {
+    const auto box = prove_near<Interval, 2>(model, {Interval(start.x()), Interval(start.y())}, everywhere);
+    return box ? std::optional(about(*box)) : std::nullopt;
 }
 
 // a = b = c.
-System equal_heights(const Heights& heights, const std::array<FormId, 3>& forms, Interval x, Interval y) {
-    const HeightJet<Interval> a = heights.jet(forms[0], x, y), b = heights.jet(forms[1], x, y),
-                              c = heights.jet(forms[2], x, y);
+template <class T>
+LocalModel<T, 2> equal_heights(const Heights& heights, const std::array<FormId, 3>& forms,
+                               const std::array<T, 2>& p) {
+    const HeightJet<T> a = heights.jet(forms[0], p[0], p[1]), b = heights.jet(forms[1], p[0], p[1]),
+                       c = heights.jet(forms[2], p[0], p[1]);
     return {{a.v - b.v, a.v - c.v}, {{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}}};
 }
 
 // The same in doubles; over a point derivatives are rounded only.
-System equal_heights(const SphereSupports& supports, const std::array<FormId, 3>& forms, Interval x,
-                     Interval y) {
-    System s;
-    if (is_point(x) && is_point(y)) {
-        const PointNormal n(x.mid(), y.mid());
+LocalModel<Interval, 2> equal_heights(const SphereSupports& supports, const std::array<FormId, 3>& forms,
+                                      const IntervalBox<2>& p) {
+    LocalModel<Interval, 2> s;
+    if (is_point(p[0]) && is_point(p[1])) {
+        const PointNormal n(p[0].mid(), p[1].mid());
         const auto a = supports.jet(forms[0], n);
         for (const int i : {0, 1}) {
             const auto b = supports.jet(forms[i + 1], n);
@@ -257,17 +221,35 @@ System equal_heights(const SphereSupports& supports, const std::array<FormId, 3>
         }
         return s;
     }
-    const NormalBox box(x.lower(), x.upper(), y.lower(), y.upper());
+    s.value.fill(Interval::whole());
+    const NormalBox box(p[0].lower(), p[0].upper(), p[1].lower(), p[1].upper());
     const Support a = supports.over(forms[0], box);
     for (const int i : {0, 1}) s.jacobian[i] = box.gradient(a, supports.over(forms[i + 1], box));
     return s;
 }
 
 // grad f = grad g.
-System equal_gradients(const Heights& heights, FormId f, FormId g, Interval x, Interval y) {
-    const HeightJet<Interval> a = heights.jet(f, x, y), b = heights.jet(g, x, y);
-    const HeightCurvature<Interval> p = heights.curvature(f, x, y), q = heights.curvature(g, x, y);
-    return {{a.gx - b.gx, a.gy - b.gy}, {{{p.xx - q.xx, p.xy - q.xy}, {p.xy - q.xy, p.yy - q.yy}}}};
+LocalModel<Interval, 2> equal_gradients(const Heights& heights, FormId f, FormId g, const IntervalBox<2>& p) {
+    const HeightJet<Interval> a = heights.jet(f, p[0], p[1]), b = heights.jet(g, p[0], p[1]);
+    const HeightCurvature<Interval> c = heights.curvature(f, p[0], p[1]),
+                                    d = heights.curvature(g, p[0], p[1]);
+    return {{a.gx - b.gx, a.gy - b.gy}, {{{c.xx - d.xx, c.xy - d.xy}, {c.xy - d.xy, c.yy - d.yy}}}};
+}
+
+// The same with many digits, and derivatives in doubles: to approach a root, not to prove it.
+LocalModel<Wide, 2> equal_gradients(const Heights& heights, FormId f, FormId g, const WideBox<2>& p) {
+    const HeightJet<Wide> a = heights.jet(f, p[0], p[1]), b = heights.jet(g, p[0], p[1]);
+    const auto rough = equal_gradients(
+        heights, f, g, IntervalBox<2>{Interval(p[0].approximation()), Interval(p[1].approximation())});
+    LocalModel<Wide, 2> local{{a.gx - b.gx, a.gy - b.gy}, {}};
+    for (const int r : {0, 1})
+        for (const int c : {0, 1}) local.jacobian[r][c] = Wide(rough.jacobian[r][c].mid());
+    return local;
+}
+
+auto equal_gradients(const Heights& heights, FormId f, FormId g) {
+    return model<Interval>(
+        [&heights, f, g](const IntervalBox<2>& p) { return equal_gradients(heights, f, g, p); });
 }
 
 }  // namespace
@@ -929,12 +911,11 @@ bool MixedAnalysis::join_changes(Work& work) {
 bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>& forms,
                                   MixedPiece::Vertex& v) {
     v = {work.middle(), 0, forms[0], {}};
-    const auto root = root_near(
-        [&](Interval x, Interval y) {
-            return work.supports ? equal_heights(*work.supports, forms, x, y)
-                                 : equal_heights(heights_, forms, x, y);
-        },
-        work.middle());
+    const auto root = root_near(model<Interval>([&](const IntervalBox<2>& p) {
+                                    return work.supports ? equal_heights(*work.supports, forms, p)
+                                                         : equal_heights(heights_, forms, p);
+                                }),
+                                work.middle());
     if (root) {
         v.point = root->point;
         v.error = root->error;
@@ -1167,90 +1148,47 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
         if (!part) return Inside::No;
         box = *part;
     }
-    const auto system = [&](Interval x, Interval y) {
-        return by_supports ? equal_heights(*work.supports, forms, x, y)
-                           : equal_heights(heights_, forms, x, y);
-    };
+    const auto system = model<Interval>([&](const IntervalBox<2>& p) {
+        return by_supports ? equal_heights(*work.supports, forms, p) : equal_heights(heights_, forms, p);
+    });
     const double dx = 0.25 * (box[1] - box[0]), dy = 0.25 * (box[3] - box[2]);
-    Interval X(box[0] - dx, box[1] + dx), Y(box[2] - dy, box[3] + dy);
-    bool exists = false;
-    for (int i = 0; i < 20; ++i) {
-        const Interval mx(X.mid()), my(Y.mid());
-        const System over_box = system(X, Y);
-        const Eigen::Matrix2d inverse = vcell::middle(over_box).inverse();
-        if (!inverse.allFinite()) return Inside::Unknown;
-        const auto k = krawczyk(system(mx, my), over_box, inverse, {X - mx, Y - my});
-        const Interval kx = mx + k[0], ky = my + k[1];
-        const double xl = std::max(X.lower(), kx.lower()), xh = std::min(X.upper(), kx.upper());
-        const double yl = std::max(Y.lower(), ky.lower()), yh = std::min(Y.upper(), ky.upper());
-        if (!(xl <= xh) || !(yl <= yh)) return Inside::No;
-        exists = exists || (kx.lower() > X.lower() && kx.upper() < X.upper() && ky.lower() > Y.lower() &&
-                            ky.upper() < Y.upper());
-        const bool stalled =
-            std::max(xh - xl, yh - yl) > 0.6 * std::max(X.upper() - X.lower(), Y.upper() - Y.lower());
-        X = Interval(xl, xh);
-        Y = Interval(yl, yh);
-        if (stalled) break;
-    }
+    const auto found = contract<Interval, 2>(
+        system, {Interval(box[0] - dx, box[1] + dx), Interval(box[2] - dy, box[3] + dy)});
+    if (found.empty) return Inside::No;
+    IntervalBox<2> root = found.box;
     // Exactly one: so it is what is proved more closely in a part of the box.
-    if (exists)
-        if (const auto root = root_near(system, {X.mid(), Y.mid()})) {
-            const Interval x = Interval::ball(root->point.x(), root->error),
-                           y = Interval::ball(root->point.y(), root->error);
-            if (X.contains(x.lower()) && X.contains(x.upper()) && Y.contains(y.lower()) &&
-                Y.contains(y.upper())) {
-                X = x;
-                Y = y;
-            }
-        }
+    if (found.unique)
+        if (const auto closer = prove_near<Interval, 2>(
+                system, {Interval(root[0].mid()), Interval(root[1].mid())}, everywhere);
+            closer && is_subset(*closer, root))
+            root = *closer;
+    const auto [X, Y] = root;
     const Inside inside = work.where(X, Y);
     if (inside == Inside::No) return inside;
-    if (inside == Inside::Unknown || !exists) return Inside::Unknown;
+    if (inside == Inside::Unknown || !found.unique) return Inside::Unknown;
     ++decisions_.by_interval;
     out = {{X.mid(), Y.mid()}, reach(X, Y), forms[0], {}};
     return Inside::Yes;
 }
 
-// The point where three forms are equal, within 2^exponent of the chart's size: Newton's method with the
-// Jacobian in doubles, whose steps gain some 40 bits each once they are small, and Krawczyk's proof. The
-// Jacobian is that of differences with many digits, and where the step begins: of forms that are nearly one
-// function along a line doubles keep little of it.
+// The point where three forms are equal, within 2^exponent of the chart's size. The Jacobian is that of
+// differences with many digits: of forms that are nearly one function along a line doubles keep little of it.
 std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_vertex(const MixedPiece::Vertex& v,
                                                                const std::array<FormId, 3>& forms,
                                                                int exponent) {
-    Eigen::Matrix2d inverse;
-    const auto jets = [&](const std::array<Wide, 2>& p) {
-        return std::array{heights_.jet(forms[0], p[0], p[1]), heights_.jet(forms[1], p[0], p[1]),
-                          heights_.jet(forms[2], p[0], p[1])};
-    };
-    const auto newton_step = [&](const std::array<Wide, 2>& p) {
-        const auto [a, b, c] = jets(p);
-        const Wide f = a.v - b.v, g = a.v - c.v;
-        Eigen::Matrix2d jacobian;
-        jacobian << (a.gx - b.gx).approximation(), (a.gy - b.gy).approximation(),
-            (a.gx - c.gx).approximation(), (a.gy - c.gy).approximation();
-        inverse = jacobian.inverse();
-        return std::array{Wide(inverse(0, 0)) * f + Wide(inverse(0, 1)) * g,
-                          Wide(inverse(1, 0)) * f + Wide(inverse(1, 1)) * g};
-    };
-    std::array<Wide, 2> p{Wide(v.point.x()), Wide(v.point.y())}, step = newton_step(p);
+    const auto linearise = [&](const WideBox<2>& p) { return equal_heights(heights_, forms, p); };
     const double radius = std::ldexp(extent_, exponent);
-    const auto small = [&](const Wide& w) { return w.enclosure().magnitude() < 0.25 * radius; };
-    for (int i = 0; i < 20 && inverse.allFinite() && !(small(step[0]) && small(step[1])); ++i) {
-        p = {(p[0] - step[0]).mid(), (p[1] - step[1]).mid()};
-        step = newton_step(p);
-    }
-    if (!inverse.allFinite()) return std::nullopt;
+    constexpr int most_steps = 20;
+    const auto near = approach<Wide, 2>(model<Wide>(linearise), {Wide(v.point.x()), Wide(v.point.y())},
+                                        everywhere, 0.25 * radius, most_steps);
+    if (!near) return std::nullopt;
     const Wide d(-radius, radius);
-    const std::array box{p[0] + d, p[1] + d};
-    const auto [a, b, c] = jets(box);
-    const std::array<std::array<Wide, 2>, 2> J{{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}};
-    for (int row = 0; row < 2; ++row) {
-        const Wide y0(inverse(row, 0)), y1(inverse(row, 1));
-        const Wide to_x = Wide(row == 0 ? 1.0 : 0.0) - (y0 * J[0][0] + y1 * J[1][0]),
-                   to_y = Wide(row == 1 ? 1.0 : 0.0) - (y0 * J[0][1] + y1 * J[1][1]);
-        if (!d.contains(to_x * d + to_y * d - step[row])) return std::nullopt;
-    }
+    const WideBox<2> box{near->point[0] + d, near->point[1] + d};
+    LocalModel<Wide, 2> local = linearise(box);
+    local.value = near->local.value;
+    if (!krawczyk_step<Wide, 2>(local, Offsets<Wide, 2>(near->point, d), box, Preconditioning::Inverse)
+             .unique())
+        return std::nullopt;
     return box;
 }
 
@@ -1392,13 +1330,13 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     std::array<FormId, 3> triple;
     if (!touching.empty()) {
         const FormId f = r[touching[0][0]].form, g = r[touching[0][1]].form;
-        root = root_near([&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); },
-                         apex.rim ? apex.point : work.middle());
+        root = root_near(equal_gradients(heights_, f, g), apex.rim ? apex.point : work.middle());
     } else {
         if (n < 4) return std::nullopt;  // then they tie in one point at most, and the piece will be plain
         triple = {r[0].form, r[1].form, r[2].form};
-        root = root_near([&](Interval x, Interval y) { return equal_heights(heights_, triple, x, y); },
-                         work.middle());
+        root = root_near(
+            model<Interval>([&](const IntervalBox<2>& p) { return equal_heights(heights_, triple, p); }),
+            work.middle());
     }
     if (!root) return std::nullopt;
     if (apex.rim) {
@@ -1490,19 +1428,12 @@ bool MixedAnalysis::is_tie_in_space(const Work& work, const Apex& apex,
 // Where grad f = grad g, with many digits.
 std::optional<std::array<Wide, 2>> MixedAnalysis::sharp_critical_point(FormId f, FormId g,
                                                                        const Vector2d& start) const {
-    const Eigen::Matrix2d inverse =
-        vcell::middle(equal_gradients(heights_, f, g, Interval(start.x()), Interval(start.y()))).inverse();
-    std::array<Wide, 2> c{Wide(start.x()), Wide(start.y())};
-    const int enough = Wide(extent_).magnitude_exponent() + assumed_exponent - 40;
-    for (int i = 0; i < 20; ++i) {
-        const HeightJet<Wide> a = heights_.jet(f, c[0], c[1]), b = heights_.jet(g, c[0], c[1]);
-        const Wide gx = a.gx - b.gx, gy = a.gy - b.gy;
-        const Wide dx = Wide(inverse(0, 0)) * gx + Wide(inverse(0, 1)) * gy,
-                   dy = Wide(inverse(1, 0)) * gx + Wide(inverse(1, 1)) * gy;
-        if (std::max(dx.magnitude_exponent(), dy.magnitude_exponent()) < enough) return c;
-        c = {(c[0] - dx).mid(), (c[1] - dy).mid()};
-    }
-    return std::nullopt;
+    const auto gradients =
+        model<Wide>([&](const WideBox<2>& p) { return equal_gradients(heights_, f, g, p); });
+    constexpr int most_steps = 20;
+    const auto near = approach<Wide, 2>(gradients, {Wide(start.x()), Wide(start.y())}, everywhere,
+                                        std::ldexp(extent_, assumed_exponent - 40), most_steps);
+    return near ? std::optional(near->point) : std::nullopt;
 }
 
 // Every trisector is the union of two plane sections, and all these planes have a line in common. If it is
@@ -1707,30 +1638,26 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
         return true;
     }
     if (changes.size() != 4) return false;
-    const auto saddle = root_near(
-        [&](Interval x, Interval y) { return equal_gradients(heights_, f, g, x, y); }, work.middle());
+    const auto saddle = root_near(equal_gradients(heights_, f, g), work.middle());
     if (!saddle) return false;
     if (work.where(saddle->point, saddle->error) != Inside::Yes) return false;
 
-    // The saddle's value with many digits.
+    // Which form is higher there, with as many digits as it takes.
+    const auto sign_about = [&](const WideBox<2>& c) -> std::optional<Sign> {
+        const HeightJet<Wide> a = heights_.jet(f, c[0], c[1]), b = heights_.jet(g, c[0], c[1]);
+        const Wide value = a.v - b.v;
+        const double slope = (a.gx - b.gx).enclosure().magnitude() + (a.gy - b.gy).enclosure().magnitude();
+        if (!(value.enclosure().magnitude() > 4 * slope * work.width)) return std::nullopt;
+        return value.sign();
+    };
+    auto sign = sign_about({Wide(saddle->point.x()), Wide(saddle->point.y())});
+    if (!sign)
+        if (const auto c = sharp_critical_point(f, g, saddle->point)) sign = sign_about(*c);
+    if (!sign) return false;
+    ++decisions_.by_multiprecision;
+    const bool f_above = *sign == Sign::Positive;
     Eigen::Matrix2d curvature;
     curvature << xx.mid(), xy.mid(), xy.mid(), yy.mid();
-    const Eigen::Matrix2d inverse = curvature.inverse();
-    std::array<Wide, 2> c{Wide(saddle->point.x()), Wide(saddle->point.y())};
-    Wide value;
-    double slope = 0;
-    for (int i = 0; i < 40; ++i) {
-        const HeightJet<Wide> a = heights_.jet(f, c[0], c[1]), b = heights_.jet(g, c[0], c[1]);
-        const Wide gx = a.gx - b.gx, gy = a.gy - b.gy;
-        value = a.v - b.v;
-        slope = gx.enclosure().magnitude() + gy.enclosure().magnitude();
-        if (value.sign() && value.enclosure().magnitude() > 4 * slope * work.width) break;
-        c = {(c[0] - Wide(inverse(0, 0)) * gx - Wide(inverse(0, 1)) * gy).mid(),
-             (c[1] - Wide(inverse(1, 0)) * gx - Wide(inverse(1, 1)) * gy).mid()};
-    }
-    if (!value.sign() || !(value.enclosure().magnitude() > 4 * slope * work.width)) return false;
-    ++decisions_.by_multiprecision;
-    const bool f_above = *value.sign() == Sign::Positive;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(curvature);  // values ascend
     const Vector2d u = eigen.eigenvectors().col(f_above ? 1 : 0);
     const Interval ux(u.x()), uy(u.y());

@@ -4,6 +4,8 @@
 #include <tuple>
 
 #include "../../core/errors.hpp"
+#include "../../core/solver/newton/newton.hpp"
+#include "../../core/solver/newton/one_unknown.hpp"
 #include "mixed_terms.hpp"
 #include "space_tie.hpp"
 
@@ -78,29 +80,30 @@ struct MixedAnalysis::Line {
         const Exact p(by_x ? side.a : side.b), q(by_x ? side.b : side.a), other = -(p * s + side.c);
         return by_x ? rational(s * q, other, q) : rational(other, s * q, q);
     }
-    // Encloses the difference of two heights at m, and its derivative between lo and hi.
-    std::array<Interval, 2> difference(const Heights& heights, FormId f, FormId g, double m, double lo,
-                                       double hi) const {
-        const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
-        Interval derivative =
-            along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]));
-        if (!derivative.sign()) derivative = slope_difference(heights, f, g, m, lo, hi);
-        return {heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]), derivative};
+    Interval difference(const Heights& heights, FormId f, FormId g, double s) const {
+        const IntervalPoint p = at(Interval(s));
+        return heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]);
     }
-    // The derivative in mean value form: by far the sharper one where the two are nearly the same function.
-    Interval slope_difference(const Heights& heights, FormId f, FormId g, double m, double lo,
-                              double hi) const {
-        const IntervalPoint p = at(Interval(m)), range = at(Interval(lo, hi));
+    // The same where doubles would cancel.
+    Interval sharp_difference(const Heights& heights, FormId f, FormId g, double s) const {
+        return (sharp_height(heights, f, s) - sharp_height(heights, g, s)).enclosure();
+    }
+    // Encloses the difference's derivative over a stretch.
+    Interval slope_difference(const Heights& heights, FormId f, FormId g, const Interval& stretch) const {
+        const IntervalPoint range = at(stretch);
+        const Interval derivative =
+            along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]));
+        return derivative.sign() ? derivative : mean_slope_difference(heights, f, g, stretch);
+    }
+    // In mean value form: by far the sharper one where the two are nearly the same function.
+    Interval mean_slope_difference(const Heights& heights, FormId f, FormId g,
+                                   const Interval& stretch) const {
+        const Interval m(stretch.mid());
+        const IntervalPoint p = at(m), range = at(stretch);
         return along(heights.jet(f, p[0], p[1])) - along(heights.jet(g, p[0], p[1])) +
                (bend(heights.curvature(f, range[0], range[1])) -
                 bend(heights.curvature(g, range[0], range[1]))) *
-                   (Interval(lo, hi) - Interval(m));
-    }
-    // The same with a difference that doubles would cancel.
-    std::array<Interval, 2> sharp_difference(const Heights& heights, FormId f, FormId g, double m, double lo,
-                                             double hi) const {
-        return {(sharp_height(heights, f, m) - sharp_height(heights, g, m)).enclosure(),
-                difference(heights, f, g, m, lo, hi)[1]};
+                   (stretch - m);
     }
     Wide sharp_height(const Heights& heights, FormId f, double m) const {
         const auto p = wide_at(Wide(m));
@@ -211,6 +214,15 @@ MixedAnalysis::Lowest MixedAnalysis::lowest_at(const Line& line, double s,
     return lowest_at(line.at(Interval(s)), candidates, [&] { return line.exact_at(s); });
 }
 
+// A function of the place along a line, with a slope that is not exact.
+template <class Value>
+auto of_one_unknown(Value value, double slope) {
+    const auto linearise = [value, slope](const WideBox<1>& s) {
+        return LocalModel<Wide, 1>{{value(s[0])}, {{{Wide(slope)}}}};
+    };
+    return LinearisedModel<Wide, 1, decltype(linearise)>(linearise);
+}
+
 // A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
 constexpr double root_width = 0x1p-12;
 // How much steeper than the least slope a difference may be at its root, so that a guess is as good as a
@@ -261,7 +273,7 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
         if (!(lo <= hi)) throw InternalError("no root of a sign change along a side");
         return guess.slope <= most_steepening * least_slope && is_narrow();
     };
-    bool sharp = false, found = false;
+    bool found = false;
     const IntervalPoint stretch = line.at(Interval(s0, s1));
     if (compare_by_supports(s1 - s0, extent_at(stretch[0], stretch[1])) && is_point(near[0]) &&
         is_point(near[1])) {
@@ -280,25 +292,24 @@ RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, Form
     }
     if (!found)
         found = narrow_by(heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]));
-    while (!found) {
-        const double m = Interval(lo, hi).mid();
-        const auto [value, slope] = sharp ? line.sharp_difference(heights_, before, after, m, lo, hi)
-                                          : line.difference(heights_, before, after, m, lo, hi);
-        const Interval next = Interval(m) - value / slope;
-        double l = std::max(lo, next.lower()), h = std::min(hi, next.upper());
-        // `before` is the lower one on the left: the middle's sign halves the range where the slope varies
-        // much.
-        if (value.sign() == Sign::Negative) l = std::max(l, m);
-        if (value.sign() == Sign::Positive) h = std::min(h, m);
-        if (!(l <= h)) throw InternalError("no root of a sign change along a side");
-        const bool stalled = h - l > 0.6 * (hi - lo);
-        lo = l;
-        hi = h;
-        if (!stalled) continue;
-        found = sharp || is_narrow();
-        sharp = sharp || !found;
+    bool is_sharp = false;
+    if (!found) {
+        const auto slope = [&](const Interval& part) {
+            return line.slope_difference(heights_, before, after, part);
+        };
+        Interval root = enclose_zero(
+            Interval(lo, hi),
+            [&](const Interval& s) { return line.difference(heights_, before, after, s.lower()); }, slope);
+        is_sharp = root.width() > root_width * (s1 - s0);
+        if (is_sharp)
+            root = enclose_zero(
+                root,
+                [&](const Interval& s) { return line.sharp_difference(heights_, before, after, s.lower()); },
+                slope);
+        lo = root.lower();
+        hi = root.upper();
     }
-    ++(sharp ? decisions_.by_multiprecision : decisions_.by_interval);
+    ++(is_sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     const IntervalPoint p = line.at(Interval(lo, hi));
     return {before, after, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}};
 }
@@ -341,7 +352,7 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     });
     if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
     if (items.size() == 2 && out.least_slope == 0) {
-        items[0].slope = line.slope_difference(heights_, items[0].form, items[1].form, m, s0, s1);
+        items[0].slope = line.mean_slope_difference(heights_, items[0].form, items[1].form, Interval(s0, s1));
         items[1].slope = 0;
         out.least_slope = least(items[0].slope);
         const Interval difference = items[0].v - items[1].v,
@@ -445,16 +456,16 @@ std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const L
     const double m = Interval(s0, s1).mid();
     // Where f and g are equal, f being lower before.
     const auto crossing = [&](FormId f, FormId g, const Interval& slope) -> std::optional<Wide> {
-        Wide s(m);
-        for (int i = 0; i < most_steps; ++i) {
-            const auto p = line.wide_at(s);
-            const Wide off = (heights_.value(f, p[0], p[1]) - heights_.value(g, p[0], p[1])) / Wide(slope);
-            const Wide next = s - off;
-            if (off.magnitude_exponent() < Wide(s1 - s0).magnitude_exponent() + enough) return next;
-            s = next.mid();
-            if (!Interval(s0, s1).contains(s.approximation())) return std::nullopt;
-        }
-        return std::nullopt;
+        const auto near =
+            approach<Wide, 1>(of_one_unknown(
+                                  [&](const Wide& s) {
+                                      const auto p = line.wide_at(s);
+                                      return heights_.value(f, p[0], p[1]) - heights_.value(g, p[0], p[1]);
+                                  },
+                                  slope.mid()),
+                              {Wide(m)}, {Interval(s0, s1)}, std::ldexp(s1 - s0, enough), most_steps);
+        if (!near) return std::nullopt;
+        return near->point[0] - near->local.value[0] / Wide(slope);
     };
     std::vector<RimTransition> transitions;
     double after = s0;
@@ -464,7 +475,7 @@ std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const L
         bool is_told = true;
         for (const FormId f : forms) {
             if (f == current) continue;
-            const Interval slope = line.difference(heights_, current, f, m, s0, s1)[1];
+            const Interval slope = line.slope_difference(heights_, current, f, Interval(s0, s1));
             if (!slope.sign()) return std::nullopt;
             if (slope.sign() != Sign::Positive) continue;
             const auto at_end =
@@ -503,7 +514,7 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     const double m = Interval(s0, s1).mid();
     const IntervalPoint range = line.at(Interval(s0, s1));
     const auto slope = [&](std::size_t i, std::size_t j) {
-        return line.difference(heights_, forms[i], forms[j], m, s0, s1)[1];
+        return line.slope_difference(heights_, forms[i], forms[j], Interval(s0, s1));
     };
     const auto bend = [&](std::size_t i, std::size_t j) {
         return line.bend(heights_.curvature(forms[i], range[0], range[1])) -
@@ -530,15 +541,18 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     const IntervalPoint about = line.at(Interval(near));
     if (possibly_lowest(forms, [&](FormId f) { return heights_.value(f, about[0], about[1]); }).size() < n)
         return std::nullopt;
-    Wide p(near);
-    const int enough = Wide(extent_).magnitude_exponent() + assumed_exponent - 40;
-    for (int i = 0;; ++i) {
-        const auto f = line.sharp_jet(heights_, forms[a], p), g = line.sharp_jet(heights_, forms[b], p);
-        const Wide step = Wide(inverse) * (touching ? f[1] - g[1] : f[0] - g[0]);
-        if (step.magnitude_exponent() < enough) break;
-        if (i == 20) return std::nullopt;
-        p = (p - step).mid();
-    }
+    constexpr int most_steps = 20;
+    const auto zero = approach<Wide, 1>(of_one_unknown(
+                                            [&](const Wide& at) {
+                                                const auto f = line.sharp_jet(heights_, forms[a], at),
+                                                           g = line.sharp_jet(heights_, forms[b], at);
+                                                return touching ? f[1] - g[1] : f[0] - g[0];
+                                            },
+                                            1 / inverse),
+                                        {Wide(near)}, {Interval::whole()},
+                                        std::ldexp(extent_, assumed_exponent - 40), most_steps);
+    if (!zero) return std::nullopt;
+    Wide p = zero->point[0];
     const double s = nearest_double(p, extent_);
     if (s < s0 || s > s1) return std::nullopt;
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "../../core/solver/newton/newton.hpp"
+
 namespace vcell {
 
 namespace {
@@ -169,34 +171,25 @@ private:
         }
     }
 
-    // Newton's method for F = 0 and another equation: all digits, with derivatives in doubles.
+    // F = 0 and another equation, to all digits, with derivatives in doubles.
     template <class Value, class Slope>
     std::optional<Point> solve(Value&& value, Slope&& slope) const {
         return solve(value, slope, {Wide(0.5 * (box_[0] + box_[1])), Wide(0.5 * (box_[2] + box_[3]))});
     }
     template <class Value, class Slope>
-    std::optional<Point> solve(Value&& value, Slope&& slope, Point p) const {
+    std::optional<Point> solve(Value&& value, Slope&& slope, const Point& start) const {
         constexpr int most_steps = 40, enough = -230;
-        const int size = Wide(std::max(x_.radius(), y_.radius())).magnitude_exponent();
-        for (int i = 0; i < most_steps; ++i) {
-            const Vector2d m = middle(p);
-            if (!x_.contains(m.x()) || !y_.contains(m.y())) return std::nullopt;
-            Matrix2d rows;
-            rows.row(0) = gradient(f_, g_, m);
-            rows.row(1) = slope(m);
-            const Matrix2d inverse = rows.inverse();
-            if (!inverse.allFinite()) return std::nullopt;
+        const auto linearise = [&](const Point& p) {
+            const Vector2d m = middle(p), across = gradient(f_, g_, m), along = slope(m);
             const Jets j = jets(p);
-            const std::array<Wide, 2> residual{j.F(), value(j)};
-            int largest = std::numeric_limits<int>::min();
-            for (const int k : {0, 1}) {
-                const Wide step = Wide(inverse(k, 0)) * residual[0] + Wide(inverse(k, 1)) * residual[1];
-                p[k] = (p[k] - step).mid();
-                largest = std::max(largest, step.magnitude_exponent());
-            }
-            if (largest < size + enough) return p;
-        }
-        return std::nullopt;
+            return LocalModel<Wide, 2>{
+                {j.F(), value(j)},
+                {{{Wide(across.x()), Wide(across.y())}, {Wide(along.x()), Wide(along.y())}}}};
+        };
+        const double small = std::ldexp(std::max(x_.radius(), y_.radius()), enough);
+        const auto near = approach<Wide, 2>(LinearisedModel<Wide, 2, decltype(linearise)>(linearise), start,
+                                            {x_, y_}, small, most_steps);
+        return near ? std::optional(near->point) : std::nullopt;
     }
 
     const Heights& heights_;

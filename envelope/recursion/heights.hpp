@@ -20,7 +20,7 @@
 namespace vcell {
 
 /// Of two enclosures of one number.
-inline Interval intersection(Interval a, Interval b) {
+inline Interval narrowed(Interval a, Interval b) {
     return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
 }
 
@@ -46,8 +46,8 @@ inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& o
                                                 const std::array<Interval, 2>& middle,
                                                 const HeightCurvature<Interval>& c, Interval dx,
                                                 Interval dy) {
-    return {intersection(over[0], middle[0] + c.xx * dx + c.xy * dy),
-            intersection(over[1], middle[1] + c.xy * dx + c.yy * dy)};
+    return {narrowed(over[0], middle[0] + c.xx * dx + c.xy * dy),
+            narrowed(over[1], middle[1] + c.xy * dx + c.yy * dy)};
 }
 
 class Heights {

@@ -47,6 +47,7 @@
 
 #include "../../arrangement/circles/circle_kernel.hpp"
 #include "../../core/small_vector.hpp"
+#include "../../core/solver/newton/kantorovich.hpp"
 #include "sphere_trees.hpp"
 
 namespace vcell {
@@ -399,10 +400,11 @@ private:
                                 ((std::abs(r) + m_error) * n_length + (std::abs(s) + n_error) * m_length +
                                  (std::abs(t) + 8 * u) * length) /
                                 det;
-            if (!(step * 1.02 * length < 0.125 * det)) return std::nullopt;
+            const auto radius = kantorovich_radius(step, 1.02 * length / det);
+            if (!radius) return std::nullopt;
             Vertex vertex;
             vertex.p = p;
-            vertex.error = 1.25 * step;
+            vertex.error = *radius;
             set_forms(vertex, {f, g, h});
             return vertex;
         }

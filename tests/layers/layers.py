@@ -12,11 +12,32 @@ folders = ["core", "core/solver", "primitives", "arrangement", "envelope", "io"]
 
 # What no cell is computed with. What is struck off stays off: an exception that is none any more is a fault, too.
 beside = {
-    "core/solver/curves/curve.cpp", "core/solver/curves/curve.hpp", "core/solver/fit/curve_fit.cpp",
-    "core/solver/fit/curve_fit.hpp", "core/solver/newton/box.hpp", "core/solver/newton/curve_newton.hpp",
-    "core/solver/newton/krawczyk.hpp", "core/solver/newton/quadratic_kernel.hpp", "core/solver/roots/search.hpp",
-    "core/solver/roots/solver.hpp", "core/solver/systems/curve_system.hpp", "core/solver/systems/polynomial.hpp",
-    "core/solver/systems/quadratic_system.hpp", "core/numbers/series.hpp",
+    "arrangement/curves/defining_function.hpp",
+    "arrangement/curves/mixed_arcs.cpp",
+    "arrangement/curves/mixed_arcs.hpp",
+    "arrangement/curves/monotone_graph.cpp",
+    "arrangement/curves/monotone_graph.hpp",
+    "arrangement/curves/traced_curve.cpp",
+    "arrangement/curves/traced_curve.hpp",
+    "arrangement/curves/traced_place.cpp",
+    "arrangement/curves/traced_place.hpp",
+    "arrangement/sweep/point_location.hpp",
+    "core/curves/bernstein.cpp",
+    "core/curves/bernstein.hpp",
+    "core/numbers/series.hpp",
+    "core/solver/curves/curve.cpp",
+    "core/solver/curves/curve.hpp",
+    "core/solver/fit/curve_fit.cpp",
+    "core/solver/fit/curve_fit.hpp",
+    "core/solver/newton/curve_newton.hpp",
+    "core/solver/newton/quadratic_kernel.hpp",
+    "core/solver/roots/search.hpp",
+    "core/solver/roots/solver.hpp",
+    "core/solver/systems/curve_system.hpp",
+    "primitives/bisectors/trisector.cpp",
+    "primitives/bisectors/trisector.hpp",
+    "primitives/bisectors/vertex_system.cpp",
+    "primitives/bisectors/vertex_system.hpp",
 }
 
 

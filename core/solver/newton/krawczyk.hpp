@@ -51,7 +51,7 @@ struct LocalModel {
     bool excluded = false;  ///< the plain evaluation over the box misses zero
 };
 
-/// Offsets, and their largest magnitudes in double.
+/// The offsets h of a box about its middle m, and their largest magnitudes in double.
 template <class T, int N>
 struct Offsets {
     std::array<T, N> m;
@@ -59,14 +59,21 @@ struct Offsets {
     std::array<double, N> u;
 
     explicit Offsets(const std::array<T, N>& box) {
-        for (int i = 0; i < N; ++i) {
-            m[i] = T(box[i].mid());
-            h[i] = box[i] - m[i];
-            u[i] = magnitude(h[i]);
-        }
+        for (int i = 0; i < N; ++i) set(i, T(box[i].mid()), box[i] - T(box[i].mid()));
+    }
+    /// Of the box middle + d in every unknown.
+    Offsets(const std::array<T, N>& middle, const T& d) {
+        for (int i = 0; i < N; ++i) set(i, middle[i], d);
     }
     static double magnitude(const Interval& x) { return x.magnitude(); }
     static double magnitude(const Wide& x) { return x.enclosure().magnitude(); }
+
+private:
+    void set(int i, const T& middle, const T& offset) {
+        m[i] = middle;
+        h[i] = offset;
+        u[i] = magnitude(offset);
+    }
 };
 
 inline double approximate(const Interval& x) { return x.mid(); }
@@ -97,6 +104,27 @@ public:
 
 private:
     QuadraticForms<N, T> forms_;
+};
+
+/// A system given by its values with their derivatives: a callable that takes a box or a point and returns a
+/// LocalModel, value and jacobian enclosed over it. Where values over boxes are not worth computing they are
+/// left whole.
+template <class T, int N, class Linearise>
+class LinearisedModel {
+public:
+    explicit LinearisedModel(Linearise linearise) : linearise_(std::move(linearise)) {}
+
+    LocalModel<T, N> at(const std::array<T, N>& box, const Offsets<T, N>& offsets) const {
+        LocalModel<T, N> local = linearise_(box);
+        for (const T& v : local.value) local.excluded = local.excluded || v.lower() > 0 || v.upper() < 0;
+        const auto is_point = [](const T& side) { return side.lower() == side.upper(); };
+        if (!local.excluded && !std::all_of(box.begin(), box.end(), is_point))
+            local.value = linearise_(offsets.m).value;
+        return local;
+    }
+
+private:
+    Linearise linearise_;
 };
 
 /// Any callable generic in the number type.
@@ -210,15 +238,15 @@ struct Combination {
 /// below half of what hides it isolates nothing, for small boxes that do not shrink otherwise.
 enum class Preconditioning { Inverse, RankRevealing };
 
-/// The step described above. `box` may be unbounded or wide: then nothing is claimed.
-template <class T, int N, class Model>
-Step<T, N> krawczyk_step(const Model& model, const std::array<T, N>& box, Preconditioning preconditioning) {
+/// The step described above, of f as `local` gives it about the middle of `box`; at = Offsets(box). `box` may
+/// be unbounded or wide: then nothing is claimed.
+template <class T, int N>
+Step<T, N> krawczyk_step(const LocalModel<T, N>& local, const Offsets<T, N>& at, const std::array<T, N>& box,
+                         Preconditioning preconditioning) {
     using Forms = QuadraticForms<N, T>;
     const auto magnitude = [](const T& x) { return Offsets<T, N>::magnitude(x); };
     Step<T, N> result;
     result.image = box;
-    const Offsets<T, N> at(box);
-    const LocalModel<T, N> local = model.at(box, at);
     if (local.excluded) {
         result.empty = true;
         return result;
@@ -321,6 +349,20 @@ Step<T, N> krawczyk_step(const Model& model, const std::array<T, N>& box, Precon
     result.stalled = spare > 0 ? spare_hidden == spare : solved_hidden == solved;
     result.split = static_cast<int>(std::max_element(score.begin(), score.end()) - score.begin());
     return result;
+}
+
+// Those of the engine, compiled once.
+extern template Step<Interval, 2> krawczyk_step<Interval, 2>(const LocalModel<Interval, 2>&,
+                                                             const Offsets<Interval, 2>&,
+                                                             const IntervalBox<2>&, Preconditioning);
+extern template Step<Wide, 2> krawczyk_step<Wide, 2>(const LocalModel<Wide, 2>&, const Offsets<Wide, 2>&,
+                                                     const WideBox<2>&, Preconditioning);
+
+/// The same, of a model: local = model.at(box, offsets).
+template <class T, int N, class Model>
+Step<T, N> krawczyk_step(const Model& model, const std::array<T, N>& box, Preconditioning preconditioning) {
+    const Offsets<T, N> at(box);
+    return krawczyk_step<T, N>(model.at(box, at), at, box, preconditioning);
 }
 
 }  // namespace vcell

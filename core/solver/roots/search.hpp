@@ -15,6 +15,7 @@
 #include "../../errors.hpp"
 #include "../newton/box.hpp"
 #include "../newton/krawczyk.hpp"
+#include "../newton/newton.hpp"
 #include "../newton/quadratic_kernel.hpp"
 
 namespace vcell::detail {
@@ -25,11 +26,6 @@ struct Found {
     std::array<T, N> box;
     std::array<T, N> region;
 };
-
-template <class T>
-double approximate_width(const T& side) {
-    return approximate(T(side.upper(), side.upper()) - T(side.lower(), side.lower()));
-}
 
 /// The tightest enclosure that repeated steps give, or the first one with all sides narrower than
 /// 2^-bits max(1, |x_i|). Pre: `found` holds exactly one root.
@@ -55,47 +51,6 @@ std::array<T, N> tightened(const Steps& steps, std::array<T, N> found, int bits 
     return found;
 }
 
-/// Newton's method from x, then a proof in a box about its result that doubles can name; see certify().
-template <class T, int N, class Steps>
-std::optional<IntervalBox<N>> prove_near(const Steps& steps, std::array<T, N> x, const IntervalBox<N>& cube) {
-    std::array<double, N> last;
-    last.fill(std::numeric_limits<double>::infinity());
-    double least = std::numeric_limits<double>::infinity();
-    for (int iteration = 0; iteration < 30; ++iteration) {
-        const std::optional<std::array<T, N>> move = steps.newton_move(x);
-        if (!move) return std::nullopt;
-        double size = 0;
-        for (int i = 0; i < N; ++i) {
-            last[i] = std::abs(approximate((*move)[i]));
-            size = std::max(size, last[i]);
-            x[i] = T((x[i] + (*move)[i]).mid());
-        }
-        const IntervalBox<N> at = converted<Interval>(x);
-        if (!overlap(at, cube)) return std::nullopt;
-        // Quadratic convergence, until rounding stops it.
-        if (size == 0 || (iteration > 3 && !(size < 0.5 * least))) break;
-        least = std::min(least, size);
-    }
-    for (double factor = 4; factor < 0x1p60; factor *= 16) {
-        IntervalBox<N> box = converted<Interval>(x);
-        double widest = 0;
-        for (int i = 0; i < N; ++i) {
-            const double radius = factor * (last[i] + 0x1p-53 * box[i].magnitude()) + 0x1p-1000;
-            widest = std::max(widest, radius);
-            box[i] = box[i] + Interval(-radius, radius);
-        }
-        if (!(widest <= cube[0].width())) break;
-        const Step<T, N> s = steps.step(converted<T>(box));
-        if (s.empty) break;
-        if (!s.unique()) continue;
-        const IntervalBox<N> tight = converted<Interval>(s.image);
-        // The image may stick out of the box by the rounding to double.
-        const auto proved = intersection(tight, box);
-        return proved && overlap(*proved, cube) ? proved : std::nullopt;
-    }
-    return std::nullopt;
-}
-
 /// The steps of a model in interval arithmetic.
 template <class T, int N, class Model>
 class IntervalSteps {
@@ -110,23 +65,7 @@ public:
     std::array<T, N> tightened(const std::array<T, N>& found) const {
         return detail::tightened<T, N>(*this, found);
     }
-    /// -J^-1 f at a point, approximately; nothing where J is singular.
-    std::optional<std::array<T, N>> newton_move(const std::array<T, N>& x) const {
-        const LocalModel<T, N> local = model_.at(x, Offsets<T, N>(x));
-        std::array<std::array<double, N>, N> jacobian;
-        std::array<double, N> ones;
-        ones.fill(1);
-        for (int k = 0; k < N; ++k)
-            for (int i = 0; i < N; ++i) jacobian[k][i] = approximate(local.jacobian[k][i]);
-        const Preconditioner<N> b = precondition<N>(jacobian, ones, {}, 0);
-        std::array<T, N> move{};
-        for (int i = 0; i < N; ++i) {
-            if (!b.solved[i]) return std::nullopt;
-            for (int k = 0; k < N; ++k) move[i] -= T(b.row[i][k]) * local.value[k];
-            move[i] = T(move[i].mid());
-        }
-        return move;
-    }
+    const Model& model() const { return model_; }
 
 private:
     Model model_;

@@ -262,10 +262,10 @@ std::optional<std::array<Interval, N>> certify(const System& system, const std::
     IntervalBox<n> cube;
     for (int i = 0; i < n; ++i) cube[i] = Interval::ball(start[i], max_radius);
     std::array<Interval, N> from = converted<Interval>(start);
-    if (auto box = detail::prove_near<Interval, n>(detail::interval_steps<Interval, n>(system), from, cube))
+    if (auto box = prove_near<Interval, n>(detail::interval_steps<Interval, n>(system).model(), from, cube))
         return box;
     std::array<Wide, N> wide_from = converted<Wide>(start);
-    return detail::prove_near<Wide, n>(detail::interval_steps<Wide, n>(system), wide_from, cube);
+    return prove_near<Wide, n>(detail::interval_steps<Wide, n>(system).model(), wide_from, cube);
 }
 
 }  // namespace vcell
