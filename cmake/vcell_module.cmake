@@ -64,9 +64,10 @@ endfunction()
 function(vcell_warnings)
   add_compile_options(-Wall -Wextra -Wpedantic -Wnon-virtual-dtor)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # The last three see, after inlining, errors in std::string and Boost.Multiprecision that are not
+    # The last five see, after inlining, errors in std::string, Eigen and Boost.Multiprecision that are not
     # there (GCC bug 105651 and its kin).
-    add_compile_options(-Wshadow=local -Wno-restrict -Wno-array-bounds -Wno-stringop-overread)
+    add_compile_options(-Wshadow=local -Wno-restrict -Wno-array-bounds -Wno-stringop-overread
+      -Wno-stringop-overflow -Wno-maybe-uninitialized)
   endif()
   if(VCELL_WERROR)
     add_compile_options(-Werror)

@@ -15,6 +15,11 @@ std::uint64_t test_seed() {
     return given ? std::stoull(given) : 20'090'217;
 }
 
+int rounds() {
+    const char* given = std::getenv("VCELL_TEST_ROUNDS");
+    return given ? std::stoi(given) : 1;
+}
+
 std::string test_data(const std::string& name) {
     const std::filesystem::path path = std::filesystem::path(VCELL_TEST_DATA) / name;
     if (!std::filesystem::is_regular_file(path)) throw std::runtime_error("no test data " + path.string());

@@ -10,6 +10,10 @@ namespace vcell {
 /// a test case fails, so that the run can be repeated.
 std::uint64_t test_seed();
 
+/// How many times as much the random tests do: the environment's VCELL_TEST_ROUNDS, or 1. The preset `slow`
+/// asks for more.
+int rounds();
+
 /// The path of tests/data/<name>. Throws std::runtime_error when the file is missing or empty: a
 /// regression scene that has got lost must not pass.
 std::string test_data(const std::string& name);

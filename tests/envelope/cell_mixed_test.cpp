@@ -228,7 +228,7 @@ TEST_CASE("mixed cell: conics and splines of all pairs stay within what they sta
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
     for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
-        for (int round = 0; round < 4; ++round) {
+        for (int round = 0; round < rounds(); ++round) {
             Scene scene =
                 scene_of({Sphere{{0.6 * unit(rng), 0.6 * unit(rng), 0.7}, 0.2},
                           Cylinder{{0, 0.5 * unit(rng), 0.9}, {1, 0.3 * unit(rng), 0.3 * unit(rng)}, 0.1},

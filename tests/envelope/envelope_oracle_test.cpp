@@ -101,8 +101,9 @@ TEST_CASE("lower_envelope: agrees with brute force on heavy-tailed radii") {
 
 TEST_CASE("lower_envelope: agrees with brute force on spheres mixed with planes") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 500; ++i) judge(mixed(rng, 1 + i % 13, 1 + i % 2), rng, {.samples = 100});
-    for (const auto& [spheres, planes] : {std::pair{1, 1}, {0, 12}, {6, 6}, {50, 4}, {20, 60}, {300, 20}}) {
+    for (int i = 0; i < 130 * rounds(); ++i) judge(mixed(rng, 1 + i % 13, 1 + i % 2), rng, {.samples = 100});
+    for (const auto& [spheres, planes] :
+         {std::pair{1, 1}, {0, 12}, {6, 6}, {50, 4}, {20, 60}, {rounds() > 1 ? 300 : 100, 20}}) {
         judge(mixed(rng, spheres, planes), rng);
         judge(in_polygon(mixed(rng, spheres + 1, planes)), rng);
     }

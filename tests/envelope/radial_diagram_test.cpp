@@ -153,7 +153,7 @@ TEST_CASE("diagram over a sphere: agrees with brute force on scenes with cylinde
 TEST_CASE("diagram over a cylinder: agrees with brute force on random scenes") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 30 * rounds(); ++i) {
+    for (int i = 0; i < 14 * rounds(); ++i) {
         Scene s = random.over_cylinder(i % 5 == 0 ? 0 : random.uniform(0.05, 0.5));
         const int kinds = 1 + i % 7;  // each mix of balls, planes and cylinders
         random.add(s, kinds & 1 ? random.count(1, 8) : 0, kinds & 2 ? random.count(1, 3) : 0,

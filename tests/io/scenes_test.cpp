@@ -12,6 +12,7 @@
 
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/io.hpp"
+#include "../test_support.hpp"
 #include "sample_cells.hpp"
 
 using namespace vcell;
@@ -114,7 +115,7 @@ TEST_CASE("example scenes: the closed mesh is a sphere's and holds the cell's vo
     for (const std::string& path : example_scenes()) {
         CAPTURE(path);
         const Cell cell = voronoi_cell(read_scene(path));
-        const double chord = 1e-4 * cell.scene.box.diagonal();
+        const double chord = (rounds() > 1 ? 1e-4 : 1e-3) * cell.scene.box.diagonal();
         const CellMesh mesh = tessellate(cell, {chord, true});
         std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
         std::set<std::uint32_t> vertices;
