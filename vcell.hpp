@@ -1,12 +1,15 @@
 /// vcell: the Voronoi cell of one object among others, as trimmed rational patches, exact.
-/// Users include this header and link vcell::vcell.
+///
+/// Users include this header and link vcell::vcell. It is what computing a cell takes; what the cell is made
+/// with has a header for each module, among them <vcell/primitives/primitives.hpp> (bisectors, the bases'
+/// problems), <vcell/arrangement/arrangement.hpp>, <vcell/core/solver/roots/solver.hpp> (systems of
+/// equations) and <vcell/envelope/envelope.hpp> (minimization diagrams).
 #pragma once
 
 #include "core/platform.hpp"
 
-#include "arrangement/arrangement.hpp"
-#include "core/core.hpp"
-#include "core/solver/fit/curve_fit.hpp"
-#include "core/solver/roots/solver.hpp"
-#include "envelope/envelope.hpp"
-#include "primitives/primitives.hpp"
+#include "core/errors.hpp"
+#include "envelope/cell.hpp"
+#include "envelope/voronoi_cell.hpp"
+#include "primitives/bisectors/trisector.hpp"
+#include "primitives/objects/scene.hpp"
