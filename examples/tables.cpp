@@ -228,6 +228,10 @@ int main(int argc, char** argv) {
         "all edges beside cylinders, and in that of a cylinder all edges beside balls and beside cylinders not "
         "along it, whatever\n"
         "special position makes them conics.\n\n"
+        "`trisector(base, a, b, box, tolerance)` gives the curves within a box: every connected part, proved to be one "
+        "and to be\n"
+        "all. Those of the five rows that are no conics, drawn by `build/release/examples/trisectors`:\n\n"
+        "![Five trisectors in a box with their objects](pictures/trisectors.svg)\n\n"
         "| objects | position | curve | degree | written | [HE] |\n"
         "|---|---|---|--:|---|---|");
     for (const Triple& row : triples()) {

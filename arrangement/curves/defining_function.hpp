@@ -2,10 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <type_traits>
 #include <utility>
 
-#include "../../core/numbers/exact.hpp"
+#include "../../core/numbers/enclosure.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../core/numbers/jet.hpp"
 #include "../../core/numbers/wide_interval.hpp"
@@ -67,24 +66,6 @@ private:
 template <class G>
 std::shared_ptr<const DefiningFunction> defining_function(G g) {
     return std::make_shared<detail::CallableFunction<G>>(std::move(g));
-}
-
-/// An enclosure of an exact number on either rung.
-template <class T>
-T enclosure_of(const Exact& e) {
-    if constexpr (std::is_same_v<T, Interval>) {
-        return e.enclosure();
-    } else {
-        // Doubles peeled off from the front until they fill the number type.
-        T sum(0.0);
-        Exact rest = e;
-        for (int bits = 0; bits <= T::bits && rest.sign() != Sign::Zero; bits += 53) {
-            const double head = rest.enclosure().lower();
-            sum += T(head);
-            rest -= Exact(head);
-        }
-        return sum + T(rest.enclosure());
-    }
 }
 
 }  // namespace vcell

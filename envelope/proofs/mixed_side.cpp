@@ -148,7 +148,7 @@ std::vector<FormId> possibly_lowest(std::span<const FormId> candidates, Value&& 
 std::vector<FormId> lowest_in_many_digits(const Heights& heights, const RationalPoint& p,
                                           std::span<const FormId> candidates, Decisions& decisions) {
     std::vector<Wide> values;
-    const Wide w = to_wide(p.w), x = to_wide(p.x) / w, y = to_wide(p.y) / w;
+    const Wide w = enclosure_of<Wide>(p.w), x = enclosure_of<Wide>(p.x) / w, y = enclosure_of<Wide>(p.y) / w;
     for (const FormId f : candidates) values.push_back(heights.value(f, x, y));
     std::vector<FormId> lowest;
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -560,7 +560,7 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     const auto wide = line.wide_at(p);
     auto exact = exact_tie(forms, wide[0], wide[1]);
     if (exact && !is_on_line(*exact, line.side.a, line.side.b, line.side.c)) exact.reset();
-    if (exact) p = to_wide(line.by_x ? exact->x : exact->y) / to_wide(exact->w);
+    if (exact) p = enclosure_of<Wide>(line.by_x ? exact->x : exact->y) / enclosure_of<Wide>(exact->w);
     bool decided = exact.has_value();
     std::vector<std::array<Wide, 2>> jets;
     for (const FormId f : forms) jets.push_back(line.sharp_jet(heights_, f, p));

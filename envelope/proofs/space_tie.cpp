@@ -379,9 +379,10 @@ Interval quotient(const OneRoot& p, const OneRoot& q) {
 
 Wide wide_quotient(const OneRoot& p, const OneRoot& q) {
     const auto wide = [](const OneRoot& v) {
-        if (is_zero(v.b) || is_zero(v.c)) return to_wide(v.a);
+        if (is_zero(v.b) || is_zero(v.c)) return enclosure_of<Wide>(v.a);
         const long half = v.c.exponent() / 2;
-        return to_wide(v.a) + to_wide(v.b.scaled(half)) * sqrt(to_wide(v.c.scaled(-2 * half)));
+        return enclosure_of<Wide>(v.a) +
+               enclosure_of<Wide>(v.b.scaled(half)) * sqrt(enclosure_of<Wide>(v.c.scaled(-2 * half)));
     };
     const auto [a, b] = near_one(p, q);
     return wide(a) / wide(b);

@@ -7,16 +7,6 @@
 
 namespace vcell {
 
-Wide to_wide(Exact v) {
-    Wide sum(0.0);
-    for (int i = 0; i < 8 && v.sign() != Sign::Zero; ++i) {
-        const double head = v.enclosure().lower();
-        sum += Wide(head);
-        v -= Exact(head);
-    }
-    return sum + Wide(v.enclosure());
-}
-
 namespace {
 
 struct Fraction {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <span>
 
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/enclosure.hpp"
 #include "../../primitives/forms/form_family.hpp"
 
 namespace vcell {
@@ -20,9 +20,6 @@ namespace vcell {
 struct RationalPoint {
     Exact x, y, w = 1.0;
 };
-
-/// As many digits of an exact number as there are.
-Wide to_wide(Exact v);
 
 /// The point with denominators of no more than some 2^100 that two coordinates, known to 2^-200 of `extent`,
 /// are taken to stand for; nothing is proved about it. None if there is no such point.

@@ -119,10 +119,11 @@ RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) cons
     std::unique_ptr<RadialHeight<Wide>>& p = wide_radial_[f.value];
     if (!p && family_.is_circular(f)) {
         const ExactForm e = family_.exact(f);
-        p = std::make_unique<RadialHeight<Wide>>(to_wide(e.K), to_wide(e.A), to_wide(e.B), to_wide(e.C),
-                                                 to_wide(e.W));
+        p = std::make_unique<RadialHeight<Wide>>(enclosure_of<Wide>(e.K), enclosure_of<Wide>(e.A),
+                                                 enclosure_of<Wide>(e.B), enclosure_of<Wide>(e.C),
+                                                 enclosure_of<Wide>(e.W));
     } else if (!p) {
-        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), family_.chart, to_wide,
+        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), family_.chart, enclosure_of<Wide>,
                                                  family_.tips);
     }
     return p->jet<order>(RadialNormals<Wide>(family_.chart, x, y));
@@ -171,15 +172,16 @@ const Heights::WidePrepared& Heights::wide(FormId f) const {
     p = std::make_unique<WidePrepared>();
     if (family_.is_circular(f)) {
         const ExactForm e = family_.exact(f);
-        const Wide W = to_wide(e.W);
-        p->coefficients = {to_wide(e.K) / W, to_wide(e.A) / W, to_wide(e.B) / W, to_wide(e.C) / W};
+        const Wide W = enclosure_of<Wide>(e.W);
+        p->coefficients = {enclosure_of<Wide>(e.K) / W, enclosure_of<Wide>(e.A) / W,
+                           enclosure_of<Wide>(e.B) / W, enclosure_of<Wide>(e.C) / W};
     } else {
         const CylinderForm& c = family_.cylinder(f);
         const auto prepare = [&](const Wide& ax, const Wide& ay, const Wide& az) {
             p->coefficients = {square(ax) + square(ay) + square(az), square(az)};
         };
         if (c.exact) {
-            const auto& t = p->cylinder.emplace(converted<Wide>(*c.exact, to_wide));
+            const auto& t = p->cylinder.emplace(converted<Wide>(*c.exact, enclosure_of<Wide>));
             prepare(t.ax, t.ay, t.az);
         } else {
             prepare(c.ax, c.ay, c.az);

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "../forms/round_surface.hpp"
-#include "quadratic_form.hpp"
+#include "trisector_equations.hpp"
 
 namespace vcell {
 
@@ -105,24 +105,74 @@ struct Range {
     }
 };
 
+Basis unit_basis(std::size_t n) {
+    Basis basis(n, LinearFunction(n));
+    for (std::size_t i = 0; i < n; ++i) basis[i][i] = 1.0;
+    return basis;
+}
+
+// A quadric, and what it is on the span of a basis.
+struct Condition {
+    QuadraticForm whole, form;
+};
+
+std::vector<Condition> restricted(const std::vector<Condition>& conditions, const Basis& basis) {
+    std::vector<Condition> result;
+    for (const Condition& c : conditions) result.push_back({c.whole, c.form.restricted(basis)});
+    return result;
+}
+
+// The linear functions that vanish on all of the vectors.
+Basis annihilators(const Basis& vectors) {
+    Basis functions = unit_basis(vectors[0].size());
+    for (const LinearFunction& v : vectors) {
+        LinearFunction values;
+        for (const LinearFunction& f : functions) {
+            Exact sum;
+            for (std::size_t i = 0; i < v.size(); ++i) sum += f[i] * v[i];
+            values.push_back(sum);
+        }
+        if (!std::ranges::all_of(values, is_zero)) functions = combined(functions, kernel(values));
+    }
+    return functions;
+}
+
+// Functions of (x, y, z, 1) as such of (x, y, z, r, 1).
+Basis with_distance(const Basis& functions) {
+    Basis result;
+    for (LinearFunction f : functions) {
+        if (f.size() == 4) f.insert(f.begin() + 3, Exact());
+        result.push_back(std::move(f));
+    }
+    return result;
+}
+QuadraticForm with_distance(const QuadraticForm& form) {
+    if (form.size() == 5) return form;
+    Basis coordinates(5, LinearFunction(4));
+    for (std::size_t i = 0; i < 4; ++i) coordinates[i < 3 ? i : 4][i] = 1.0;
+    return form.restricted(coordinates);
+}
+
 class Components {
 public:
-    Components(bool with_r, Range range) : with_r_(with_r), range_(std::move(range)) {}
+    // `distance`, of (x, y, z, r, 1), is what tells r where it does not take part.
+    Components(Range range, std::optional<QuadraticForm> distance = std::nullopt)
+        : with_r_(!distance), range_(std::move(range)), distance_(std::move(distance)) {}
 
     // The curves in the span of `basis` where all forms, given on that span, vanish.
-    void add(const Basis& basis, const std::vector<QuadraticForm>& forms) {
+    void add(const Basis& basis, const std::vector<Condition>& forms) {
         if (std::ranges::all_of(basis, [](const auto& v) { return is_zero(v.back()); })) return;
         if (forms.empty()) return add_line(basis);
         if (forms.size() == 1) return add_conic(basis, forms[0]);
         bool irrational = false;
         for (std::size_t i = 0; i < forms.size(); ++i)
             for (std::size_t j = i + 1; j < forms.size(); ++j) {
-                const PencilSplit split = split_pencil(forms[i], forms[j]);
+                const PencilSplit split = split_pencil(forms[i].form, forms[j].form);
                 // Real common points lie where both factors vanish: no curve.
                 if (split.factors.kind == Factors::Kind::Complex) return;
                 irrational = irrational || split.factors.kind == Factors::Kind::Irrational;
                 if (split.factors.kind != Factors::Kind::Rational) continue;
-                std::vector<QuadraticForm> rest = forms;
+                std::vector<Condition> rest = forms;
                 rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(split.is_first ? i : j));
                 for (const LinearFunction& f : split.factors.linear) add_where(f, basis, rest);
                 return;
@@ -130,19 +180,26 @@ public:
         result_.splits_irrationally = result_.splits_irrationally || irrational;
         TrisectorComponent spline;
         spline.degree = 1 << forms.size();
+        spline.equations = equations(basis, forms);
         result_.components.push_back(spline);
     }
 
-    void add_where(const LinearFunction& f, const Basis& basis, const std::vector<QuadraticForm>& forms) {
+    void add_where(const LinearFunction& f, const Basis& basis, const std::vector<Condition>& forms) {
         const Basis inner = kernel(f);
-        std::vector<QuadraticForm> restricted;
-        for (const QuadraticForm& form : forms) restricted.push_back(form.restricted(inner));
-        add(combined(basis, inner), restricted);
+        add(combined(basis, inner), restricted(forms, inner));
     }
 
     Trisector take() { return std::move(result_); }
 
 private:
+    std::shared_ptr<const TrisectorEquations> equations(const Basis& basis,
+                                                        const std::vector<Condition>& forms) const {
+        TrisectorEquations e{with_distance(annihilators(basis)), {}, range_.lower, range_.upper};
+        for (const Condition& c : forms) e.quadratic.push_back(with_distance(c.whole));
+        if (distance_) e.quadratic.push_back(*distance_);
+        return std::make_shared<const TrisectorEquations>(std::move(e));
+    }
+
     // (x, y, z, 1) of a homogeneous vector.
     static std::array<Exact, 4> projected(const LinearFunction& v) { return {v[0], v[1], v[2], v.back()}; }
 
@@ -187,10 +244,12 @@ private:
                 Eigen::Vector4d(c.x(), c.y(), c.z(), quotient(a[3], a.back()) - c.dot(line.point));
         }
         lines_.push_back(basis);
+        line.equations = equations(basis, {});
         result_.components.push_back(line);
     }
 
-    void add_conic(const Basis& basis, const QuadraticForm& form) {
+    void add_conic(const Basis& basis, const Condition& condition) {
+        const QuadraticForm& form = condition.form;
         const Factors split = factors(form);
         if (split.kind == Factors::Kind::Complex) return;
         if (split.kind != Factors::Kind::None) {
@@ -238,6 +297,7 @@ private:
                 (*conic.clearance)(k) = quotient(sum, det);
             }
         }
+        conic.equations = equations(basis, {condition});
         result_.components.push_back(conic);
     }
 
@@ -281,6 +341,7 @@ private:
 
     const bool with_r_;
     const Range range_;
+    const std::optional<QuadraticForm> distance_;
     std::vector<Basis> lines_;
     Trisector result_;
 };
@@ -318,12 +379,6 @@ QuadraticForm quadric(const RoundCondition& c, bool with_r, const Exact& scale) 
         form.add_twice_product(-(scale * c.surface.norm), reach, reach);
     }
     return form;
-}
-
-Basis unit_basis(std::size_t n) {
-    Basis basis(n, LinearFunction(n));
-    for (std::size_t i = 0; i < n; ++i) basis[i][i] = 1.0;
-    return basis;
 }
 
 }  // namespace
@@ -381,8 +436,13 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
     std::vector<QuadraticForm> forms;
     for (std::size_t i = 0; i < rounds.size(); ++i) forms.push_back(quadric(rounds[i], !equal, scale(i)));
     if (equal) {
-        Components components(false, range);
-        components.add(unit_basis(4), {forms[0] + Exact(-1.0) * forms[1], forms[0] + Exact(-1.0) * forms[2]});
+        Components components(range, quadric(rounds[0], true, 1.0));
+        std::vector<Condition> differences;
+        for (const int i : {1, 2}) {
+            const QuadraticForm difference = forms[0] + Exact(-1.0) * forms[i];
+            differences.push_back({difference, difference});
+        }
+        components.add(unit_basis(4), differences);
         return components.take();
     }
 
@@ -400,12 +460,12 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
         for (const double side : sides)
             planes.back().push_back({side * n.x, side * n.y, side * n.z, -length, side * d});
     }
-    Components components(true, range);
+    Components components(range);
+    std::vector<Condition> conditions;
+    for (const QuadraticForm& form : forms) conditions.push_back({form, form});
     const auto choose = [&](const auto& self, std::size_t k, const Basis& basis) -> void {
         if (k == planes.size()) {
-            std::vector<QuadraticForm> restricted;
-            for (const QuadraticForm& form : forms) restricted.push_back(form.restricted(basis));
-            components.add(basis, restricted);
+            components.add(basis, restricted(conditions, basis));
             return;
         }
         for (const LinearFunction& plane : planes[k]) {

@@ -36,6 +36,8 @@ beside = {
     "core/solver/systems/curve_system.hpp",
     "primitives/bisectors/trisector.cpp",
     "primitives/bisectors/trisector.hpp",
+    "primitives/bisectors/trisector_curves.cpp",
+    "primitives/bisectors/trisector_equations.hpp",
     "primitives/bisectors/vertex_system.cpp",
     "primitives/bisectors/vertex_system.hpp",
 }
