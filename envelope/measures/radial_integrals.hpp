@@ -65,6 +65,9 @@ struct Ray {
     double y;
 };
 
+/// d theta on a cylinder: x = sin, z = cos.
+inline double turn(const Ray& ray) { return ray.u[2] * ray.du[0] - ray.u[0] * ray.du[2]; }
+
 /// What a boundary element with the face on its left adds to the face's volume and area.
 struct Share {
     double volume, area;

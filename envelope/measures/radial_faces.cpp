@@ -1,0 +1,347 @@
+// Tubes over a sphere, and everything over a cylinder: what stands under a face, integrated along a ray of
+// the base.
+#include "radial_integrals.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../lift/joined_spans.hpp"
+#include "../lift/radial_patch.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector4d;
+using radial_integrals::Ray;
+using radial_integrals::Share;
+using span_integrals::integrate_estimated;
+using span_integrals::PowerSpan;
+using span_integrals::SpanPoint;
+using span_integrals::term_rounding;
+using std::sqrt;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Rounding of a coordinate, as a part of it, in units of term_rounding.
+constexpr double noise = std::numeric_limits<double>::epsilon() / 2 / term_rounding;
+
+using Vector = std::array<double, 3>;
+
+double dot(const Vec3& a, const Vector& b) { return a.x() * b[0] + a.y() * b[1] + a.z() * b[2]; }
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector cross(const Vector& a, const Vector& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double norm(const Vector& a) { return sqrt(dot(a, a)); }
+
+// The integral of (K + x^2) sqrt(E2 + x^2) over 0 <= x <= v, by asinh(v / E), and the sum of the absolute
+// values of its terms.
+double tube_area(double K, double E2, double v) {
+    const double s = sqrt(E2 + v * v), common = v * s + E2 * std::asinh(v / sqrt(E2));
+    return (0.5 * K - 0.125 * E2) * common + 0.25 * v * s * s * s;
+}
+double tube_area_size(double K, double E2, double v) {
+    const double s2 = E2 + v * v, s = sqrt(s2), far = std::abs(v);  // asinh x < x
+    return far * s * (K + 0.25 * (E2 + s2));
+}
+// The same over first <= x <= v.
+double tube_area(double K, double E2, double first, double v) {
+    return first == 0 ? tube_area(K, E2, v) : tube_area(K, E2, v) - tube_area(K, E2, first);
+}
+double tube_area_size(double K, double E2, double first, double v) {
+    const double most2 = std::max(first * first, v * v);
+    return first == 0 ? tube_area_size(K, E2, v)
+                      : (std::abs(v - first) + noise * std::abs(first)) * (K + most2) * sqrt(E2 + most2);
+}
+
+// The integral of (K + x^2)^2 over 0 <= x <= v.
+double tube_square(double K, double v) {
+    const double v2 = v * v;
+    return v * (K * K + v2 * (2 * K / 3 + 0.2 * v2));
+}
+double tube_square(double K, double first, double v) { return tube_square(K, v) - tube_square(K, first); }
+double tube_square_size(double K, double first, double v) {
+    const double most = K + std::max(first * first, v * v);
+    return (std::abs(v - first) + noise * std::abs(first)) * most * most;
+}
+
+}  // namespace
+
+namespace radial_integrals {
+
+// ---- Cylinders over a sphere ------------------------------------------------------------------------
+
+TubeFace::TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face) {
+    axis = cylinder.axis.normalized();
+    foot = cylinder.point - axis.dot(cylinder.point) * axis;
+    length = foot.norm();
+    delta = cylinder.radius - problem.radius;
+    K = (length - delta) * (length + delta);
+    first = face.start(axis.dot(face.near));
+}
+
+double TubeFace::distance(const Ray& ray) const {
+    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
+    return B < 0 ? (R - B) / (A * A) : K / (B + R);
+}
+
+// |p| = r - delta: the flux of p / 3 through the bisector is r (r - delta) / 3. The side of the base sees
+// alpha and v clockwise: with r^2 d alpha = d.(y x dy), y across the axis, the boundary integral is that of G
+// d alpha, G the antiderivative in v.
+Share TubeFace::share(const Ray& ray) const {
+    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
+    const double t = B < 0 ? (R - B) / (A * A) : K / (B + R);
+    // K q^2 - 2 B q - A^2 = 0, q = 1 / t.
+    const double dq = (dot(foot, ray.du) / t + A * dot(axis, ray.du)) / R, stretch = t * t * dq;
+    Vector p, dp;
+    for (int i = 0; i < 3; ++i) {
+        p[i] = t * ray.u[i];
+        dp[i] = t * ray.du[i] - stretch * ray.u[i];
+    }
+    const double v = t * A, r = t + delta;
+    for (int i = 0; i < 3; ++i) p[i] = p[i] - foot[i] - v * axis[i];
+    const double angle = dot(axis, cross(p, dp)) / (r * r);
+    const double E2 = length * length + delta * delta + 2 * delta * dot(foot, p) / r;
+    const double half = r / (K + v * v);  // 1 / (2 q)
+    const double linear = v * (K + v * v / 3) - first * (K + first * first / 3);
+    const double volume = half * (half * tube_square(K, first, v) - delta * linear);
+    return {volume / 3 * angle, 2 * half * half * tube_area(K, E2, first, v) * angle};
+}
+
+Share TubeFace::size(const Ray& ray) const {
+    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
+    const double t = distance(ray), condition = 1 + (length + std::abs(delta)) / R, r = t + delta;
+    const double step = t * norm(ray.du) * (1 + t * (length / t + std::abs(A)) / R);
+    // Away from `first` by more, for the rounding of the place.
+    const double at = t * A, v = at + std::copysign(noise * t, at - first), half = r / (K + at * at),
+                 E = length + std::abs(delta), E2 = E * E;
+    const double linear =
+        (std::abs(v - first) + noise * std::abs(first)) * (K + std::max(first * first, v * v));
+    const double volume = half * (half * tube_square_size(K, first, v) + std::abs(delta) * linear) / 3;
+    return {volume * condition * step / r,
+            2 * half * half * tube_area_size(K, E2, first, v) * condition * step / r};
+}
+
+// ---- Over a cylinder, no root ------------------------------------------------------------------------
+
+TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Around& face) : least(infinity) {
+    const auto across = [](const Vec3& p) { return Vec3(p.x(), 0, p.z()); };
+    const Object& object = problem.objects[form];
+    is_round = false;
+    slope = first = 0;
+    start = face.near.y();
+    if (const auto* sphere = std::get_if<Sphere>(&object)) {
+        const double delta = sphere->radius - problem.radius;
+        b = across(sphere->center);
+        b0 = delta;
+        K = (b.norm() - delta) * (b.norm() + delta);
+        start = sphere->center.y();
+        first = face.start(face.near.y() - start);
+        is_round = true;
+        if (start >= problem.stretch[0] && start <= problem.stretch[1]) least = 0.5 * (b.norm() - delta);
+        return;
+    }
+    if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
+        const double delta = cylinder->radius - problem.radius;
+        b = across(cylinder->point);
+        b0 = delta;
+        K = (b.norm() - delta) * (b.norm() + delta);
+        return;
+    }
+    const auto& plane = std::get<Plane>(object);
+    Vec3 normal = plane.normal.normalized();
+    K = normal.dot(plane.point) - normal.y() * start;
+    if (K < 0) {
+        normal = -normal;
+        K = -K;
+    }
+    slope = -normal.y();
+    b = 0.5 * across(normal);
+    b0 = 0;
+    if (problem.sites[form].front().is_object()) {
+        b0 = 0.5;
+        K += problem.radius;
+    }
+}
+
+double TurnedFace::distance(const Ray& ray) const {
+    const double v = ray.y - start, C = K + v * (is_round ? v : slope);
+    return C / (2.0 * (b0 + dot(b, ray.u)));
+}
+
+Share TurnedFace::share(const Ray& ray) const {
+    const double along = dot(b, ray.u), beta = b0 + along, v = ray.y - start;
+    const double element = -0.5 * turn(ray) / (beta * beta);
+    const double H2 = b0 * b0 + b.squaredNorm() + 2 * b0 * along;  // beta^2 + beta'^2
+    if (is_round) return {0.25 * tube_square(K, first, v) * element, tube_area(K, H2, first, v) * element};
+    const double sv = slope * v;
+    const double volume = v * (K * K + sv * (K + sv / 3));
+    const double area = v * (K + 0.5 * sv) * sqrt(H2 + 0.25 * slope * slope);
+    return {0.25 * volume * element, area * element};
+}
+
+Share TurnedFace::size(const Ray& ray) const {
+    const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm();
+    const double element = 0.5 * norm(ray.du) / (beta * beta) * (1 + reach / beta),
+                 rounding = noise * std::abs(ray.y);
+    if (is_round) {
+        const double at = ray.y - start, v = at + std::copysign(rounding, at - first);
+        return {0.25 * tube_square_size(K, first, v) * element,
+                tube_area_size(K, reach * reach, first, v) * element};
+    }
+    const double v = std::abs(ray.y - start) + rounding;
+    const double sv = std::abs(slope) * v;
+    return {0.25 * v * (K * K + sv * (K + sv)) * element, v * (K + sv) * std::hypot(reach, slope) * element};
+}
+
+// ---- Sides of the box over a cylinder ---------------------------------------------------------------
+
+// The face's edges meet but for rounding. As seen from a point near by the gaps between them are next to
+// nothing.
+FlatFace::FlatFace(const Plane& side, const Vec3& near)
+    : normal(side.normal.normalized()), offset(normal.dot(side.point)) {
+    point = near + (offset - normal.dot(near)) * normal;
+}
+
+// Boundaries run clockwise as seen from the base, counter-clockwise from outside.
+Share FlatFace::share(const SpanPoint<double>& p) const {
+    const Vec3 q = Vec3(p.x, p.y, p.z) - point;
+    const double turn = normal.dot(q.cross(Vec3(p.x1, p.y1, p.z1)));
+    const double at_point = offset - normal.y() * point.y(), change = -normal.y() * q.y();
+    return {0.5 * (0.5 * at_point + change / 3) * turn, 0.5 * turn};
+}
+
+Share FlatFace::size(const SpanPoint<double>& p) const {
+    const Vec3 q = Vec3(p.x, p.y, p.z) - point;
+    const double turn = (q.norm() + noise * Vec3(p.x, p.y, p.z).norm()) * Vec3(p.x1, p.y1, p.z1).norm();
+    return {(std::abs(offset - normal.y() * point.y()) + std::abs(q.y())) * turn, turn};
+}
+
+// ---- Skew cylinders over a cylinder -----------------------------------------------------------------
+
+SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, double y)
+    : axis(cylinder.axis.normalized()),
+      point(cylinder.point - axis.dot(cylinder.point) * axis),
+      delta(cylinder.radius - problem.radius),
+      start(y),
+      least(infinity) {
+    // The foot of the common perpendicular on the base's axis: C is least there.
+    const double square = axis.x() * axis.x() + axis.z() * axis.z(), foot = point.y() / square;
+    const double apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
+    if (foot >= problem.stretch[0] && foot <= problem.stretch[1] && apart > std::abs(delta))
+        least = 0.5 * (apart - delta);
+}
+
+// C q^2 - 2 B q - A^2 = 0 in one direction w: A is constant, B = B0 + d_y A y, C quadratic in y. With
+// derivatives by the angle.
+struct SkewSlice {
+    double C0, across, dy, py;  // C = C0 - 2 p_y y + across y^2
+    double A, B0, dA, dB0;
+
+    SkewSlice(const SkewFace& f, const Ray& ray)
+        : C0((f.point.norm() - f.delta) * (f.point.norm() + f.delta)),
+          across(f.axis.x() * f.axis.x() + f.axis.z() * f.axis.z()),
+          dy(f.axis.y()),
+          py(f.point.y()),
+          A(dot(f.axis, ray.u)),
+          B0(dot(f.point, ray.u) + f.delta),
+          dA(f.axis.x() * ray.u[2] - f.axis.z() * ray.u[0]),
+          dB0(f.point.x() * ray.u[2] - f.point.z() * ray.u[0]) {}
+};
+
+struct SkewPoint {
+    double t, t_y, dS;
+};
+
+static SkewPoint skew_point(const SkewSlice& s, double y) {
+    const double C = s.C0 + y * (s.across * y - 2 * s.py), half_C_y = s.across * y - s.py;
+    const double B = s.B0 + s.dy * s.A * y, R = sqrt(B * B + s.A * s.A * C);
+    const double t = B < 0 ? (R - B) / (s.A * s.A) : C / (B + R);
+    const double turn = ((s.dB0 + s.dy * s.dA * y) + s.A * s.dA * t) / R;
+    const double t_y = (half_C_y - s.dy * s.A * t) / R;
+    return {t, t_y, t * sqrt(1 + turn * turn + t_y * t_y)};
+}
+
+double SkewFace::distance(const Ray& ray) const { return skew_point(SkewSlice(*this, ray), ray.y).t; }
+
+// How far y may move, in the complex plane, before t or its slope becomes singular: to the zeros of the
+// radicand B^2 + A^2 C = A^2 y^2 + 2 h y + k, and to where the surface element vanishes: the square of the
+// unit vectors' difference w - w_i, which changes by the surface's own slope over its distance from the
+// object's axis.
+static double room(const SkewSlice& s, const SkewPoint& p, double delta, double y) {
+    const double A2 = s.A * s.A, h = s.B0 * s.dy * s.A - A2 * s.py, k = s.B0 * s.B0 + A2 * s.C0;
+    const double discriminant = h * h - A2 * k, value = (A2 * y + 2 * h) * y + k;
+    // |value| = A^2 |y - y1| |y - y2|: of conjugate zeros both distances are the same.
+    const double derivative = 2 * (std::abs(A2 * y + h) + sqrt(std::abs(discriminant)));
+    const double to_zeros = discriminant < 0 ? sqrt(value) / std::abs(s.A) : 2 * value / derivative;
+    const double cosine = p.t / p.dS;  // of the angle between w and the normal
+    const double to_vertical = cosine * 2 * std::abs(p.t + delta) / sqrt(1 + p.t_y * p.t_y);
+    return std::min(to_zeros, to_vertical);
+}
+
+template <int n>
+static Share skew_rule(const SkewSlice& s, double middle, double half) {
+    const quadrature::RuleOf<n>& rule = quadrature::rule<n>();
+    Share sum{0, 0};
+    for (int i = 0; i < n / 2; ++i)
+        for (const double x : {-rule.x[i], rule.x[i]}) {
+            const SkewPoint p = skew_point(s, middle + half * x);
+            sum.volume += rule.weight[i] * 0.5 * p.t * p.t;
+            sum.area += rule.weight[i] * p.dS;
+        }
+    return {half * sum.volume, half * sum.area};
+}
+
+static Share skew_integral(const SkewSlice& s, double delta, double from, double to, int halvings) {
+    const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+    const double r = room(s, skew_point(s, middle), delta, middle);
+    // On an ellipse within 7 half lengths 8 points do what 16 do within 2.5 (quadrature.hpp).
+    if (r >= 7 * std::abs(half)) return skew_rule<8>(s, middle, half);
+    if (r >= quadrature::required_reach * std::abs(half) || halvings == 0)
+        return skew_rule<quadrature::points>(s, middle, half);
+    const Share a = skew_integral(s, delta, from, middle, halvings - 1),
+                b = skew_integral(s, delta, middle, to, halvings - 1);
+    return {a.volume + b.volume, a.area + b.area};
+}
+
+Share SkewFace::share(const Ray& ray) const {
+    constexpr int halvings = 40;
+    const Share s = skew_integral(SkewSlice(*this, ray), delta, start, ray.y, halvings);
+    const double angle = turn(ray);
+    return {-s.volume * angle, -s.area * angle};
+}
+
+Share SkewFace::size(const Ray& ray) const {
+    const SkewSlice s(*this, ray);
+    const SkewPoint a = skew_point(s, start), b = skew_point(s, ray.y);
+    const double t = std::max(a.t, b.t), dS = std::max(a.dS, b.dS);
+    const double height = std::abs(ray.y - start) + noise * std::abs(ray.y);
+    return {0.5 * t * t * height * norm(ray.du), dS * height * norm(ray.du)};
+}
+
+}  // namespace radial_integrals
+
+RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
+                            const radial_integrals::Around& face) {
+    using namespace radial_integrals;
+    const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
+    if (problem.is_sphere) {
+        if (cylinder != nullptr) return TubeFace(problem, *cylinder, face);
+        return RoundFace(problem, form);
+    }
+    const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
+    if (is_skew) return SkewFace(problem, *cylinder, face.near.y());
+    if (problem.sites[form].front().kind == Site::Kind::BoxSide)
+        return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
+    return TurnedFace(problem, form, face);
+}
+
+double least_distance(const RadialFace& face) {
+    return std::visit([](const auto& f) { return f.least_distance(); }, face);
+}
+
+}  // namespace vcell

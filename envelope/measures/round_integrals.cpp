@@ -1,0 +1,412 @@
+// Spheres, planes and walls over a sphere: surfaces of revolution, along conics and segments.
+#include "radial_integrals.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../lift/joined_spans.hpp"
+#include "../lift/radial_patch.hpp"
+
+namespace vcell {
+
+namespace {
+
+using Eigen::Vector4d;
+using radial_integrals::Ray;
+using radial_integrals::Share;
+using span_integrals::integrate_estimated;
+using span_integrals::PowerSpan;
+using span_integrals::SpanPoint;
+using span_integrals::term_rounding;
+using std::sqrt;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Rounding of a coordinate, as a part of it, in units of term_rounding.
+constexpr double noise = std::numeric_limits<double>::epsilon() / 2 / term_rounding;
+
+using Vector = std::array<double, 3>;
+
+double dot(const Vec3& a, const Vector& b) { return a.x() * b[0] + a.y() * b[1] + a.z() * b[2]; }
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector cross(const Vector& a, const Vector& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double norm(const Vector& a) { return sqrt(dot(a, a)); }
+}  // namespace
+
+namespace radial_integrals {
+
+// d omega = dz d phi, and d phi = b.(u x du) / (1 - z^2) = b.(p x dp) / (t^2 (1 - z^2)). With t = k / (e0 +
+// e1 z) for any multiples, e1 dz = -k dt / t^2 and e1 (1 - z) = k (t - d1) / (t d1), so
+//
+//     integral of t^3 / 3 from z to 1 = k (t^2 - d1^2) / (6 e1) = t d1 (t + d1) (1 - z) / 6,
+//     V: t d1 (t + d1) / (6 (1 + z)) b.(u x du) = d1 (t + d1) / (6 (t + b.p)) b.(p x dp),
+//
+// and t + b.p = 2 d1 (t + d2) / c, as on the bisector |p|^2 - 2 c b.p + c^2 = (t + delta)^2. The area element
+// over dz d phi is t sqrt(t^2 + t_alpha^2), t_alpha^2 = (1 - z^2) t'(z)^2, which becomes
+//
+//     integral from d1 to t of 2 sqrt(d1 d2) / c sqrt(x (x + delta)) dx = 2 sqrt(d1 d2) / c (t - d1) M(t).
+RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
+    const Object& object = problem.objects[form];
+    if (const auto* sphere = std::get_if<Sphere>(&object)) {
+        delta = sphere->radius - problem.radius;
+        c = sphere->center.norm();
+        axis = sphere->center / c;
+        // d1 d2 is known to rounding though one of them may be next to nothing.
+        const double power = ball_power(problem, form);
+        d1 = delta > 0 ? 0.5 * power / (c + delta) : 0.5 * (c - delta);
+        d2 = delta > 0 ? 0.5 * (c + delta) : 0.5 * power / (c - delta);
+        root = 0.5 * sqrt(power);
+        shape = delta == 0 ? Shape::Flat : Shape::Hyperboloid;
+        k = 0.5 * power;
+        e0 = delta;
+        e1 = c;
+        return;
+    }
+    const auto& plane = std::get<Plane>(object);
+    axis = plane.normal.normalized();
+    double distance = axis.dot(plane.point);
+    if (distance < 0) {
+        axis = -axis;
+        distance = -distance;
+    }
+    delta = 0;
+    e1 = 1;
+    if (problem.sites[form].front().is_object()) {
+        shape = Shape::Paraboloid;
+        k = distance + problem.radius;
+        e0 = 1;
+        d1 = 0.5 * k;
+    } else {
+        shape = Shape::Flat;
+        k = d1 = distance;
+        e0 = 0;
+    }
+    d2 = root = d1;
+    c = 2 * d1;
+}
+
+double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axis, ray.u)); }
+
+// The form f(t) b.(p x dp) has the derivative f' dt ^ b.(p x dp) + f b.(dp x dp), of size t |f'| + 2 f at
+// most. Of a hyperboloid, c (t + d1) / (12 (t + d2)) has t |f'| < c |delta| / (12 (t + d2)), and lies between
+// its values at the ends of a stretch.
+double RoundFace::volume_slope(double near, double far) const {
+    switch (shape) {
+        case Shape::Flat: return d1 / 3;
+        case Shape::Paraboloid: return (3 * far + 2 * d1) / 12;
+        case Shape::Hyperboloid: break;
+    }
+    const double most = std::max((near + d1) / (near + d2), (far + d1) / (far + d2));
+    return c / 12 * (2 * most + std::abs(delta) / (near + d2));
+}
+
+static double largest(double x) { return x; }
+template <class Derived>
+double largest(const Eigen::ArrayBase<Derived>& x) {
+    return x.maxCoeff();
+}
+
+// atanh(y) / y - 1, by its series up to y^2 = 1 / 16, relative truncation 2^-43 and less; from there on by
+// 2 atanh(z) = atanh(y) with z = y / (1 + sqrt(1 - y^2)), y = 2 z / (1 + z^2).
+template <class T>
+static T atanh_excess(const T& square, int halvings = 8) {
+    if (!(largest(square) > 0.0625) || halvings == 0)
+        return square *
+               (1.0 / 3 +
+                square *
+                    (1.0 / 5 +
+                     square *
+                         (1.0 / 7 +
+                          square *
+                              (1.0 / 9 +
+                               square * (1.0 / 11 +
+                                         square * (1.0 / 13 +
+                                                   square * (1.0 / 15 +
+                                                             square * (1.0 / 17 +
+                                                                       square * (1.0 / 19 +
+                                                                                 square * (1.0 / 21))))))))));
+    const T root = 1 + sqrt(1 - square);
+    const T half = square / (root * root), excess = atanh_excess(half, halvings - 1);
+    return excess + half * (1 + excess);
+}
+
+// With r = sqrt(x (x + delta)) the antiderivative is (2 x + delta) r / 4 - delta^2 / 4 log(sqrt(x) + sqrt(x +
+// delta)). Let r0 = sqrt(d1 d2) be that at d1 and y = (t - d1) / (r0 + r): the logarithms' difference is
+// atanh(y), and as r^2 - r0^2 = (t - d1) (t + d2),
+//
+//     M = (2 r + (c (t + d2) - delta^2 atanh(y) / y) / (r0 + r)) / 4,
+//
+// c (t + d2) - delta^2 = d2 (3 d1 + t) + d1 (t - d1). What is left to subtract, delta^2 times the excess of
+// atanh(y) / y over 1, is half of that at most.
+template <class T>
+RoundFace::Factors<T> RoundFace::factors(const T& t) const {
+    switch (shape) {
+        case Shape::Flat: return {T(0 * t + d1 / 6), T(0 * t + 0.5)};
+        case Shape::Paraboloid: {
+            const T x = sqrt(t * (1 / d1));  // the mean of sqrt(x / d1) / 2
+            return {T((t + d1) * (1.0 / 12)), T((x * x + x + 1) / (3 * (x + 1)))};
+        }
+        case Shape::Hyperboloid: break;
+    }
+    const T r = sqrt(t * (t + delta)), reciprocal = 1 / (root + r), y = (t - d1) * reciprocal;
+    const T over = 1 / (t + d2), rest = d2 * (3 * d1 + t) + d1 * (t - d1);
+    const T mean = 2 * r + reciprocal * (rest - delta * delta * atanh_excess(T(y * y)));
+    return {T(c / 12 * (t + d1) * over), T(c / (8 * root) * mean * over)};
+}
+
+// Bounds of both factors where t stays off the cut.
+static Share factor_bounds(const RoundFace& f, double least, double most) {
+    using Shape = RoundFace::Shape;
+    if (f.shape == Shape::Flat) return {f.d1 / 6, 0.5};
+    most = std::max(most, f.d1);
+    if (!(least > std::max(0.0, -f.delta))) return {infinity, infinity};
+    if (f.shape == Shape::Paraboloid) return {(most + f.d1) / 12, 0.5 * sqrt(most / f.d1)};
+    const double scale = f.c / (least + f.d2);
+    return {scale / 12 * (most + f.d1), scale * sqrt(most * (most + std::abs(f.delta))) / (2 * f.root)};
+}
+
+Share RoundFace::share(const Ray& ray) const {
+    const double t = distance(ray), element = t * t * dot(axis, cross(ray.u, ray.du));
+    const Factors<double> f = factors(t);
+    return {f.volume * element, f.area * element};
+}
+
+Share RoundFace::size(const Ray& ray) const {
+    const double t = distance(ray), condition = 1 + (std::abs(e0) + e1) * t / k;
+    const double element = t * t * norm(ray.du) * condition;
+    const Factors<double> f = factors(t);
+    return {f.volume * element, f.area * element};
+}
+
+}  // namespace radial_integrals
+
+namespace {
+
+// (p, t, w), homogeneous.
+using ConicPoint = Eigen::Matrix<double, 5, 1>;
+
+// Aimed at for the truncation of one span, as a part of the integrand's size: 1e-12, and the bounds are some
+// hundred times the error. What is reported is the bound that is reached.
+constexpr double aim = 0x1p-40;
+
+// Nothing that the integrands divide by or take the root of changes by more than this part over a disk.
+constexpr double tame_part = 0.75;
+constexpr double widest_disk = 16, least_disk = 1.375;  // radii; the span is [-1, 1]
+
+constexpr double square(double x) { return x * x; }
+
+// A quadratic, and a bound of how far it is from its value at 0 for |s| <= r.
+struct Quadratic {
+    double c0, c1, c2;
+
+    template <class T>
+    T operator()(const T& s) const {
+        return c0 + s * (c1 + s * c2);
+    }
+    double deviation(double r) const { return r * (std::abs(c1) + r * std::abs(c2)); }
+};
+
+template <int n>
+using Nodes = Eigen::Array<double, n, 1>;
+
+// Both halves of a symmetric rule.
+template <int n>
+struct NodeRule {
+    std::array<double, n> s{}, weight{};
+
+    constexpr NodeRule() {
+        const quadrature::RuleOf<n>& half = quadrature::rule<n>();
+        for (int i = 0; i < n; ++i) {
+            s[i] = i < n / 2 ? -half.x[i] : half.x[i - n / 2];
+            weight[i] = half.weight[i % (n / 2)];
+        }
+    }
+};
+template <int n>
+constexpr NodeRule<n> node_rule;
+
+class Conic {
+public:
+    using RoundFace = radial_integrals::RoundFace;
+    using Powers = std::array<ConicPoint, 3>;
+
+    Conic(const ConicPoint& from, const ConicPoint& middle, const ConicPoint& to)
+        : Conic(Powers{0.25 * (from + 2 * middle + to), 0.5 * (to - from), 0.25 * (from - 2 * middle + to)}) {
+    }
+
+    // On an ellipse whose semi-axes' sum is rho, in the disk |s| <= r with 2 r = rho + 1 / rho, the n-point
+    // rule errs by (64/15) rho^(-2n) / (1 - rho^-2) of the integrand's bound (quadrature.hpp).
+    void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
+        int budget = quadrature::most_halvings;
+        add(left, right, sum, 40, budget);
+    }
+
+private:
+    static constexpr int most_points = 20;
+
+    void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,
+             int& budget) const {
+        const double middle_t = t_.c0 / w_.c0;
+        // w (t - middle_t).
+        const Quadratic turned{0, t_.c1 - middle_t * w_.c1, t_.c2 - middle_t * w_.c2};
+        const double r = disk(turned, middle_t - std::max({0.0, -left.delta, -right.delta}));
+        // NaN where there is no disk.
+        if (!(r > 1) && halvings > 0 && budget > 0) return add_halves(left, right, sum, halvings, budget);
+        const double rho = r + sqrt(r * r - 1), shrink = 1 / square(rho);
+        const double least_w = w_.c0 - w_.deviation(r);
+        // Bound of |p x dp| w^2 on a disk.
+        const double m0 = x_[0].norm(), m1 = x_[1].norm(), m2 = x_[2].norm(), moment_of_span = m0 + m1 + m2;
+        const double moment = (m0 + r * (m1 + r * m2)) / square(least_w);
+        const double needed = aim * moment_of_span / square(std::max(w_.c0, 1.0));
+        double truncated = 64.0 / 15 / (1 - shrink) * square(square(shrink));  // of an integrand's bound
+        int points = 4;
+        for (; points < most_points && !(truncated * moment <= needed); points += 2)
+            truncated *= square(shrink);
+        if (!(truncated * moment <= needed) && halvings > 0 && budget > 0)
+            return add_halves(left, right, sum, halvings, budget);
+        const double moment_here = moment_of_span / square(std::min(w_(-1.0), w_(1.0)));
+        const double rounding = 2 * term_rounding * moment_here;
+        // Where halving ended without a disk, the whole part.
+        const bool is_tame = truncated < infinity;
+        const double reach = is_tame ? r : 1,
+                     near_w = is_tame ? least_w : std::min({w_(-1.0), w_(0.0), w_(1.0)});
+        const double turned_t = turned.deviation(reach) / near_w,
+                     speed = sqrt(speed2_[0] + speed2_deviation(reach)) / square(near_w);
+        sum.length.error += (is_tame ? truncated : 4) * speed;
+        const double error = (is_tame ? truncated * moment : 4 * moment_here) + rounding;
+        for (const int side : {0, 1}) {
+            const auto bounds =
+                factor_bounds(side == 0 ? left : right, middle_t - turned_t, middle_t + turned_t);
+            sum.sides[side].volume.error += error * bounds.volume;
+            sum.sides[side].area.error += error * bounds.area;
+        }
+        switch (points) {
+            case 4: return add_values<4>(left, right, sum);
+            case 6: return add_values<6>(left, right, sum);
+            case 8: return add_values<8>(left, right, sum);
+            case 10: return add_values<10>(left, right, sum);
+            case 12: return add_values<12>(left, right, sum);
+            case 14: return add_values<14>(left, right, sum);
+            case 16: return add_values<16>(left, right, sum);
+            case 18: return add_values<18>(left, right, sum);
+            default: return add_values<most_points>(left, right, sum);
+        }
+    }
+
+    void add_halves(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,
+                    int& budget) const {
+        --budget;
+        for (const double sign : {-1.0, 1.0})
+            Conic(Powers{a_[0] + sign * 0.5 * a_[1] + 0.25 * a_[2], 0.5 * a_[1] + sign * 0.5 * a_[2],
+                         0.25 * a_[2]})
+                .add(left, right, sum, halvings - 1, budget);
+    }
+
+    explicit Conic(const Powers& a) : a_(a), t_{a[0][3], a[1][3], a[2][3]}, w_{a[0][4], a[1][4], a[2][4]} {
+        // p x dp and dp, both times w^2: the powers that would be higher cancel.
+        const Vec3 p0 = a[0].head<3>(), p1 = a[1].head<3>(), p2 = a[2].head<3>();
+        x_ = {p0.cross(p1), 2 * p0.cross(p2), p1.cross(p2)};
+        const Vec3 y0 = p1 * w_.c0 - p0 * w_.c1, y1 = 2 * (p2 * w_.c0 - p0 * w_.c2),
+                   y2 = p2 * w_.c1 - p1 * w_.c2;
+        speed2_ = {y0.dot(y0), 2 * y0.dot(y1), y1.dot(y1) + 2 * y0.dot(y2), 2 * y1.dot(y2), y2.dot(y2)};
+    }
+
+    // The radius of a disk on which the integrands are analytic; NaN if there is none that helps. On it t
+    // keeps to its side of an edge, and |dp|^2 w^4 keeps from zero: it is near its value at 0, or a multiple
+    // of w^2, which it is on a circle. `turned` is w times the change of t from its value at 0, which is
+    // `to_edge` beyond the edge.
+    double disk(const Quadratic& turned, double to_edge) const {
+        const auto reach = [](double linear, double quadratic, double bound) {
+            return 2 * bound / (linear + sqrt(square(linear) + 4 * quadratic * bound));
+        };
+        const double w1 = std::abs(w_.c1), w2 = std::abs(w_.c2), part = tame_part;
+        const double room = part * to_edge;
+        double r =
+            std::min({widest_disk, reach(w1, w2, part * w_.c0),
+                      reach(std::abs(turned.c1) + room * w1, std::abs(turned.c2) + room * w2, room * w_.c0)});
+        const double mean = speed2_[0] / square(w_.c0);
+        const double rest1 = std::abs(speed2_[1] - 2 * mean * w_.c0 * w_.c1),
+                     rest2 = std::abs(speed2_[2] - mean * (w_.c1 * w_.c1 + 2 * w_.c0 * w_.c2)),
+                     rest3 = std::abs(speed2_[3] - 2 * mean * w_.c1 * w_.c2),
+                     rest4 = std::abs(speed2_[4] - mean * w_.c2 * w_.c2);
+        for (; r >= least_disk; r *= 0.875) {
+            if (speed2_deviation(r) <= part * speed2_[0]) return r;
+            const double least_w = w_.c0 - w_.deviation(r);
+            if (r * (rest1 + r * (rest2 + r * (rest3 + r * rest4))) <= part * mean * square(least_w))
+                return r;
+        }
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+
+    // How far |dp|^2 w^4 is from its value at 0 for |s| <= r.
+    double speed2_deviation(double r) const {
+        const auto& v = speed2_;
+        return r * (std::abs(v[1]) + r * (std::abs(v[2]) + r * (std::abs(v[3]) + r * std::abs(v[4]))));
+    }
+
+    template <int n>
+    void add_values(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
+        const Nodes<n> s = Eigen::Map<const Nodes<n>>(node_rule<n>.s.data());
+        const Eigen::Map<const Nodes<n>> rule_weight(node_rule<n>.weight.data());
+        const Nodes<n> reciprocal = 1 / w_(s), t = t_(s) * reciprocal;
+        const Nodes<n> weight = rule_weight * reciprocal.square();
+        const auto& v = speed2_;
+        const double length = (weight * sqrt(v[0] + s * (v[1] + s * (v[2] + s * (v[3] + s * v[4]))))).sum();
+        sum.length += {length, term_rounding * length};
+        for (const int side : {0, 1}) {
+            const RoundFace& face = side == 0 ? left : right;
+            const Quadratic along{face.axis.dot(x_[0]), face.axis.dot(x_[1]), face.axis.dot(x_[2])};
+            const Nodes<n> element = weight * along(s);
+            const RoundFace::Factors<Nodes<n>> f = face.factors(t);
+            sum.sides[side].volume.value += (element * f.volume).sum();
+            sum.sides[side].area.value += (element * f.area).sum();
+        }
+    }
+
+    Powers a_;
+    Quadratic t_, w_;
+    std::array<Vec3, 3> x_;
+    std::array<double, 5> speed2_;
+};
+
+}  // namespace
+
+void add_conic(const std::array<Vector4d, 3>& points, const RadialFace& left, const RadialFace& right,
+               RadialIntegrals& sum) {
+    // The curve is on the cone |p| = t, and its tangent from an end touches the cone there.
+    std::array<ConicPoint, 3> p;
+    for (int i : {0, 1, 2}) p[i] << points[i].head<3>(), points[i].head<3>().norm(), points[i].w();
+    const int end = p[0][3] > p[2][3] ? 0 : 2;
+    p[1][3] = p[end].head<3>().dot(p[1].head<3>()) / p[end][3];
+    Conic(p[0], p[1], p[2])
+        .add(std::get<radial_integrals::RoundFace>(left), std::get<radial_integrals::RoundFace>(right), sum);
+    // Weights 1, w, 1.
+    const double scale = sqrt(p[0][4] * p[2][4]);
+    const auto distance = [&](int i) { return p[i][3] / p[i][4]; };
+    extend(sum.distance, distance(0), distance(1), distance(2), p[1][4] / scale);
+}
+
+void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const RadialFace& right,
+                 RadialIntegrals& sum) {
+    // Ends may be next to each other as seen from the centre: what is left of from x to is that of their
+    // difference.
+    const Vec3 along = to - from, moment = from.cross(along);
+    const double length = along.norm(), size = term_rounding * from.norm() * length;
+    sum.length += {length, term_rounding * length};
+    for (const int side : {0, 1}) {
+        const auto& face = std::get<radial_integrals::RoundFace>(side == 0 ? left : right);
+        const auto f = face.factors(face.d1);
+        const double turned = face.axis.dot(moment);
+        sum.sides[side].volume += {f.volume * turned, f.volume * size};
+        sum.sides[side].area += {f.area * turned, f.area * size};
+    }
+    sum.distance = {std::min({sum.distance[0], from.norm(), to.norm()}),
+                    std::max({sum.distance[1], from.norm(), to.norm()})};
+}
+
+}  // namespace vcell

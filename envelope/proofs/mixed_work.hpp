@@ -1,0 +1,363 @@
+// What deciding one piece works on: its rim, its rivals and the piece as it becomes (mixed_piece.cpp,
+// mixed_vertex.cpp, mixed_tie.cpp).
+#pragma once
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mixed_systems.hpp"
+#include "touching.hpp"
+
+namespace vcell {
+
+using Eigen::Vector2d;
+
+// Pieces with more rivals are rarely plain, and their parts take longer than halves of them.
+inline constexpr std::size_t most_divided = 4;
+
+// Below this exponent a third form lowest by less between two others counts as touching their trisector.
+inline constexpr int narrow_exponent = -40;
+
+// A change of label, where a trisector leaves the rim: inward `before` lies on its left.
+struct MixedAnalysis::Change {
+    std::uint32_t vertex;
+    FormId before, after;
+};
+
+// A vertex of the rim in which more forms meet than change there, and those that are lowest around it inside
+// the piece, counter-clockwise from the label of the side that leaves to that of the one that arrives.
+struct MixedAnalysis::Knot {
+    std::uint32_t vertex;
+    std::vector<FormId> ties, around;
+};
+
+struct MixedAnalysis::Work {
+    const PieceBoundary& boundary;
+    const NormalBox* normals;  // these two are null unless rivals compare by supports
+    const SphereSupports* supports;
+    const Heights& heights;
+    Decisions& decisions;
+    std::optional<DividedBox>& parts;  // an earlier piece's until this one is divided
+    mutable bool is_divided;
+    mutable std::vector<FormId> parted;  // their forms
+    struct Direction {
+        FormId a, b;
+        std::optional<Vector2d> d;
+    };
+    mutable SmallVector<Direction, 6> directions;  // as found for the rivals as they are
+    MixedPiece piece;
+    std::vector<Spread>& rivals;  // as the last cull() left them, fewer as more is known
+    SmallVector<Change, 8> changes;
+    std::vector<std::array<FormId, 3>> triples;  // of the inner vertices
+    std::vector<std::uint32_t> knots;  // vertices of the rim in which more forms meet than change there
+    double width = 0, extent = 0;
+    bool is_small = false;                             // in one direction at least
+    mutable std::vector<std::array<FormId, 3>> apart;  // known to tie nowhere, in the order of the rivals
+
+    Vector2d middle() const {
+        return {Interval(piece.box[0], piece.box[1]).mid(), Interval(piece.box[2], piece.box[3]).mid()};
+    }
+    std::vector<FormId> forms() const {
+        std::vector<FormId> all;
+        all.reserve(rivals.size());
+        for (const Spread& s : rivals) all.push_back(s.form);
+        return all;
+    }
+    Inside where(const Interval& x, const Interval& y) const {
+        bool inside = true;
+        for (const PieceSide& side : boundary.sides) {
+            const auto sign = (Interval(side.a) * x + Interval(side.b) * y + Interval(side.c)).sign();
+            if (sign == Sign::Negative) return Inside::No;
+            inside = inside && sign == Sign::Positive;
+        }
+        return inside ? Inside::Yes : Inside::Unknown;
+    }
+    // Of a disk.
+    Inside where(const Vector2d& p, double radius) const {
+        return where(Interval::ball(p.x(), radius), Interval::ball(p.y(), radius));
+    }
+    // The sides that arrive at and leave a vertex of the rim.
+    std::array<const PieceSide*, 2> sides_at(std::uint32_t v) const {
+        const auto side = [&](std::size_t edge) {
+            return &*std::ranges::find(boundary.sides, piece.rim[edge].side, &PieceSide::id);
+        };
+        return {side((v + piece.rim.size() - 1) % piece.rim.size()), side(v)};
+    }
+    void clear_inside() {
+        piece.arcs.clear();
+        piece.vertices.resize(piece.rim.size());
+        piece.leaving.assign(piece.rim.size(), {});
+    }
+    const Spread* find(FormId f) const {
+        const auto it = std::ranges::find(rivals, f, &Spread::form);
+        return it == rivals.end() ? nullptr : &*it;
+    }
+    // The gradient of a - b all over the piece. Where the two are nearly the same function its mean value
+    // form is by far the sharper one.
+    std::array<Interval, 2> gradient(const Spread& a, const Spread& b) const {
+        const auto over =
+            normals ? normals->gradient(a.support, b.support) : std::array{a.gx - b.gx, a.gy - b.gy};
+        if (!a.bend || !b.bend) return over;
+        const auto &p = *a.bend, &q = *b.bend;
+        return refined_gradient(over, {p.middle.gx - q.middle.gx, p.middle.gy - q.middle.gy},
+                                p.curvature - q.curvature, p.dx, p.dy);
+    }
+    // The same of heights that are not multiplied by the distances from tips: near one the product of those
+    // that do not grow there is nearly zero, and changes little but with the distance.
+    std::array<Interval, 2> plain_gradient(const Spread& a, const Spread& b) const {
+        const auto& box = piece.box;
+        return heights.plain_gradient_difference(a.form, b.form, {box[0], box[1]}, {box[2], box[3]});
+    }
+    // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b
+    // are lowest.
+    std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
+        for (const Direction& known : directions) {
+            if (known.a == a.form && known.b == b.form) return known.d;
+            if (known.a == b.form && known.b == a.form)
+                return known.d ? std::optional<Vector2d>(-*known.d) : known.d;
+        }
+        directions.push_back({a.form, b.form, find_direction(a, b)});
+        return directions.back().d;
+    }
+    std::optional<Vector2d> find_direction(const Spread& a, const Spread& b) const {
+        using Gradient = std::array<Interval, 2>;
+        // Beside a tip pieces are as narrow along the axis as they are near to it: where they are squares, so
+        // to speak.
+        const auto& box = piece.box;
+        const bool has_tips = heights.family().tips.any();
+        const double aspect = has_tips ? (box[3] - box[2]) / (box[1] - box[0]) : 1;
+        const auto along = [&](const Gradient& g) {
+            return Vector2d(g[0].mid(), aspect * aspect * g[1].mid()).normalized();
+        };
+        const auto grows = [](const Gradient& g, const Vector2d& d) {
+            return d.allFinite() && (Interval(d.x()) * g[0] + Interval(d.y()) * g[1]).lower() > 0;
+        };
+        const Gradient g = gradient(a, b);
+        const Vector2d d = along(g);
+        if (grows(g, d)) return d;
+        if (has_tips) {
+            const Gradient plain = plain_gradient(a, b);
+            if (grows(plain, along(plain))) return along(plain);
+        }
+        if (!supports || rivals.size() > most_divided) return std::nullopt;
+        const Vector2d across = across_ends(a.form, b.form).value_or(d);
+        if (!across.allFinite() || falls_on_rim(a.form, b.form, across)) return std::nullopt;
+        if (!divided().grows_along(place(a), place(b), across)) return std::nullopt;
+        return across;
+    }
+    // Does every line in this direction of theirs meet a = b at most once?
+    bool crosses_once(const Spread& a, const Spread& b, const Vector2d& direction) const {
+        return !is_divided || rivals.size() == 2 || parts->grows_throughout(place(a), place(b), direction);
+    }
+    // Does a - b seem to fall where the two change on the rim? A cheap no to what would have to be proved.
+    bool falls_on_rim(FormId a, FormId b, const Vector2d& direction) const {
+        return std::ranges::any_of(changes, [&](const Change& c) {
+            if (!(c.before == a && c.after == b) && !(c.before == b && c.after == a)) return false;
+            const PointNormal n(piece.vertices[c.vertex].point.x(), piece.vertices[c.vertex].point.y());
+            const auto f = supports->jet(a, n), g = supports->jet(b, n);
+            return direction.x() * (f[1] - g[1]) + direction.y() * (f[2] - g[2]) < 0;
+        });
+    }
+    std::size_t place(const Spread& s) const { return static_cast<std::size_t>(&s - rivals.data()); }
+    const DividedBox& divided() const {
+        if (!is_divided) {
+            parted = forms();
+            if (parts)
+                parts->start(piece.box, parted);
+            else
+                parts.emplace(*supports, piece.box, parted);
+            is_divided = true;
+        }
+        return *parts;
+    }
+    // Right-hand of the chord between the places where two forms, and no others, change on the rim.
+    std::optional<Vector2d> across_ends(FormId left, FormId right) const {
+        std::optional<Vector2d> start, end;
+        for (const Change& c : changes) {
+            const bool starts = c.before == left && c.after == right;
+            if (!starts && !(c.before == right && c.after == left)) continue;
+            std::optional<Vector2d>& p = starts ? start : end;
+            if (p) return std::nullopt;
+            p = piece.vertices[c.vertex].point;
+        }
+        if (!start || !end) return std::nullopt;
+        const Vector2d chord = *end - *start;
+        return Vector2d(chord.y(), -chord.x()).normalized();
+    }
+    // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points where
+    // a = b = c are lowest; Zero if there are no such points. The three in one order always, as another one
+    // need not tell.
+    std::optional<Sign> turn(const Spread& a, const Spread& b, const Spread& c) const {
+        const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
+        if (b.form < a.form) return reversed(turn(b, a, c));
+        if (c.form < b.form) return reversed(turn(a, c, b));
+        const auto orientation = [](const std::array<Interval, 2>& p, const std::array<Interval, 2>& q) {
+            const auto sign = (p[0] * q[1] - p[1] * q[0]).sign();
+            return sign == Sign::Zero ? std::nullopt : sign;
+        };
+        if (const auto sign = orientation(gradient(b, a), gradient(c, a))) return sign;
+        if (are_apart(a, b, c)) return Sign::Zero;
+        if (heights.family().tips.any()) return orientation(plain_gradient(b, a), plain_gradient(c, a));
+        if (!supports || rivals.size() > most_divided) return std::nullopt;
+        const auto sign = divided().turn(place(a), place(b), place(c));
+        return sign == Sign::Zero ? std::nullopt : sign;
+    }
+    // Of forms in a point where all are equal: the one after `p` on the convex hull of their gradients,
+    // counter-clockwise. None if p is not on it.
+    template <class Spreads>
+    const Spread* next_on_hull(const Spreads& tied, const Spread& p) const {
+        const auto follows = [&](const Spread* q) {
+            return q != &p && std::ranges::all_of(tied, [&](const Spread* o) {
+                       return o == &p || o == q || turn(p, *q, *o) == Sign::Positive;
+                   });
+        };
+        const auto next = std::ranges::find_if(tied, follows);
+        return next == tied.end() ? nullptr : *next;
+    }
+    // Is a combination of b - a and c - a nowhere zero? Then the three are nowhere equal. Of all combinations
+    // the one that changes least about the middle: nearly nothing to first order where trisectors run beside
+    // each other.
+    bool are_apart(const Spread& a, const Spread& b, const Spread& c) const {
+        struct Difference {
+            Interval v, gx, gy;
+            HeightCurvature<Interval> curvature{};
+
+            double dot(const Difference& o) const { return gx.mid() * o.gx.mid() + gy.mid() * o.gy.mid(); }
+        };
+        const bool bends = a.bend && b.bend && c.bend;
+        if (normals && !bends) return false;
+        const auto from_a = [&](const Spread& s) -> Difference {
+            if (!bends) return {s.v - a.v, s.gx - a.gx, s.gy - a.gy};
+            const auto &p = s.bend->middle, &q = a.bend->middle;
+            return {p.v - q.v, p.gx - q.gx, p.gy - q.gy, s.bend->curvature - a.bend->curvature};
+        };
+        Difference p = from_a(b), q = from_a(c);
+        if (p.dot(p) < q.dot(q)) std::swap(p, q);
+        const Interval k(p.dot(q) / p.dot(p));
+        const Vector2d m = middle();
+        const Interval dx = Interval(piece.box[0], piece.box[1]) - Interval(m.x()),
+                       dy = Interval(piece.box[2], piece.box[3]) - Interval(m.y());
+        Interval rest = q.v - k * p.v + (q.gx - k * p.gx) * dx + (q.gy - k * p.gy) * dy;
+        if (bends)
+            rest = rest + 0.5 * ((q.curvature.xx - k * p.curvature.xx) * square(dx) +
+                                 2.0 * ((q.curvature.xy - k * p.curvature.xy) * dx * dy) +
+                                 (q.curvature.yy - k * p.curvature.yy) * square(dy));
+        return rest.lower() > 0 || rest.upper() < 0;
+    }
+    // Do the three certainly tie nowhere in the piece? Where gradients are on one line all along a trisector,
+    // as of tubes that are nearly parallel over a tube, their turn never tells. Asked of few and in a small
+    // piece, when the other questions have failed.
+    bool is_apart(const Spread& a, const Spread& b, const Spread& c) const {
+        if (!a.bend || !is_small || rivals.size() > most_divided || heights.family().radial.empty() ||
+            heights.family().chart != RadialChart::HalfAngle)
+            return false;
+        if (known_apart({a.form, b.form, c.form})) return true;
+        const auto meet_nowhere_of = [&](const Spread& h, const Spread& f, const Spread& g) {
+            return meet_nowhere(heights, h.form, f.form, g.form, piece.box, decisions);
+        };
+        if (!meet_nowhere_of(a, b, c) && !meet_nowhere_of(b, a, c) && !meet_nowhere_of(c, a, b)) return false;
+        apart.push_back({a.form, b.form, c.form});
+        return true;
+    }
+    bool known_apart(const std::array<FormId, 3>& forms) const {
+        return std::ranges::find(apart, forms) != apart.end();
+    }
+    bool matched_pair() const {
+        return changes.size() == 2 && changes[0].before == changes[1].after &&
+               changes[0].after == changes[1].before;
+    }
+    // Returns the arc's half-edge at its start; its twin's number is one more.
+    std::uint32_t add_arc(std::uint32_t from, std::uint32_t to, FormId left, FormId right) {
+        const Vector2d chord = piece.vertices[to].point - piece.vertices[from].point;
+        Vector2d across = Vector2d(chord.y(), -chord.x()).normalized();  // left - right grows to the right
+        const Spread *a = find(left), *b = find(right);
+        if (a && b)
+            if (const auto d = direction(*a, *b)) across = *d;
+        piece.arcs.push_back({from, to, left, right, across, {}});
+        return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
+    }
+    // Puts a vertex on the arc of two forms, if they have one arc.
+    bool divide(FormId f, FormId g, const MixedPiece::Vertex& vertex) {
+        const auto is_theirs = [&](const MixedPiece::Arc& a) {
+            return (a.left == f && a.right == g) || (a.left == g && a.right == f);
+        };
+        const auto first = std::ranges::find_if(piece.arcs, is_theirs);
+        if (first == piece.arcs.end() ||
+            std::find_if(first + 1, piece.arcs.end(), is_theirs) != piece.arcs.end())
+            return false;
+        const auto near = static_cast<std::uint32_t>(first - piece.arcs.begin()),
+                   far = static_cast<std::uint32_t>(piece.arcs.size()),
+                   v = static_cast<std::uint32_t>(piece.vertices.size());
+        MixedPiece::Arc rest = *first;
+        rest.from = v;
+        first->to = v;
+        std::ranges::replace(piece.leaving[rest.to], 2 * near + 1, 2 * far + 1);
+        piece.arcs.push_back(std::move(rest));
+        piece.vertices.push_back(vertex);
+        piece.leaving.push_back({2 * near + 1, 2 * far});
+        return true;
+    }
+    // Puts a face of h on the arc of two forms, if they have one arc, between two vertices: given in the
+    // arc's order where f is on its left.
+    bool insert_lens(FormId h, FormId f, FormId g, std::array<MixedPiece::Vertex, 2> ends,
+                     const Vector2d& across) {
+        if (!divide(f, g, ends[0])) return false;
+        const auto far = static_cast<std::uint32_t>(piece.arcs.size() - 1),
+                   near = static_cast<std::uint32_t>(
+                       std::ranges::find(piece.arcs, piece.arcs[far].from, &MixedPiece::Arc::to) -
+                       piece.arcs.begin());
+        auto v = static_cast<std::uint32_t>(piece.vertices.size() - 1), w = v + 1;
+        const bool is_reversed = piece.arcs[far].left != f;
+        if (is_reversed) piece.vertices.back() = ends[1];
+        piece.vertices.push_back(ends[is_reversed ? 0 : 1]);
+        piece.arcs[far].from = w;
+        const FormId left = piece.arcs[far].left, right = piece.arcs[far].right;
+        const Vector2d along = is_reversed ? Vector2d(-across) : across;
+        const std::uint32_t upper = far + 1, lower = far + 2;
+        piece.arcs.push_back({v, w, left, h, along, {}});
+        piece.arcs.push_back({v, w, h, right, along, {}});
+        piece.leaving[v] = {2 * near + 1, 2 * lower, 2 * upper};
+        piece.leaving.push_back({2 * far, 2 * upper + 1, 2 * lower + 1});
+        return true;
+    }
+    // Between two places on the rim.
+    void join(const Change& from, const Change& to) {
+        const std::uint32_t h = add_arc(from.vertex, to.vertex, from.before, from.after);
+        piece.leaving[from.vertex].push_back(h);
+        piece.leaving[to.vertex].push_back(h + 1);
+    }
+    // The changes counter-clockwise from a vertex of the rim on, without its own.
+    SmallVector<Change, 8> changes_after(std::uint32_t v) const {
+        SmallVector<Change, 8> all;
+        for (const Change& c : changes)
+            if (c.vertex > v) all.push_back(c);
+        for (const Change& c : changes)
+            if (c.vertex < v) all.push_back(c);
+        return all;
+    }
+    // Do all rivals meet in a vertex of the rim?
+    bool all_tie_in(std::uint32_t v) const {
+        const std::vector<FormId>& ties = piece.vertices[v].ties;
+        return std::ranges::all_of(
+            rivals, [&](const Spread& s) { return std::ranges::find(ties, s.form) != ties.end(); });
+    }
+    // From all other changes to a vertex of the rim.
+    void join_all_on_rim(std::uint32_t v) {
+        for (const Change& c : changes_after(v)) join(c, {v, c.after, c.before});
+    }
+    // From every change to one inner vertex.
+    void join_all_to(const MixedPiece::Vertex& center) {
+        const auto v = static_cast<std::uint32_t>(piece.vertices.size());
+        piece.vertices.push_back(center);
+        piece.leaving.emplace_back();
+        for (const Change& c : changes) {
+            const std::uint32_t h = add_arc(c.vertex, v, c.before, c.after);
+            piece.leaving[c.vertex].push_back(h);
+            piece.leaving[v].push_back(h + 1);
+        }
+    }
+};
+
+}  // namespace vcell
