@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "../core/solver/fit/curve_fit.hpp"
-#include "../core/solver/systems/polynomial.hpp"
+#include "../core/solver/systems/scaled.hpp"
 #include "../primitives/forms/cylinder_form.hpp"
 #include "median.hpp"
 
@@ -29,37 +29,6 @@ namespace {
 
 constexpr double side = 10;
 const double diagonal = std::sqrt(3.0) * 2 * side;
-
-// Number types of coefficients: those that a callable's argument is made of.
-template <class T>
-struct ScalarOf {
-    using type = T;
-};
-template <class T, int N>
-struct ScalarOf<Jet<T, N>> {
-    using type = T;
-};
-template <>
-struct ScalarOf<Series> {
-    using type = Interval;
-};
-
-// A constant times a number: no derivative of the constant to multiply.
-template <class T>
-T scaled(const Coefficient& c, const T& x) {
-    return T(c.in<typename ScalarOf<T>::type>()) * x;
-}
-template <class T, int N>
-Jet<T, N> scaled(const Coefficient& c, const Jet<T, N>& x) {
-    Jet<T, N> r;
-    r.value = c.in<T>() * x.value;
-    for (int i = 0; i < N; ++i) r.gradient[i] = c.in<T>() * x.gradient[i];
-    return r;
-}
-template <class T>
-T constant(const Coefficient& c) {
-    return T(c.in<typename ScalarOf<T>::type>());
-}
 
 bool negative(double x) { return x < 0; }
 bool negative(const Interval& x) { return x.upper() < 0; }

@@ -34,7 +34,7 @@ struct CircularForm {
     }
 };
 
-/// The same function in the monomial basis over one denominator:
+/// A circular form in the monomial basis over one denominator, as exact predicates take it:
 /// f = (K (x^2 + y^2) + A x + B y + C) / W, exact, W > 0.
 struct ExactForm {
     Exact K, A, B, C, W;

@@ -91,7 +91,9 @@ public:
 
 private:
     static bool is_certain(double v, double size) {
-        return std::abs(v) >= 0x1p-36 * size && (size >= 0x1p-600 || size == 0);
+        // The first rung's bound as value() proves it, and where errors of products cannot underflow.
+        constexpr double least_part = 0x1p-36, least_size = 0x1p-600;
+        return std::abs(v) >= least_part * size && (size >= least_size || size == 0);
     }
 
     void add_rounded(const T& p, const T& error) {

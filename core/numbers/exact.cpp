@@ -126,7 +126,8 @@ Interval enclosure(const OneRoot& v, const Exact& den) {
         const Interval n(lo.lower(), hi.upper());
         // Cancellation between a and b sqrt(c) shows as width: ask the root for more bits. The value
         // is not zero, so this ends.
-        if (n.sign() && n.upper() - n.lower() <= 0x1p-50 * n.magnitude()) return n / d;
+        constexpr double width = 0x1p-50;  // as a part of it: after the division within the 16 ulp promised
+        if (n.sign() && n.upper() - n.lower() <= width * n.magnitude()) return n / d;
         if (n.magnitude() < std::numeric_limits<double>::min()) return n / d;
     }
 }

@@ -67,7 +67,9 @@ AxialConic::AxialConic(const RadialBaseProblem& problem, const AxialEquation& f,
 
 bool is_pair_of_lines(const AxialEquation& f, const AxialEquation& g, double size) {
     const double c = size * nearest(f.b[1] * g.k - g.b[1] * f.k);
-    return std::abs(c) <= 0x1p-48 * magnitude(f, size) * magnitude(g, size);
+    constexpr double known =
+        0x1p-48;  // output accuracy: how well a turned base's planes know where they meet it
+    return std::abs(c) <= known * magnitude(f, size) * magnitude(g, size);
 }
 
 std::array<DistancePlane, 2> AxialConic::planes() const {

@@ -76,8 +76,8 @@ inline void extend_by_polynomial(Range& range, std::span<const double> coefficie
     extend_by_polynomial(range, {right.data(), n + 1}, divisions - 1);
 }
 
-/// The same for a rational curve's coordinate: values of its control points (degree at most 3), positive
-/// weights.
+/// Extends a range by a rational curve's coordinate, from values of its control points (degree at most 3) and
+/// positive weights: by its hull only where that is no wider than the ends.
 inline void extend_by_rational(Range& range, std::span<const double> values, std::span<const double> weights,
                                int divisions = 52) {
     range[0] = std::min({range[0], values.front(), values.back()});

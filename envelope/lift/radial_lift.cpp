@@ -222,7 +222,7 @@ Vector4d moved(const Vector4d& x, double weight, const std::array<const Hyperpla
     return x - ((a - inner * b) * p->normal() + (b - inner * a) * q->normal()) / determinant;
 }
 
-// The same, and to the cone |p| = t.
+// To the common points of both and to the cone |p| = t, so that a conic's control point lies on its sites.
 Vector4d moved_on_cone(const Vector4d& x, const std::array<const Hyperplane*, 2>& planes) {
     const Vector4d y = moved(x, 1, planes);
     // On along the line in both hyperplanes that changes |p| - t most.
@@ -230,7 +230,10 @@ Vector4d moved_on_cone(const Vector4d& x, const std::array<const Hyperplane*, 2>
     const Vector4d slope(y.x() / length, y.y() / length, y.z() / length, -1);
     const Vector4d along = moved(slope, 0, planes);
     const double change = slope.dot(along);
-    return change > 0x1p-30 ? Vector4d(y - (length - y.w()) / change * along) : y;
+    // Output accuracy: of a smaller change (a squared sine) of |p| - t the step would be rounding, divided by
+    // it.
+    constexpr double least_change = 0x1p-30;
+    return change > least_change ? Vector4d(y - (length - y.w()) / change * along) : y;
 }
 
 // To three hyperplanes and the cone: a step of Newton's method. May fail with numbers that are not finite.
@@ -502,7 +505,11 @@ private:
         const Vector4d &from = points_[start(e)], &to = points_[end(e)];
         const Vec3 u = from.head<3>() / from.w(), v = to.head<3>() / to.w();
         const double radius2 = 1 - std::pow(normal.dot(u) / length, 2);
-        if (!(length > 0x1p-10 * size && radius2 > 0x1p-10 && (v - u).squaredNorm() > 0x1p-20 * radius2))
+        // Output accuracy: of normals, radii (of the unit sphere) and arcs (of their circle) that are smaller
+        // parts rounding would be a part of a thousand times the last digits; heights tell such arcs better.
+        constexpr double least_normal = 0x1p-10, least_radius2 = 0x1p-10, least_chord2 = 0x1p-20;
+        if (!(length > least_normal * size && radius2 > least_radius2 &&
+              (v - u).squaredNorm() > least_chord2 * radius2))
             return false;
         add_arc_about(normal / length, from, to, planes);
         return true;

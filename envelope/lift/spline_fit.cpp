@@ -510,7 +510,8 @@ private:
         Points points;
         std::array<Trim, 2> trims;
 
-        // The same curves at parameters that make the weights at the ends alike: halves are then as long.
+        // The curves keep their places but get parameters that make the weights at the ends alike: halves are
+        // then as long.
         void balance() {
             const double factor = std::sqrt(points[0].w() / points[2].w());
             if (!(factor > 4) && !(factor < 0.25)) return;

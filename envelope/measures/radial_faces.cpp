@@ -9,34 +9,15 @@
 
 #include "../lift/joined_spans.hpp"
 #include "../lift/radial_patch.hpp"
+#include "radial_terms.hpp"
 
 namespace vcell {
 
 namespace {
 
-using Eigen::Vector4d;
-using radial_integrals::Ray;
-using radial_integrals::Share;
-using span_integrals::integrate_estimated;
-using span_integrals::PowerSpan;
 using span_integrals::SpanPoint;
-using span_integrals::term_rounding;
+using namespace radial_integrals;
 using std::sqrt;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-// Rounding of a coordinate, as a part of it, in units of term_rounding.
-constexpr double noise = std::numeric_limits<double>::epsilon() / 2 / term_rounding;
-
-using Vector = std::array<double, 3>;
-
-double dot(const Vec3& a, const Vector& b) { return a.x() * b[0] + a.y() * b[1] + a.z() * b[2]; }
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double norm(const Vector& a) { return sqrt(dot(a, a)); }
 
 // The integral of (K + x^2) sqrt(E2 + x^2) over 0 <= x <= v, by asinh(v / E), and the sum of the absolute
 // values of its terms.
@@ -48,7 +29,7 @@ double tube_area_size(double K, double E2, double v) {
     const double s2 = E2 + v * v, s = sqrt(s2), far = std::abs(v);  // asinh x < x
     return far * s * (K + 0.25 * (E2 + s2));
 }
-// The same over first <= x <= v.
+// The integral over first <= x <= v: faces far from the foot start at their own place.
 double tube_area(double K, double E2, double first, double v) {
     return first == 0 ? tube_area(K, E2, v) : tube_area(K, E2, v) - tube_area(K, E2, first);
 }

@@ -7,29 +7,19 @@
 
 #include "../lift/joined_spans.hpp"
 #include "../lift/radial_patch.hpp"
+#include "radial_terms.hpp"
 
 namespace vcell {
 
 namespace {
 
 using Eigen::Vector4d;
-using radial_integrals::Ray;
-using radial_integrals::Share;
 using span_integrals::integrate_estimated;
 using span_integrals::PowerSpan;
 using span_integrals::SpanPoint;
 using span_integrals::term_rounding;
+using namespace radial_integrals;
 using std::sqrt;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-// Rounding of a coordinate, as a part of it, in units of term_rounding.
-constexpr double noise = std::numeric_limits<double>::epsilon() / 2 / term_rounding;
-
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double norm(const Vector& a) { return sqrt(dot(a, a)); }
 
 Ray ray_to(const SpanPoint<double>& p, bool is_sphere) {
     const double y = is_sphere ? p.y : 0.0, y1 = is_sphere ? p.y1 : 0.0;

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../../core/errors.hpp"
 #include "../../core/numbers/enclosure.hpp"
 #include "../../core/solver/curves/curve.hpp"
 #include "../../core/solver/fit/curve_fit.hpp"
-#include "../../core/solver/systems/polynomial.hpp"
+#include "../../core/solver/systems/scaled.hpp"
 #include "trisector.hpp"
 #include "trisector_equations.hpp"
 
@@ -17,71 +18,50 @@ namespace {
 
 constexpr int unknowns = 4;  // x, y, z, r
 
-// The number type of a callable's constants.
-template <class T>
-struct ScalarOf {
-    using type = T;
-};
-template <class T, int N>
-struct ScalarOf<Jet<T, N>> {
-    using type = typename ScalarOf<T>::type;
-};
-template <>
-struct ScalarOf<Series> {
-    using type = Interval;
-};
-
-// A polynomial of degree two in x, y, z, r.
+// A polynomial of degree two in x, y, z, r, its exact coefficients to a common scale of about one.
 class Quadratic {
 public:
-    // Coefficients (of products i <= j, of the unknowns, the constant), to a common scale of about one.
     explicit Quadratic(const QuadraticForm& form) {
         for (int i = 0; i <= unknowns; ++i)
             for (int j = i; j <= unknowns; ++j) add(i, j, Exact(i == j ? 1.0 : 2.0) * form(i, j));
-        finish();
+        scale();
     }
     explicit Quadratic(const LinearFunction& f) {
         for (int i = 0; i <= unknowns; ++i) add(i, unknowns, f[i]);
-        finish();
+        scale();
     }
 
     template <class T>
     T operator()(const std::array<T, unknowns>& x) const {
-        T sum = T(constant_.in<typename ScalarOf<T>::type>());
-        for (const Term& t : terms_) {
-            const T c = T(t.coefficient.template in<typename ScalarOf<T>::type>());
-            sum += t.j == unknowns ? c * x[t.i] : t.i == t.j ? c * square(x[t.i]) : c * (x[t.i] * x[t.j]);
-        }
+        T sum = constant<T>(constant_);
+        for (const Term& t : terms_)
+            sum += scaled(t.coefficient, t.j == unknowns ? x[t.i]
+                                         : t.i == t.j    ? square(x[t.i])
+                                                         : x[t.i] * x[t.j]);
         return sum;
     }
 
 private:
     struct Term {
-        int i, j;  // j: unknowns where the term is linear
-        Coefficient coefficient;
+        int i, j;  // x[i] x[j]; where j is `unknowns`, x[i]
+        Exact exact;
+        Coefficient coefficient = 0.0;
     };
 
+    // Where i is `unknowns`, too, it is the constant.
     void add(int i, int j, Exact value) {
-        if (value.sign() != Sign::Zero) exact_.push_back({i, j, std::move(value)});
+        if (value.sign() != Sign::Zero) terms_.push_back({i, j, std::move(value)});
     }
-    void finish() {
-        long size = exact_.front().value.exponent();
-        for (const ExactTerm& t : exact_) size = std::max(size, t.value.exponent());
-        for (const ExactTerm& t : exact_) {
-            const Coefficient c = enclosure_of<Wide>(t.value.scaled(-size));
-            if (t.i == unknowns)
-                constant_ = c;
-            else
-                terms_.push_back({t.i, t.j, c});
+    void scale() {
+        long size = terms_.front().exact.exponent();
+        for (const Term& t : terms_) size = std::max(size, t.exact.exponent());
+        for (Term& t : terms_) t.coefficient = enclosure_of<Wide>(t.exact.scaled(-size));
+        if (terms_.back().i == unknowns) {
+            constant_ = terms_.back().coefficient;
+            terms_.pop_back();
         }
-        exact_.clear();
     }
 
-    struct ExactTerm {
-        int i, j;
-        Exact value;
-    };
-    std::vector<ExactTerm> exact_;
     std::vector<Term> terms_;
     Coefficient constant_ = 0.0;
 };
@@ -172,9 +152,11 @@ TrisectorCurves trisector(const Object& base, const Object& a, const Object& b, 
                     *trisector_arc(component, place(part.joints.front()), place(part.joints.back())));
             } else {
                 const std::vector<Vec3> points = stations(component, f, part);
-                for (std::size_t i = 0; i + 1 < points.size(); ++i)
-                    if (auto arc = trisector_arc(component, points[i], points[i + 1]))
-                        curve.arcs.push_back(std::move(*arc));
+                for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+                    auto arc = trisector_arc(component, points[i], points[i + 1]);
+                    if (!arc) throw UndecidedError("trisector(): doubles do not tell a conic's arc");
+                    curve.arcs.push_back(std::move(*arc));
+                }
             }
             result.curves.push_back(std::move(curve));
         }

@@ -34,6 +34,7 @@ beside = {
     "core/solver/roots/search.hpp",
     "core/solver/roots/solver.hpp",
     "core/solver/systems/curve_system.hpp",
+    "core/solver/systems/scaled.hpp",
     "primitives/bisectors/trisector.cpp",
     "primitives/bisectors/trisector.hpp",
     "primitives/bisectors/trisector_curves.cpp",

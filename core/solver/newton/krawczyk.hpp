@@ -61,7 +61,7 @@ struct Offsets {
     explicit Offsets(const std::array<T, N>& box) {
         for (int i = 0; i < N; ++i) set(i, T(box[i].mid()), box[i] - T(box[i].mid()));
     }
-    /// Of the box middle + d in every unknown.
+    /// The offsets of the box that is middle + d in every unknown, for callers who chose the middle.
     Offsets(const std::array<T, N>& middle, const T& d) {
         for (int i = 0; i < N; ++i) set(i, middle[i], d);
     }
@@ -325,7 +325,9 @@ Step<T, N> krawczyk_step(const LocalModel<T, N>& local, const Offsets<T, N>& at,
             double range = 0;
             for (const double s : share) range += s;
             if (whole.lower() > 0 || whole.upper() < 0) result.empty = true;
-            const bool hidden = hidden_by > 0x1p-6 * range;
+            // A matter of where to stop: what rounding hides more of smaller boxes would not show.
+            constexpr double hidden_part = 0x1p-6;
+            const bool hidden = hidden_by > hidden_part * range;
             ++spare;
             spare_hidden += hidden;
             if (local.forms != nullptr && q.sign().has_value() && q.sign() != Sign::Zero) {
@@ -358,7 +360,7 @@ extern template Step<Interval, 2> krawczyk_step<Interval, 2>(const LocalModel<In
 extern template Step<Wide, 2> krawczyk_step<Wide, 2>(const LocalModel<Wide, 2>&, const Offsets<Wide, 2>&,
                                                      const WideBox<2>&, Preconditioning);
 
-/// The same, of a model: local = model.at(box, offsets).
+/// The step for a model, which is asked for what it is about the box: local = model.at(box, offsets).
 template <class T, int N, class Model>
 Step<T, N> krawczyk_step(const Model& model, const std::array<T, N>& box, Preconditioning preconditioning) {
     const Offsets<T, N> at(box);
