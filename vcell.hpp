@@ -10,6 +10,8 @@
 
 #include "core/errors.hpp"
 #include "envelope/cell.hpp"
+#include "envelope/cell_changes.hpp"
+#include "envelope/point_query.hpp"
 #include "envelope/voronoi_cell.hpp"
 #include "primitives/bisectors/trisector.hpp"
 #include "primitives/objects/scene.hpp"

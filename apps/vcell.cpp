@@ -15,13 +15,12 @@
 
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
+#include "../envelope/point_query.hpp"
 #include "../envelope/voronoi_cell.hpp"
 #include "../io/check/check.hpp"
 #include "../io/files/text.hpp"
 #include "../io/io.hpp"
-#include "../primitives/objects/decided_scene.hpp"
 #include "progress.hpp"
-#include "query.hpp"
 
 namespace vcell {
 
@@ -316,12 +315,7 @@ public:
             throw UsageError("query: scene and points cannot both come from standard input");
         const Scene scene = scene_.read();
         const std::vector<Vec3> points = about_file(points_, "points", [&] { return read_points(); });
-        const std::string answers = scene_.about([&] {
-            const DecidedScene decided = decide(scene);
-            return std::holds_alternative<Plane>(scene.base)
-                       ? answer(plane_base_problem(decided.scene, decided.unit), points)
-                       : answer(radial_base_problem(decided.scene, decided.unit), points);
-        });
+        const std::string answers = scene_.about([&] { return answer(PointQuery(scene), points); });
         OutputFile out("-");
         out.stream() << answers;
         out.commit();
@@ -329,16 +323,16 @@ public:
     }
 
 private:
-    template <class Problem>
-    static std::string answer(const Problem& problem, const std::vector<Vec3>& points) {
-        for (const std::string& w : problem.warnings) warn(w);
+    static std::string answer(PointQuery query, const std::vector<Vec3>& points) {
+        for (const std::string& w : query.warnings()) warn(w);
         std::string answers;
         for (const Vec3& p : points) {
-            const auto a = query_point(problem, p);
+            const auto a = query(p);
             if (a && a->site)
-                answers += fmt::format("{} {} {}\n", to_string(*a->site), a->clearance, a->inside);
+                fmt::format_to(std::back_inserter(answers), "{} {} {}\n", to_string(*a->site), a->clearance,
+                               a->inside);
             else
-                answers += fmt::format("- - {}\n", a && a->inside);
+                fmt::format_to(std::back_inserter(answers), "- - {}\n", a && a->inside);
         }
         return answers;
     }

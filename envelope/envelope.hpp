@@ -2,5 +2,7 @@
 #pragma once
 
 #include "cell.hpp"
+#include "cell_changes.hpp"
 #include "diagram/minimization_diagram.hpp"
+#include "point_query.hpp"
 #include "voronoi_cell.hpp"

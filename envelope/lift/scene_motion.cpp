@@ -187,7 +187,7 @@ private:
     bool stays(const Term& term) const {
         return std::holds_alternative<Sphere>(cell_.scene.base) &&
                !(term.site.is_object() &&
-                 std::holds_alternative<Plane>(cell_.scene.objects[term.site.index]));
+                 std::holds_alternative<Plane>(cell_.scene.objects[cell_.scene.place(term.site.index)]));
     }
 
     Direction base(const Vec3& p) const { return from_foot(cell_.scene.base, base_unit_, p); }
@@ -205,7 +205,8 @@ private:
             return {(side - base_unit_.dot(side) * base_unit_).normalized()};
         }
         if (site.kind == Site::Kind::End) return {base_unit_};
-        const Direction object = from_foot(cell_.scene.objects[site.index], units_[site.index], p);
+        const std::size_t place = cell_.scene.place(site.index);
+        const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);
         row.object = object;
         row.has_object = true;

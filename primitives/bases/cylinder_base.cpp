@@ -408,7 +408,7 @@ private:
         };
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
             if (!objects_.is_kept(i)) continue;
-            const Site site = Site::object(i);
+            const Site site = objects_.site(i);
             if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i])) {
                 add(site, Sphere{motion_.to_canonical(sphere->center), sphere->radius},
                     form(objects_.balls.of(i)));
@@ -458,14 +458,16 @@ private:
 
     RadialBaseProblem make_problem() {
         RadialBaseProblem problem;
-        FoundForms found(scene_.objects.size());
+        FoundForms found(scene_);
         std::vector<Entry> entries = all_entries();
         std::vector<RadialForm> forms;
         for (const Entry& e : entries) {
             const Site site = e.sites.front();
             const bool is_tube = site.is_object() && std::holds_alternative<Cylinder>(e.canonical);
-            forms.push_back(is_tube && !e.form.has_root() ? linear_image(objects_.cylinders.of(site.index))
-                                                          : e.form);
+            forms.push_back(is_tube && !e.form.has_root()
+                                ? linear_image(objects_.cylinders.of(
+                                      static_cast<std::uint32_t>(scene_.place(site.index))))
+                                : e.form);
         }
         const std::vector<AxialTie> ties = find_axial_ties(forms);
         // In a turned scene places are rounded: what that hides counts as motion, and the rest as an

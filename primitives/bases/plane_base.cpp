@@ -161,8 +161,10 @@ private:
     // A ball in the world, or what is exact.
     using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
 
+    Site site(std::uint32_t object) const { return Site::object(scene_.number(object)); }
+
     [[noreturn]] void fail(Kind kind, std::uint32_t object, const std::string& what) const {
-        throw InputError(kind, object, object_path(scene_, object), what);
+        throw InputError(kind, scene_.number(object), object_path(scene_, object), what);
     }
     [[noreturn]] void fail_touching(std::uint32_t object, Sign depth, const Eigen::Vector2d& place) const {
         const Vec3 world = frame_->motion().to_world({place.x(), place.y(), 0});
@@ -417,7 +419,8 @@ private:
         const std::string what =
             "is so close to the base, or so nearly parallel to it, that its height leaves the range of "
             "doubles";
-        if (site.is_object()) fail(Kind::OutOfRange, site.index, what);
+        if (site.is_object())
+            fail(Kind::OutOfRange, static_cast<std::uint32_t>(scene_.place(site.index)), what);
         throw InputError(Kind::OutOfRange, InputError::no_object, "box",
                          "side " + to_string(site) + " " + what);
     }
@@ -438,7 +441,7 @@ private:
                 continue;
             }
             linear.push_back(form);
-            linear_sites.push_back(Site::object(plane_objects_[i]));
+            linear_sites.push_back(site(plane_objects_[i]));
         }
         for (const BoxSide& side : box_) {
             if (!(side.m.z() > 0)) continue;
@@ -458,13 +461,13 @@ private:
                 const CircularForm f =
                     is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
                 check_range(f.e, is_kept ? rounded(*frame_, ball).cz == ball.rho : f.e == 0,
-                            Site::object(ball_objects_[i]));
-                check_range(f.w, false, Site::object(ball_objects_[i]));
+                            site(ball_objects_[i]));
+                check_range(f.w, false, site(ball_objects_[i]));
                 ball_forms[i] = forms_.push_back(f);
                 sources_->push_back(balls_[i]);
                 sites_.push_back({});
             }
-            sites_[ball_forms[i]].push_back(Site::object(ball_objects_[i]));
+            sites_[ball_forms[i]].push_back(site(ball_objects_[i]));
         };
         const auto add_linear = [&](std::size_t i) {
             if (first_linear[i] < i) {
@@ -479,8 +482,7 @@ private:
         };
         std::size_t ball = 0;
         for (std::size_t i = 0; i < linear.size(); ++i) {
-            while (ball < balls_.size() && Site::object(ball_objects_[ball]) < linear_sites[i])
-                add_ball(ball++);
+            while (ball < balls_.size() && site(ball_objects_[ball]) < linear_sites[i]) add_ball(ball++);
             add_linear(i);
         }
         while (ball < balls_.size()) add_ball(ball++);
@@ -489,9 +491,9 @@ private:
     // Cylinders come after the circular forms, in the order of their objects.
     void add_cylinders() {
         for (const std::uint32_t object : cylinder_objects_) {
-            std::vector<Site> sites{Site::object(object)};
+            std::vector<Site> sites{site(object)};
             for (const auto& [first, twin] : equal_)
-                if (first == object) sites.push_back(Site::object(twin));
+                if (first == object) sites.push_back(site(twin));
             sites_.push_back(sites);
         }
     }
@@ -507,8 +509,7 @@ private:
             if (sites.size() < 2) continue;
             std::string text;
             for (const Site site : sites)
-                text += (text.empty() ? "" : " and ") +
-                        (site.is_object() ? object_title(scene_, site.index) : "side " + to_string(site));
+                text += (text.empty() ? "" : " and ") + competitor_title(scene_, site);
             warnings_.push_back(text + ": the same distance from the base everywhere, merged");
         }
     }

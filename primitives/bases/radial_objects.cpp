@@ -24,7 +24,7 @@ RadialObjects::RadialObjects(const Scene& scene) : scene_(scene), owner_(scene.o
 }
 
 void RadialObjects::fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const {
-    throw InputError(kind, object, object_path(scene_, object), what);
+    throw InputError(kind, scene_.number(object), object_path(scene_, object), what);
 }
 
 void RadialObjects::leave_out_unmet(std::uint32_t i) {
@@ -68,9 +68,7 @@ void RadialObjects::warn(const FormSites& sites, std::vector<std::string>& warni
         const std::span<const Site> group = sites[f];
         if (group.size() < 2) continue;
         std::string text;
-        for (const Site site : group)
-            text += (text.empty() ? "" : " and ") +
-                    (site.is_object() ? object_title(scene_, site.index) : "side " + to_string(site));
+        for (const Site site : group) text += (text.empty() ? "" : " and ") + competitor_title(scene_, site);
         warnings.push_back(text + ": the same distance from the base everywhere, merged");
     }
 }
@@ -118,7 +116,7 @@ void FoundForms::add_twins(const RadialObjects& all) {
     for (std::uint32_t i = 0; all.has_merged() && i < of_object.size(); ++i) {
         const std::uint32_t owner = all.owner(i);
         if (owner != RadialObjects::none && owner != i && of_object[owner].valid())
-            sites.join(of_object[owner], Site::object(i));
+            sites.join(of_object[owner], all.site(i));
     }
     sites.settle();
 }

@@ -96,6 +96,7 @@ public:
         return i;
     }
     bool is_kept(std::uint32_t i) const { return owner_[i] == i; }
+    Site site(std::uint32_t i) const { return Site::object(scene_.number(i)); }
     void merge(std::uint32_t i, std::uint32_t j) {
         owner_[std::max(i, j)] = std::min(i, j);
         has_merged_ = true;
@@ -131,9 +132,9 @@ struct FoundForms {
     FormSites sites;
     IdVector<FormId, Object> objects;
 
-    explicit FoundForms(std::size_t object_count) : of_object(object_count) {
-        sites.reserve(object_count + 6);
-        objects.reserve(object_count + 6);
+    explicit FoundForms(const Scene& scene) : of_object(scene.objects.size()), scene_(scene) {
+        sites.reserve(of_object.size() + 6);
+        objects.reserve(of_object.size() + 6);
     }
     void add(Site site, const Object& canonical) {
         objects.push_back(canonical);
@@ -148,8 +149,10 @@ struct FoundForms {
 
 private:
     void note(Site site, FormId f) {
-        if (site.is_object()) of_object[site.index] = f;
+        if (site.is_object()) of_object[scene_.place(site.index)] = f;
     }
+
+    const Scene& scene_;
 };
 
 [[noreturn]] void fail_empty(const std::string& what);

@@ -221,7 +221,7 @@ bool is_in_range(double coefficient) {
         "range of "
         "doubles";
     if (site.is_object())
-        throw InputError(Kind::OutOfRange, site.index, object_path(scene, site.index), what);
+        throw InputError(Kind::OutOfRange, site.index, object_path(scene, scene.place(site.index)), what);
     throw InputError(Kind::OutOfRange, InputError::no_object, "box", "side " + to_string(site) + " " + what);
 }
 
@@ -403,7 +403,7 @@ private:
 
     RadialBaseProblem make_problem() {
         const std::size_t n = scene_.objects.size();
-        FoundForms found(n);
+        FoundForms found(scene_);
         const auto sources = std::make_shared<FormSources>(FormSources{frame_, scene_.box, {}, {}, {}});
         RadialBaseProblem problem;
         IdVector<FormId, CircularForm>& forms = problem.family.forms;
@@ -424,7 +424,7 @@ private:
             const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]);
             const std::uint32_t k = sphere != nullptr ? next_ball++ : 0;
             if (!objects_.is_kept(i)) continue;
-            const Site site = Site::object(i);
+            const Site site = objects_.site(i);
             if (sphere != nullptr) {
                 add(site, Sphere{sphere->center - frame_.center, sphere->radius},
                     rounded_form(objects_.balls.items[k], powers_[k], frame_), {Kind::Ball, k});
@@ -451,7 +451,7 @@ private:
             const std::uint32_t i = objects_.cylinders.objects[k];
             if (!objects_.is_kept(i)) continue;
             const auto& cylinder = std::get<Cylinder>(scene_.objects[i]);
-            found.add(Site::object(i),
+            found.add(objects_.site(i),
                       Cylinder{cylinder.point - frame_.center, cylinder.axis, cylinder.radius});
             problem.family.radial.push_back(frame_.form(objects_.cylinders.items[k]));
         }

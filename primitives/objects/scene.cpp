@@ -1,5 +1,6 @@
 #include "scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "../../core/errors.hpp"
@@ -51,8 +52,10 @@ public:
         if (r < 0) fail(Kind::NegativeRadius, field, "must be >= 0, is " + to_text(r));
     }
     [[noreturn]] void fail(Kind kind, const std::string& field, const std::string& what) const {
-        const std::string path = object_ == InputError::no_object ? path_ : object_path(scene_, object_);
-        throw InputError(kind, object_, path.empty() ? field : path + "." + field, what);
+        const bool is_object = object_ != InputError::no_object;
+        const std::string path = is_object ? object_path(scene_, object_) : path_;
+        const std::uint32_t number = is_object ? scene_.number(object_) : object_;
+        throw InputError(kind, number, path.empty() ? field : path + "." + field, what);
     }
 
     void operator()(const Plane& plane) const {
@@ -101,6 +104,11 @@ private:
 
 }  // namespace
 
+std::size_t Scene::place(std::uint32_t number) const {
+    if (numbers.empty()) return number;
+    return static_cast<std::size_t>(std::ranges::lower_bound(numbers, number) - numbers.begin());
+}
+
 void validate(const Scene& scene) {
     const std::string base_path = std::string("base.") + type_name(scene.base);
     std::visit(Checker(scene, InputError::no_object, base_path.c_str()), scene.base);
@@ -126,16 +134,21 @@ void validate(const Scene& scene) {
 }
 
 std::string object_path(const Scene& scene, std::size_t object, const std::string& field) {
-    std::string path = "objects[" + std::to_string(object) + "]." + type_name(scene.objects[object]);
+    std::string path =
+        "objects[" + std::to_string(scene.number(object)) + "]." + type_name(scene.objects[object]);
     if (!field.empty()) path += "." + field;
     return path;
 }
 
 std::string object_title(const Scene& scene, std::size_t object) {
-    std::string title = "object " + std::to_string(object);
+    std::string title = "object " + std::to_string(scene.number(object));
     if (object < scene.names.size() && !scene.names[object].empty())
         title += " (" + scene.names[object] + ")";
     return title;
+}
+
+std::string competitor_title(const Scene& scene, Site site) {
+    return site.is_object() ? object_title(scene, scene.place(site.index)) : "side " + to_string(site);
 }
 
 }  // namespace vcell

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "objects.hpp"
+#include "site.hpp"
 
 namespace vcell {
 
@@ -17,6 +18,10 @@ struct Scene {
     /// no competitor.
     std::optional<std::uint32_t> base_object;
     std::vector<std::string> names;  ///< empty, or one (possibly empty) name for each object
+    /// Empty: sites and messages name the objects by their places in `objects`. Otherwise by these numbers,
+    /// ascending: `objects` are then some of a larger scene's (cell_changes.hpp), and files are written of
+    /// that.
+    std::vector<std::uint32_t> numbers;
     std::string base_name;
     Box box;
     std::string units = "mm";
@@ -25,6 +30,11 @@ struct Scene {
     std::optional<double> tolerance;
 
     bool competes(std::size_t object) const { return !base_object || *base_object != object; }
+    std::uint32_t number(std::size_t object) const {
+        return numbers.empty() ? static_cast<std::uint32_t>(object) : numbers[object];
+    }
+    /// The place of the object of that number. Pre: there is one.
+    std::size_t place(std::uint32_t number) const;
 };
 
 /// Validates a scene on its own: finite numbers, non-zero directions, radii >= 0, a proper box, and
@@ -40,5 +50,7 @@ std::string object_path(const Scene& scene, std::size_t object, const std::strin
 
 /// "object 3 (O1)" or "object 3", for messages.
 std::string object_title(const Scene& scene, std::size_t object);
+/// The same for an object as a site, and "side box:-x".
+std::string competitor_title(const Scene& scene, Site site);
 
 }  // namespace vcell

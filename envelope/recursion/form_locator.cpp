@@ -1,0 +1,109 @@
+#include "form_locator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace vcell {
+
+namespace {
+
+// Measured on spheres over a plane: smaller leaves cost more levels than they save comparisons.
+constexpr std::size_t forms_of_leaf = 6;
+// Halving on although the forms hardly get fewer (many of them meet in a point): this often in a row, and in
+// all, as rectangles end to be larger than a double's spacing.
+constexpr int most_stalled = 4;
+constexpr double least_part = 0x1p-40;
+
+}  // namespace
+
+FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms, const std::array<double, 4>& box,
+                         bool is_sphere)
+    : family_(family), is_sphere_(is_sphere), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
+    if (family.is_all_circular())
+        for (const CircularForm& f : family.forms) circular_.push_back(CircleKernel::make_form(f));
+    Node root;
+    root.box = box;
+    root.forms = std::move(forms);
+    nodes_.push_back(std::move(root));
+    // The two halves of a cylinder's chart are smooth, not both together.
+    constexpr double seam = 1;
+    if (!family.radial.empty() && family.chart == RadialChart::HalfAngle && box[0] < seam && box[1] > seam)
+        halve(0, true, seam);
+}
+
+FormId FormLocator::lowest(double x, double y) {
+    const std::array<double, 4>& all = nodes_[0].box;
+    if (!(x >= all[0] && x <= all[1] && y >= all[2] && y <= all[3])) return lowest_of(nodes_[0].forms, x, y);
+    std::uint32_t i = 0;
+    while (true) {
+        if (nodes_[i].first == leaf) halve(i);
+        const Node& node = nodes_[i];
+        if (node.first == leaf) return lowest_of(node.forms, x, y);
+        i = node.first + ((node.upright ? x : y) > node.at);
+    }
+}
+
+void FormLocator::halve(std::uint32_t i) {
+    const Node& node = nodes_[i];
+    if (node.forms.size() <= forms_of_leaf || node.stalled >= most_stalled) return;
+    const std::array<double, 4>&b = node.box, &all = nodes_[0].box;
+    // Both sides as parts of the whole: lengths along a cylinder are no angles.
+    const double part_x = (b[1] - b[0]) / (all[1] - all[0]), part_y = (b[3] - b[2]) / (all[3] - all[2]);
+    const bool upright = part_x >= part_y;
+    if (std::max(part_x, part_y) < least_part) return;
+    const double lower = b[upright ? 0 : 2], upper = b[upright ? 1 : 3];
+    // A coordinate of the stereographic chart is the tangent of half an angle.
+    const double at =
+        is_sphere_ ? std::tan(0.5 * (std::atan(lower) + std::atan(upper))) : 0.5 * (lower + upper);
+    if (at > lower && at < upper) halve(i, upright, at);
+}
+
+void FormLocator::halve(std::uint32_t i, bool upright, double at) {
+    const auto first = static_cast<std::uint32_t>(nodes_.size());
+    for (const bool beyond : {false, true}) {
+        const Node& node = nodes_[i];
+        Node half;
+        half.box = node.box;
+        half.box[(upright ? 0 : 2) + (beyond ? 0 : 1)] = at;
+        half.forms = cull(half.box, node.forms);
+        half.stalled = 8 * half.forms.size() > 7 * node.forms.size() ? node.stalled + 1 : 0;
+        nodes_.push_back(std::move(half));
+    }
+    nodes_[i].upright = upright;
+    nodes_[i].at = at;
+    nodes_[i].first = first;
+}
+
+std::vector<FormId> FormLocator::cull(const std::array<double, 4>& box, std::span<const FormId> forms) {
+    if (circular_.empty()) return analysis_.cull(box, forms);
+    const double x = 0.5 * (box[0] + box[1]), y = 0.5 * (box[2] + box[3]);
+    const double rx = Interval::up(std::max(box[1] - x, x - box[0])),
+                 ry = Interval::up(std::max(box[3] - y, y - box[2]));
+    places_.clear();
+    for (const FormId f : forms) places_.push_back(CircleKernel::place(circular_[f.value], x, y, rx, ry));
+    const CircleKernel::Place& rival = *std::ranges::min_element(places_, {}, &CircleKernel::Place::top);
+    std::vector<FormId> kept;
+    for (std::size_t i = 0; i < forms.size(); ++i)
+        if (!CircleKernel::certainly_above(places_[i], rival, rx, ry)) kept.push_back(forms[i]);
+    return kept;
+}
+
+FormId FormLocator::lowest_of(std::span<const FormId> forms, double x, double y) {
+    const Interval X(x), Y(y);
+    values_.clear();
+    double top = HUGE_VAL;
+    for (const FormId f : forms) {
+        values_.push_back(heights().value(f, X, Y));
+        top = std::min(top, values_.back().upper());
+    }
+    FormId best;
+    for (std::size_t i = 0; i < forms.size(); ++i) {
+        if (values_[i].lower() > top) continue;
+        if (!best.valid() || heights().compare(forms[i], best, x, y, decisions_) == Sign::Negative)
+            best = forms[i];
+    }
+    return best;
+}
+
+}  // namespace vcell

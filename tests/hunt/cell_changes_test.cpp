@@ -1,0 +1,228 @@
+// Cells of changed scenes, against those of the same scenes from scratch.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/cell_changes.hpp"
+#include "families.hpp"
+#include "test_support.hpp"
+
+using namespace vcell;
+using namespace vcell::hunt;
+
+namespace {
+
+std::optional<Cell> cell_of(const Scene& scene) {
+    try {
+        return voronoi_cell(scene);
+    } catch (const UndecidedError&) {
+        return std::nullopt;
+    }
+}
+
+Scene without(Scene scene, std::size_t object) {
+    scene.objects.erase(scene.objects.begin() + static_cast<std::ptrdiff_t>(object));
+    if (object < scene.names.size())
+        scene.names.erase(scene.names.begin() + static_cast<std::ptrdiff_t>(object));
+    return scene;
+}
+
+// What names an element whatever its number: its sites.
+std::vector<Site> named(std::vector<Site> sites) {
+    std::ranges::sort(sites);
+    return sites;
+}
+template <class Sites>
+std::vector<Site> named(const Sites& sites, const std::vector<Site>& more) {
+    std::vector<Site> all(sites.begin(), sites.end());
+    all.insert(all.end(), more.begin(), more.end());
+    return named(std::move(all));
+}
+
+// One measure with its error under the element's name.
+struct Measured {
+    std::vector<Site> sites;
+    double value, error;
+
+    friend bool operator<(const Measured& a, const Measured& b) {
+        return a.sites != b.sites ? a.sites < b.sites : a.value < b.value;
+    }
+};
+
+struct Elements {
+    std::vector<Measured> vertices, edges, faces;
+
+    explicit Elements(const Cell& cell) {
+        for (const CellVertex& v : cell.vertices)
+            vertices.push_back({named(v.sites, {}), v.point.sum(), 2 * v.error});
+        for (const CellEdge& e : cell.edges)
+            edges.push_back({named(e.sites, e.extra_sites), e.length, e.length_error});
+        for (const CellFace& f : cell.faces)
+            faces.push_back({named(std::array{f.site}, f.extra_sites), f.area, f.area_error});
+        for (auto* list : {&vertices, &edges, &faces}) std::sort(list->begin(), list->end());
+    }
+};
+
+// How the cells differ, beyond their errors; empty if not at all.
+std::string difference(const std::vector<Measured>& a, const std::vector<Measured>& b, double slack) {
+    if (a.size() != b.size()) return std::to_string(a.size()) + " and " + std::to_string(b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (a[i].sites != b[i].sites) return "sites of number " + std::to_string(i);
+        if (!(std::abs(a[i].value - b[i].value) <= a[i].error + b[i].error + slack))
+            return std::to_string(a[i].value) + " and " + std::to_string(b[i].value);
+    }
+    return {};
+}
+std::string difference(const Cell& a, const Cell& b) {
+    // Estimated errors and the ends' rounding, in the box's unit.
+    const double size = a.scene.box.diagonal(), rounding = 1e-9 * size;
+    const Elements p(a), q(b);
+    if (const auto d = difference(p.vertices, q.vertices, rounding); !d.empty()) return "vertices: " + d;
+    if (const auto d = difference(p.edges, q.edges, rounding); !d.empty()) return "edges: " + d;
+    if (const auto d = difference(p.faces, q.faces, rounding * size); !d.empty()) return "faces: " + d;
+    if (!(std::abs(a.measures.volume - b.measures.volume) <=
+          a.measures.volume_error + b.measures.volume_error + rounding * size * size))
+        return "volumes";
+    if (a.scene.objects != b.scene.objects) return "objects";
+    std::vector<std::uint32_t> m = a.neighbors, n = b.neighbors;
+    std::ranges::sort(m);
+    std::ranges::sort(n);
+    return m == n ? "" : "neighbours";
+}
+
+struct Count {
+    int compared = 0, refused = 0;
+};
+
+// Calls changed(scene, cell of it, rng) -> {changed cell, scene from scratch} for scenes of the families over
+// every base.
+template <class Change>
+Count compare(std::initializer_list<const char*> names, Change&& change) {
+    std::mt19937_64 rng(test_seed());
+    Count count;
+    for (const char* name : names)
+        for (const BaseKind base : base_kinds)
+            for (int round = 0; round < rounds(); ++round) {
+                const auto family = std::ranges::find(families(), std::string(name), &Family::name);
+                const Scene scene = family->make(rng, base);
+                if (scene.base_object || scene.objects.size() < 3 || !is_legal(scene)) continue;
+                CAPTURE(name);
+                CAPTURE(to_string(base));
+                CAPTURE(round);
+                try {
+                    const auto [changed, expected] = change(scene, rng);
+                    const std::optional<Cell> scratch = cell_of(expected);
+                    if (!scratch) {
+                        ++count.refused;
+                        continue;
+                    }
+                    ++count.compared;
+                    CHECK(difference(changed, *scratch) == "");
+                } catch (const UndecidedError&) {
+                    ++count.refused;
+                }
+            }
+    return count;
+}
+
+std::size_t any_object(const Scene& scene, std::mt19937_64& rng) {
+    return std::uniform_int_distribution<std::size_t>(0, scene.objects.size() - 1)(rng);
+}
+
+}  // namespace
+
+TEST_CASE("insert: the cell of the scene with the object, over every base") {
+    const Count count = compare({"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric"},
+                                [](const Scene& scene, std::mt19937_64& rng) {
+                                    const std::size_t i = any_object(scene, rng);
+                                    const Object object = scene.objects[i];
+                                    Scene fewer = without(scene, i), more = fewer;
+                                    more.objects.push_back(object);
+                                    more.names.clear();
+                                    fewer.names.clear();
+                                    return std::pair{insert(voronoi_cell(fewer), object), more};
+                                });
+    CHECK(count.compared >= 25 * rounds());
+    CHECK(count.refused <= 10 * rounds());
+}
+
+TEST_CASE("remove: the cell of the scene without the object, over every base") {
+    const Count count = compare(
+        {"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric"},
+        [](const Scene& scene, std::mt19937_64& rng) {
+            Cell cell = voronoi_cell(scene);
+            // Rather one that matters.
+            std::size_t i = any_object(scene, rng);
+            if (!cell.neighbors.empty() && rng() % 4 != 0) i = cell.neighbors[rng() % cell.neighbors.size()];
+            return std::pair{remove(std::move(cell), static_cast<std::uint32_t>(i)), without(scene, i)};
+        });
+    CHECK(count.compared >= 25 * rounds());
+    CHECK(count.refused <= 10 * rounds());
+}
+
+TEST_CASE("merge: the cell among the objects of both, over every base") {
+    const Count count =
+        compare({"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric"},
+                [](const Scene& scene, std::mt19937_64&) {
+                    Scene first = scene, second = scene;
+                    first.names.clear();
+                    second.names.clear();
+                    const auto half = static_cast<std::ptrdiff_t>(scene.objects.size() / 2);
+                    first.objects.erase(first.objects.begin() + half, first.objects.end());
+                    second.objects.erase(second.objects.begin(), second.objects.begin() + half);
+                    return std::pair{merge(voronoi_cell(first), voronoi_cell(second)), scene};
+                });
+    CHECK(count.compared >= 25 * rounds());
+    CHECK(count.refused <= 10 * rounds());
+}
+
+TEST_CASE("insert, remove and merge: what they are not given is named") {
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 1};
+    scene.objects = {Sphere{{4, 0, 0}, 1}, Sphere{{-4, 0, 0}, 1}, Sphere{{-9, 0, 0}, 0.5}};
+    scene.names = {"east", "west", "beyond"};
+    scene.box = {Vec3::Constant(-10), Vec3::Constant(10)};
+    const Cell cell = voronoi_cell(scene);
+
+    SUBCASE("objects keep their numbers in messages, whichever are looked at") {
+        // Object 2 is no neighbour and not looked at; the new one is number 3.
+        CHECK_THROWS_WITH_AS(insert(cell, Sphere{{0.5, 0, 0}, 0.25}), doctest::Contains("objects[3].sphere"),
+                             InputError);
+        const Cell twice = insert(cell, Sphere{{-4, 0, 0}, 1});
+        REQUIRE(twice.report.warnings.size() == 1);
+        CHECK(twice.report.warnings[0].find("object 1 (west) and object 3: ") == 0);
+        CHECK(twice.scene.names == std::vector<std::string>{"east", "west", "beyond", ""});
+        CHECK(twice.neighbors.size() == 3);
+    }
+    SUBCASE("an object that is no neighbour leaves without a trace") {
+        const Cell fewer = remove(cell, 2);
+        CHECK(fewer.scene.objects.size() == 2);
+        CHECK(fewer.measures.volume == cell.measures.volume);
+        const Cell first = remove(remove(cell, 1), 0);  // number 2 is number 0 then, and a neighbour
+        CHECK(first.neighbors == std::vector<std::uint32_t>{0});
+        CHECK_THROWS_AS(remove(cell, 3), InputError);
+    }
+    SUBCASE("cells of different bases or boxes") {
+        Scene other = scene;
+        other.base = Sphere{{0, 0, 0}, 1.5};
+        CHECK_THROWS_WITH_AS(merge(cell, voronoi_cell(other)), doctest::Contains("base"), InputError);
+        other.base = scene.base;
+        other.box.max.x() = 11;
+        CHECK_THROWS_WITH_AS(merge(cell, voronoi_cell(other)), doctest::Contains("box"), InputError);
+    }
+    SUBCASE("a base that is one of the objects") {
+        scene.objects.insert(scene.objects.begin() + 1, scene.base);
+        scene.names.clear();
+        scene.base_object = 1;
+        const Cell own = voronoi_cell(scene);
+        CHECK_THROWS_AS(remove(own, 1), InputError);
+        CHECK(remove(own, 0).scene.base_object == 0);
+        const Cell both = merge(own, own);
+        CHECK(both.scene.objects.size() == 7);
+        CHECK(both.neighbors.size() == 2 * own.neighbors.size());
+    }
+}
