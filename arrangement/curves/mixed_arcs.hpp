@@ -114,6 +114,11 @@ private:
         OneRoot x, y;
         Exact denominator;
     };
+    template <class T>
+    static T value_of(const OneRoot& v, const Exact& denominator) {
+        return (enclosure_of<T>(v.a) + enclosure_of<T>(v.b) * sqrt(enclosure_of<T>(v.c))) /
+               enclosure_of<T>(denominator);
+    }
     struct PointData {
         Interval x, y;
         std::function<std::pair<Wide, Wide>()> refine;

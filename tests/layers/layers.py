@@ -15,6 +15,7 @@ beside = {
     "arrangement/curves/defining_function.hpp",
     "arrangement/curves/mixed_arcs.cpp",
     "arrangement/curves/mixed_arcs.hpp",
+    "arrangement/curves/mixed_meetings.cpp",
     "arrangement/curves/monotone_graph.cpp",
     "arrangement/curves/monotone_graph.hpp",
     "arrangement/curves/traced_curve.cpp",
