@@ -7,6 +7,7 @@
 /// general merge takes the overlay of two diagrams and a challenger for each of its faces.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -133,6 +134,10 @@ private:
     void set_height(Vertex& v, FormId lowest) const;
     Index add_edge(FormPair curve, Index from, Index to, bool rim);
     Index add_face(FormId site);
+    static void grow(std::array<double, 4>& box, const std::array<double, 4>& by) {
+        box = {std::min(box[0], by[0]), std::max(box[1], by[1]), std::min(box[2], by[2]),
+               std::max(box[3], by[3])};
+    }
     void set_bounds(Index e);
     void kill_edge(Index e);
     Index split_edge(Index e, PointId p, FormId lowest);
