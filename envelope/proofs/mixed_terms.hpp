@@ -1,4 +1,5 @@
-// What decisions in a piece and along its sides have in common (mixed_piece.cpp, mixed_side.cpp).
+// What decisions in a piece and along its sides have in common (mixed_piece.cpp, mixed_side.cpp,
+// side_crossings.cpp).
 #pragma once
 
 #include <algorithm>
@@ -61,6 +62,21 @@ void drop_above_best(Items& items, Top&& top, Above&& certainly_above) {
     const auto best = *std::ranges::min_element(items, {}, top);
     std::erase_if(items, [&](const auto& i) { return certainly_above(i, best); });
     if (items.size() <= most_compared_in_pairs) drop_dominated(items, certainly_above);
+}
+
+// Those of the candidates that may attain the minimum of values enclosed by `value`.
+template <class Value>
+std::vector<FormId> possibly_lowest(std::span<const FormId> candidates, Value&& value) {
+    std::vector<Interval> values;
+    double top = infinity;
+    for (const FormId f : candidates) {
+        values.push_back(value(f));
+        top = std::min(top, values.back().upper());
+    }
+    std::vector<FormId> lowest;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (values[i].lower() <= top) lowest.push_back(candidates[i]);
+    return lowest;
 }
 
 // Those of the candidates that attain the minimum: compare(f, g) is the exact sign of f - g.
