@@ -16,19 +16,17 @@
 #include <utility>
 
 #include "../../core/errors.hpp"
-#include "../../core/small_vector.hpp"
-#include "../circles/work_diagram.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
 #include "../proofs/mixed_piece.hpp"
 #include "../sphere/sphere_diagram.hpp"
+#include "chart_reach.hpp"
+#include "piece_merger.hpp"
+#include "pieces.hpp"
 
 namespace vcell {
 
 namespace {
-
-using Form = CircleKernel::Form;
-using Jet = CircleKernel::Jet;
 
 // Measured on random scenes (bench_envelope): pieces of fewer candidates spend more on seams, larger ones
 // more on comparing faces with forms that lose there.
@@ -59,48 +57,6 @@ constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 
 // do with each other, 80,000 times in all along a line that hardly leaves a plane; forms that all but
 // coincide want it as often as the square of the region's size over their distance.
 constexpr std::size_t most_splits = 80000, splits_of_form = 250;
-// Off the middle, by no fraction that input favours: a seam through a lattice's vertices would be legal but
-// slow.
-constexpr double split_ratio = 0.48643;
-
-struct Rect {
-    double x0, x1, y0, y1;
-};
-
-constexpr std::size_t usual_sides = 6;
-using Sides = SmallVector<PieceSide, usual_sides>;
-
-// A convex piece of the region and the rectangle around it.
-struct Piece {
-    Sides sides;
-    SmallVector<IntervalPoint, usual_sides> corners;  // corner i: start of side i
-    Rect rect;
-};
-
-// A piece in which cylinders compete: what is lowest along its sides is known.
-struct LabelledPiece {
-    Piece piece;
-    std::vector<SideLabels> labels;
-    std::vector<std::vector<FormId>> corner_ties;
-};
-
-Piece make_piece(Sides sides) {
-    Piece p;
-    p.corners.reserve(sides.size());
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    p.rect = {inf, -inf, inf, -inf};
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-        const auto c = corner_of(sides[(i + sides.size() - 1) % sides.size()], sides[i]);
-        p.corners.push_back(c);
-        p.rect.x0 = std::min(p.rect.x0, c[0].lower());
-        p.rect.x1 = std::max(p.rect.x1, c[0].upper());
-        p.rect.y0 = std::min(p.rect.y0, c[1].lower());
-        p.rect.y1 = std::max(p.rect.y1, c[1].upper());
-    }
-    p.sides = std::move(sides);
-    return p;
-}
-
 class EnvelopeBuilder {
 public:
     EnvelopeBuilder(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options)
@@ -108,12 +64,10 @@ public:
           region_(region),
           options_(options),
           patchwork_(family),
-          work_(kernel_),
+          merger_(family, options.largest_piece),
           root_(make_piece(sides_of(region))),
-          analysis_(family, extent(root_.rect)) {
-        forms_.reserve(family.forms.size());
-        for (const CircularForm& f : family.forms) forms_.push_back(CircleKernel::make_form(f));
-    }
+          analysis_(family, extent(root_.rect)),
+          cutter_(family.tips) {}
 
     MinimizationDiagram over_region() {
         solve_all(root_, 1.0);
@@ -122,7 +76,7 @@ public:
 
     // Pre: the region's rim, and all beyond it, belongs to one form.
     MinimizationDiagram over_sphere() {
-        is_sphere_ = true;
+        cutter_.measure_on_sphere();
         sizes_ = sphere_sizes;
         patchwork_.drop_rim(solve_all(root_, 1.0));
         MinimizationDiagram result = finish();
@@ -166,7 +120,7 @@ private:
     MinimizationDiagram finish() {
         MinimizationDiagram result = patchwork_.finish(analysis_.heights());
         result.region = region_;
-        result.decisions = kernel_.decisions();
+        result.decisions = merger_.decisions();
         result.decisions += analysis_.decisions();
         result.assumptions = std::move(analysis_.assumptions());
         return result;
@@ -178,42 +132,11 @@ private:
             sides.push_back({region.sides[i].a, region.sides[i].b, region.sides[i].c, i});
         return sides;
     }
-    static double extent(const Rect& r) { return std::max(r.x1 - r.x0, r.y1 - r.y0); }
-
-    // Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above
-    // a rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
-    template <class Keep>
-    void cull(const Rect& r, std::span<const FormId> candidates, Keep&& keep) {
-        const double x = 0.5 * r.x0 + 0.5 * r.x1, y = 0.5 * r.y0 + 0.5 * r.y1;
-        const double rx = Interval::up(std::max(r.x1 - x, x - r.x0)),
-                     ry = Interval::up(std::max(r.y1 - y, y - r.y0));
-        places_.resize(candidates.size());
-        std::size_t rival = 0;
-        for (std::size_t i = 0; i < candidates.size(); ++i) {
-            places_[i] = CircleKernel::place(forms_[candidates[i]], x, y, rx, ry);
-            if (places_[i].top < places_[rival].top) rival = i;
-        }
-        for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (!CircleKernel::certainly_above(places_[i], places_[rival], rx, ry)) keep(i);
-    }
-
-    // Looks closer before the merging starts: a form must hold out in one of four quarters.
-    void cull_in_quarters(const Rect& r, std::vector<FormId>& candidates) {
-        const double x = r.x0 + 0.5 * (r.x1 - r.x0), y = r.y0 + 0.5 * (r.y1 - r.y0);
-        kept_.assign(candidates.size(), false);
-        for (const Rect& quarter :
-             {Rect{r.x0, x, r.y0, y}, Rect{x, r.x1, r.y0, y}, Rect{r.x0, x, y, r.y1}, Rect{x, r.x1, y, r.y1}})
-            cull(quarter, candidates, [&](std::size_t i) { kept_[i] = true; });
-        std::size_t count = 0;
-        for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (kept_[i]) candidates[count++] = candidates[i];
-        candidates.resize(count);
-    }
 
     // Returns the handle of the piece's diagram in the patchwork.
     Patchwork::Index solve(const Piece& piece, std::span<const FormId> inherited, double share, int stalled) {
         std::vector<FormId> candidates;
-        cull(piece.rect, inherited, [&](std::size_t i) { candidates.push_back(inherited[i]); });
+        merger_.cull(piece.rect, inherited, [&](std::size_t i) { candidates.push_back(inherited[i]); });
         stalled = 8 * candidates.size() > 7 * inherited.size() ? stalled + 1 : 0;
         if (candidates.size() > sizes_.piece && stalled <= most_stalled_splits) {
             if (const auto halves = split(piece)) {
@@ -231,99 +154,15 @@ private:
         std::uint32_t seam;
     };
 
-    // A line across a piece: x = at (upright) or y = at. `beyond` tells on which side each corner lies.
-    struct Cut {
-        bool upright;
-        double at;
-        SmallVector<bool, usual_sides> beyond;
-
-        PieceSide side() const { return {upright ? 1.0 : 0.0, upright ? 0.0 : 1.0, -at, UINT32_MAX}; }
-        PieceSide opposite() const { return {upright ? -1.0 : -0.0, upright ? -0.0 : -1.0, at, UINT32_MAX}; }
-    };
-
-    // Half-way in the metric of the base: over a sphere dx / (1 + x^2 + y^2) at the y where it is widest.
-    struct Lengths {
-        double a;  // 0: over a plane
-
-        double at(double x) const { return a > 0 ? std::atan(x / a) / a : x; }
-        double inverse(double length) const { return a > 0 ? a * std::tan(a * length) : length; }
-    };
-    // Over a cylinder y is measured by its distance from a tip: as that shrinks, so does what there is along
-    // the axis.
-    struct AxialLengths {
-        const AxialTips& tips;
-        double scale;  // of y about the middle of the region
-
-        double at(double y) const {
-            double length = tips.any() ? 0 : y;
-            if (const auto& tip = tips[AxialEnd::Low]) length += scale * std::log(y - *tip);
-            if (const auto& tip = tips[AxialEnd::High]) length -= scale * std::log(*tip - y);
-            return length;
-        }
-        double inverse(double length) const {
-            if (!tips.any()) return length;
-            const auto &low = tips[AxialEnd::Low], &high = tips[AxialEnd::High];
-            const double ratio = std::exp(length / scale);
-            if (!high) return *low + ratio;
-            if (!low) return *high - 1 / ratio;
-            return *high - (*high - *low) / (1 + ratio);
-        }
-    };
-    Lengths lengths(double y0, double y1) const {
-        if (!is_sphere_) return {0};
-        const double y = std::max({0.0, y0, -y1});
-        return {std::sqrt(1 + y * y)};
-    }
-
-    // Across the longer side or, where `upright` says so, the one given; certainly clear of all corners.
-    std::optional<Cut> cut_at(const Piece& piece, double shift, std::optional<bool> upright = {}) const {
-        const Rect& r = piece.rect;
-        Cut cut;
-        cut.beyond.reserve(piece.corners.size());
-        double lo = 0, hi = 0;
-        const auto choose = [&](const auto& along_x, const auto& along_y) {
-            cut.upright =
-                upright.value_or(along_x.at(r.x1) - along_x.at(r.x0) >= along_y.at(r.y1) - along_y.at(r.y0));
-            lo = cut.upright ? r.x0 : r.y0;
-            hi = cut.upright ? r.x1 : r.y1;
-            const auto divide = [&](const auto& along) {
-                const double start = along.at(lo);
-                return along.inverse(start + (split_ratio + shift) * (along.at(hi) - start));
-            };
-            cut.at = cut.upright ? divide(along_x) : divide(along_y);
-        };
-        if (const AxialTips& tips = family_.tips; tips.any())
-            choose(Lengths{0}, AxialLengths{tips, tips.reach / (tips.y[0] && tips.y[1] ? 4 : 2)});
-        else
-            choose(lengths(r.y0, r.y1), lengths(r.x0, r.x1));
-        bool clear = cut.at > lo && cut.at < hi;
-        for (const IntervalPoint& corner : piece.corners) {
-            const Interval& c = corner[cut.upright ? 0 : 1];
-            clear = clear && !c.contains(cut.at);
-            cut.beyond.push_back(c.lower() > cut.at);
-        }
-        return clear ? std::optional(std::move(cut)) : std::nullopt;
-    }
-
     std::optional<Halves> split(const Piece& piece) {
-        const std::size_t n = piece.sides.size();
         for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07}) {
-            const auto cut = cut_at(piece, shift);
+            const auto cut = cutter_.cut_at(piece, shift);
             if (!cut) continue;
-            PieceSide side = cut->side(), opposite = cut->opposite();
-            side.id = opposite.id = patchwork_.new_seam();
-            Sides first, second;
-            for (std::size_t i = 0; i < n; ++i) {
-                const bool from = cut->beyond[i], to = cut->beyond[(i + 1) % n];
-                if (!from || !to) first.push_back(piece.sides[i]);
-                if (from || to) second.push_back(piece.sides[i]);
-                if (!from && to) first.push_back(opposite);
-                if (from && !to) second.push_back(side);
-            }
-            Halves halves{make_piece(std::move(first)), make_piece(std::move(second)), side.id};
+            const std::uint32_t seam = patchwork_.new_seam();
+            auto [first, second] = PieceCutter::halves(piece, *cut, seam);
             // The first piece is to lie left of the upright seam; a level one is turned by a right angle.
-            if (!cut->upright) std::swap(halves.first, halves.second);
-            return halves;
+            if (!cut->upright) std::swap(first, second);
+            return Halves{std::move(first), std::move(second), seam};
         }
         return std::nullopt;
     }
@@ -429,237 +268,49 @@ private:
 
     std::optional<LabelledHalves> split_labelled(const LabelledPiece& part,
                                                  const std::vector<FormId>& candidates) {
-        const Piece& piece = part.piece;
-        const std::size_t n = piece.sides.size();
-        const auto upright = cut_upright(piece.rect, candidates.size());
+        const auto upright = cut_upright(part.piece.rect, candidates.size());
         for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07, 0.11, -0.11, 0.17, -0.17}) {
-            const auto cut = cut_at(piece, shift, upright);
+            const auto cut = cutter_.cut_at(part.piece, shift, upright);
             if (!cut) continue;
-            LabelledHalves halves;
-            for (LabelledPiece* half : {&halves.first, &halves.second}) {
-                half->piece.sides.reserve(n + 1);
-                half->labels.reserve(n + 1);
-                half->corner_ties.reserve(n + 1);
-            }
-            const auto push = [](LabelledPiece& to, const PieceSide& side, SideLabels labels,
-                                 std::vector<FormId> ties) {
-                to.piece.sides.push_back(side);
-                to.labels.push_back(std::move(labels));
-                to.corner_ties.push_back(std::move(ties));
-            };
-            // Where the seam leaves the first half's sides and where it returns to them.
-            std::optional<std::size_t> leaving, returning;
-            FormId at_leaving, at_returning;
-            std::size_t seam_in_first = 0, seam_in_second = 0;
-            bool clear = true;
-            for (std::size_t i = 0; i < n && clear; ++i) {
-                const bool from = cut->beyond[i], to = cut->beyond[(i + 1) % n];
-                const SideLabels& labels = part.labels[i];
-                if (from == to) {
-                    push(from ? halves.second : halves.first, piece.sides[i], labels, part.corner_ties[i]);
-                    continue;
-                }
-                SideLabels before{labels.first, {}}, after;
-                for (const RimTransition& t : labels.transitions) {
-                    const double s = t.point[cut->upright ? 0 : 1];
-                    clear = clear && std::abs(s - cut->at) > t.error;
-                    ((s > cut->at) == from ? before : after).transitions.push_back(t);
-                }
-                after.first = before.last();
-                LabelledPiece &start = from ? halves.second : halves.first,
-                              &end = from ? halves.first : halves.second;
-                push(start, piece.sides[i], before, part.corner_ties[i]);
-                (from ? seam_in_second : seam_in_first) = start.labels.size();
-                (from ? at_returning : at_leaving) = before.last();
-                push(start, from ? cut->side() : cut->opposite(), {}, {});
-                push(end, piece.sides[i], after, {});
-            }
-            if (!clear) continue;
-            halves.seam = patchwork_.new_seam();
-            halves.first.piece.sides[seam_in_first].id = halves.second.piece.sides[seam_in_second].id =
-                halves.seam;
-            halves.first.piece = make_piece(std::move(halves.first.piece.sides));
-            halves.second.piece = make_piece(std::move(halves.second.piece.sides));
-            const Piece& first = halves.first.piece;
-            auto labels = analysis_.label_side(first.sides[seam_in_first], first.corners[seam_in_first],
-                                               first.corners[(seam_in_first + 1) % first.corners.size()],
-                                               at_leaving, at_returning, candidates, true);
+            auto halves = PieceCutter::labelled_halves(part, *cut);
+            if (!halves) continue;
+            auto& [first, second, in_first, in_second, at_leaving, at_returning] = *halves;
+            const std::uint32_t seam = patchwork_.new_seam();
+            first.piece.sides[in_first].id = second.piece.sides[in_second].id = seam;
+            auto labels =
+                analysis_.label_side(first.piece.sides[in_first], first.piece.corners[in_first],
+                                     first.piece.corners[(in_first + 1) % first.piece.corners.size()],
+                                     at_leaving, at_returning, candidates, true);
             if (!labels) continue;
-            halves.second.labels[seam_in_second] = labels->reversed();
-            halves.first.labels[seam_in_first] = *std::move(labels);
+            second.labels[in_second] = labels->reversed();
+            first.labels[in_first] = *std::move(labels);
             // As in split().
-            if (!cut->upright) std::swap(halves.first, halves.second);
-            return halves;
+            if (!cut->upright) std::swap(first, second);
+            return LabelledHalves{std::move(first), std::move(second), seam};
         }
         return std::nullopt;
     }
 
     Patchwork::Index conquer(const Piece& piece, std::vector<FormId>& candidates, double share) {
-        const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1,
-                     y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
-        if (candidates.size() > sizes_.quartering) cull_in_quarters(piece.rect, candidates);
-        // Low ones first: most of the others then lose at once.
-        order_.clear();
-        for (const FormId f : candidates) order_.emplace_back(CircleKernel::jet(forms_[f], x, y).v, f);
-        std::ranges::sort(order_);
-        kernel_.reset(&family_);
-        lines_.clear();
-        for (const PieceSide& s : piece.sides) lines_.push_back(kernel_.add_line(s.a, s.b, s.c));
-        std::vector<FormId> forms;
-        for (const auto& [height, f] : order_) forms.push_back(kernel_.add_form(f));
-        merge_all(work_, forms, piece.rect);
-        const Patchwork::Index handle = patchwork_.add(work_, piece.sides);
+        const Patchwork::Index handle =
+            patchwork_.add(merger_.merge(piece, candidates, sizes_.quartering), piece.sides);
         done_ += share;
         if (options_.progress) options_.progress(done_);
         return handle;
     }
 
-    // The diagram of these forms of the kernel, low ones first, over the polygon lines_.
-    void merge_all(WorkDiagram& work, std::span<FormId> forms, const Rect& r) {
-        if (forms.size() <= std::max<std::size_t>(options_.largest_piece, 1)) {
-            work.start(lines_, forms[0]);
-            for (const FormId f : forms.subspan(1)) work.insert(f);
-            return;
-        }
-        // Forms that are lowest in different places share few faces: halve along the longer side.
-        const bool wide = r.x1 - r.x0 >= r.y1 - r.y0;
-        const auto place = [&](FormId f) {
-            const Form& form = kernel_.form(f);
-            const double slope = wide ? form.a : form.b;
-            if (form.k != 0) return (wide ? form.cx : form.cy) - 0.5 * slope / form.k;
-            const bool falls = slope < 0;
-            return wide ? (falls ? r.x1 : r.x0) : (falls ? r.y1 : r.y0);
-        };
-        std::vector<FormId> sorted(forms.begin(), forms.end());
-        const std::size_t half = forms.size() / 2;
-        std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(half), {}, place);
-        // Their numbers ascend with their heights.
-        std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half));
-        std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(half), sorted.end());
-        WorkDiagram first(kernel_), second(kernel_);
-        merge_all(first, std::span(sorted).first(half), r);
-        merge_all(second, std::span(sorted).subspan(half), r);
-        work.merge(first, second);
-    }
-
     const FormFamily& family_;
     const ConvexRegion& region_;
     const EnvelopeOptions& options_;
-    IdVector<FormId, Form> forms_;
-    CircleKernel kernel_;
     Patchwork patchwork_;
-    WorkDiagram work_;
+    PieceMerger merger_;
     const Piece root_;
     MixedAnalysis analysis_;
+    PieceCutter cutter_;
     Sizes sizes_ = region_sizes;
-    bool is_sphere_ = false, is_cylinder_ = false;
+    bool is_cylinder_ = false;
     std::size_t splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
     double done_ = 0;
-    // Working space.
-    std::vector<CircleKernel::Place> places_;
-    std::vector<char> kept_;
-    std::vector<std::pair<double, FormId>> order_;
-    std::vector<FormId> lines_;
-};
-
-}  // namespace
-
-namespace {
-
-// How far from the middle the chart of a sphere has to reach: beyond it one form is certainly lowest. With
-// (x, y) = (x', y') / (x'^2 + y'^2) every form is f / (x^2 + y^2) with its constant and quadratic terms
-// exchanged, so the question is about a square |x'|, |y'| <= h; the chart reaches to 1 / h.
-class ChartReach {
-public:
-    explicit ChartReach(const FormFamily& family) {
-        for (const FormId f : family.forms.ids()) {
-            const CircularForm& c = family.forms[f];
-            const auto ball = [](double v) {
-                return Interval::ball(v, 4 * std::numeric_limits<double>::epsilon() * std::abs(v));
-            };
-            const Interval w = Interval(1.0) / ball(c.w);
-            circular_.push_back({Interval(c.k) * w, ball(c.a) * w, ball(c.b) * w, ball(c.e) * w});
-        }
-        for (const RadialForm& f : family.radial) {
-            RadialForm inverted = f;  // seen from the other pole: u_z changes its sign
-            inverted.b[2] = -f.b[2];
-            inverted.a[2] = -f.a[2];
-            radial_.emplace_back(inverted, RadialChart::Stereographic,
-                                 [](const Exact& v) { return v.enclosure(); });
-        }
-    }
-
-    double find() const {
-        const std::size_t owner = lowest_at_pole();
-        double h = 1;
-        for (std::size_t i = 0; i < circular_.size() && owner < circular_.size(); ++i) {
-            if (i == owner) continue;
-            // v - s h - 2 e h^2 > 0: its root, and a bit less.
-            const std::array<Interval, 4> d = difference(circular_[i], circular_[owner]);
-            const double v = d[0].lower(), s = (d[1].magnitude() + d[2].magnitude()),
-                         e = std::max(0.0, -d[3].lower());
-            if (!(v > 0)) throw undecided();
-            h = std::min(h, 0.999 * 2 * v / (s + std::sqrt(s * s + 8 * e * v)));
-        }
-        while (!is_lowest_within(owner, h)) {
-            h *= 0.5;
-            if (!(h > least)) throw undecided();
-        }
-        return 1 / h;
-    }
-
-private:
-    static constexpr double least = 0x1p-40;
-
-    static UndecidedError undecided() {
-        return UndecidedError("which object is nearest around the pole of the chart");
-    }
-
-    static std::array<Interval, 4> difference(const std::array<Interval, 4>& f,
-                                              const std::array<Interval, 4>& g) {
-        return {f[0] - g[0], f[1] - g[1], f[2] - g[2], f[3] - g[3]};
-    }
-
-    std::size_t lowest_at_pole() const {
-        std::size_t best = 0;
-        double lowest = HUGE_VAL;
-        const auto consider = [&](std::size_t i, double v) {
-            if (v >= lowest) return;
-            lowest = v;
-            best = i;
-        };
-        for (std::size_t i = 0; i < circular_.size(); ++i) consider(i, circular_[i][0].mid());
-        const RadialNormals<Interval> pole(RadialChart::Stereographic, 0.0, 0.0);
-        for (std::size_t i = 0; i < radial_.size(); ++i)
-            consider(circular_.size() + i, radial_[i].jet<0>(pole).v.mid());
-        return best;
-    }
-
-    bool is_lowest_within(std::size_t owner, double h) const {
-        const Interval x(-h, h), r2(0.0, Interval::up(2 * h * h));
-        if (radial_.empty()) {
-            for (std::size_t i = 0; i < circular_.size(); ++i) {
-                if (i == owner) continue;
-                const auto d = difference(circular_[i], circular_[owner]);
-                if (!((d[0] + d[1] * x + d[2] * x + d[3] * r2).lower() > 0)) return false;
-            }
-            return true;
-        }
-        const RadialNormals<Interval> normals(RadialChart::Stereographic, x, x);
-        const Interval w(1.0, Interval::up(1 + r2.upper()));
-        const auto range = [&](std::size_t i) {
-            if (i >= circular_.size()) return radial_[i - circular_.size()].jet<0>(normals).v;
-            const auto& c = circular_[i];
-            return (c[0] + c[1] * x + c[2] * x + c[3] * r2) / w;
-        };
-        const double top = range(owner).upper();
-        for (std::size_t i = 0; i < circular_.size() + radial_.size(); ++i)
-            if (i != owner && !(range(i).lower() > top)) return false;
-        return true;
-    }
-
-    std::vector<std::array<Interval, 4>> circular_;  // of k, a, b, e over w
-    std::vector<RadialHeight<Interval>> radial_;
 };
 
 }  // namespace
@@ -681,7 +332,7 @@ MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion&
 MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const EnvelopeOptions& options) {
     if (family.is_all_circular() && options.incremental)
         if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
-    const double reach = ChartReach(family).find();
+    const double reach = chart_reach(family);
     return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options)
         .over_sphere();
 }

@@ -1,0 +1,114 @@
+#include "chart_reach.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "../../core/numbers/interval.hpp"
+#include "../proofs/radial_height.hpp"
+
+namespace vcell {
+
+namespace {
+
+class ChartReach {
+public:
+    explicit ChartReach(const FormFamily& family) {
+        for (const FormId f : family.forms.ids()) {
+            const CircularForm& c = family.forms[f];
+            const auto ball = [](double v) {
+                return Interval::ball(v, 4 * std::numeric_limits<double>::epsilon() * std::abs(v));
+            };
+            const Interval w = Interval(1.0) / ball(c.w);
+            circular_.push_back({Interval(c.k) * w, ball(c.a) * w, ball(c.b) * w, ball(c.e) * w});
+        }
+        for (const RadialForm& f : family.radial) {
+            RadialForm inverted = f;  // seen from the other pole: u_z changes its sign
+            inverted.b[2] = -f.b[2];
+            inverted.a[2] = -f.a[2];
+            radial_.emplace_back(inverted, RadialChart::Stereographic,
+                                 [](const Exact& v) { return v.enclosure(); });
+        }
+    }
+
+    double find() const {
+        const std::size_t owner = lowest_at_pole();
+        double h = 1;
+        for (std::size_t i = 0; i < circular_.size() && owner < circular_.size(); ++i) {
+            if (i == owner) continue;
+            // v - s h - 2 e h^2 > 0: its root, and a bit less.
+            const std::array<Interval, 4> d = difference(circular_[i], circular_[owner]);
+            const double v = d[0].lower(), s = (d[1].magnitude() + d[2].magnitude()),
+                         e = std::max(0.0, -d[3].lower());
+            if (!(v > 0)) throw undecided();
+            h = std::min(h, 0.999 * 2 * v / (s + std::sqrt(s * s + 8 * e * v)));
+        }
+        while (!is_lowest_within(owner, h)) {
+            h *= 0.5;
+            if (!(h > least)) throw undecided();
+        }
+        return 1 / h;
+    }
+
+private:
+    static constexpr double least = 0x1p-40;
+
+    static UndecidedError undecided() {
+        return UndecidedError("which object is nearest around the pole of the chart");
+    }
+
+    static std::array<Interval, 4> difference(const std::array<Interval, 4>& f,
+                                              const std::array<Interval, 4>& g) {
+        return {f[0] - g[0], f[1] - g[1], f[2] - g[2], f[3] - g[3]};
+    }
+
+    std::size_t lowest_at_pole() const {
+        std::size_t best = 0;
+        double lowest = HUGE_VAL;
+        const auto consider = [&](std::size_t i, double v) {
+            if (v >= lowest) return;
+            lowest = v;
+            best = i;
+        };
+        for (std::size_t i = 0; i < circular_.size(); ++i) consider(i, circular_[i][0].mid());
+        const RadialNormals<Interval> pole(RadialChart::Stereographic, 0.0, 0.0);
+        for (std::size_t i = 0; i < radial_.size(); ++i)
+            consider(circular_.size() + i, radial_[i].jet<0>(pole).v.mid());
+        return best;
+    }
+
+    bool is_lowest_within(std::size_t owner, double h) const {
+        const Interval x(-h, h), r2(0.0, Interval::up(2 * h * h));
+        if (radial_.empty()) {
+            for (std::size_t i = 0; i < circular_.size(); ++i) {
+                if (i == owner) continue;
+                const auto d = difference(circular_[i], circular_[owner]);
+                if (!((d[0] + d[1] * x + d[2] * x + d[3] * r2).lower() > 0)) return false;
+            }
+            return true;
+        }
+        const RadialNormals<Interval> normals(RadialChart::Stereographic, x, x);
+        const Interval w(1.0, Interval::up(1 + r2.upper()));
+        const auto range = [&](std::size_t i) {
+            if (i >= circular_.size()) return radial_[i - circular_.size()].jet<0>(normals).v;
+            const auto& c = circular_[i];
+            return (c[0] + c[1] * x + c[2] * x + c[3] * r2) / w;
+        };
+        const double top = range(owner).upper();
+        for (std::size_t i = 0; i < circular_.size() + radial_.size(); ++i)
+            if (i != owner && !(range(i).lower() > top)) return false;
+        return true;
+    }
+
+    std::vector<std::array<Interval, 4>> circular_;  // of k, a, b, e over w
+    std::vector<RadialHeight<Interval>> radial_;
+};
+
+}  // namespace
+
+double chart_reach(const FormFamily& family) { return ChartReach(family).find(); }
+
+}  // namespace vcell

@@ -1,0 +1,124 @@
+/// The diagram of circular forms over one piece of the region: candidates that lose everywhere are left out,
+/// the others inserted one after the other, and where they are many the diagrams of halves of them merged by
+/// overlay.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "../../arrangement/circles/circle_kernel.hpp"
+#include "../circles/work_diagram.hpp"
+#include "pieces.hpp"
+
+namespace vcell {
+
+class PieceMerger {
+    using Form = CircleKernel::Form;
+    using Jet = CircleKernel::Jet;
+
+public:
+    /// `largest` as EnvelopeOptions::largest_piece. The family must outlive this object.
+    PieceMerger(const FormFamily& family, std::size_t largest)
+        : family_(family), largest_(largest), work_(kernel_) {
+        forms_.reserve(family.forms.size());
+        for (const CircularForm& f : family.forms) forms_.push_back(CircleKernel::make_form(f));
+    }
+    PieceMerger(const PieceMerger&) = delete;
+    PieceMerger& operator=(const PieceMerger&) = delete;
+
+    const Decisions& decisions() const { return kernel_.decisions(); }
+
+    /// Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above
+    /// a rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
+    template <class Keep>
+    void cull(const Rect& r, std::span<const FormId> candidates, Keep&& keep) {
+        const double x = 0.5 * r.x0 + 0.5 * r.x1, y = 0.5 * r.y0 + 0.5 * r.y1;
+        const double rx = Interval::up(std::max(r.x1 - x, x - r.x0)),
+                     ry = Interval::up(std::max(r.y1 - y, y - r.y0));
+        places_.resize(candidates.size());
+        std::size_t rival = 0;
+        for (std::size_t i = 0; i < candidates.size(); ++i) {
+            places_[i] = CircleKernel::place(forms_[candidates[i]], x, y, rx, ry);
+            if (places_[i].top < places_[rival].top) rival = i;
+        }
+        for (std::size_t i = 0; i < candidates.size(); ++i)
+            if (!CircleKernel::certainly_above(places_[i], places_[rival], rx, ry)) keep(i);
+    }
+
+    /// The diagram of the candidates over the piece, if these are all that may be lowest in it; valid until
+    /// the next call. More candidates than `quartering` are culled before.
+    const WorkDiagram& merge(const Piece& piece, std::vector<FormId>& candidates, std::size_t quartering) {
+        const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1,
+                     y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
+        if (candidates.size() > quartering) cull_in_quarters(piece.rect, candidates);
+        // Low ones first: most of the others then lose at once.
+        order_.clear();
+        for (const FormId f : candidates) order_.emplace_back(CircleKernel::jet(forms_[f], x, y).v, f);
+        std::ranges::sort(order_);
+        kernel_.reset(&family_);
+        lines_.clear();
+        for (const PieceSide& s : piece.sides) lines_.push_back(kernel_.add_line(s.a, s.b, s.c));
+        std::vector<FormId> forms;
+        for (const auto& [height, f] : order_) forms.push_back(kernel_.add_form(f));
+        merge_all(work_, forms, piece.rect);
+        return work_;
+    }
+
+private:
+    // Looks closer before the merging starts: a form must hold out in one of four quarters.
+    void cull_in_quarters(const Rect& r, std::vector<FormId>& candidates) {
+        const double x = r.x0 + 0.5 * (r.x1 - r.x0), y = r.y0 + 0.5 * (r.y1 - r.y0);
+        kept_.assign(candidates.size(), false);
+        for (const Rect& quarter :
+             {Rect{r.x0, x, r.y0, y}, Rect{x, r.x1, r.y0, y}, Rect{r.x0, x, y, r.y1}, Rect{x, r.x1, y, r.y1}})
+            cull(quarter, candidates, [&](std::size_t i) { kept_[i] = true; });
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < candidates.size(); ++i)
+            if (kept_[i]) candidates[count++] = candidates[i];
+        candidates.resize(count);
+    }
+
+    // The diagram of these forms of the kernel, low ones first, over the polygon lines_.
+    void merge_all(WorkDiagram& work, std::span<FormId> forms, const Rect& r) {
+        if (forms.size() <= std::max<std::size_t>(largest_, 1)) {
+            work.start(lines_, forms[0]);
+            for (const FormId f : forms.subspan(1)) work.insert(f);
+            return;
+        }
+        // Forms that are lowest in different places share few faces: halve along the longer side.
+        const bool wide = r.x1 - r.x0 >= r.y1 - r.y0;
+        const auto place = [&](FormId f) {
+            const Form& form = kernel_.form(f);
+            const double slope = wide ? form.a : form.b;
+            if (form.k != 0) return (wide ? form.cx : form.cy) - 0.5 * slope / form.k;
+            const bool falls = slope < 0;
+            return wide ? (falls ? r.x1 : r.x0) : (falls ? r.y1 : r.y0);
+        };
+        std::vector<FormId> sorted(forms.begin(), forms.end());
+        const std::size_t half = forms.size() / 2;
+        std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(half), {}, place);
+        // Their numbers ascend with their heights.
+        std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(half));
+        std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(half), sorted.end());
+        WorkDiagram first(kernel_), second(kernel_);
+        merge_all(first, std::span(sorted).first(half), r);
+        merge_all(second, std::span(sorted).subspan(half), r);
+        work.merge(first, second);
+    }
+
+    const FormFamily& family_;
+    const std::size_t largest_;
+    IdVector<FormId, Form> forms_;
+    CircleKernel kernel_;
+    WorkDiagram work_;
+    // Working space.
+    std::vector<CircleKernel::Place> places_;
+    std::vector<char> kept_;
+    std::vector<std::pair<double, FormId>> order_;
+    std::vector<FormId> lines_;
+};
+
+}  // namespace vcell
