@@ -100,7 +100,7 @@ CircleKernel::ExactPoint CircleKernel::exact_circle_point(FormPair c, Sign which
             s * Exact(2.0) * e.K};
 }
 
-const CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
+CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
     exact_point_index_.resize(points_.size(), -1);
     std::int32_t& slot = exact_point_index_[p.value];
     if (slot < 0) {
@@ -115,10 +115,11 @@ const CircleKernel::ExactPoint& CircleKernel::exact_point(PointId p) {
     return exact_points_[static_cast<std::size_t>(slot)];
 }
 
-OneRoot CircleKernel::exact_value(const ExactCurve& c, const ExactPoint& p) {
+OneRoot CircleKernel::exact_value(const ExactCurve& c, ExactPoint& p) {
     // K |p|^2 + A x + B y + C, times w^2.
     const OneRoot x{p.px, p.rx, p.d}, y{p.py, p.ry, p.d};
-    return c.K * (x * x + y * y) + p.w * (c.A * x + c.B * y) + c.C * p.w * p.w;
+    if (!p.squares) p.squares = {x * x + y * y, p.w * p.w};
+    return c.K * p.squares->of_point + p.w * (c.A * x + c.B * y) + c.C * p.squares->of_w;
 }
 
 std::array<OneRoot, 2> CircleKernel::exact_gradient(const ExactCurve& c, const ExactPoint& p) {

@@ -222,6 +222,12 @@ private:
     // (px + rx sqrt(d), py + ry sqrt(d)) / w, w > 0
     struct ExactPoint {
         Exact px, rx, py, ry, d, w;
+        // w^2 times the square of its distance from the origin, and w^2, once a value was asked for.
+        struct Squares {
+            OneRoot of_point;
+            Exact of_w;
+        };
+        std::optional<Squares> squares{};
     };
     // K |p|^2 + A x + B y + C: a positive multiple of f - g.
     struct ExactCurve {
@@ -246,8 +252,8 @@ private:
     ExactCurve exact_curve(FormPair c);
     std::optional<ExactPoint> exact_intersection(const ExactCurve& c, const ExactCurve& d, Sign orientation);
     Exact exact_discriminant(const ExactCurve& c, const ExactCurve& d);
-    const ExactPoint& exact_point(PointId p);
-    static OneRoot exact_value(const ExactCurve& c, const ExactPoint& p);
+    ExactPoint& exact_point(PointId p);
+    static OneRoot exact_value(const ExactCurve& c, ExactPoint& p);
     static std::array<OneRoot, 2> exact_gradient(const ExactCurve& c, const ExactPoint& p);
     Sign compare_branches(PointId p, FormPair c, FormPair d);
     int sector_of(PointId p, FormPair from, FormPair x);
