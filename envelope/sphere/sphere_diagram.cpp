@@ -25,8 +25,11 @@
 // raised by an infinitesimal that is beyond all multiples of those before: vertices have three edges still,
 // and those in which more forms tie are several, joined by edges without length. Of these it is known exactly
 // that both their ends are one point. In the end they are contracted, and the vertices have all their forms.
+// Where the form ties along an edge it is higher there, too: it belongs to the edge's label. If it is lower
+// on one side of the edge, the face there keeps a sliver of two edges on one circle. In the end slivers are
+// contracted to edges, whose labels they join.
 // A face that meets itself in such a point, and an edge that is closed there, are left to the general engine;
-// so are forms that tie along edges, or inside faces.
+// so are forms that touch edges in a point, or tie inside faces.
 //
 // Bounds on rounding. Where k operations of relative error u = 2^-53 follow each other, k < 128, their
 // product is within k u (1 + 2^-45) of 1 [Higham02, Lemma 3.1]: a constant that is a tenth above its count of
@@ -121,6 +124,7 @@ private:
         Mark apex;
         Index stamp = 0;
         Index cut = none;       // while a form is inserted that crosses the edge: its vertex there
+        Index ties = none;      // the list of forms that tie along the circle and came later
         bool is_point = false;  // certainly: both ends are the same point, and all of the edge
     };
     struct Face {            // of the form of the same number
@@ -134,10 +138,19 @@ private:
         double top = HUGE_VAL;  // upper bound of the form over the face
     };
 
+    // What ties in a vertex or along an edge and came later.
+    struct Ties {
+        std::vector<Index> forms;
+        // Of a vertex in the kernel, as long as the kernel keeps it:
+        PointId point;
+        Index generation = 0;
+    };
+
     using SomeIndices = SmallVector<Index, 32>;
 
     static constexpr std::size_t most_spread = 8;     // forms that are to surround the base first
     static constexpr std::size_t largest_small = 96;  // faces of a diagram without a tree
+    static constexpr std::size_t most_points = 4096;  // kept by the kernel, each of some kilobytes
 
     static Index twin(Index h) { return h ^ 1u; }
     Index target(Index h) const { return half_edges_[twin(h)].origin; }
@@ -357,8 +370,11 @@ private:
     // family's. The three forms of the end P with the larger error tie in two points, 2 det / length apart,
     // which meet() has seen to be more than 12 times that error; and if all three tie in the other end, too,
     // that is one of them, within 4 errors of P.
+    // So they are, then, if the forms of one end are all known to tie in the other, which is known no worse
+    // than 4 times as well: its point is within 10 errors of P.
     std::optional<bool> are_one_point(const Vertex& p, const Vertex& q) {
         if ((p.p - q.p).norm() > p.error + q.error + slack) return false;
+        if (all_tie(q.forms, p, q.error) || all_tie(p.forms, q, p.error)) return true;
         const bool is_p = p.error >= q.error;
         const Vertex &blurred = is_p ? p : q, &sharp = is_p ? q : p;
         for (const Index f : blurred.forms) {
@@ -367,6 +383,15 @@ private:
             return sign ? std::optional(*sign == Sign::Zero) : std::nullopt;
         }
         return std::nullopt;
+    }
+
+    // Do all the forms tie in the vertex, as far as has been asked, and is it known to 4 times the error?
+    bool all_tie(const std::array<Index, 3>& forms, const Vertex& v, double error) const {
+        if (v.ties == none || !(v.error <= 4 * error)) return false;
+        const std::vector<Index>& ties = ties_[v.ties].forms;
+        return std::ranges::all_of(forms, [&](Index f) {
+            return std::ranges::find(v.forms, f) != v.forms.end() || std::ranges::find(ties, f) != ties.end();
+        });
     }
 
     // Where three forms tie; of the two points the one where f, g, h follow each other counter-clockwise.
@@ -652,7 +677,9 @@ private:
             if (!is_crossed && !edge.is_point && !is_beside(edge, is_from_taken, form) &&
                 edge.stamp != stamp_) {
                 edge.stamp = stamp_;
-                const Middle middle = look_between(h >> 1, is_from_taken, form);
+                Middle middle = look_between(h >> 1, is_from_taken, form);
+                if (middle == Middle::Unknown && !is_from_taken && ties_along(h >> 1, form))
+                    middle = Middle::Same;
                 if (middle == Middle::Unknown) return false;
                 is_crossed = middle == Middle::Differs;
                 if (is_crossed) split(h);
@@ -732,21 +759,46 @@ private:
         const auto sign = exact_sign(v, challenger);
         if (sign != Sign::Negative) v.taken = 0;
         if (sign == Sign::Zero) {
-            if (v.ties == none) {
-                v.ties = static_cast<Index>(ties_.size());
-                ties_.emplace_back();
-            }
-            ties_[v.ties].push_back(challenger);
+            add_tie(v.ties, challenger);
+            ties_[v.ties].point = point_;
+            ties_[v.ties].generation = generation_;
         }
         return sign.has_value();
     }
-    // Of the challenger less the forms that tie in the vertex: that is one of two points where they do, told
-    // apart by the turn of their gradients. The chart shows the sphere as it is seen from outside.
+    void add_tie(Index& list, Index challenger) {
+        if (list == none) {
+            list = static_cast<Index>(ties_.size());
+            ties_.emplace_back();
+        }
+        ties_[list].forms.push_back(challenger);
+    }
+    // Does the challenger tie along the edge, and so on its whole circle? Then that is kept with the edge.
+    [[gnu::noinline]] bool ties_along(Index e, const Linear& form) {
+        const auto challenger = static_cast<Index>(&form - forms_.data());
+        if (are_on_one_circle(left(2 * e), right(2 * e), challenger) != true) return false;
+        add_tie(edges_[e].ties, challenger);
+        return true;
+    }
+    // Do f and g tie where f and h do? None where there are no exact numbers.
+    std::optional<bool> are_on_one_circle(Index f, Index g, Index h) {
+        if (std::max({f, g, h}) >= family_.size()) return std::nullopt;
+        const FormId a = in_kernel(f), b = in_kernel(g), c = in_kernel(h);
+        return kernel_.same_curve({a, b}, {a, c});
+    }
+    // Of the challenger less the forms that tie in the vertex.
     std::optional<Sign> exact_sign(const Vertex& v, Index challenger) {
         if (std::max(challenger, std::ranges::max(v.forms)) >= family_.size()) return std::nullopt;
-        kernel_.reset(&family_);
-        const auto add = [&](Index f) { return kernel_.add_form(FormId{f}); };
-        const FormId f = add(v.forms[0]), g = add(v.forms[1]), h = add(v.forms[2]), c = add(challenger);
+        const auto point = exact_point(v);
+        if (!point) return std::nullopt;
+        point_ = *point;
+        return kernel_.sign_at(point_, in_kernel(challenger), in_kernel(v.forms[0]));
+    }
+    // The kernel's point in the vertex: one of two where the forms tie, told apart by the turn of their
+    // gradients. The chart shows the sphere as it is seen from outside. Kept where others have tied before.
+    std::optional<PointId> exact_point(const Vertex& v) {
+        if (kernel_.point_count() > most_points) forget_points();
+        if (v.ties != none && ties_[v.ties].generation == generation_) return ties_[v.ties].point;
+        const FormId f = in_kernel(v.forms[0]), g = in_kernel(v.forms[1]), h = in_kernel(v.forms[2]);
         const double above = std::max(1 + v.p.z(), 0x1p-20);  // the pole
         const auto point = kernel_.intersection({f, g}, {f, h}, Sign::Positive, v.p.head<2>() / above);
         if (!point) return std::nullopt;
@@ -754,7 +806,22 @@ private:
         const double W = 1 + at.x * at.x + at.y * at.y;
         const Vector3d place(2 * at.x / W, 2 * at.y / W, 2 / W - 1);
         if (!((place - v.p).norm() <= 2 * v.error + 4 * at.error + slack)) return std::nullopt;
-        return kernel_.sign_at(*point, c, f);
+        return point;
+    }
+    // The form's number in the kernel, which keeps its exact coefficients.
+    FormId in_kernel(Index form) {
+        if (in_kernel_.empty()) {
+            kernel_.reset(&family_);
+            in_kernel_.resize(family_.size());
+        }
+        FormId& number = in_kernel_[form];
+        if (!number.valid()) number = kernel_.add_form(FormId{form});
+        return number;
+    }
+    void forget_points() {
+        in_kernel_.clear();
+        kernel_.reset(&family_);
+        ++generation_;
     }
     // Without a tree all vertices have been compared.
     bool is_decided(Vertex& v, const Linear& form) {
@@ -965,11 +1032,11 @@ private:
     // Faces after the pole's on the path, edges and vertices as they are met around faces: what comes after
     // then finds neighbours near each other in memory.
     std::optional<MinimizationDiagram> diagram(Index pole_face) {
-        if (!unite_vertices()) return std::nullopt;
+        if (!unite_vertices() || !unite_edges()) return std::nullopt;
         std::vector<std::pair<double, Index>> faces;
         faces.reserve(vertices_.size() / 2 + 2);  // Euler: V - E + F = 2, 2 E = 3 V
         for (Index f = 0; f < family_.size(); ++f)
-            if (faces_[f].start != none && !is_point(f))
+            if (faces_[f].start != none && !is_point(f) && !is_sliver(f))
                 faces.emplace_back(f == pole_face ? -1 : place_on_path(forms_[f]), f);
         std::ranges::sort(faces);
 
@@ -990,7 +1057,7 @@ private:
             Index h = faces_[f].start;
             do {
                 if (edge_map[h >> 1] == none && !is_within_point(h) &&
-                    !add_edge(out, h >> 1, vertex_map, edge_map))
+                    !add_edge(out, h, vertex_map, edge_map))
                     return std::nullopt;
                 h = half_edges_[h].next;
             } while (h != faces_[f].start);
@@ -999,7 +1066,7 @@ private:
         out.vertex_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_labels_.size()));
         out.side_offsets_.assign(out.vertices.size() + 1, 0);
 
-        const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
+        const auto half_edge = [&](Index h) { return HalfEdgeId{edge_map[h >> 1] ^ (h & 1u)}; };
         for (const auto& [place, f] : faces) {
             for_cycle(f, [&](Index h) {
                 if (is_within_point(h)) return;
@@ -1015,9 +1082,19 @@ private:
                 out.dcel.add_outer_ccb(out.dcel.add_face(), half_edge(start));
             out.face_forms.push_back(FormId{f});
         }
+        if (!slivers_.empty() && has_bends(out)) return std::nullopt;
         out.decisions = decisions_;
         out.decisions += kernel_.decisions();
         return out;
+    }
+
+    // Are there vertices in which fewer than three edges end?
+    static bool has_bends(const MinimizationDiagram& diagram) {
+        IdVector<VertexId, int> degree(diagram.vertices.size(), 0);
+        for (const EdgeId e : diagram.edges.ids())
+            for (const HalfEdgeId h : {HalfEdgeId{2 * e.value}, HalfEdgeId{2 * e.value + 1}})
+                ++degree[diagram.dcel.origin(h)];
+        return std::ranges::any_of(degree, [](int edges) { return edges < 3; });
     }
 
     // Edges are looked at only where any of them is a point.
@@ -1078,33 +1155,106 @@ private:
             std::vector<Index>& forms = here->second;
             forms.insert(forms.end(), vertices_[v].forms.begin(), vertices_[v].forms.end());
             if (const Index ties = vertices_[v].ties; ties != none)
-                forms.insert(forms.end(), ties_[ties].begin(), ties_[ties].end());
+                forms.insert(forms.end(), ties_[ties].forms.begin(), ties_[ties].forms.end());
         }
-        for (auto& [v, forms] : tied_) {
-            std::ranges::sort(forms);
-            forms.erase(std::ranges::unique(forms).begin(), forms.end());
+        for (auto& [v, forms] : tied_) sort_once(forms);
+        return true;
+    }
+    static void sort_once(std::vector<Index>& forms) {
+        std::ranges::sort(forms);
+        forms.erase(std::ranges::unique(forms).begin(), forms.end());
+    }
+
+    // Finds the faces without width, and all forms that tie along edges, which tie in their ends, too. False
+    // where that is not known.
+    bool unite_edges() {
+        if (ties_.empty()) return true;
+        for (Index f = 0; f < family_.size(); ++f) {
+            if (faces_[f].start == none) continue;
+            std::array<Index, 2> sides{none, none};
+            std::size_t count = 0;
+            for_cycle(f, [&](Index h) {
+                if (edges_[h >> 1].is_point) return;
+                if (count < 2) sides[count] = h;
+                ++count;
+            });
+            if (count != 2) continue;
+            const Edge &first = edges_[sides[0] >> 1], &second = edges_[sides[1] >> 1];
+            // Of the two ways from end to end both sides take one.
+            const bool is_same_way =
+                (first.normal.dot(second.normal) < 0) == ((sides[0] & 1u) == (sides[1] & 1u));
+            const auto is_one_circle = are_on_one_circle(f, right(sides[0]), right(sides[1]));
+            if (!is_one_circle) return false;
+            if (!*is_one_circle) continue;
+            if (!is_same_way) return false;
+            slivers_[f] = sides;
+        }
+        for (Index e = 0; e < edges_.size(); ++e) {
+            if (edges_[e].apex.is_gone() || edges_[e].is_point || edges_[e].ties == none) continue;
+            for (const Index h : {2 * e, 2 * e + 1}) {
+                const Index v = place(half_edges_[h].origin);
+                std::vector<Index>& forms = tied_[v];
+                const auto& here = vertices_[v].forms;
+                forms.insert(forms.end(), here.begin(), here.end());
+                const std::vector<Index>& ties = ties_[edges_[e].ties].forms;
+                forms.insert(forms.end(), ties.begin(), ties.end());
+                sort_once(forms);
+            }
         }
         return true;
     }
+    bool is_sliver(Index face) const { return !slivers_.empty() && slivers_.contains(face); }
+    // The half-edge of a sliver on the other side of it. Pre: a sliver is on the right.
+    Index beyond(Index h) const {
+        const auto& sides = slivers_.find(right(h))->second;
+        return sides[0] == twin(h) ? sides[1] : sides[0];
+    }
+    // The half-edge on the other side of this one and of all slivers beside it.
+    Index across(Index h) const {
+        while (is_sliver(right(h))) h = beyond(h);
+        return twin(h);
+    }
 
-    bool add_edge(MinimizationDiagram& out, Index e, std::vector<Index>& vertex_map,
+    // Adds the edge of which h is the half-edge of a face that is no sliver.
+    bool add_edge(MinimizationDiagram& out, Index h, std::vector<Index>& vertex_map,
                   std::vector<Index>& edge_map) {
+        const Index opposite = across(h);
+        const bool is_even = (h & 1u) == 0;
+        const Index first = is_even ? h : opposite, second = is_even ? opposite : h;
         std::array<VertexId, 2> ends;
         for (const Index side : {0u, 1u}) {
-            const Index v = place(half_edges_[2 * e + side].origin);
+            const Index v = place(half_edges_[side == 0 ? first : second].origin);
             if (vertex_map[v] == none) {
                 if (!add_vertex(out, v)) return false;
                 vertex_map[v] = out.dcel.add_vertex().value;
             }
             ends[side] = {vertex_map[v]};
         }
-        edge_map[e] = out.dcel.add_edge(ends[0], ends[1]).value;
-        const FormId f{left(2 * e)}, g{right(2 * e)};
-        out.edges.push_back({f, g});
+        const Index e = out.dcel.add_edge(ends[0], ends[1]).value;
+        edge_map[first >> 1] = 2 * e ^ (first & 1u);
+        edge_map[second >> 1] = (2 * e + 1) ^ (second & 1u);
+        out.edges.push_back({FormId{left(first)}, FormId{left(second)}});
         out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
-        out.edge_labels_.push_back(std::min(f, g));
-        out.edge_labels_.push_back(std::max(f, g));
+        if (opposite == twin(h) && edges_[h >> 1].ties == none) {
+            out.edge_labels_.push_back(std::min(FormId{left(first)}, FormId{left(second)}));
+            out.edge_labels_.push_back(std::max(FormId{left(first)}, FormId{left(second)}));
+        } else {
+            for (const Index f : forms_along(h)) out.edge_labels_.push_back(FormId{f});
+        }
         return true;
+    }
+    // All forms that tie along the edges of the slivers beside h, and along that of h.
+    std::vector<Index> forms_along(Index h) const {
+        std::vector<Index> forms{left(h)};
+        while (true) {
+            forms.push_back(right(h));
+            if (const Index ties = edges_[h >> 1].ties; ties != none)
+                forms.insert(forms.end(), ties_[ties].forms.begin(), ties_[ties].forms.end());
+            if (!is_sliver(right(h))) break;
+            h = beyond(h);
+        }
+        sort_once(forms);
+        return forms;
     }
 
     bool add_vertex(MinimizationDiagram& out, Index v) const {
@@ -1146,7 +1296,10 @@ private:
     std::optional<FaceTree> face_tree_;
     SomeIndices new_faces_;  // not in the tree yet
     Decisions decisions_;
-    CircleKernel kernel_;  // decides what doubles cannot
+    CircleKernel kernel_;            // decides what doubles cannot
+    std::vector<FormId> in_kernel_;  // none: not there yet
+    Index generation_ = 1;           // of the kernel's points
+    PointId point_;                  // where exact_sign() was asked last
     Index stamp_ = 0;
     std::size_t inserted_ = 0;
     // Working space of insert().
@@ -1154,11 +1307,12 @@ private:
     SomeIndices middles_;  // half-edges that end at a vertex made by split() that is not taken
     SmallVector<Cut, 32> cuts_;
     Vector3d middle_;
-    std::vector<std::vector<Index>> ties_;  // the lists of vertices
+    std::vector<Ties> ties_;
     // The result has for each vertex one in the same place (none if all are apart), and the forms where they
     // are more than three.
     std::vector<Index> places_, met_;
     std::map<Index, std::vector<Index>> tied_;
+    std::map<Index, std::array<Index, 2>> slivers_;  // faces without width, and their sides
 };
 
 }  // namespace
