@@ -6,6 +6,7 @@
 #include <random>
 
 #include "../test_support.hpp"
+#include "canonical.hpp"
 #include "complaints.hpp"
 #include "form_scenes.hpp"
 #include "oracle.hpp"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "../test_support.hpp"
+#include "canonical.hpp"
 #include "form_scenes.hpp"
 #include "oracle.hpp"
 

@@ -1,137 +1,28 @@
 /// A brute-force judge of minimization diagrams. It shares no code with lower_envelope() but the types:
 /// rational arithmetic for ties, 100 digits for vertices and arcs, winding numbers for point location.
-///
-/// All work is done in local coordinates, relative to the middle of the region: a shifted scene is judged
-/// as sharply as a centred one.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
-#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
-#include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "../../envelope/diagram/minimization_diagram.hpp"
+#include "structure_oracle.hpp"
 
 namespace vcell::oracle {
-
-using Rational = boost::multiprecision::cpp_rational;
-using Real =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
-
-inline Rational to_rational(Exact v) {
-    Rational sum = 0;
-    while (v.sign() != Sign::Zero) {  // each step takes the leading 53 bits away
-        const double head = v.enclosure().lower();
-        if (head == 0) throw std::range_error("oracle: coefficient below the double range");
-        sum += Rational(head);
-        v -= Exact(head);
-    }
-    return sum;
-}
-inline Real to_real(const Rational& q) { return Real(numerator(q)) / Real(denominator(q)); }
-template <class T>
-T to(const Rational& q) {
-    if constexpr (std::is_same_v<T, Rational>)
-        return q;
-    else if constexpr (std::is_same_v<T, Real>)
-        return to_real(q);
-    else
-        return to_real(q).template convert_to<T>();
-}
-
-template <class T>
-struct Point {
-    T x, y;
-};
-
-/// K (x^2 + y^2) + A x + B y + C: a circle or a line, and the numerator of a form.
-template <class T>
-struct Quadric {
-    T K, A, B, C;
-
-    T operator()(const Point<T>& p) const { return K * (p.x * p.x + p.y * p.y) + A * p.x + B * p.y + C; }
-    Point<T> gradient(const Point<T>& p) const { return {2 * K * p.x + A, 2 * K * p.y + B}; }
-    Quadric operator-() const { return {-K, -A, -B, -C}; }
-    template <class S>
-    Quadric<S> as() const {
-        return {to<S>(K), to<S>(A), to<S>(B), to<S>(C)};
-    }
-};
-
-/// A form: quadric over W > 0.
-template <class T>
-struct Form {
-    Quadric<T> n;
-    T W;
-
-    T operator()(const Point<T>& p) const { return n(p) / W; }
-};
-
-/// The zero set of f - g, negative where f is lower.
-inline Quadric<Rational> difference(const Form<Rational>& f, const Form<Rational>& g) {
-    return {f.n.K * g.W - g.n.K * f.W, f.n.A * g.W - g.n.A * f.W, f.n.B * g.W - g.n.B * f.W,
-            f.n.C * g.W - g.n.C * f.W};
-}
-
-/// The points common to two curves: none when they are disjoint, concentric or the same.
-inline std::vector<Point<Real>> intersect(const Quadric<Rational>& g, const Quadric<Rational>& h) {
-    const Quadric<Rational>& circle = g.K != 0 ? g : h;
-    // The member of their pencil without a square term, exact: a common line.
-    const Quadric<Rational> line{0, h.K * g.A - g.K * h.A, h.K * g.B - g.K * h.B, h.K * g.C - g.K * h.C};
-    if (circle.K == 0) {
-        const Rational det = g.A * h.B - g.B * h.A;
-        if (det == 0) return {};
-        return {{to_real((g.B * h.C - h.B * g.C) / det), to_real((h.A * g.C - g.A * h.C) / det)}};
-    }
-    if (line.A == 0 && line.B == 0) return {};
-    // Foot of the centre on the line, plus and minus the half chord along it; all but the root rational.
-    const Rational cx = -circle.A / (2 * circle.K), cy = -circle.B / (2 * circle.K);
-    const Rational nn = line.A * line.A + line.B * line.B;
-    const Rational s = (line.A * cx + line.B * cy + line.C) / nn;
-    const Rational fx = cx - s * line.A, fy = cy - s * line.B;
-    const Rational half2 = (cx * cx + cy * cy - circle.C / circle.K - s * s * nn) / nn;
-    if (half2 < 0) return {};
-    const Real x = to_real(fx), y = to_real(fy), a = to_real(line.A), b = to_real(line.B);
-    if (half2 == 0) return {{x, y}};
-    const Real t = sqrt(to_real(half2));
-    return {{x - t * b, y + t * a}, {x + t * b, y - t * a}};
-}
-
-/// The only point of a circle of radius 0.
-inline std::optional<Point<Real>> point_circle(const Quadric<Rational>& g) {
-    if (g.K == 0 || g.A * g.A + g.B * g.B != 4 * g.K * g.C) return std::nullopt;
-    return Point<Real>{to_real(-g.A / (2 * g.K)), to_real(-g.B / (2 * g.K))};
-}
 
 struct OracleOptions {
     int samples = 1000;                  ///< points of the region whose owner is compared
     std::size_t brute_force_forms = 16;  ///< up to this many forms all triples are tried for missing vertices
 };
 
-class DiagramOracle {
+class DiagramOracle : StructureOracle {
 public:
-    DiagramOracle(const MinimizationDiagram& diagram, const FormFamily& family)
-        : d_(diagram), family_(family), dcel_(diagram.dcel) {
-        find_origin();
-        for (const FormId f : family.forms.ids()) {
-            const ExactForm e = family.exact(f);
-            const Form<Rational> q{
-                localise({to_rational(e.K), to_rational(e.A), to_rational(e.B), to_rational(e.C)}),
-                to_rational(e.W)};
-            forms_.push_back(q);
-            real_forms_.push_back({q.n.as<Real>(), to_real(q.W)});
-            fast_forms_.push_back({q.n.as<long double>(), to<long double>(q.W)});
-        }
-    }
+    using StructureOracle::StructureOracle;
 
     std::vector<std::string> check(std::mt19937_64& rng, const OracleOptions& options) {
         check_structure();
@@ -148,15 +39,6 @@ public:
     }
 
 private:
-    using Fast = long double;
-
-    // Values closer than this, relative to their size, are equal: 100 digits resolve 1e-95, and distinct
-    // algebraic numbers of these degrees over doubles of moderate range stay well apart of 1e-60.
-    static inline const Real kTie{"1e-60"};
-    // Sampled points this close to an edge, relative to the region's size, are not asked about.
-    static constexpr Fast kSkip = 1e-9L;
-    static constexpr std::size_t kEnough = 20;  // complaints
-
     struct Piece {  // of an arc, turning by a right angle at most
         Point<Fast> from, to;
         Quadric<Fast> curve;  // relative to `from`, which it passes through: C = 0
@@ -174,185 +56,7 @@ private:
         bool contains(const Point<Fast>& q) const { return x0 <= q.x && q.x <= x1 && y0 <= q.y && q.y <= y1; }
     };
 
-    void complain(const std::string& what) {
-        if (complaints_.size() < kEnough) complaints_.push_back(what);
-    }
-
-    // --- Set-up ---------------------------------------------------------------------------------
-
-    void find_origin() {
-        const std::size_t n = d_.region.sides.size();
-        if (n < 3) throw std::invalid_argument("oracle: a region has at least three sides");
-        Bounds box;
-        for (std::size_t i = 0; i < n; ++i) {
-            const auto& s = d_.region.sides[i];
-            const auto& t = d_.region.sides[(i + 1) % n];
-            const Fast det = Fast(s.a) * t.b - Fast(s.b) * t.a;
-            const Fast x = (Fast(s.b) * t.c - Fast(t.b) * s.c) / det;
-            const Fast y = (Fast(t.a) * s.c - Fast(s.a) * t.c) / det;
-            box.x0 = std::min(box.x0, x), box.x1 = std::max(box.x1, x);
-            box.y0 = std::min(box.y0, y), box.y1 = std::max(box.y1, y);
-        }
-        origin_ = {static_cast<double>((box.x0 + box.x1) / 2), static_cast<double>((box.y0 + box.y1) / 2)};
-        half_ = {(box.x1 - box.x0) / 2, (box.y1 - box.y0) / 2};
-        size_ = std::max(half_.x, half_.y);
-        for (const auto& s : d_.region.sides)
-            sides_.push_back(localise({0, Rational(s.a), Rational(s.b), Rational(s.c)}));
-    }
-
-    Quadric<Rational> localise(const Quadric<Rational>& g) const {
-        const Rational x(origin_.x), y(origin_.y);
-        return {g.K, g.A + 2 * g.K * x, g.B + 2 * g.K * y, g.C + g.A * x + g.B * y + g.K * (x * x + y * y)};
-    }
-
-    // --- Brute force ----------------------------------------------------------------------------
-
-    /// All forms that attain the minimum at p, ascending. T is Real or Rational; exact for the latter.
-    template <class T>
-    std::vector<FormId> minimal(const Point<T>& p, const std::vector<Form<T>>& forms) const {
-        Point<Fast> q;
-        if constexpr (std::is_same_v<T, Rational>)
-            q = {to<Fast>(p.x), to<Fast>(p.y)};
-        else
-            q = {p.x.template convert_to<Fast>(), p.y.template convert_to<Fast>()};
-        // long double rules out all that is higher by more than its rounding.
-        std::vector<Fast> low(forms.size());
-        Fast lowest_upper = HUGE_VALL;
-        for (std::size_t i = 0; i < forms.size(); ++i) {
-            const Form<Fast>& f = fast_forms_[i];
-            const Fast size = std::abs(f.n.K) * (q.x * q.x + q.y * q.y) + std::abs(f.n.A * q.x) +
-                              std::abs(f.n.B * q.y) + std::abs(f.n.C);
-            const Fast value = f(q);
-            Fast error = 16 * std::numeric_limits<Fast>::epsilon() * size / f.W;
-            // Next to the origin all terms of a form may be as small as the error of a refined p.
-            if constexpr (std::is_same_v<T, Real>)
-                error += kTie.template convert_to<Fast>() * (1 + std::abs(value));
-            low[i] = value - error;
-            lowest_upper = std::min(lowest_upper, value + error);
-        }
-        std::vector<FormId> result;
-        std::optional<T> best;
-        for (std::size_t i = 0; i < forms.size(); ++i) {
-            if (low[i] > lowest_upper) continue;
-            const T value = forms[i](p);
-            T slack = 0;
-            if constexpr (std::is_same_v<T, Real>) slack = kTie * (1 + abs(value));
-            if (best && value > *best + slack) continue;
-            if (best && value < *best - slack) result.clear();
-            if (!best || value < *best) best = value;
-            result.push_back({static_cast<std::uint32_t>(i)});
-        }
-        return result;
-    }
-
-    bool inside(const Point<Real>& p) const {
-        return std::ranges::all_of(sides_, [&](const auto& s) {
-            const Quadric<Real> g = s.template as<Real>();
-            return g(p) >= -kTie * (abs(g.A) + abs(g.B)) * size_;
-        });
-    }
-    bool on_side(const Point<Real>& p, std::size_t side) const {
-        const Quadric<Real> g = sides_[side].as<Real>();
-        return abs(g(p)) <= kTie * (abs(g.A) + abs(g.B)) * size_;
-    }
-
-    // --- Structure and labels -------------------------------------------------------------------
-
-    template <class Ids>
-    static std::string name(const Ids& ids) {
-        std::string s = "{";
-        for (const auto& id : ids) s += (s.size() > 1 ? " " : "") + to_string(id);
-        return s + "}";
-    }
-    template <class Ids>
-    static bool ascending(const Ids& ids) {
-        return std::ranges::adjacent_find(ids, [](auto a, auto b) { return !(a < b); }) == ids.end();
-    }
-
-    void check_structure() {
-        if (const auto defect = dcel_.find_defect()) return complain("dcel: " + defect->what);
-        if (d_.vertices.size() != dcel_.vertex_count() || d_.edges.size() != dcel_.edge_count() ||
-            d_.face_forms.size() != dcel_.face_count() || d_.forms.size() != family_.forms.size())
-            return complain("sizes: the diagram's arrays do not match its dcel");
-        if (d_.vertex_offsets_.size() != d_.vertices.size() + 1 ||
-            d_.side_offsets_.size() != d_.vertices.size() + 1 ||
-            d_.edge_offsets_.size() != d_.edges.size() + 1)
-            return complain("sizes: label offsets do not match");
-        if (d_.face_forms[Dcel::unbounded_face()].valid()) complain("f0: the unbounded face has a label");
-        for (const FaceId f : d_.face_forms.ids()) {
-            if (f == Dcel::unbounded_face()) continue;
-            const FormId form = d_.face_forms[f];
-            if (form.valid() ? form.value >= forms_.size() : !forms_.empty())
-                complain(to_string(f) + ": label " + to_string(form));
-        }
-        for (const VertexId v : d_.vertices.ids()) {
-            if (!ascending(d_.label(v))) complain(to_string(v) + ": label not ascending");
-            for (const FormId f : d_.label(v))
-                if (f.value >= forms_.size()) complain(to_string(v) + ": label out of range");
-            for (const std::uint32_t s : d_.sides(v))
-                if (s >= sides_.size()) complain(to_string(v) + ": side out of range");
-            const FaceId around = dcel_.isolated_in(v);
-            if (around.valid()) check_label_part(to_string(v), d_.label(v), d_.label(around));
-        }
-        for (const EdgeId e : d_.edges.ids()) check_edge_structure(e);
-        if (complaints_.empty())
-            for (const VertexId v : d_.vertices.ids()) check_maximal(v);
-    }
-
-    template <class Label, class Part>
-    void check_label_part(const std::string& where, const Label& label, const Part& part) {
-        for (const auto& id : part)
-            if (std::ranges::find(label, id) == label.end())
-                complain(where + ": label " + name(label) + " lacks its neighbour's " + to_string(id));
-    }
-
-    void check_edge_structure(EdgeId e) {
-        const auto& edge = d_.edges[e];
-        const HalfEdgeId h = Dcel::half_edge(e);
-        const FaceId left = dcel_.face(h), right = dcel_.face(Dcel::twin(h));
-        const std::string where = to_string(e);
-        if (!ascending(d_.label(e))) complain(where + ": label not ascending");
-        if (edge.left != d_.face_forms[left]) complain(where + ": left is not the form of the left face");
-        if (edge.on_rim()) {
-            if (edge.side >= sides_.size()) complain(where + ": side out of range");
-            if (edge.right.valid()) complain(where + ": on the rim with a form on the right");
-            if (right != Dcel::unbounded_face()) complain(where + ": on the rim, but not of the region");
-        } else {
-            if (edge.right != d_.face_forms[right])
-                complain(where + ": right is not the form of the right face");
-            if (edge.left == edge.right) complain(where + ": the same form on both sides");
-            if (left == Dcel::unbounded_face() || right == Dcel::unbounded_face())
-                complain(where + ": borders the unbounded face, but is not on the rim");
-        }
-        check_label_part(where, d_.label(e), d_.label(left));
-        check_label_part(where, d_.label(e), d_.label(right));
-        for (const VertexId v : {dcel_.origin(h), dcel_.target(h)}) {
-            if (!v.valid()) continue;
-            check_label_part(to_string(v), d_.label(v), d_.label(e));
-            if (edge.on_rim() && std::ranges::find(d_.sides(v), edge.side) == d_.sides(v).end())
-                complain(to_string(v) + ": ends a rim edge of side " + std::to_string(edge.side) +
-                         " without lying on it");
-        }
-    }
-
-    /// A vertex of degree two between like edges has no business there.
-    void check_maximal(VertexId v) {
-        const HalfEdgeId h = dcel_.outgoing(v);
-        if (!h.valid()) {
-            if (d_.label(v).size() < 2) complain(to_string(v) + ": isolated without a tie");
-            return;
-        }
-        const HalfEdgeId g = dcel_.next_around_origin(h);
-        if (g == h || dcel_.next_around_origin(g) != h) return;
-        const auto &a = d_.edges[Dcel::edge(h)], &b = d_.edges[Dcel::edge(g)];
-        const auto la = d_.label(Dcel::edge(h)), lv = d_.label(v);
-        const bool alike = a.side == b.side && std::minmax(a.left, a.right) == std::minmax(b.left, b.right) &&
-                           std::ranges::equal(la, d_.label(Dcel::edge(g)));
-        if (alike && std::ranges::equal(la, lv) && Dcel::edge(h) != Dcel::edge(g))
-            complain(to_string(v) + ": joins two edges that are one");
-    }
-
-    // --- Vertices -------------------------------------------------------------------------------
+    // --- Vertices
 
     Point<Real> local(const Eigen::Vector2d& p) const {
         return {Real(p.x()) - Real(origin_.x), Real(p.y()) - Real(origin_.y)};
@@ -435,7 +139,7 @@ private:
         }
     }
 
-    // --- Arcs -----------------------------------------------------------------------------------
+    // --- Arcs
 
     /// The curve of an edge, negative on its left: a circle run counter-clockwise has K > 0.
     Quadric<Rational> curve(EdgeId e) const {
@@ -465,6 +169,7 @@ private:
     struct Ends {
         Point<Real> from, to;
     };
+
     std::optional<Ends> ends(EdgeId e, const Quadric<Real>& g) const {
         const HalfEdgeId h = Dcel::half_edge(e);
         if (dcel_.origin(h).valid())
@@ -507,7 +212,7 @@ private:
         }
     }
 
-    // --- Faces ----------------------------------------------------------------------------------
+    // --- Faces
 
     template <class Visit>
     void for_each_half_edge(FaceId f, const Visit& visit) const {
@@ -612,7 +317,7 @@ private:
         return true;
     }
 
-    // --- Completeness ---------------------------------------------------------------------------
+    // --- Completeness
 
     /// There must be a vertex at p, a common point of the forms `tied`, when they attain the minimum.
     void expect_vertex(const Point<Real>& p, std::initializer_list<std::uint32_t> tied) {
@@ -640,20 +345,9 @@ private:
             }
     }
 
-    const MinimizationDiagram& d_;
-    const FormFamily& family_;
-    const Dcel& dcel_;
-    Point<double> origin_{};
-    Point<Fast> half_{};
-    Fast size_ = 0;
-    std::vector<Quadric<Rational>> sides_;
-    std::vector<Form<Rational>> forms_;
-    std::vector<Form<Real>> real_forms_;
-    std::vector<Form<Fast>> fast_forms_;
     std::vector<Point<Real>> refined_;      // by vertex
     std::vector<std::vector<Piece>> arcs_;  // by edge, along half-edge 2e
     std::vector<Bounds> bounds_;            // by face
-    std::vector<std::string> complaints_;
 };
 
 /// Everything that brute force has to say against a diagram; empty: nothing. Checks in order: the dcel's
@@ -663,97 +357,6 @@ private:
 inline std::vector<std::string> check_diagram(const MinimizationDiagram& diagram, const FormFamily& family,
                                               std::mt19937_64& rng, const OracleOptions& options = {}) {
     return DiagramOracle(diagram, family).check(rng, options);
-}
-
-/// Renames the parts of a diagram, for comparison with that of a transformed scene.
-struct Renaming {
-    std::vector<std::uint32_t> form;  ///< new number of each form
-    std::vector<std::uint32_t> side;  ///< new number of each side of the region
-    bool mirrored = false;            ///< left becomes right
-};
-
-/// The combinatorial diagram in a normal form: equal strings exactly for equal diagrams with equal labels.
-/// Lists vertices (label, sides, faces in cyclic order), edges (label, sides' forms, end labels) and faces
-/// (form, boundary components as cycles of neighbours, isolated vertices), each sorted.
-inline std::vector<std::string> canonical(const MinimizationDiagram& d, const Renaming& r) {
-    const Dcel& dcel = d.dcel;
-    const auto form = [&](FormId f) {
-        return f.valid() ? std::to_string(r.form[f.value]) : std::string("-");
-    };
-    const auto forms = [&](std::span<const FormId> label) {
-        std::set<std::uint32_t> sorted;
-        for (const FormId f : label) sorted.insert(r.form[f.value]);
-        std::string s = "{";
-        for (const std::uint32_t f : sorted) s += std::to_string(f) + " ";
-        return s + "}";
-    };
-    const auto vertex = [&](VertexId v) {
-        if (!v.valid()) return std::string("closed");
-        std::set<std::uint32_t> sides;
-        for (const std::uint32_t s : d.sides(v)) sides.insert(r.side[s]);
-        std::string s = forms(d.label(v)) + "[";
-        for (const std::uint32_t i : sides) s += std::to_string(i) + " ";
-        return s + "]";
-    };
-    const auto cycle = [&](std::vector<std::string> parts) {
-        if (r.mirrored) std::ranges::reverse(parts);
-        std::string best;
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            std::ranges::rotate(parts, parts.begin() + 1);
-            std::string s;
-            for (const auto& p : parts) s += p + ",";
-            if (best.empty() || s < best) best = s;
-        }
-        return "(" + best + ")";
-    };
-    const auto component = [&](CcbId c) {
-        std::vector<std::string> parts;
-        HalfEdgeId h = dcel.start(c);
-        do {
-            parts.push_back(form(d.face_forms[dcel.face(Dcel::twin(h))]));
-            h = dcel.next(h);
-        } while (h != dcel.start(c));
-        return cycle(parts);
-    };
-    std::vector<std::string> result;
-    for (const VertexId v : d.vertices.ids()) {
-        std::vector<std::string> around;
-        if (const HalfEdgeId first = dcel.outgoing(v); first.valid()) {
-            HalfEdgeId h = first;
-            do {
-                around.push_back(form(d.face_forms[dcel.face(h)]));
-                h = dcel.next_around_origin(h);
-            } while (h != first);
-        }
-        result.push_back("vertex " + vertex(v) + cycle(around));
-    }
-    for (const EdgeId e : d.edges.ids()) {
-        const auto& edge = d.edges[e];
-        const HalfEdgeId h = Dcel::half_edge(e);
-        // Seen from its smaller side; turned round, or mirrored, an edge starts where it ended. Without
-        // labels, a rim edge keeps the region on its left in the mirror too.
-        std::array<std::string, 2> sides{form(edge.left), form(edge.right)};
-        std::array<std::string, 2> ends{vertex(dcel.origin(h)), vertex(dcel.target(h))};
-        if (r.mirrored) std::swap(sides[0], sides[1]);
-        if (sides[1] < sides[0] || (r.mirrored && sides[0] == sides[1])) {
-            std::swap(sides[0], sides[1]);
-            std::swap(ends[0], ends[1]);
-        }
-        result.push_back("edge " + forms(d.label(e)) + sides[0] + "|" + sides[1] + " " + ends[0] + "->" +
-                         ends[1] + (edge.on_rim() ? " side " + std::to_string(r.side[edge.side]) : ""));
-    }
-    for (const FaceId f : d.face_forms.ids()) {
-        std::vector<std::string> parts;
-        for (const CcbId c : dcel.inner_ccbs(f)) parts.push_back("hole" + component(c));
-        for (const VertexId v : dcel.isolated_vertices(f)) parts.push_back("isolated" + vertex(v));
-        std::ranges::sort(parts);
-        std::string s = "face " + form(d.face_forms[f]);
-        if (dcel.outer_ccb(f).valid()) s += component(dcel.outer_ccb(f));
-        for (const auto& p : parts) s += " " + p;
-        result.push_back(s);
-    }
-    std::ranges::sort(result);
-    return result;
 }
 
 }  // namespace vcell::oracle
