@@ -7,11 +7,10 @@
 /// by 2 pi for each time that the curve has p rather than q on its left.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -22,188 +21,17 @@
 #include <variant>
 #include <vector>
 
-#include "../../envelope/diagram/minimization_diagram.hpp"
-#include "../../primitives/bases/radial_base.hpp"
+#include "radial_structure_oracle.hpp"
 
 namespace vcell::radial {
-
-using Fast = long double;
-using Vector = Eigen::Matrix<Fast, 3, 1>;
-using Complex = std::complex<Fast>;
 
 struct Options {
     int samples = 150;  ///< pairs of base points whose faces are compared
 };
 
-/// A scene in canonical position, as distance functions.
-class Surroundings {
+class Judge : public StructureOracle {
 public:
-    Surroundings(const Scene& scene, const RadialBaseProblem& problem) : problem_(problem) {
-        turn_ = problem.frame.rotation.cast<Fast>();
-        origin_ = problem.frame.origin.cast<Fast>();
-        for (std::size_t i = 0; i < scene.objects.size(); ++i)
-            add(Site::object(static_cast<std::uint32_t>(i)), scene.objects[i]);
-        for (std::uint32_t side = 0; side < 6; ++side) {
-            Vec3 normal = Vec3::Zero();
-            normal[side / 2] = side % 2 == 0 ? -1 : 1;
-            add(Site::box_side(side), Plane{side % 2 == 0 ? scene.box.min : scene.box.max, normal});
-        }
-        size_ = scene.box.diagonal();
-        const Fast far = std::max(scene.box.min.cwiseAbs().maxCoeff(), scene.box.max.cwiseAbs().maxCoeff());
-        // Over a cylinder coordinates are rounded when they are turned into the frame.
-        tolerance_ = 64 * std::numeric_limits<double>::epsilon() * (size_ + (problem.is_sphere ? 0 : far));
-        form_.assign(items_.size(), FormId{});
-        for (const FormId f : problem.sites.ids())
-            for (const Site site : problem.sites[f]) form_[number(site)] = f;
-    }
-
-    std::size_t size() const { return items_.size(); }
-    Fast scene_size() const { return size_; }
-    Fast tolerance() const { return tolerance_; }
-    FormId form(std::size_t item) const { return form_[item]; }
-    /// Some item of a form.
-    std::size_t item(FormId f) const { return number(problem_.sites[f].front()); }
-    std::string name(std::size_t item) const { return to_string(items_[item].site); }
-
-    Vector normal(Fast x, Fast y) const {
-        Vector n;
-        if (problem_.is_sphere) {
-            const Fast s = x * x + y * y;
-            n = Vector(2 * x, 2 * y, 1 - s) / (1 + s);
-        } else {
-            const Fast a = x > 1 ? x - 2 : x, sign = x > 1 ? -1 : 1;
-            n = sign * Vector(2 * a, 0, 1 - a * a) / (1 + a * a);
-        }
-        return (problem_.chart.cast<Fast>() * n).normalized();
-    }
-
-    /// d - r at the distance t from the centre or axis (of a side of the box what has its sign), and the
-    /// derivative. Convex, and falls along the ray.
-    std::pair<Fast, Fast> excess(std::size_t item, const Vector& foot, const Vector& u, Fast t) const {
-        const Item& o = items_[item];
-        const Vector p = foot + t * u - o.point;
-        if (o.site.kind == Site::Kind::BoxSide) return {-o.axis.dot(p), -o.axis.dot(u)};
-        const Fast r = t - static_cast<Fast>(problem_.radius);
-        if (o.kind == Item::Wall) {
-            const Fast d = o.axis.dot(p);
-            return {std::abs(d) - r, (d < 0 ? -1 : 1) * o.axis.dot(u) - 1};
-        }
-        const Vector away = o.kind == Item::Ball ? p : Vector(p - o.axis.dot(p) * o.axis);
-        const Fast d = away.norm();
-        return {d - o.rho - r, away.dot(u) / d - 1};
-    }
-
-    /// The distance at which the item is met along the ray, infinite beyond `most`: Newton's method ascends
-    /// to the zero of a convex function from its left.
-    Fast distance(std::size_t item, const Vector& foot, const Vector& u, Fast most) const {
-        Fast t = 0;
-        for (int i = 0; i < 200; ++i) {
-            const auto [value, slope] = excess(item, foot, u, t);
-            if (!(slope < 0)) return std::numeric_limits<Fast>::infinity();
-            const Fast step = -value / slope;
-            t += step;
-            if (t > most) return std::numeric_limits<Fast>::infinity();
-            if (i > 0 && step <= 2 * std::numeric_limits<Fast>::epsilon() * t) break;
-        }
-        return t;
-    }
-    Fast distance(std::size_t item, Fast x, Fast y) const {
-        return distance(item, foot(y), normal(x, y), 4 * size_);
-    }
-    Vector foot(Fast y) const { return {0, problem_.is_sphere ? 0 : y, 0}; }
-
-    /// The nearest item, and by how much it is nearer than the nearest that has another form.
-    struct Nearest {
-        std::size_t item;
-        Fast distance, lead;
-    };
-    Nearest nearest(Fast x, Fast y) const {
-        const Vector f = foot(y), u = normal(x, y);
-        Nearest best{0, std::numeric_limits<Fast>::infinity(), 0};
-        const auto search = [&](Nearest& at, auto admitted) {
-            for (std::size_t i = 0; i < size(); ++i) {
-                const Fast most = std::min(at.distance, 4 * size_);
-                if (!admitted(i) || excess(i, f, u, most).first > 0) continue;
-                const Fast t = distance(i, f, u, 4 * size_);
-                if (t < at.distance) at = {i, t, 0};
-            }
-        };
-        search(best, [](std::size_t) { return true; });
-        Nearest second{0, std::numeric_limits<Fast>::infinity(), 0};
-        search(second, [&](std::size_t i) {
-            return i != best.item && !(form_[i].valid() && form_[i] == form_[best.item]);
-        });
-        best.lead = second.distance - best.distance;
-        // A solid that hides another one may tie with it: the one with a form stands for both.
-        if (!form_[best.item].valid() && best.lead <= tolerance_) best.item = second.item;
-        return best;
-    }
-
-    /// {h, h0} with 1 / t of `f` less 1 / t of `g` a positive multiple of h . u + h0, over a sphere; without
-    /// cylinders.
-    std::pair<Vector, Fast> plane_of(std::size_t f, std::size_t g) const {
-        const auto [a, a0, ac] = reciprocal(f);
-        const auto [b, b0, bc] = reciprocal(g);
-        return {a * bc - b * ac, a0 * bc - b0 * ac};
-    }
-
-private:
-    struct Item {
-        enum { Ball, Wall, Rod } kind;
-        Site site;
-        Vector point, axis = Vector::Zero();  // unit; of a side of the box outward
-        Fast rho = 0;
-    };
-
-    // 1 / t = (b . u + b0) / c over a sphere base, c > 0: |t u - p|^2 = (t - R0 + rho)^2 solved for 1 / t,
-    // and so on.
-    std::tuple<Vector, Fast, Fast> reciprocal(std::size_t i) const {
-        const Item& o = items_[i];
-        const Fast R0 = problem_.radius;
-        if (o.site.kind == Site::Kind::BoxSide) return {o.axis, 0, o.axis.dot(o.point)};
-        if (o.kind == Item::Ball) {
-            const Fast d = o.rho - R0;
-            return {2 * o.point, 2 * d, o.point.squaredNorm() - d * d};
-        }
-        const Fast D = -o.axis.dot(o.point), s = D < 0 ? -1 : 1;
-        return {-s * o.axis, 1, s * D + R0};
-    }
-
-    void add(Site site, const Object& object) {
-        Item item{Item::Ball, site, {}};
-        const auto place = [&](const Vec3& p) -> Vector { return turn_ * (p.cast<Fast>() - origin_); };
-        if (const auto* s = std::get_if<Sphere>(&object)) {
-            item.point = place(s->center);
-            item.rho = s->radius;
-        } else if (const auto* p = std::get_if<Plane>(&object)) {
-            item.kind = Item::Wall;
-            item.point = place(p->point);
-            item.axis = (turn_ * p->normal.cast<Fast>()).normalized();
-        } else {
-            const auto& c = std::get<Cylinder>(object);
-            item.kind = Item::Rod;
-            item.point = place(c.point);
-            item.axis = (turn_ * c.axis.cast<Fast>()).normalized();
-            item.rho = c.radius;
-        }
-        items_.push_back(item);
-    }
-    std::size_t number(Site site) const {
-        return site.is_object() ? site.index : items_.size() - 6 + site.index;
-    }
-
-    const RadialBaseProblem& problem_;
-    Eigen::Matrix<Fast, 3, 3> turn_;
-    Vector origin_;
-    std::vector<Item> items_;
-    std::vector<FormId> form_;
-    Fast size_ = 0, tolerance_ = 0;
-};
-
-class Judge {
-public:
-    Judge(const Scene& scene, const RadialBaseProblem& problem, const MinimizationDiagram& diagram)
-        : problem_(problem), around_(scene, problem), d_(diagram), dcel_(diagram.dcel) {}
+    using StructureOracle::StructureOracle;
 
     /// What is wrong; empty if nothing was found.
     std::vector<std::string> check(std::mt19937_64& rng, const Options& options = {}) {
@@ -216,11 +44,7 @@ public:
         return complaints_;
     }
 
-    const Surroundings& surroundings() const { return around_; }
-
 private:
-    static constexpr std::size_t enough = 10;  // complaints
-
     // A point of an edge: chart coordinates, and the arc's parameter (circles: the angle; pieces: their
     // number).
     struct Node {
@@ -235,22 +59,7 @@ private:
         std::optional<Circle> circle;
     };
 
-    void complain(const std::string& what) {
-        if (complaints_.size() < enough) complaints_.push_back(what);
-    }
-    template <class Ids>
-    static std::string name(const Ids& ids) {
-        std::string s = "{";
-        for (const auto& id : ids) s += (s.size() > 1 ? " " : "") + to_string(id);
-        return s + "}";
-    }
-    static std::string text(Fast v) { return std::to_string(static_cast<double>(v)); }
-    static std::string place(Fast x, Fast y) { return "(" + text(x) + ", " + text(y) + ")"; }
-    bool is_over_sphere() const { return problem_.is_sphere; }
-    bool has_face(FormId f) const { return f.valid() && f.value < problem_.sites.size(); }
-    FaceId outer_face(std::uint32_t rim) const { return {rim == 0 ? 0u : 1u}; }
-
-    // --- Charts -----------------------------------------------------------------------------------
+    // --- Charts
 
     Complex chart(Fast x, Fast y) const {
         if (is_over_sphere()) return {x, y};
@@ -259,12 +68,14 @@ private:
         const Fast scaled = 4 * (y - (static_cast<Fast>(y0) + y1) / 2) / (static_cast<Fast>(y1) - y0);
         return std::polar(std::exp(-scaled), theta);
     }
+
     Node node(Fast x, Fast y, Fast s) const { return {x, y, s, chart(x, y)}; }
     Node on_circle(const Circle& c, Fast s) const {
         const Vector u = c.offset + std::cos(s) * c.e1 + std::sin(s) * c.e2;
         const Vector n = problem_.chart.transpose().cast<Fast>() * u;
         return node(n.x() / (1 + n.z()), n.y() / (1 + n.z()), s);
     }
+
     std::array<Fast, 2> sample(std::mt19937_64& rng) const {
         const auto uniform = [&](double a, double b) { return std::uniform_real_distribution(a, b)(rng); };
         if (!is_over_sphere()) return {uniform(-1, 3), uniform(problem_.stretch[0], problem_.stretch[1])};
@@ -273,112 +84,7 @@ private:
         return {rho * std::cos(angle), rho * std::sin(angle)};
     }
 
-    // --- Structure and labels -------------------------------------------------------------------------
-
-    void check_structure() {
-        if (const auto defect = dcel_.find_defect()) return complain("dcel: " + defect->what);
-        const std::size_t forms = d_.forms.size() + d_.radial.size();
-        if (d_.vertices.size() != dcel_.vertex_count() || d_.edges.size() != dcel_.edge_count() ||
-            d_.face_forms.size() != dcel_.face_count() || forms != problem_.sites.size() ||
-            d_.vertex_offsets_.size() != d_.vertices.size() + 1 ||
-            d_.edge_offsets_.size() != d_.edges.size() + 1)
-            return complain("sizes: the diagram's arrays do not match");
-        for (const FaceId f : d_.face_forms.ids()) {
-            const bool outside = !is_over_sphere() && f.value < 2;
-            if (has_face(d_.face_forms[f]) == outside)
-                complain(to_string(f) + ": label " + to_string(d_.face_forms[f]));
-        }
-        if (!complaints_.empty()) return;
-        for (const VertexId v : d_.vertices.ids()) check_label(to_string(v), d_.label(v));
-        for (const EdgeId e : d_.edges.ids()) check_edge_structure(e);
-    }
-
-    void check_label(const std::string& where, std::span<const FormId> label) {
-        for (std::size_t i = 0; i < label.size(); ++i)
-            if (!has_face(label[i]) || (i > 0 && !(label[i - 1] < label[i])))
-                complain(where + ": label " + name(label));
-    }
-
-    static bool includes(std::span<const FormId> label, FormId f) {
-        return !f.valid() || std::ranges::find(label, f) != label.end();
-    }
-
-    void check_edge_structure(EdgeId e) {
-        const auto& edge = d_.edges[e];
-        const HalfEdgeId h = Dcel::half_edge(e);
-        const std::string where = to_string(e);
-        check_label(where, d_.label(e));
-        const FormId left = d_.face_forms[dcel_.face(h)], right = d_.face_forms[dcel_.face(Dcel::twin(h))];
-        if (edge.left != left || edge.right != right || !left.valid())
-            complain(where + ": sides are not its faces'");
-        if (edge.on_rim() == right.valid() || (edge.on_rim() && is_over_sphere()))
-            complain(where + ": wrong about being on the rim");
-        if (edge.on_rim() && dcel_.face(Dcel::twin(h)) != outer_face(edge.side))
-            complain(where + ": on the wrong rim");
-        if (!edge.on_rim() && left == right) complain(where + ": the same form on both sides");
-        if (!includes(d_.label(e), left) || !includes(d_.label(e), right))
-            complain(where + ": label " + name(d_.label(e)) + " lacks a face's");
-        for (const VertexId v : {dcel_.origin(h), dcel_.target(h)})
-            if (v.valid())
-                for (const FormId f : d_.label(e))
-                    if (!includes(d_.label(v), f)) complain(to_string(v) + ": label lacks that of " + where);
-    }
-
-    // --- Ties ----------------------------------------------------------------------------------------------
-
-    // How much a distance may change where a point moves by `error` in the chart: by differences.
-    Fast slack(std::size_t item, Fast x, Fast y, Fast error) const {
-        const Fast at = around_.distance(item, x, y);
-        Fast most = 0;
-        for (const auto& [dx, dy] : {std::pair<Fast, Fast>{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-            const Fast moved = around_.distance(item, x + dx * error, y + dy * error);
-            if (std::isfinite(moved)) most = std::max(most, std::abs(moved - at));
-        }
-        return 2 * most;
-    }
-
-    /// Exactly the label's forms are nearest at a point that is `error` from where they tie.
-    void check_ties(const std::string& where, std::span<const FormId> label, Fast x, Fast y, Fast error) {
-        const Surroundings::Nearest best = around_.nearest(x, y);
-        const Fast rounding = around_.tolerance() * (1 + best.distance / around_.scene_size());
-        for (const FormId f : label) {
-            const std::size_t item = around_.item(f);
-            const Fast t = around_.distance(item, x, y);
-            if (!(t - best.distance <= rounding + slack(item, x, y, error) + slack(best.item, x, y, error)))
-                complain(where + " " + place(x, y) + ": " + to_string(f) + " is not nearest, by " +
-                         std::to_string(static_cast<double>((t - best.distance) / around_.scene_size())) +
-                         " of the box");
-        }
-        for (std::size_t i = 0; i < around_.size(); ++i) {
-            const FormId f = around_.form(i);
-            if (!f.valid() || includes(label, f)) continue;
-            const Fast t = around_.distance(i, x, y);
-            if (std::isinf(t)) continue;
-            if (!(t - best.distance > rounding + slack(i, x, y, error) + slack(best.item, x, y, error)))
-                complain(where + " " + place(x, y) + ": label " + name(label) + " lacks " + to_string(f));
-        }
-    }
-
-    void check_vertex(VertexId v) {
-        const auto& vertex = d_.vertices[v];
-        const Fast x = vertex.point.x(), y = vertex.point.y();
-        if (!(vertex.error < 1e-6 * (1 + std::hypot(x, y)))) return complain(to_string(v) + ": no place");
-        check_ties(to_string(v), d_.label(v), x, y, vertex.error);
-        if (!d_.sides(v).empty())
-            for (const std::uint32_t side : d_.sides(v))
-                if (std::abs(y - problem_.stretch[side == 0 ? 0 : 1]) >
-                    2 * vertex.error + around_.tolerance())
-                    complain(to_string(v) + ": is not on the rim");
-        const HalfEdgeId h = dcel_.outgoing(v);
-        if (!h.valid()) return;
-        const HalfEdgeId g = dcel_.next_around_origin(h);
-        if (g != h && dcel_.next_around_origin(g) == h && Dcel::edge(g) != Dcel::edge(h) &&
-            std::ranges::equal(d_.label(v), d_.label(Dcel::edge(h))) && d_.sides(v).empty())
-            complain(to_string(v) + ": divides an arc");
-    }
-
     // --- Edges
-    // -------------------------------------------------------------------------------------------------
 
     void trace(EdgeId e) {
         traces_.emplace_back();
@@ -537,10 +243,10 @@ private:
             (lead(middle) > 0 ? low : high) = middle;
         }
     }
+
     Fast wrapped(Fast x) const { return is_over_sphere() ? x : x >= 3 ? x - 4 : x < -1 ? x + 4 : x; }
 
     // --- Faces
-    // ------------------------------------------------------------------------------------------------------
 
     void check_faces(const std::array<Fast, 2>& p, const std::array<Fast, 2>& q) {
         const Surroundings::Nearest at_p = around_.nearest(p[0], p[1]), at_q = around_.nearest(q[0], q[1]);
@@ -598,6 +304,7 @@ private:
         }
         return sum;
     }
+
     // Nodes as far apart as this from p and q have their arc beside them: arcs bend by little between nodes.
     template <class Image>
     std::optional<Fast> turn(EdgeId e, const Node& a, const Node& b, const Image& image, int depth) {
@@ -611,12 +318,7 @@ private:
         return *first + *second;
     }
 
-    const RadialBaseProblem& problem_;
-    Surroundings around_;
-    const MinimizationDiagram& d_;
-    const Dcel& dcel_;
     std::vector<Trace> traces_;
-    std::vector<std::string> complaints_;
 };
 
 }  // namespace vcell::radial
