@@ -4,7 +4,7 @@
 
 #include "circles/circle_arcs.hpp"
 #include "circles/circle_kernel.hpp"
-#include "curves/mixed_arcs.hpp"
+#include "curves/curve_arcs.hpp"
 #include "dcel/dcel.hpp"
 #include "sweep/arc_geometry.hpp"
 #include "sweep/overlay.hpp"

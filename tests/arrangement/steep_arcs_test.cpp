@@ -7,7 +7,7 @@
 
 #include "check_arrangement.hpp"
 #include "test_support.hpp"
-#include "vcell/arrangement/curves/mixed_arcs.hpp"
+#include "vcell/arrangement/curves/curve_arcs.hpp"
 #include "vcell/core/errors.hpp"
 
 using namespace vcell;

@@ -13,9 +13,9 @@ folders = ["core", "core/solver", "primitives", "arrangement", "envelope", "io"]
 # What no cell is computed with. What is struck off stays off: an exception that is none any more is a fault, too.
 beside = {
     "arrangement/curves/defining_function.hpp",
-    "arrangement/curves/mixed_arcs.cpp",
-    "arrangement/curves/mixed_arcs.hpp",
-    "arrangement/curves/mixed_meetings.cpp",
+    "arrangement/curves/curve_arcs.cpp",
+    "arrangement/curves/curve_arcs.hpp",
+    "arrangement/curves/curve_meetings.cpp",
     "arrangement/curves/monotone_graph.cpp",
     "arrangement/curves/monotone_graph.hpp",
     "arrangement/curves/traced_curve.cpp",

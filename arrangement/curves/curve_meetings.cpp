@@ -4,7 +4,7 @@
 #include <array>
 #include <type_traits>
 
-#include "mixed_arcs.hpp"
+#include "curve_arcs.hpp"
 
 namespace vcell {
 
@@ -20,22 +20,21 @@ Interval in_doubles(const Wide& i) { return i.enclosure(); }
 
 }  // namespace
 
-std::optional<CurveArcs::Point> CurveArcs::later_left(MixedBranchId a, MixedBranchId b) {
+std::optional<CurveArcs::Point> CurveArcs::later_left(BranchId a, BranchId b) {
     const Point p = branches_[a].left, q = branches_[b].left;
     if (!p.valid() || !q.valid())
         return p.valid() ? std::optional(p) : q.valid() ? std::optional(q) : std::nullopt;
     return compare_x(p, q) == Sign::Negative ? q : p;
 }
 
-std::optional<CurveArcs::Point> CurveArcs::earlier_right(MixedBranchId a, MixedBranchId b) {
+std::optional<CurveArcs::Point> CurveArcs::earlier_right(BranchId a, BranchId b) {
     const Point p = branches_[a].right, q = branches_[b].right;
     if (!p.valid() || !q.valid())
         return p.valid() ? std::optional(p) : q.valid() ? std::optional(q) : std::nullopt;
     return compare_x(p, q) == Sign::Positive ? q : p;
 }
 
-Sign CurveArcs::sign_between(MixedBranchId a, MixedBranchId b, std::optional<Point> l,
-                             std::optional<Point> r) {
+Sign CurveArcs::sign_between(BranchId a, BranchId b, std::optional<Point> l, std::optional<Point> r) {
     const MonotoneGraph &f = *branches_[a].graph, &g = *branches_[b].graph;
     const auto between = [&]<class T>(const T& from, const T& to) -> std::optional<Sign> {
         const T middle((T(0.5) * (T(from.upper(), from.upper()) + T(to.lower(), to.lower()))).mid());
@@ -74,8 +73,7 @@ Sign CurveArcs::sign_between(MixedBranchId a, MixedBranchId b, std::optional<Poi
     return Sign::Zero;
 }
 
-CurveArcs::Meeting CurveArcs::with_signs_between(MixedBranchId a, MixedBranchId b,
-                                                 std::vector<Point> points) {
+CurveArcs::Meeting CurveArcs::with_signs_between(BranchId a, BranchId b, std::vector<Point> points) {
     const auto first = later_left(a, b), last = earlier_right(a, b);
     Meeting m{false, std::move(points), {}};
     m.signs.assign(m.points.size() + 1, Sign::Zero);
@@ -92,7 +90,7 @@ CurveArcs::Meeting CurveArcs::with_signs_between(MixedBranchId a, MixedBranchId 
 /// Finds the common points of two branches that are no vertical lines.
 class CurveArcs::Isolation {
 public:
-    Isolation(CurveArcs& arcs, MixedBranchId a, MixedBranchId b)
+    Isolation(CurveArcs& arcs, BranchId a, BranchId b)
         : m_(arcs), a_(a), b_(b), f_(arcs.branches_[a].graph), g_(arcs.branches_[b].graph) {}
 
     Meeting run() {
@@ -242,7 +240,7 @@ private:
     /// A point known to lie on both branches strictly between two places.
     template <class T>
     std::optional<Point> known_between(const T& x) {
-        for (const MixedBranchId on : {a_, b_}) {
+        for (const BranchId on : {a_, b_}) {
             for (const Point q : m_.points_on_[on]) {
                 const Point p = m_.representative(q);
                 const Interval& rough = m_.points_[p].x;
@@ -313,14 +311,14 @@ private:
     }
 
     CurveArcs& m_;
-    MixedBranchId a_, b_;
+    BranchId a_, b_;
     std::shared_ptr<const MonotoneGraph> f_, g_;
     Point first_, last_;
     std::optional<Wide> assumed_;  // the section of the last common point, if that was assumed
     Meeting result_;
 };
 
-CurveArcs::Meeting CurveArcs::meet_vertical(MixedBranchId vertical, MixedBranchId b) {
+CurveArcs::Meeting CurveArcs::meet_vertical(BranchId vertical, BranchId b) {
     const Branch &line = branches_[vertical], &branch = branches_[b];
     if (curves_[branch.curve].circular()) {
         Meeting m;
@@ -348,7 +346,7 @@ CurveArcs::Meeting CurveArcs::meet_vertical(MixedBranchId vertical, MixedBranchI
         false, {add_point({anchor.x, branch.graph->y(anchor.x), refine, nullptr, {vertical, b}, {}})}, {}};
 }
 
-CurveArcs::Meeting CurveArcs::meet(MixedBranchId a, MixedBranchId b) {
+CurveArcs::Meeting CurveArcs::meet(BranchId a, BranchId b) {
     // By value: points and branches may be added meanwhile.
     const Branch f = branches_[a], g = branches_[b];
     if (!f.graph) return g.graph ? meet_vertical(a, b) : Meeting();
@@ -372,7 +370,7 @@ CurveArcs::Meeting CurveArcs::meet(MixedBranchId a, MixedBranchId b) {
     return Isolation(*this, a, b).run();
 }
 
-const CurveArcs::Meeting& CurveArcs::meeting(MixedBranchId a, MixedBranchId b) {
+const CurveArcs::Meeting& CurveArcs::meeting(BranchId a, BranchId b) {
     const auto key = std::minmax(a, b);
     if (const auto found = meetings_.find(key); found != meetings_.end()) return found->second;
     return meetings_.emplace(key, meet(key.first, key.second)).first->second;

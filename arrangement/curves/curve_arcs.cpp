@@ -1,4 +1,4 @@
-#include "mixed_arcs.hpp"
+#include "curve_arcs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +25,7 @@ Exact twice(const Exact& e) { return e.scaled(1); }
 
 // --- Curves. -------------------------------------------------------------------------------------------
 
-MixedCurveId CurveArcs::add_circular(const CircularForm& given, std::optional<Label> label) {
+CurveId CurveArcs::add_circular(const CircularForm& given, std::optional<Label> label) {
     CircularForm f = given;
     if (f.k < 0) f = {.k = -f.k, .cx = f.cx, .cy = f.cy, .a = -f.a, .b = -f.b, .e = -f.e};
     const Exact k(f.k), cx(f.cx), cy(f.cy), a(f.a), b(f.b), e(f.e);
@@ -41,20 +41,20 @@ MixedCurveId CurveArcs::add_circular(const CircularForm& given, std::optional<La
         }
         return true;
     };
-    for (const MixedCurveId c : curves_.ids()) {
+    for (const CurveId c : curves_.ids()) {
         if (!curves_[c].circular() || !proportional(curves_[c].exact)) continue;
         if (label) curves_[c].labels.push_back(*label);
         return c;
     }
 
     const bool line = f.k == 0;
-    const MixedCurveId c =
+    const CurveId c =
         curves_.push_back({line ? Curve::Kind::Line : Curve::Kind::Circle, {}, {}, f, form, {}});
     if (label) curves_[c].labels.push_back(*label);
     if (line) {
         assert(f.a != 0 || f.b != 0);
         const bool vertical = f.b == 0;
-        const MixedBranchId branch =
+        const BranchId branch =
             add_branch(c, vertical ? nullptr : std::make_shared<MonotoneGraph>(CircularGraph{f}), {}, {});
         if (vertical) {
             const bool positive = f.a > 0;
@@ -76,15 +76,15 @@ MixedCurveId CurveArcs::add_circular(const CircularForm& given, std::optional<La
     return c;
 }
 
-MixedCurveId CurveArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
-    for (const MixedCurveId c : curves_.ids()) {
+CurveId CurveArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
+    for (const CurveId c : curves_.ids()) {
         if (curves_[c].kind != Curve::Kind::Bezier) continue;
         const auto& other = curves_[c].bezier->points();
         if (points == other || std::equal(points.rbegin(), points.rend(), other.begin(), other.end()))
             return c;
     }
     auto bezier = std::make_shared<const RationalBezier>(std::move(points));
-    const MixedCurveId c = curves_.push_back({Curve::Kind::Bezier, {}, {}, {}, {}, bezier});
+    const CurveId c = curves_.push_back({Curve::Kind::Bezier, {}, {}, {}, {}, bezier});
     const auto &first = bezier->points().front(), &last = bezier->points().back();
     BernsteinRoot from(0.0);
     Point from_point = point(first.x(), first.y());
@@ -108,10 +108,10 @@ MixedCurveId CurveArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
     return c;
 }
 
-MixedCurveId CurveArcs::add_traced(const TracedCurve& curve, std::optional<Label> label) {
+CurveId CurveArcs::add_traced(const TracedCurve& curve, std::optional<Label> label) {
     const TracedPieces cut = cut_traced_curve(curve);
     for (const Eigen::Vector2d& p : cut.assumed) assume(p.x(), p.y());
-    const MixedCurveId c = curves_.push_back({Curve::Kind::Traced, {}, {}, {}, {}, nullptr});
+    const CurveId c = curves_.push_back({Curve::Kind::Traced, {}, {}, {}, {}, nullptr});
     if (label) curves_[c].labels.push_back(*label);
     std::map<std::shared_ptr<const TracedPlace>, Point> points;
     const auto point_at = [&](const std::shared_ptr<const TracedPlace>& place) {
@@ -129,9 +129,9 @@ MixedCurveId CurveArcs::add_traced(const TracedCurve& curve, std::optional<Label
     return c;
 }
 
-MixedBranchId CurveArcs::add_branch(MixedCurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
-                                    Point right) {
-    const MixedBranchId b = branches_.push_back({c, std::move(graph), left, right, {}});
+BranchId CurveArcs::add_branch(CurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
+                               Point right) {
+    const BranchId b = branches_.push_back({c, std::move(graph), left, right, {}});
     points_on_.push_back({});
     curves_[c].branches.push_back(b);
     for (const Point p : {left, right}) {
@@ -140,15 +140,14 @@ MixedBranchId CurveArcs::add_branch(MixedCurveId c, std::shared_ptr<const Monoto
     return b;
 }
 
-void CurveArcs::cut(MixedCurveId c, std::vector<Arc>& out) const {
+void CurveArcs::cut(CurveId c, std::vector<Arc>& out) const {
     assert(curves_[c].kind != Curve::Kind::Line);
-    for (const MixedBranchId b : curves_[c].branches)
-        out.push_back({b, branches_[b].left, branches_[b].right});
+    for (const BranchId b : curves_[c].branches) out.push_back({b, branches_[b].left, branches_[b].right});
 }
 
-CurveArcs::Arc CurveArcs::segment(MixedCurveId line, Point p, Point q) {
+CurveArcs::Arc CurveArcs::segment(CurveId line, Point p, Point q) {
     assert(curves_[line].kind == Curve::Kind::Line);
-    const MixedBranchId b = curves_[line].branches.front();
+    const BranchId b = curves_[line].branches.front();
     for (const Point end : {p, q}) note_on(end, b);
     return sub_arc({b, {}, {}}, p, q);
 }
@@ -165,7 +164,7 @@ CurveArcs::Point CurveArcs::add_point(PointData data) {
     const Point p = points_.push_back(data);
     equal_to_.push_back(p);
     equal_x_.push_back(p);
-    for (const MixedBranchId b : data.on) points_on_[b].push_back(p);
+    for (const BranchId b : data.on) points_on_[b].push_back(p);
     return p;
 }
 
@@ -211,10 +210,10 @@ void CurveArcs::unite(Point p, Point q) {
     if (!points_[p].exact && points_[q].exact) std::swap(p, q);
     equal_to_[q] = p;
     equal_x_[representative(equal_x_, q)] = representative(equal_x_, p);
-    for (const MixedBranchId b : std::vector(points_[q].on)) note_on(p, b);
+    for (const BranchId b : std::vector(points_[q].on)) note_on(p, b);
 }
 
-void CurveArcs::note_on(Point p, MixedBranchId b) {
+void CurveArcs::note_on(Point p, BranchId b) {
     p = representative(p);
     auto& on = points_[p].on;
     if (std::find(on.begin(), on.end(), b) != on.end()) return;
@@ -229,7 +228,7 @@ void CurveArcs::assume(const Interval& x, const Interval& y) {
 
 // A point on {i = j} and {j = k} lies on {i = k}: the pair of b's curve must be joined by the pairs of the
 // point's curves. Which part of {i = k} it lies on, its place tells.
-bool CurveArcs::known_on(Point p, MixedBranchId b) const {
+bool CurveArcs::known_on(Point p, BranchId b) const {
     const PointData& data = points_[representative(p)];
     if (std::find(data.on.begin(), data.on.end(), b) != data.on.end()) return true;
     const Branch& branch = branches_[b];
@@ -240,7 +239,7 @@ bool CurveArcs::known_on(Point p, MixedBranchId b) const {
                 if (from == reached[i] && std::find(reached.begin(), reached.end(), to) == reached.end())
                     reached.push_back(to);
             };
-            for (const MixedBranchId on : data.on) {
+            for (const BranchId on : data.on) {
                 for (const Label& l : curves_[branches_[on].curve].labels) {
                     reach(l.f, l.g);
                     reach(l.g, l.f);
@@ -268,7 +267,7 @@ CurveArcs::Comparison CurveArcs::compare_coordinate(Point p, Point q, int axis) 
     q = representative(q);
     if (p == q) return {Sign::Zero};
     const PointData &a = points_[p], &b = points_[q];
-    const auto on_vertical_of_a = [&](MixedBranchId on) {
+    const auto on_vertical_of_a = [&](BranchId on) {
         return !branches_[on].graph && std::find(a.on.begin(), a.on.end(), on) != a.on.end();
     };
     if (axis == 0 && (representative(equal_x_, p) == representative(equal_x_, q) ||
@@ -313,7 +312,7 @@ Sign CurveArcs::compare_xy(Point p, Point q) {
 // --- Points and branches. ------------------------------------------------------------------------------
 
 // The sign of K (x^2 + y^2) + A x + B y + C tells the side of a line, and inside from outside of a circle.
-Sign CurveArcs::exact_side_of(const ExactPoint& p, MixedBranchId b) const {
+Sign CurveArcs::exact_side_of(const ExactPoint& p, BranchId b) const {
     const Branch& branch = branches_[b];
     const ExactForm& f = curves_[branch.curve].exact;
     const Exact& d = p.denominator;
@@ -329,7 +328,7 @@ Sign CurveArcs::exact_side_of(const ExactPoint& p, MixedBranchId b) const {
 }
 
 // Of a point on the circle: does it lie on this half?
-bool CurveArcs::on_half(Point p, MixedBranchId b) const {
+bool CurveArcs::on_half(Point p, BranchId b) const {
     const Branch& branch = branches_[b];
     if (!branch.graph) return true;
     const Sign half = std::get<CircularGraph>(branch.graph->shape()).half;
@@ -339,7 +338,7 @@ bool CurveArcs::on_half(Point p, MixedBranchId b) const {
     return sign(twice(f.K) * e.y + e.denominator * f.B) != -half;
 }
 
-Sign CurveArcs::side_of(Point p, MixedBranchId b) {
+Sign CurveArcs::side_of(Point p, BranchId b) {
     p = representative(p);
     if (known_on(p, b)) return Sign::Zero;
     const auto graph = branches_[b].graph;
@@ -394,7 +393,7 @@ std::vector<CurveArcs::Point> CurveArcs::exact_points(const Curve& c, const Curv
         const Exact s(denominator.sign() == Sign::Positive ? 1.0 : -1.0);
         const Point p = add_exact_point({s * x, s * y, s * denominator});
         for (const Curve* curve : {&c, &d}) {
-            for (const MixedBranchId b : curve->branches) {
+            for (const BranchId b : curve->branches) {
                 if (on_half(p, b)) note_on(p, b);
             }
         }
@@ -419,7 +418,7 @@ std::vector<CurveArcs::Point> CurveArcs::exact_points(const Curve& c, const Curv
             make({x0, b, discriminant}, {y0, -a, discriminant}, denominator)};
 }
 
-std::vector<CurveArcs::Point> CurveArcs::crossings(MixedCurveId c, MixedCurveId d) {
+std::vector<CurveArcs::Point> CurveArcs::crossings(CurveId c, CurveId d) {
     assert(c != d && curves_[c].circular() && curves_[d].circular());
     const auto [found, is_new] = exact_points_.try_emplace(std::minmax(c, d));
     if (is_new) {

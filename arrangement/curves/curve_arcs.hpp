@@ -30,25 +30,25 @@
 
 namespace vcell {
 
-struct MixedPointTag {
+struct CurvePointTag {
     static constexpr char letter = 'p';
 };
-struct MixedCurveTag {
+struct CurveTag {
     static constexpr char letter = 'k';
 };
-struct MixedBranchTag {
+struct BranchTag {
     static constexpr char letter = 'b';
 };
-using MixedPointId = Id<MixedPointTag>;
-using MixedCurveId = Id<MixedCurveTag>;
-using MixedBranchId = Id<MixedBranchTag>;
+using CurvePointId = Id<CurvePointTag>;
+using CurveId = Id<CurveTag>;
+using BranchId = Id<BranchTag>;
 
 class CurveArcs {
 public:
-    using Point = MixedPointId;
+    using Point = CurvePointId;
     /// A piece of a branch: of a line, of half a circle, of a Bezier or traced curve between its turns in x.
     struct Arc {
-        MixedBranchId branch;
+        BranchId branch;
         Point left, right;
     };
     /// The curve is (part of) the set where functions f and g, by the caller's numbers, are equal.
@@ -60,28 +60,28 @@ public:
 
     /// k |p - c|^2 + a x + b y + e = 0, the doubles being exact (w is ignored).
     /// Pre: a line, or a circle of positive radius.
-    MixedCurveId add_circular(const CircularForm& form, std::optional<Label> label = {});
-    MixedCurveId add_line(double a, double b, double e, std::optional<Label> label = {}) {
+    CurveId add_circular(const CircularForm& form, std::optional<Label> label = {});
+    CurveId add_line(double a, double b, double e, std::optional<Label> label = {}) {
         return add_circular({.a = a, .b = b, .e = e}, label);
     }
-    MixedCurveId add_circle(double cx, double cy, double squared_radius, std::optional<Label> label = {}) {
+    CurveId add_circle(double cx, double cy, double squared_radius, std::optional<Label> label = {}) {
         return add_circular({.k = 1, .cx = cx, .cy = cy, .e = -squared_radius}, label);
     }
     /// Control points (x, y, w), exact. Pre: degree 1 to 16, w > 0; x is not constant (add_line).
-    MixedCurveId add_bezier(std::vector<Eigen::Vector3d> points);
+    CurveId add_bezier(std::vector<Eigen::Vector3d> points);
     /// Throws InputError as cut_traced_curve does.
-    MixedCurveId add_traced(const TracedCurve& curve, std::optional<Label> label = {});
+    CurveId add_traced(const TracedCurve& curve, std::optional<Label> label = {});
 
     // --- Points and arcs of them. ----------------------------------------------------------------------
 
     /// A point given by exact coordinates.
     Point point(double x, double y);
     /// The common points of two different lines or circles, ascending; exact.
-    std::vector<Point> crossings(MixedCurveId c, MixedCurveId d);
+    std::vector<Point> crossings(CurveId c, CurveId d);
     /// Appends the whole curve as x-monotone arcs. Pre: c is no line.
-    void cut(MixedCurveId c, std::vector<Arc>& out) const;
+    void cut(CurveId c, std::vector<Arc>& out) const;
     /// Pre: p and q are different points of the line.
-    Arc segment(MixedCurveId line, Point p, Point q);
+    Arc segment(CurveId line, Point p, Point q);
     /// The part of an arc between two different points on it.
     Arc sub_arc(const Arc& a, Point p, Point q);
 
@@ -123,18 +123,18 @@ private:
         Interval x, y;
         std::function<std::pair<Wide, Wide>()> refine;
         std::shared_ptr<const ExactPoint> exact;  // or none
-        std::vector<MixedBranchId> on;            // branches known to hold the point
+        std::vector<BranchId> on;                 // branches known to hold the point
         std::optional<std::pair<Wide, Wide>> fine;
     };
     struct Branch {
-        MixedCurveId curve;
+        CurveId curve;
         std::shared_ptr<const MonotoneGraph> graph;  // none: vertical
         Point left, right;                           // none: a line
         Point anchor;                                // of a vertical line: some point on it
     };
     struct Curve {
         enum class Kind : std::uint8_t { Line, Circle, Bezier, Traced } kind;
-        std::vector<MixedBranchId> branches;
+        std::vector<BranchId> branches;
         std::vector<Label> labels;
         CircularForm form;
         ExactForm exact;
@@ -149,18 +149,17 @@ private:
         std::vector<Sign> signs;
     };
 
-    using Classes = IdVector<MixedPointId, MixedPointId>;  // disjoint sets
+    using Classes = IdVector<CurvePointId, CurvePointId>;  // disjoint sets
 
     Point add_point(PointData data);
     Point add_exact_point(ExactPoint p);
-    MixedBranchId add_branch(MixedCurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
-                             Point right);
+    BranchId add_branch(CurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left, Point right);
     static Point representative(Classes& classes, Point p);
     Point representative(Point p) const { return representative(equal_to_, p); }
     void unite(Point p, Point q);
-    void note_on(Point p, MixedBranchId b);
+    void note_on(Point p, BranchId b);
     void assume(const Interval& x, const Interval& y);
-    bool known_on(Point p, MixedBranchId b) const;
+    bool known_on(Point p, BranchId b) const;
 
     struct Comparison {
         Sign sign;
@@ -168,27 +167,27 @@ private:
     };
     Comparison compare_coordinate(Point p, Point q, int axis);
     Sign compare_x(Point p, Point q);
-    Sign side_of(Point p, MixedBranchId b);
-    Sign exact_side_of(const ExactPoint& p, MixedBranchId b) const;
-    bool on_half(Point p, MixedBranchId b) const;
+    Sign side_of(Point p, BranchId b);
+    Sign exact_side_of(const ExactPoint& p, BranchId b) const;
+    bool on_half(Point p, BranchId b) const;
 
-    const Meeting& meeting(MixedBranchId a, MixedBranchId b);
-    Meeting meet(MixedBranchId a, MixedBranchId b);
-    Meeting meet_vertical(MixedBranchId vertical, MixedBranchId b);
-    Meeting with_signs_between(MixedBranchId a, MixedBranchId b, std::vector<Point> points);
-    Sign sign_between(MixedBranchId a, MixedBranchId b, std::optional<Point> l, std::optional<Point> r);
+    const Meeting& meeting(BranchId a, BranchId b);
+    Meeting meet(BranchId a, BranchId b);
+    Meeting meet_vertical(BranchId vertical, BranchId b);
+    Meeting with_signs_between(BranchId a, BranchId b, std::vector<Point> points);
+    Sign sign_between(BranchId a, BranchId b, std::optional<Point> l, std::optional<Point> r);
     std::vector<Point> exact_points(const Curve& c, const Curve& d);
-    std::optional<Point> later_left(MixedBranchId a, MixedBranchId b);
-    std::optional<Point> earlier_right(MixedBranchId a, MixedBranchId b);
+    std::optional<Point> later_left(BranchId a, BranchId b);
+    std::optional<Point> earlier_right(BranchId a, BranchId b);
 
     mutable Classes equal_to_, equal_x_;
-    IdVector<MixedPointId, PointData> points_;
-    IdVector<MixedCurveId, Curve> curves_;
-    IdVector<MixedBranchId, Branch> branches_;
+    IdVector<CurvePointId, PointData> points_;
+    IdVector<CurveId, Curve> curves_;
+    IdVector<BranchId, Branch> branches_;
     std::map<std::pair<double, double>, Point> given_;
-    std::map<std::pair<MixedCurveId, MixedCurveId>, std::vector<Point>> exact_points_;
-    std::map<std::pair<MixedBranchId, MixedBranchId>, Meeting> meetings_;
-    IdVector<MixedBranchId, std::vector<Point>> points_on_;  // the reverse of PointData::on
+    std::map<std::pair<CurveId, CurveId>, std::vector<Point>> exact_points_;
+    std::map<std::pair<BranchId, BranchId>, Meeting> meetings_;
+    IdVector<BranchId, std::vector<Point>> points_on_;  // the reverse of PointData::on
     Decisions decisions_;
     std::vector<Eigen::Vector2d> assumed_at_;
 };

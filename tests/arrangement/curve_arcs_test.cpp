@@ -7,7 +7,7 @@
 
 #include "check_arrangement.hpp"
 #include "test_support.hpp"
-#include "vcell/arrangement/curves/mixed_arcs.hpp"
+#include "vcell/arrangement/curves/curve_arcs.hpp"
 #include "vcell/arrangement/sweep/overlay.hpp"
 
 using namespace vcell;
@@ -131,9 +131,9 @@ Function difference(const Height& f, const Height& g) {
     return defining_function([=]<class T>(const T& x, const T& y) -> T { return f(x, y) - g(x, y); });
 }
 
-std::vector<Arc> all_arcs(const CurveArcs& g, const std::vector<MixedCurveId>& curves) {
+std::vector<Arc> all_arcs(const CurveArcs& g, const std::vector<CurveId>& curves) {
     std::vector<Arc> arcs;
-    for (const MixedCurveId c : curves) g.cut(c, arcs);
+    for (const CurveId c : curves) g.cut(c, arcs);
     return arcs;
 }
 
@@ -311,7 +311,7 @@ TEST_CASE("mixed arcs: coinciding curves of different kinds become one") {
 TEST_CASE("mixed arcs: lines and circles are exact in any degeneracy") {
     CurveArcs g;
     // Four circles through the origin, the axes, and both diagonals.
-    std::vector<MixedCurveId> circles;
+    std::vector<CurveId> circles;
     for (const auto& [x, y] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}})
         circles.push_back(g.add_circle(x, y, 1));
     auto arcs = all_arcs(g, circles);
@@ -330,7 +330,7 @@ TEST_CASE("mixed arcs: the three curves of a triple meet in one point") {
     std::array<std::size_t, 3> counts{};
     for (const bool labelled : {true, false}) {
         CurveArcs g;
-        std::vector<MixedCurveId> curves;
+        std::vector<CurveId> curves;
         for (const auto& [i, j] : {std::pair(0u, 1u), {0u, 2u}, {1u, 2u}}) {
             for (const TracedCurve& c : trace(difference(heights[i], heights[j]), 3, 0.03)) {
                 curves.push_back(
@@ -385,7 +385,7 @@ struct RandomMix {
         }
     }
     std::vector<Arc> arcs(CurveArcs& g, double dx = 0, double dy = 0) const {
-        std::vector<MixedCurveId> curves;
+        std::vector<CurveId> curves;
         for (const auto& [x, y, r] : circles) curves.push_back(g.add_circle(x + dx, y + dy, r));
         for (const auto& [x, y, a, b] : ovals) {
             TracedCurve curve = trace(oval(x, y, a, b), 4, 0.03).at(0);
@@ -450,7 +450,7 @@ TEST_CASE("mixed arcs: faces are where the signs of the defining functions say")
                 {place(rng), place(rng), factor(rng), factor(rng), factor(rng) / 4, offset(rng)});
         CurveArcs g;
         std::vector<Function> functions;
-        std::vector<MixedCurveId> curves;
+        std::vector<CurveId> curves;
         for (std::uint32_t i = 0; i < heights.size(); ++i) {
             for (std::uint32_t j = 0; j < i; ++j) {
                 functions.push_back(difference(heights[i], heights[j]));
