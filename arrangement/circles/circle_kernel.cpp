@@ -30,7 +30,7 @@ using namespace kernel_bounds;
 constexpr double singular_angle = 1e-6;
 
 // A function K |p|^2 + ... about a place, without bounds.
-struct Plain {
+struct RoughJet {
     double v, gx, gy, K;
 
     double square() const { return gx * gx + gy * gy; }
@@ -41,9 +41,9 @@ struct Plain {
 // J is singular in the centre of a circle, where the middle between the ends of a half circle happens to be,
 // and wherever the gradients are parallel. From there one gets away along the level line of one function, as
 // far as the curve of the other may be: K t^2 + |grad| t = |F|.
-Eigen::Vector2d step_from_singular(const Plain& f, const Plain& g) {
+Eigen::Vector2d step_from_singular(const RoughJet& f, const RoughJet& g) {
     const bool f_fades = f.square() * g.square_on_curve() <= g.square() * f.square_on_curve();
-    const Plain &fading = f_fades ? f : g, &steep = f_fades ? g : f;
+    const RoughJet &fading = f_fades ? f : g, &steep = f_fades ? g : f;
     if (steep.square() == 0) return {0, 0};  // concentric circles
     const double t =
         2 * std::abs(fading.v) / (std::sqrt(fading.square()) + std::sqrt(fading.square_on_curve()));
@@ -115,18 +115,18 @@ bool CircleKernel::certify(KernelPoint& p) const {
 std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, FormPair d, Sign orientation,
                                                                 const Eigen::Vector2d& near,
                                                                 bool moved) const {
-    const auto plain = [&](FormId id) {
+    const auto rough = [&](FormId id) {
         const Form& f = forms_[id];
         const double dx = near.x() - f.cx, dy = near.y() - f.cy;
-        return Plain{(f.k * (dx * dx + dy * dy) + (f.a * near.x() + f.b * near.y() + f.e)) * f.iw,
-                     (2 * f.k * dx + f.a) * f.iw, (2 * f.k * dy + f.b) * f.iw, f.K};
+        return RoughJet{(f.k * (dx * dx + dy * dy) + (f.a * near.x() + f.b * near.y() + f.e)) * f.iw,
+                        (2 * f.k * dx + f.a) * f.iw, (2 * f.k * dy + f.b) * f.iw, f.K};
     };
-    const auto minus = [](const Plain& p, const Plain& q) {
-        return Plain{p.v - q.v, p.gx - q.gx, p.gy - q.gy, p.K - q.K};
+    const auto minus = [](const RoughJet& p, const RoughJet& q) {
+        return RoughJet{p.v - q.v, p.gx - q.gx, p.gy - q.gy, p.K - q.K};
     };
-    const Plain cf = plain(c.f), cg = plain(c.g), df = plain(d.f);
-    const Plain dg = d.g == c.f ? cf : d.g == c.g ? cg : plain(d.g);
-    const Plain f = minus(cf, cg), g = minus(df, dg);
+    const RoughJet cf = rough(c.f), cg = rough(c.g), df = rough(d.f);
+    const RoughJet dg = d.g == c.f ? cf : d.g == c.g ? cg : rough(d.g);
+    const RoughJet f = minus(cf, cg), g = minus(df, dg);
     const double det = cross(f.gx, f.gy, g.gx, g.gy);
     const double inv = -1 / det;
     const double ax = (g.gy * f.v - f.gy * g.v) * inv, ay = (f.gx * g.v - g.gx * f.v) * inv;

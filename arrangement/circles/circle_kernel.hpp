@@ -194,16 +194,16 @@ public:
     static Form make_form(const CircularForm& f);
     /// A form about the middle of a rectangle of half sides rx, ry: for quick comparisons over the whole of
     /// it.
-    struct Place {
+    struct BoxForm {
         double v, gx, gy, K;
         double top;    ///< about the highest value in the rectangle
         double scale;  ///< bound on the sum of the absolute values of all terms anywhere in it
     };
-    static Place place(const Form& f, double x, double y, double rx, double ry);
+    static BoxForm box_form(const Form& f, double x, double y, double rx, double ry);
     /// Is a form certainly above another one all over the rectangle? Plain arithmetic with one margin.
-    static bool certainly_above(const Place& f, const Place& g, double rx, double ry);
-    static bool certainly_above(const Form& f, const Place& g, double x, double y, double rx, double ry) {
-        return certainly_above(place(f, x, y, rx, ry), g, rx, ry);
+    static bool certainly_above(const BoxForm& f, const BoxForm& g, double rx, double ry);
+    static bool certainly_above(const Form& f, const BoxForm& g, double x, double y, double rx, double ry) {
+        return certainly_above(box_form(f, x, y, rx, ry), g, rx, ry);
     }
 
     /// Lower bound of f - g over |dx| <= rx, |dy| <= ry about the place where both jets were taken.
@@ -316,10 +316,10 @@ inline double CircleKernel::lower_bound(const Jet& d, double rx, double ry) {
     return low - 4 * u * (std::abs(d.v) + std::abs(low)) - tiny;
 }
 
-inline CircleKernel::Place CircleKernel::place(const Form& f, double x, double y, double rx, double ry) {
+inline CircleKernel::BoxForm CircleKernel::box_form(const Form& f, double x, double y, double rx, double ry) {
     const double dx = x - f.cx, dy = y - f.cy;
     const double quadratic = f.k * (dx * dx + dy * dy), ax = f.a * x, by = f.b * y;
-    Place p;
+    BoxForm p;
     p.v = (quadratic + ax + by + f.e) * f.iw;
     p.gx = (2 * f.k * dx + f.a) * f.iw;
     p.gy = (2 * f.k * dy + f.b) * f.iw;
@@ -332,7 +332,7 @@ inline CircleKernel::Place CircleKernel::place(const Form& f, double x, double y
 
 // Per coordinate K t^2 + G t >= -|G| r + (K r^2, where the minimum is at an end). Every quantity here is a
 // sum of terms that `scale` bounds, with fewer than 40 roundings each.
-inline bool CircleKernel::certainly_above(const Place& f, const Place& g, double rx, double ry) {
+inline bool CircleKernel::certainly_above(const BoxForm& f, const BoxForm& g, double rx, double ry) {
     const double K = f.K - g.K, Gx = std::abs(f.gx - g.gx), Gy = std::abs(f.gy - g.gy);
     const double curved = (Gx > 2 * K * rx ? K * rx * rx : 0) + (Gy > 2 * K * ry ? K * ry * ry : 0);
     return f.v - g.v - (Gx * rx + Gy * ry) + curved > 64 * DBL_EPSILON * (f.scale + g.scale);

@@ -221,7 +221,7 @@ void WorkDiagram::set_center(Face& f) const {
     f.y = y;
     f.rx = rx;
     f.ry = ry;
-    f.place = CircleKernel::place(kernel_.form(f.site), f.x, f.y, f.rx, f.ry);
+    f.box_form = CircleKernel::box_form(kernel_.form(f.site), f.x, f.y, f.rx, f.ry);
 }
 
 // --- One merge -----------------------------------------------------------------------------------------
@@ -232,7 +232,7 @@ void WorkDiagram::insert(FormId challenger) {
     for (Index f = 1; f < faces_.size(); ++f) {
         const Face& face = faces_[f];
         if (!face.alive) continue;
-        if (!CircleKernel::certainly_above(form, face.place, face.x, face.y, face.rx, face.ry))
+        if (!CircleKernel::certainly_above(form, face.box_form, face.x, face.y, face.rx, face.ry))
             duels_.push_back({f, challenger});
     }
     if (!duels_.empty()) resolve();
@@ -317,7 +317,7 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     if (vertex.stamp == stamp_) return vertex.sign;
     vertex.stamp = stamp_;
     const KernelPoint& p = kernel_.point(vertex.point);
-    const CircleKernel::Place b = CircleKernel::place(kernel_.form(rival.f), p.x, p.y, p.error, p.error);
+    const CircleKernel::BoxForm b = CircleKernel::box_form(kernel_.form(rival.f), p.x, p.y, p.error, p.error);
     vertex.slope_x = b.gx;
     vertex.slope_y = b.gy;
     const double difference = b.v - vertex.height;
@@ -428,8 +428,8 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
         edge.sign = s;
         if (keeps_sign(e, rival)) return false;
         const auto [x, y, rx, ry] = middle(edge.bounds.box);
-        const CircleKernel::Place b = CircleKernel::place(kernel_.form(rival.f), x, y, rx, ry);
-        const CircleKernel::Place a = CircleKernel::place(kernel_.form(rival.g), x, y, rx, ry);
+        const CircleKernel::BoxForm b = CircleKernel::box_form(kernel_.form(rival.f), x, y, rx, ry);
+        const CircleKernel::BoxForm a = CircleKernel::box_form(kernel_.form(rival.g), x, y, rx, ry);
         if (s == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry)
                                 : CircleKernel::certainly_above(a, b, rx, ry))
             return false;

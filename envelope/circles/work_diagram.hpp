@@ -55,7 +55,7 @@ public:
         FormId site;
         std::array<double, 4> box;
         double x = 0, y = 0, rx = 0, ry = 0;  ///< the box's centre and half sides
-        CircleKernel::Place place;            ///< of the site's form there
+        CircleKernel::BoxForm box_form;       ///< of the site's form there
         Index outer = none;                   ///< a half-edge of the outer boundary component
         std::vector<Index> inner;             ///< a half-edge of each inner boundary component
         std::vector<Index> isolated;

@@ -17,8 +17,8 @@ constexpr double least_part = 0x1p-40;
 
 }  // namespace
 
-FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms, const std::array<double, 4>& box,
-                         bool is_sphere)
+FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms,
+                         const std::array<double, 4>& box, bool is_sphere)
     : family_(family), is_sphere_(is_sphere), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
     if (family.is_all_circular())
         for (const CircularForm& f : family.forms) circular_.push_back(CircleKernel::make_form(f));
@@ -80,12 +80,14 @@ std::vector<FormId> FormLocator::cull(const std::array<double, 4>& box, std::spa
     const double x = 0.5 * (box[0] + box[1]), y = 0.5 * (box[2] + box[3]);
     const double rx = Interval::up(std::max(box[1] - x, x - box[0])),
                  ry = Interval::up(std::max(box[3] - y, y - box[2]));
-    places_.clear();
-    for (const FormId f : forms) places_.push_back(CircleKernel::place(circular_[f.value], x, y, rx, ry));
-    const CircleKernel::Place& rival = *std::ranges::min_element(places_, {}, &CircleKernel::Place::top);
+    box_forms_.clear();
+    for (const FormId f : forms)
+        box_forms_.push_back(CircleKernel::box_form(circular_[f.value], x, y, rx, ry));
+    const CircleKernel::BoxForm& rival =
+        *std::ranges::min_element(box_forms_, {}, &CircleKernel::BoxForm::top);
     std::vector<FormId> kept;
     for (std::size_t i = 0; i < forms.size(); ++i)
-        if (!CircleKernel::certainly_above(places_[i], rival, rx, ry)) kept.push_back(forms[i]);
+        if (!CircleKernel::certainly_above(box_forms_[i], rival, rx, ry)) kept.push_back(forms[i]);
     return kept;
 }
 

@@ -54,9 +54,9 @@ private:
     const FormFamily& family_;
     bool is_sphere_;
     MixedAnalysis analysis_;
-    std::vector<CircleKernel::Form> circular_;  // where all forms are
-    std::vector<CircleKernel::Place> places_;   // of a rectangle's forms, for cull()
-    std::vector<Interval> values_;              // of a leaf's forms, for lowest_of()
+    std::vector<CircleKernel::Form> circular_;      // where all forms are
+    std::vector<CircleKernel::BoxForm> box_forms_;  // of a rectangle's forms, for cull()
+    std::vector<Interval> values_;                  // of a leaf's forms, for lowest_of()
     std::vector<Node> nodes_;
     Decisions decisions_;
 };

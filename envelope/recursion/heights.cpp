@@ -86,7 +86,7 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         }
     }
     if (family.radial.empty()) return;
-    for (Place& p : places_) p.normals = RadialNormals<Interval>(family.chart, p.x, p.y);
+    for (BoxNormals& p : box_normals_) p.normals = RadialNormals<Interval>(family.chart, p.x, p.y);
     radial_.reserve(family.size());
     wide_radial_.resize(family.size());
     for (const CircularForm& f : family.forms)
@@ -99,13 +99,13 @@ Heights::Heights(const FormFamily& family) : family_(family) {
 const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
     const auto same = [](Interval a, Interval b) { return a.lower() == b.lower() && a.upper() == b.upper(); };
     for (const std::size_t i : {newer_, 1 - newer_})
-        if (same(x, places_[i].x) && same(y, places_[i].y)) {
+        if (same(x, box_normals_[i].x) && same(y, box_normals_[i].y)) {
             newer_ = i;
-            return places_[i].normals;
+            return box_normals_[i].normals;
         }
     newer_ = 1 - newer_;
-    places_[newer_] = {x, y, RadialNormals<Interval>(family_.chart, x, y)};
-    return places_[newer_].normals;
+    box_normals_[newer_] = {x, y, RadialNormals<Interval>(family_.chart, x, y)};
+    return box_normals_[newer_].normals;
 }
 
 template <int order>

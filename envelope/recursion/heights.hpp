@@ -119,11 +119,11 @@ private:
     std::vector<RadialHeight<Interval>> radial_;                      // of all forms over curved bases
     mutable std::vector<std::unique_ptr<RadialHeight<Wide>>> wide_radial_;
     // Those of the last two boxes: forms are asked one after the other about a box and its middle.
-    struct Place {
+    struct BoxNormals {
         Interval x, y;
         RadialNormals<Interval> normals;
     };
-    mutable std::array<Place, 2> places_;
+    mutable std::array<BoxNormals, 2> box_normals_;
     mutable std::size_t newer_ = 0;
     mutable std::size_t wide_evaluations_ = 0;
     const RadialNormals<Interval>& normals(Interval x, Interval y) const;

@@ -112,7 +112,7 @@ private:
         return all;
     }
 
-    Patchwork::Index solve_all(const Piece& piece, double share) {
+    Patchwork::Index solve_all(const RegionPiece& piece, double share) {
         if (family_.is_all_circular()) return solve(piece, all_forms(), share, 0);
         return solve_labelled(label(piece), all_forms(), share);
     }
@@ -134,7 +134,8 @@ private:
     }
 
     // Returns the handle of the piece's diagram in the patchwork.
-    Patchwork::Index solve(const Piece& piece, std::span<const FormId> inherited, double share, int stalled) {
+    Patchwork::Index solve(const RegionPiece& piece, std::span<const FormId> inherited, double share,
+                           int stalled) {
         std::vector<FormId> candidates;
         merger_.cull(piece.rect, inherited, [&](std::size_t i) { candidates.push_back(inherited[i]); });
         stalled = 8 * candidates.size() > 7 * inherited.size() ? stalled + 1 : 0;
@@ -150,11 +151,11 @@ private:
     }
 
     struct Halves {
-        Piece first, second;
+        RegionPiece first, second;
         std::uint32_t seam;
     };
 
-    std::optional<Halves> split(const Piece& piece) {
+    std::optional<Halves> split(const RegionPiece& piece) {
         for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07}) {
             const auto cut = cutter_.cut_at(piece, shift);
             if (!cut) continue;
@@ -169,8 +170,8 @@ private:
 
     // --- Pieces in which cylinders compete. ---------------------------------------------------------------
 
-    LabelledPiece label(const Piece& piece) {
-        const Rect& r = piece.rect;
+    LabelledPiece label(const RegionPiece& piece) {
+        const Rectangle& r = piece.rect;
         const std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, all_forms());
         const std::size_t n = piece.sides.size();
         LabelledPiece out{piece, {}, {}};
@@ -201,7 +202,7 @@ private:
 
     Patchwork::Index solve_labelled(const LabelledPiece& part, std::span<const FormId> inherited,
                                     double share) {
-        const Rect& r = part.piece.rect;
+        const Rectangle& r = part.piece.rect;
         std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, inherited);
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             return solve(part.piece, candidates, share, 0);
@@ -236,7 +237,7 @@ private:
         return patchwork_.glue(a, b, halves->seam);
     }
 
-    static Assumption all_of(const Rect& r, std::vector<FormId> forms) {
+    static Assumption all_of(const Rectangle& r, std::vector<FormId> forms) {
         std::ranges::sort(forms);
         return {{0.5 * r.x0 + 0.5 * r.x1, 0.5 * r.y0 + 0.5 * r.y1}, extent(r), std::move(forms)};
     }
@@ -249,7 +250,7 @@ private:
     // Which way to cut other than across the longer side. Beside a tip no one metric suits all differences,
     // and where they change along one axis only, as between tubes along a tube, pieces are to be as long as
     // these. Seen from half of a tube's circumference no object is nearest all around: none is culled.
-    std::optional<bool> cut_upright(const Rect& r, std::size_t candidates) const {
+    std::optional<bool> cut_upright(const Rectangle& r, std::size_t candidates) const {
         if (family_.chart == RadialChart::HalfAngle && candidates > most_around && r.x1 - r.x0 > part_around)
             return true;
         // No one metric suits tubes that are all but parallel to the base.
@@ -291,7 +292,7 @@ private:
         return std::nullopt;
     }
 
-    Patchwork::Index conquer(const Piece& piece, std::vector<FormId>& candidates, double share) {
+    Patchwork::Index conquer(const RegionPiece& piece, std::vector<FormId>& candidates, double share) {
         const Patchwork::Index handle =
             patchwork_.add(merger_.merge(piece, candidates, sizes_.quartering), piece.sides);
         done_ += share;
@@ -304,7 +305,7 @@ private:
     const EnvelopeOptions& options_;
     Patchwork patchwork_;
     PieceMerger merger_;
-    const Piece root_;
+    const RegionPiece root_;
     MixedAnalysis analysis_;
     PieceCutter cutter_;
     Sizes sizes_ = region_sizes;

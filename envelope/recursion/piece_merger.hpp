@@ -34,23 +34,24 @@ public:
     /// Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above
     /// a rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
     template <class Keep>
-    void cull(const Rect& r, std::span<const FormId> candidates, Keep&& keep) {
+    void cull(const Rectangle& r, std::span<const FormId> candidates, Keep&& keep) {
         const double x = 0.5 * r.x0 + 0.5 * r.x1, y = 0.5 * r.y0 + 0.5 * r.y1;
         const double rx = Interval::up(std::max(r.x1 - x, x - r.x0)),
                      ry = Interval::up(std::max(r.y1 - y, y - r.y0));
-        places_.resize(candidates.size());
+        box_forms_.resize(candidates.size());
         std::size_t rival = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i) {
-            places_[i] = CircleKernel::place(forms_[candidates[i]], x, y, rx, ry);
-            if (places_[i].top < places_[rival].top) rival = i;
+            box_forms_[i] = CircleKernel::box_form(forms_[candidates[i]], x, y, rx, ry);
+            if (box_forms_[i].top < box_forms_[rival].top) rival = i;
         }
         for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (!CircleKernel::certainly_above(places_[i], places_[rival], rx, ry)) keep(i);
+            if (!CircleKernel::certainly_above(box_forms_[i], box_forms_[rival], rx, ry)) keep(i);
     }
 
     /// The diagram of the candidates over the piece, if these are all that may be lowest in it; valid until
     /// the next call. More candidates than `quartering` are culled before.
-    const WorkDiagram& merge(const Piece& piece, std::vector<FormId>& candidates, std::size_t quartering) {
+    const WorkDiagram& merge(const RegionPiece& piece, std::vector<FormId>& candidates,
+                             std::size_t quartering) {
         const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1,
                      y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
         if (candidates.size() > quartering) cull_in_quarters(piece.rect, candidates);
@@ -69,11 +70,11 @@ public:
 
 private:
     // Looks closer before the merging starts: a form must hold out in one of four quarters.
-    void cull_in_quarters(const Rect& r, std::vector<FormId>& candidates) {
+    void cull_in_quarters(const Rectangle& r, std::vector<FormId>& candidates) {
         const double x = r.x0 + 0.5 * (r.x1 - r.x0), y = r.y0 + 0.5 * (r.y1 - r.y0);
         kept_.assign(candidates.size(), false);
-        for (const Rect& quarter :
-             {Rect{r.x0, x, r.y0, y}, Rect{x, r.x1, r.y0, y}, Rect{r.x0, x, y, r.y1}, Rect{x, r.x1, y, r.y1}})
+        for (const Rectangle& quarter : {Rectangle{r.x0, x, r.y0, y}, Rectangle{x, r.x1, r.y0, y},
+                                         Rectangle{r.x0, x, y, r.y1}, Rectangle{x, r.x1, y, r.y1}})
             cull(quarter, candidates, [&](std::size_t i) { kept_[i] = true; });
         std::size_t count = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i)
@@ -82,7 +83,7 @@ private:
     }
 
     // The diagram of these forms of the kernel, low ones first, over the polygon lines_.
-    void merge_all(WorkDiagram& work, std::span<FormId> forms, const Rect& r) {
+    void merge_all(WorkDiagram& work, std::span<FormId> forms, const Rectangle& r) {
         if (forms.size() <= std::max<std::size_t>(largest_, 1)) {
             work.start(lines_, forms[0]);
             for (const FormId f : forms.subspan(1)) work.insert(f);
@@ -115,7 +116,7 @@ private:
     CircleKernel kernel_;
     WorkDiagram work_;
     // Working space.
-    std::vector<CircleKernel::Place> places_;
+    std::vector<CircleKernel::BoxForm> box_forms_;
     std::vector<char> kept_;
     std::vector<std::pair<double, FormId>> order_;
     std::vector<FormId> lines_;

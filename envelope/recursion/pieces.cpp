@@ -37,9 +37,10 @@ PieceCutter::Lengths PieceCutter::lengths(double y0, double y1) const {
     return {std::sqrt(1 + y * y)};
 }
 
-std::optional<Cut> PieceCutter::cut_at(const Piece& piece, double shift, std::optional<bool> upright) const {
-    const Rect& r = piece.rect;
-    Cut cut;
+std::optional<PieceCut> PieceCutter::cut_at(const RegionPiece& piece, double shift,
+                                            std::optional<bool> upright) const {
+    const Rectangle& r = piece.rect;
+    PieceCut cut;
     cut.beyond.reserve(piece.corners.size());
     double lo = 0, hi = 0;
     const auto choose = [&](const auto& along_x, const auto& along_y) {
@@ -66,7 +67,8 @@ std::optional<Cut> PieceCutter::cut_at(const Piece& piece, double shift, std::op
     return clear ? std::optional(std::move(cut)) : std::nullopt;
 }
 
-std::pair<Piece, Piece> PieceCutter::halves(const Piece& piece, const Cut& cut, std::uint32_t seam) {
+std::pair<RegionPiece, RegionPiece> PieceCutter::halves(const RegionPiece& piece, const PieceCut& cut,
+                                                        std::uint32_t seam) {
     const std::size_t n = piece.sides.size();
     PieceSide side = cut.side(), opposite = cut.opposite();
     side.id = opposite.id = seam;
@@ -82,8 +84,8 @@ std::pair<Piece, Piece> PieceCutter::halves(const Piece& piece, const Cut& cut, 
 }
 
 std::optional<PieceCutter::LabelledHalves> PieceCutter::labelled_halves(const LabelledPiece& part,
-                                                                        const Cut& cut) {
-    const Piece& piece = part.piece;
+                                                                        const PieceCut& cut) {
+    const RegionPiece& piece = part.piece;
     const std::size_t n = piece.sides.size();
     LabelledHalves halves;
     for (LabelledPiece* half : {&halves.first, &halves.second}) {

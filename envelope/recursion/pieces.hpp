@@ -22,7 +22,7 @@ namespace vcell {
 /// slow.
 inline constexpr double split_ratio = 0.48643;
 
-struct Rect {
+struct Rectangle {
     double x0, x1, y0, y1;
 };
 
@@ -30,21 +30,21 @@ inline constexpr std::size_t usual_sides = 6;
 using Sides = SmallVector<PieceSide, usual_sides>;
 
 // A convex piece of the region and the rectangle around it.
-struct Piece {
+struct RegionPiece {
     Sides sides;
     SmallVector<IntervalPoint, usual_sides> corners;  // corner i: start of side i
-    Rect rect;
+    Rectangle rect;
 };
 
 // A piece in which cylinders compete: what is lowest along its sides is known.
 struct LabelledPiece {
-    Piece piece;
+    RegionPiece piece;
     std::vector<SideLabels> labels;
     std::vector<std::vector<FormId>> corner_ties;
 };
 
-inline Piece make_piece(Sides sides) {
-    Piece p;
+inline RegionPiece make_piece(Sides sides) {
+    RegionPiece p;
     p.corners.reserve(sides.size());
     constexpr double inf = std::numeric_limits<double>::infinity();
     p.rect = {inf, -inf, inf, -inf};
@@ -60,10 +60,10 @@ inline Piece make_piece(Sides sides) {
     return p;
 }
 
-inline double extent(const Rect& r) { return std::max(r.x1 - r.x0, r.y1 - r.y0); }
+inline double extent(const Rectangle& r) { return std::max(r.x1 - r.x0, r.y1 - r.y0); }
 
 /// A line across a piece: x = at (upright) or y = at. `beyond` tells on which side each corner lies.
-struct Cut {
+struct PieceCut {
     bool upright;
     double at;
     SmallVector<bool, usual_sides> beyond;
@@ -81,10 +81,12 @@ public:
     void measure_on_sphere() { is_sphere_ = true; }
 
     /// Across the longer side or, where `upright` says so, the one given; certainly clear of all corners.
-    std::optional<Cut> cut_at(const Piece& piece, double shift, std::optional<bool> upright = {}) const;
+    std::optional<PieceCut> cut_at(const RegionPiece& piece, double shift,
+                                   std::optional<bool> upright = {}) const;
 
     /// The piece before the line and beyond it.
-    static std::pair<Piece, Piece> halves(const Piece& piece, const Cut& cut, std::uint32_t seam);
+    static std::pair<RegionPiece, RegionPiece> halves(const RegionPiece& piece, const PieceCut& cut,
+                                                      std::uint32_t seam);
 
     /// Likewise, with what is lowest along the sides. Along the seam, which has no number yet, that is not
     /// known but at its ends. None if forms change on a side too near to the cut.
@@ -94,7 +96,7 @@ public:
         FormId at_leaving,
             at_returning;  ///< where the first piece's boundary comes to the seam and leaves it
     };
-    static std::optional<LabelledHalves> labelled_halves(const LabelledPiece& part, const Cut& cut);
+    static std::optional<LabelledHalves> labelled_halves(const LabelledPiece& part, const PieceCut& cut);
 
 private:
     struct Lengths;

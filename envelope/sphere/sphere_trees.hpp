@@ -203,12 +203,12 @@ public:
         if (nodes_[n].vertices.size() > largest_leaf && nodes_[n].half > least_half) divide(n, vertices);
     }
     void remove(Index v) {
-        if (v >= places_.size() || places_[v].leaf == none) return;
-        auto& leaf = nodes_[places_[v].leaf].vertices;
-        leaf[places_[v].slot] = leaf.back();
-        places_[leaf.back()].slot = places_[v].slot;
+        if (v >= entries_.size() || entries_[v].leaf == none) return;
+        auto& leaf = nodes_[entries_[v].leaf].vertices;
+        leaf[entries_[v].slot] = leaf.back();
+        entries_[leaf.back()].slot = entries_[v].slot;
         leaf.pop_back();
-        places_[v].leaf = none;
+        entries_[v].leaf = none;
     }
     // Calls visit(v) for all vertices that are not certainly below the form; ends where that returns false.
     template <class Vertices, class Visit>
@@ -250,7 +250,7 @@ private:
         Vector3d center;  // of the cube
         double half;      // of its side
     };
-    struct Place {
+    struct Entry {
         Index leaf = none, slot = 0;
     };
 
@@ -261,8 +261,8 @@ private:
     }
     Index child(Index n, const Vector3d& p) const { return nodes_[n].first + octant(nodes_[n].center, p); }
     void put(Index v, Index leaf) {
-        if (places_.size() <= v) places_.resize(2 * static_cast<std::size_t>(v) + 64);
-        places_[v] = {leaf, static_cast<Index>(nodes_[leaf].vertices.size())};
+        if (entries_.size() <= v) entries_.resize(2 * static_cast<std::size_t>(v) + 64);
+        entries_[v] = {leaf, static_cast<Index>(nodes_[leaf].vertices.size())};
         nodes_[leaf].vertices.push_back(v);
     }
 
@@ -281,8 +281,8 @@ private:
     }
 
     std::vector<Node> nodes_;
-    std::vector<Place> places_;  // of vertices, listed or not
-    std::vector<Index> open_;    // working space of search()
+    std::vector<Entry> entries_;  // of vertices, listed or not
+    std::vector<Index> open_;     // working space of search()
 };
 
 /// The faces of the diagram by place: an octree over the centres that their balls had when they were added. A

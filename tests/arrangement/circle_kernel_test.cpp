@@ -223,8 +223,8 @@ TEST_CASE("circle_kernel: bounds over rectangles and arcs hold at sampled points
         const double x = 0.5 * (x0 + x1), y = 0.5 * (y0 + y1), rx = 0.5 * (x1 - x0) * (1 + 1e-15),
                      ry = 0.5 * (y1 - y0) * (1 + 1e-15);
         const bool above =
-            CircleKernel::certainly_above(CircleKernel::place(c.kernel.form(f), x, y, rx, ry),
-                                          CircleKernel::place(c.kernel.form(g), x, y, rx, ry), rx, ry);
+            CircleKernel::certainly_above(CircleKernel::box_form(c.kernel.form(f), x, y, rx, ry),
+                                          CircleKernel::box_form(c.kernel.form(g), x, y, rx, ry), rx, ry);
         for (int k = 0; k < 20; ++k) {
             const Real px = x0 + unit(rng) * (x1 - x0), py = y0 + unit(rng) * (y1 - y0);
             const Real d = c.forms.value(f.value - 1, px, py) - c.forms.value(g.value - 1, px, py);

@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    struct Piece {
+    struct Passage {
         std::size_t run;
         Box enter, leave;  // points of the curve, along the orientation
     };
@@ -147,40 +147,40 @@ private:
             const double t = upwards ? r.end : r.begin;
             return stop.kind == Stop::Face ? stop.point : point(r.leaf, slice_at(r, t), t);
         };
-        std::vector<Piece> pieces{{seed, {}, {}}};
+        std::vector<Passage> passages{{seed, {}, {}}};
         runs_[seed].component = id;
         CurveComponent<D> component;
         std::array<Stop, 2> stops;
-        while (const auto next = successor(pieces.back().run, 1, stops[1])) {
-            pieces.back().leave = next->point;
+        while (const auto next = successor(passages.back().run, 1, stops[1])) {
+            passages.back().leave = next->point;
             if (runs_[next->run].component == id) {
                 // Back on a run of this walk, in the same sense: the curve is closed.
                 component.closed = true;
-                while (pieces.front().run != next->run) pieces.erase(pieces.begin());
-                pieces.front().enter = next->point;
+                while (passages.front().run != next->run) passages.erase(passages.begin());
+                passages.front().enter = next->point;
                 break;
             }
             if (runs_[next->run].component != none) return;  // all of it is known
             runs_[next->run].component = id;
-            pieces.push_back({next->run, next->point, {}});
+            passages.push_back({next->run, next->point, {}});
         }
         if (!component.closed) {
-            pieces.back().leave = end_box(pieces.back().run, 1);
-            while (const auto before = successor(pieces.front().run, -1, stops[0])) {
+            passages.back().leave = end_box(passages.back().run, 1);
+            while (const auto before = successor(passages.front().run, -1, stops[0])) {
                 if (runs_[before->run].component == id) {
                     // A run met later in this walk begins before the present first one: the walk starts with
                     // it.
-                    while (pieces.front().run != before->run) pieces.erase(pieces.begin());
+                    while (passages.front().run != before->run) passages.erase(passages.begin());
                     continue;
                 }
-                pieces.front().enter = before->point;
+                passages.front().enter = before->point;
                 runs_[before->run].component = id;
-                pieces.insert(pieces.begin(), {before->run, {}, before->point});
+                passages.insert(passages.begin(), {before->run, {}, before->point});
             }
-            pieces.front().enter = end_box(pieces.front().run, -1);
+            passages.front().enter = end_box(passages.front().run, -1);
         }
-        for (const Piece& p : pieces) emit(component, p);
-        component.joints.push_back(pieces.back().leave);
+        for (const Passage& p : passages) emit(component, p);
+        component.joints.push_back(passages.back().leave);
         if (!component.closed) {
             for (const int end : {0, 1}) {
                 component.ends[end].index = stops[end].index;
@@ -190,13 +190,13 @@ private:
         result_.components.push_back(std::move(component));
     }
 
-    void emit(CurveComponent<D>& component, const Piece& piece) const {
-        const Run& run = runs_[piece.run];
+    void emit(CurveComponent<D>& component, const Passage& passage) const {
+        const Run& run = runs_[passage.run];
         const Leaf& leaf = leaves_[run.leaf];
         const int k = leaf.axis;
         const bool upwards = leaf.direction > 0;
-        const Interval in = upwards ? piece.enter[k] : piece.leave[k],
-                       out = upwards ? piece.leave[k] : piece.enter[k];
+        const Interval in = upwards ? passage.enter[k] : passage.leave[k],
+                       out = upwards ? passage.leave[k] : passage.enter[k];
         const double begin = std::clamp(in.lower(), run.begin, run.end),
                      end = std::clamp(out.upper(), run.begin, run.end);
         std::vector<Tube<D>> tubes;
@@ -214,7 +214,7 @@ private:
         }
         for (std::size_t i = 0; i < tubes.size(); ++i) {
             component.joints.push_back(
-                i == 0 ? piece.enter : narrowed(f_, tubes[i].enclosure, k, Interval(tubes[i].begin)));
+                i == 0 ? passage.enter : narrowed(f_, tubes[i].enclosure, k, Interval(tubes[i].begin)));
             component.tubes.push_back(tubes[i]);
         }
     }
