@@ -2,6 +2,7 @@
 // holes, nested balls, points and lines; and what motions of a scene keep.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -120,54 +121,109 @@ TEST_CASE("cube: eight balls, planes or points leave an octahedron with vertices
     }
 }
 
+/// Does insertion decide the scene, and in how many vertices and along how many edges do more forms tie than
+/// need to?
+struct Ties {
+    bool is_inserted = false;
+    std::size_t in_vertices = 0, along_edges = 0;
+};
+
+/// Of a scene whose diagram insertion finds as pieces do, if it finds one.
+Ties ties_both_ways(const Scene& s) {
+    CAPTURE(in_words(s));
+    const FormFamily family = radial_base_problem(s).family;
+    EnvelopeOptions by_pieces;
+    by_pieces.incremental = false;
+    const auto discs = disc_diagram_on_sphere(family, {});
+    const MinimizationDiagram pieces = lower_envelope_on_sphere(family, by_pieces);
+    if (!discs) return {};
+    CHECK(!discs->dcel.find_defect());
+    CHECK(labels_of(*discs) == labels_of(pieces));
+    std::multiset<std::vector<FormId>> labels, expected;
+    Ties ties{true};
+    for (const VertexId v : discs->vertices.ids()) {
+        labels.insert({discs->label(v).begin(), discs->label(v).end()});
+        if (discs->label(v).size() > 3) ++ties.in_vertices;
+    }
+    for (const VertexId v : pieces.vertices.ids())
+        expected.insert({pieces.label(v).begin(), pieces.label(v).end()});
+    CHECK(labels == expected);
+    for (const EdgeId e : discs->edges.ids()) ties.along_edges += discs->label(e).size() > 2;
+    return ties;
+}
+
 TEST_CASE("ties of four and more balls: insertion finds what pieces find") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    const auto both = [&](const Scene& s) {
-        const FormFamily family = radial_base_problem(s).family;
-        EnvelopeOptions by_pieces;
-        by_pieces.incremental = false;
-        const auto discs = disc_diagram_on_sphere(family, {});
-        const MinimizationDiagram pieces = lower_envelope_on_sphere(family, by_pieces);
-        if (!discs) return std::pair(false, std::size_t{0});
-        CHECK(!discs->dcel.find_defect());
-        CHECK(labels_of(*discs) == labels_of(pieces));
-        std::multiset<std::vector<FormId>> labels, expected;
-        std::size_t ties = 0;
-        for (const VertexId v : discs->vertices.ids()) {
-            labels.insert({discs->label(v).begin(), discs->label(v).end()});
-            if (discs->label(v).size() > 3) ++ties;
-        }
-        for (const VertexId v : pieces.vertices.ids())
-            expected.insert({pieces.label(v).begin(), pieces.label(v).end()});
-        CHECK(labels == expected);
-        return std::pair(true, ties);
-    };
     // A cube's corners before a crowd that they hide: the cell has six vertices of degree four.
     std::vector<Object> crowd = balls(cube(2), 0.5);
     for (int i = 0; i < 2000; ++i) {
         Vec3 p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
         crowd.push_back(Sphere{random.uniform(9, 10) * p.normalized(), random.uniform(0, 0.1)});
     }
-    const auto [is_crowd_inserted, crowd_ties] = both(around_ball(0.5, crowd, 20));
-    CHECK(is_crowd_inserted);
-    CHECK(crowd_ties == 6);
+    const Ties of_crowd = ties_both_ways(around_ball(0.5, crowd, 20));
+    CHECK(of_crowd.is_inserted);
+    CHECK(of_crowd.in_vertices == 6);
     // Points of a lattice within a shell: ties of all kinds, and forms that touch in vertices.
     int inserted = 0;
     std::size_t ties = 0;
-    for (int least = 3; least <= 40; ++least) {
+    for (int least = 1; least <= 40; ++least) {
         std::vector<Vec3> points;
         for (int x = -7; x <= 7; ++x)
             for (int y = -7; y <= 7; ++y)
                 for (int z = -7; z <= 7; ++z)
                     if (const int square = x * x + y * y + z * z; square >= least && square <= least + 12)
                         points.push_back(Vec3(x, y, z));
-        const auto [is_inserted, tied] = both(around_ball(0.25, balls(points, 0.125), 32));
-        inserted += is_inserted;
-        ties += tied;
+        const Ties found = ties_both_ways(around_ball(0.25, balls(points, 0.125), 32));
+        inserted += found.is_inserted;
+        ties += found.in_vertices;
     }
     CHECK(inserted > 30);
     CHECK(ties > 1000);
+}
+
+TEST_CASE("ties along edges: insertion finds what pieces find") {
+    std::mt19937_64 rng(test_seed());
+    RandomScenes random(rng);
+    // Of a simple cubic lattice all neighbours but six touch the cell along an edge or in a corner.
+    std::vector<Vec3> lattice;
+    for (int x = -3; x <= 3; ++x)
+        for (int y = -3; y <= 3; ++y)
+            for (int z = -3; z <= 3; ++z)
+                if (x != 0 || y != 0 || z != 0) lattice.push_back(Vec3(x, y, z));
+    const Ties of_lattice = ties_both_ways(around_ball(0.25, balls(lattice, 0.25), 16));
+    CHECK(of_lattice.is_inserted);
+    CHECK(of_lattice.in_vertices == 8);
+    CHECK(of_lattice.along_edges == 12);
+    // Balls with centres on a circle through the base's tie along its axis, whichever of them come first: a
+    // ball that is nearer than a neighbour, and between two of them, has a face until that comes.
+    int inserted = 0;
+    std::size_t ties = 0;
+    for (int i = 0; i < 60; ++i) {
+        std::vector<Vec3> centers;
+        for (const auto& [x, y] : {std::pair{24, 7},
+                                   {20, 15},
+                                   {15, 20},
+                                   {7, 24},
+                                   {0, 25},
+                                   {-7, 24},
+                                   {-15, 20},
+                                   {-20, 15},
+                                   {-24, 7},
+                                   {-25, 0}})
+            for (const int side : {-1, 1})
+                if (random.uniform(0, 1) < 0.4) centers.push_back(Vec3(x - 25, side * y, 0));
+        for (int k = 0; k < i % 7; ++k) {
+            const Vec3 p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+            centers.push_back(random.uniform(30, 60) * p.normalized());
+        }
+        std::ranges::shuffle(centers, rng);
+        const Ties found = ties_both_ways(around_ball(0.5, balls(centers, 0.5), 64));
+        inserted += found.is_inserted;
+        ties += found.along_edges;
+    }
+    CHECK(inserted > 40);
+    CHECK(ties > 20);
 }
 
 TEST_CASE("icosahedron: twelve balls leave twenty vertices of degree three") {
