@@ -14,13 +14,10 @@ using detail::turning;
 
 namespace {
 
-/// Walks along the curve from box to box. In each box the curve is a graph over one of the axes: the other
-/// derivative of g has no zero there, and g has opposite signs along the two sides that the graph does not
-/// cross. So the box holds nothing of {g = 0} but one arc from end to end. Steep boxes, where that axis is y,
-/// are then cut where the curve turns in x.
-class CurveWalk {
-public:
-    explicit CurveWalk(const TracedCurve& curve) : curve_(curve), g_(*curve.g) {
+/// What is certain of a traced curve in boxes: over which axis it is a graph there, and where it is met.
+class CurveGraphs {
+protected:
+    explicit CurveGraphs(const TracedCurve& curve) : curve_(curve), g_(*curve.g) {
         Interval x(curve.spline.points[0].x()), y(curve.spline.points[0].y());
         for (const auto& p : curve.spline.points) {
             x = hull(x, p.x());
@@ -31,23 +28,6 @@ public:
         closed_ = curve.spline.points.front().head<2>() == curve.spline.points.back().head<2>();
     }
 
-    TracedPieces run() {
-        if (closed_) {
-            const Place start = some_place();
-            walk(start, Sign::Positive, start);
-        } else {
-            const Eigen::Vector2d first = curve_.spline.evaluate(curve_.spline.domain_begin());
-            const Eigen::Vector2d last = curve_.spline.evaluate(curve_.spline.domain_end());
-            const auto from = around(first), to = around(last);
-            if (!from || !to) fail();
-            // Along x the walk runs against the sign of g_y, along y with that of g_x.
-            const Sign exit = first_exit(from->along, first[from->along]);
-            walk(from->place, from->along == 0 ? -(from->slope * exit) : from->slope * exit, to->place);
-        }
-        return assemble();
-    }
-
-private:
     using Box = std::array<Interval, 2>;
     using Place = std::shared_ptr<const TracedPlace>;
 
@@ -58,20 +38,12 @@ private:
         int along;
         Sign slope;
     };
-    /// A cell in the direction of the curve, and the turn at its end.
-    struct Step {
-        TracedGraph::Cell cell;
-        bool rightward;
-        Place turn;
-    };
     /// The line v = v0 + slope (u - u0), u being the coordinate of the axis `along`.
     struct Line {
         int along;
         double u0, v0, slope;
         Interval at(const Interval& u) const { return Interval(v0) + Interval(slope) * (u - Interval(u0)); }
     };
-
-    static constexpr std::size_t max_steps = std::size_t{1} << 16;  // of a walk that passes by its end
 
     [[noreturn]] static void fail() {
         throw InputError(InputError::Kind::Unsupported, InputError::no_object, "curve",
@@ -138,6 +110,45 @@ private:
         return Anchor{std::make_shared<TracedPlace>(curve_.g, along, p[along], box[1 - along]), along,
                       *slope};
     }
+
+    const TracedCurve& curve_;
+    const DefiningFunction& g_;
+    double size_ = 0, scale_ = 0;
+    bool closed_ = false;
+};
+
+/// Walks along the curve from box to box. In each box the curve is a graph over one of the axes: the other
+/// derivative of g has no zero there, and g has opposite signs along the two sides that the graph does not
+/// cross. So the box holds nothing of {g = 0} but one arc from end to end. Steep boxes, where that axis is y,
+/// are then cut where the curve turns in x.
+class CurveWalk : CurveGraphs {
+public:
+    explicit CurveWalk(const TracedCurve& curve) : CurveGraphs(curve) {}
+
+    TracedPieces run() {
+        if (closed_) {
+            const Place start = some_place();
+            walk(start, Sign::Positive, start);
+        } else {
+            const Eigen::Vector2d first = curve_.spline.evaluate(curve_.spline.domain_begin());
+            const Eigen::Vector2d last = curve_.spline.evaluate(curve_.spline.domain_end());
+            const auto from = around(first), to = around(last);
+            if (!from || !to) fail();
+            // Along x the walk runs against the sign of g_y, along y with that of g_x.
+            const Sign exit = first_exit(from->along, first[from->along]);
+            walk(from->place, from->along == 0 ? -(from->slope * exit) : from->slope * exit, to->place);
+        }
+        return assemble();
+    }
+
+private:
+    /// A cell in the direction of the curve, and the turn at its end.
+    struct Step {
+        TracedGraph::Cell cell;
+        bool rightward;
+        Place turn;
+    };
+    static constexpr std::size_t max_steps = std::size_t{1} << 16;  // of a walk that passes by its end
 
     // --- Where to begin and to end. ---
 
@@ -467,10 +478,6 @@ private:
         return result;
     }
 
-    const TracedCurve& curve_;
-    const DefiningFunction& g_;
-    double size_ = 0, scale_ = 0;
-    bool closed_ = false;
     std::vector<Step> steps_;
     std::vector<Eigen::Vector2d> assumed_;
 };
