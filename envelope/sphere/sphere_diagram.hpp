@@ -18,10 +18,10 @@ namespace vcell {
 
 /// The lower envelope of circular forms over the sphere, if it and those of the forms inserted on the way are
 /// of the common kind: every form has at most one face and all faces are discs;
-/// and if double arithmetic with error bounds decides all signs but those of a form at a vertex, for which
-/// there are exact numbers: any number of forms may tie there. Otherwise nothing, for the general engine to
-/// decide. Expected time O(n log n) when forms of about the same height are spread over the sphere. Pre: as
-/// lower_envelope_on_sphere(); family.is_all_circular().
+/// and if double arithmetic with error bounds decides all signs but those of a form at a vertex or along an
+/// edge, for which there are exact numbers: any number of forms may tie there. Otherwise nothing, for the
+/// general engine to decide. Expected time O(n log n) when forms of about the same height are spread over the
+/// sphere. Pre: as lower_envelope_on_sphere(); family.is_all_circular().
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
                                                           const EnvelopeOptions& options);
 

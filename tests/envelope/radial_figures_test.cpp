@@ -284,7 +284,6 @@ TEST_CASE("lattices: the cells of their points, with every tie") {
 }
 
 // --- Closed edges, holes, faces all around
-// -----------------------------------------------------------------------
 
 TEST_CASE("a small ball between two large ones: a closed edge without vertices") {
     const Answer a = exact_judge(around_ball(0.25, {Sphere{{2.5, 0, 0}, 2}, Sphere{{-2.5, 0, 0}, 2}}, 16));
@@ -335,7 +334,6 @@ TEST_CASE("over a cylinder: faces that go all around meet in a closed edge") {
 }
 
 // --- Nested and overlapping balls
-// ---------------------------------------------------------------------------------
 
 TEST_CASE("overlapping balls: clearance is negative where the boundary runs inside the base") {
     const Scene s = around_ball(1, {Sphere{{1.5, 0, 0}, 1.25}, Sphere{{-0.5, 1, 0.25}, 0.75}}, 8);
@@ -359,7 +357,6 @@ TEST_CASE("nested balls: the inner one is left out and named") {
 }
 
 // --- Motions
-// ----------------------------------------------------------------------------------------------------------
 
 /// The faces around each vertex and along each boundary of a face, by their sites: what a rotation keeps.
 std::multiset<std::vector<Site>> cycles(const Answer& a) {
@@ -436,7 +433,6 @@ TEST_CASE("diagram over a sphere: scaling by powers of two scales all coordinate
 }
 
 // --- Points and lines
-// ---------------------------------------------------------------------------------------------------
 
 TEST_CASE("points: cells are intersections of half-spaces") {
     std::mt19937_64 rng(test_seed());
