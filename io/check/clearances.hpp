@@ -1,8 +1,8 @@
 /// The least and the greatest clearance of a cell, enclosed.
 #pragma once
 
+#include "frame.hpp"
 #include "room.hpp"
-#include "shadows.hpp"
 
 namespace vcell::check {
 

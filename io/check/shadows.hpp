@@ -2,8 +2,7 @@
 /// along their edges. Patches have no part in it: over each base point the scene gives the height of a
 /// bisector, and edges bound the shadows.
 ///
-/// Everything is in the base's own frame: a plane is z = 0 seen from above, a sphere's centre is the origin,
-/// a cylinder's axis is that of z; the unit of length is a power of two of the box.
+/// Everything is in the base's own frame (frame.hpp).
 ///
 /// With t the distance from the base's plane, centre or axis along the unit normal u, an object over the foot
 /// f has the equation C - 2 beta t - alpha^2 t^2 = 0:
@@ -18,80 +17,10 @@
 #include <optional>
 #include <span>
 #include <variant>
-#include <vector>
 
-#include "../../envelope/cell.hpp"
-#include "disc.hpp"
+#include "frame.hpp"
 
 namespace vcell::check {
-
-template <class T>
-using Triad = std::array<T, 3>;
-
-/// World coordinates to the base's frame.
-class Frame {
-public:
-    explicit Frame(const Scene& scene);
-
-    Triad<Interval> point(const Vec3& p) const;
-    /// About where that is: to a few roundings of the numbers of p and of the frame's origin.
-    Triad<double> about(const Vec3& p) const;
-    Triad<Interval> direction(const Vec3& d) const;  ///< keeps its length
-    /// From one point to another near by: as exact as it is short.
-    Triad<MidRad> way(const Vec3& from, const Vec3& to) const;
-    Interval length(double x) const;
-    double unit() const { return unit_; }
-    Interval radius() const { return radius_; }
-
-private:
-    Triad<Interval> turned(const Triad<Interval>& d) const;
-
-    Vec3 origin_;
-    std::optional<std::array<Triad<Interval>, 3>> rows_;  // none: the world's directions
-    double unit_;                                         // a power of two
-    Interval radius_;
-};
-
-/// A point of a rational curve in homogeneous coordinates relative to a nearby origin (w (x - origin), w),
-/// and their derivatives. Relative: where coordinates are large for the curve, the bounds of w x and of w
-/// would not know of each other.
-template <class T>
-struct Place {
-    Triad<T> n, dn;
-    T w, dw;
-    Triad<double> origin;
-
-    /// Not relative.
-    Triad<T> whole() const { return {n[0] + origin[0] * w, n[1] + origin[1] * w, n[2] + origin[2] * w}; }
-    Triad<T> whole_derivative() const {
-        return {dn[0] + origin[0] * dw, dn[1] + origin[1] * dw, dn[2] + origin[2] * dw};
-    }
-};
-
-/// A polynomial piece of a space curve in the frame, by its Taylor coefficients about its middle: s in [-1,
-/// 1].
-struct Span {
-    SmallVector<std::array<MidRad, 4>, 4> coefficients;
-    Triad<double> origin;
-
-    std::size_t degree() const { return coefficients.size() - 1; }
-    template <class T>
-    Place<T> at(const T& s) const {
-        const std::size_t d = coefficients.size() - 1;
-        std::array<T, 4> p, q;
-        for (std::size_t i = 0; i < 4; ++i) {
-            T value(coefficients[d][i]), slope(coefficients[d][i] * static_cast<double>(d));
-            for (std::size_t k = d; k-- > 0;) {
-                value = value * s + T(coefficients[k][i]);
-                if (k > 0) slope = slope * s + T(coefficients[k][i] * static_cast<double>(k));
-            }
-            p[i] = value;
-            q[i] = slope;
-        }
-        return {{p[0], p[1], p[2]}, {q[0], q[1], q[2]}, p[3], q[3], origin};
-    }
-};
-std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame);
 
 /// Per ds along an edge that a face lies on the left of.
 template <class T>

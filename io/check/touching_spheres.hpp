@@ -9,11 +9,6 @@
 /// rational with the curve's weights. Over a base plane it is linear in p. Beside a base ball it is linear in
 /// p on every bisector with a ball of another radius or with a plane, and a quotient of polynomials along the
 /// conics in which two bisectors meet.
-///
-/// Directions n of distances from balls and planes that such a sphere touches differ by
-///     1 - n n' = D / (2 s s'),  D = |c - c'|^2 - (rho - rho')^2 = |c - c'|^2 - (s - s')^2,
-/// the squared tangential distance. Of planes s is 1, with D = 2 (rho + the centre's distance) for one of
-/// them and D = |n - n'|^2 for two.
 #pragma once
 
 #include <optional>
@@ -21,6 +16,7 @@
 #include "lanes.hpp"
 #include "nets.hpp"
 #include "space.hpp"
+#include "tangential.hpp"
 
 namespace vcell::check {
 
@@ -60,9 +56,6 @@ public:
 
     /// Bounds, in the points within `margin` of those where two sites' excesses are below `size`, the least
     /// singular value of the derivative of both, and half the squared gradient of either.
-    struct Slopes {
-        double both, growth;
-    };
     std::optional<Slopes> slopes(const Site& a, const Site& b, double size, double margin) const;
     /// The same of one.
     std::optional<double> growth(const Site& a, double size, double margin) const;
@@ -81,14 +74,6 @@ private:
         Vec3 g;
         double h;
     };
-    /// A ball, or a plane with its normal towards the base.
-    struct Element {
-        bool is_plane;
-        Vec3 place;  // the center, or the unit normal
-        double radius;
-        Vec3 point;  // of a plane
-    };
-
     TouchingSpheres(const Net& net, const Space<Interval>& space);
     bool set_height();
     bool set_distance_at_three_places();
@@ -99,8 +84,8 @@ private:
     template <class Coordinate>
     double divide_by_weights(Coordinate coordinate, Lanes Affine::*quotient);
     bool finish();
-    Element base() const;
-    std::optional<Element> element(const Site& site) const;
+    Oriented base() const;
+    std::optional<Oriented> element(const Site& site) const;
     Linear difference(const Sphere& ball, const Vec3& center, double radius) const;
     std::optional<Linear> plane_excess(const Site& plane) const;
     Interval range(const Linear& f) const;
@@ -108,10 +93,6 @@ private:
     double largest_numerator(const Vec3& center, double radius) const;
     std::optional<double> largest_square(const Vec3& center, double radius) const;
     bool is_weight_least_at_loops() const;
-    struct Number {
-        double value, error;
-    };
-    static Number tangential(const Element& a, const Element& b, double off);
 
     const Space<Interval>* space_;
     int m_, n_;
