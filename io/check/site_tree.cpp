@@ -1,7 +1,9 @@
 #include "site_tree.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <variant>
 
 namespace vcell::check {
@@ -10,6 +12,9 @@ namespace {
 
 /// Distances are computed with a few roundings of their terms: comparisons are made in favour of being near.
 constexpr double kFavour = 1 + 0x1p-40;
+/// Relative to the way from a point of it: what a distance from an axis or a plane may be off by, its
+/// direction's own rounding included.
+constexpr double kAside = 0x1p-46;
 
 }  // namespace
 
@@ -18,8 +23,10 @@ SiteTree::SiteTree(const Scene& scene) {
         if (!scene.competes(i)) continue;
         if (const auto* s = std::get_if<Sphere>(&scene.objects[i]))
             balls_.push_back({s->center, s->radius, i});
-        else
-            others_.push_back(i);
+        else if (const auto* c = std::get_if<Cylinder>(&scene.objects[i]))
+            tubes_.push_back({c->point, c->axis.normalized(), c->radius, i});
+        else if (const auto* w = std::get_if<Plane>(&scene.objects[i]))
+            planes_.push_back({w->point, w->normal.normalized(), i});
     }
     if (!balls_.empty()) build(0, static_cast<std::uint32_t>(balls_.size()));
 }
@@ -46,7 +53,17 @@ void SiteTree::build(std::uint32_t begin, std::uint32_t end) {
 }
 
 void SiteTree::near(const Vec3& p, double reach, std::vector<std::uint32_t>& objects) const {
-    objects.insert(objects.end(), others_.begin(), others_.end());
+    // What is not a number is near.
+    for (const Tube& t : tubes_) {
+        const Vec3 way = p - t.point;
+        const double limit = std::max(0.0, kFavour * (reach + t.radius)) + kAside * way.norm();
+        if (!(way.cross(t.axis).squaredNorm() > kFavour * limit * limit)) objects.push_back(t.object);
+    }
+    for (const Wall& w : planes_) {
+        const Vec3 way = p - w.point;
+        if (!(std::abs(w.normal.dot(way)) > kFavour * reach + kAside * way.norm()))
+            objects.push_back(w.object);
+    }
     if (nodes_.empty()) return;
     const auto within = [&](const Vec3& q, double radius) {
         const double limit = kFavour * (reach + radius);

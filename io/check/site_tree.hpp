@@ -1,4 +1,5 @@
-/// Which objects may be near a point: a tree over the balls' centres, and a list of all others.
+/// Which objects may be near a point: a tree over the balls' centres, and lists of tubes and planes, of which
+/// each is asked for its distance.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +22,15 @@ private:
         double radius;
         std::uint32_t object;
     };
+    struct Tube {
+        Vec3 point, axis;  // of length one
+        double radius;
+        std::uint32_t object;
+    };
+    struct Wall {
+        Vec3 point, normal;  // of length one
+        std::uint32_t object;
+    };
     struct Node {
         Vec3 lo, hi;  // of the centres
         double most;  // of the radii
@@ -31,7 +41,8 @@ private:
 
     std::vector<Ball> balls_;
     std::vector<Node> nodes_;
-    std::vector<std::uint32_t> others_;
+    std::vector<Tube> tubes_;
+    std::vector<Wall> planes_;
 };
 
 }  // namespace vcell::check
