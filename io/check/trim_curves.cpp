@@ -45,22 +45,26 @@ std::array<Span<Dim>, 2> halves(const Span<Dim>& span) {
 }
 
 /// Chebyshev's places between 0 and 1 for polynomials of one degree. A polynomial is nowhere larger than the
-/// largest value there times Lebesgue's constant [Trefethen13, Thm. 15.2].
+/// largest value there times Lebesgue's constant where they are one more than its degree [Trefethen13,
+/// Thm. 15.2]. That grows: from some degree on there are N, four times as many, and it is no larger than the
+/// largest value there by cos(degree pi / (2 N)) [EhlichZeller64].
 struct Places {
-    static constexpr int most_degree = 31;
-    static constexpr std::size_t most_packs = (most_degree + Lanes::lanes) / Lanes::lanes;
+    static constexpr int most_degree = 31, most_with_few = 12;
+    static constexpr std::size_t most_packs = (4 * most_degree + Lanes::lanes - 1) / Lanes::lanes;
 
     explicit Places(int degree) {
-        const std::size_t last = static_cast<std::size_t>(degree);
+        const std::size_t last = static_cast<std::size_t>(degree <= most_with_few ? degree : 4 * degree - 1);
         packs = last / Lanes::lanes + 1;
         for (std::size_t k = 0; k < packs; ++k) {
             at[k] = Lanes::of([&](std::size_t lane) {
                 const double n = static_cast<double>(std::min(k * Lanes::lanes + lane, last));
-                return 0.5 - 0.5 * std::cos((2 * n + 1) * std::numbers::pi / (2 * degree + 2));
+                return 0.5 -
+                       0.5 * std::cos((2 * n + 1) * std::numbers::pi / (2.0 * static_cast<double>(last) + 2));
             });
             rest[k] = 1.0 - at[k];
         }
-        lebesgue = 1.01 * (2 / std::numbers::pi * std::log(degree + 1.0) + 1);
+        factor = 1.01 * (degree <= most_with_few ? 2 / std::numbers::pi * std::log(degree + 1.0) + 1
+                                                 : 1 / std::cos(std::numbers::pi / 8));
     }
 
     /// Few degrees occur in a cell, and cosines take time.
@@ -75,7 +79,7 @@ struct Places {
 
     std::array<Lanes, most_packs> at, rest;
     std::size_t packs;
-    double lebesgue;
+    double factor;
 
 private:
     template <int Degree>
@@ -86,6 +90,10 @@ private:
 };
 
 class TrimJudge {
+    /// Of trimming curves and edges that are looked at by values.
+    static constexpr int kMostDegree = 7;
+    using Coefficients = std::array<double, kMostDegree + 1>;
+
 public:
     TrimJudge(const Patch& patch, const Net& net, const Trim& trim, const Subject& subject)
         : surface_(*patch.surface),
@@ -154,11 +162,11 @@ public:
     /// times powers of those.
     double gap_at_places(const Pair& pair) const {
         const int m = net_->degree_s(), n = net_->degree_t(), d = pair.trim.degree(), e = pair.edge.degree();
-        if (m > 2 || n > 2 || d > 2) return HUGE_VAL;
+        if (m > 2 || n > 2 || d > kMostDegree || e > kMostDegree) return HUGE_VAL;
         const int degree = (m + n) * d + e;
         if (degree > Places::most_degree) return HUGE_VAL;
         // The trimming curve's places in the patch.
-        std::array<std::array<double, 3>, 2> a{}, b{};
+        std::array<Coefficients, 2> a{}, b{};
         double off = 0, least_weight = HUGE_VAL, most_shares = 0;
         for (const int axis : {0, 1}) {
             const auto k = static_cast<std::size_t>(axis);
@@ -184,20 +192,25 @@ public:
         if (!(least_weight > 0) || !(of_net.least_weight > 0) || !(of_edge.least_weight > 0)) return HUGE_VAL;
 
         const Places& places = Places::of(degree);
-        const bool is_usual = m == 2 && n == 2 && d == 2 && e == 2;
         using Two = std::integral_constant<int, 2>;
-        const std::array<Lanes, 3> most = is_usual
-                                              ? largest(places, Two(), Two(), Two(), Two(), a, b, pair.edge)
-                                              : largest(places, m, n, d, e, a, b, pair.edge);
+        using Five = std::integral_constant<int, 5>;
+        const bool is_usual = m == 2 && n == 2;
+        const std::array<Lanes, 3> most =
+            is_usual && d == 2 && e == 2   ? largest(places, Two(), Two(), Two(), Two(), a, b, pair.edge)
+            : is_usual && d == 5 && e == 5 ? largest(places, Two(), Two(), Five(), Five(), a, b, pair.edge)
+                                           : largest(places, m, n, d, e, a, b, pair.edge);
         // w^(m + n), with what a and b may be off by.
         double power = 1, least_power = 1;
         for (int i = 0; i < m + n; ++i) {
             power *= most_shares + off;
             least_power *= least_weight;
         }
-        // Terms of a sum of d + 1 go through 3 + 1 + d roundings, their products of m + n factors through m +
-        // n times as many and as many more, sums of them through eight.
-        const double relative = rounding((m + n) * (4 + d) + m + n + 9) + (m + n) * (off / least_weight),
+        // Terms of a sum of d + 1 go through d + 1 roundings of their binomials and powers, d of 1 - t, one
+        // with their coefficients and d in the sum, or where d is two through two less, for powers are
+        // squares; their products of m + n factors through m + n times as many and as many more, sums of them
+        // through eight.
+        const int of_terms = d <= 2 ? 4 + d : 3 * d + 2;
+        const double relative = rounding((m + n) * of_terms + m + n + 9) + (m + n) * (off / least_weight),
                      relative_of_edge = rounding(4 * e + 4);
         const auto &size = of_net.most, &error = of_net.error, &edge_size = of_edge.most,
                    &edge_error = of_edge.error;
@@ -210,7 +223,7 @@ public:
             const double rounded = rounding(3) * power * (size[k] * edge_size[3] + edge_size[k] * size[3]);
             const double own = rounded + lifted_error * edge_size[3] + size[k] * power * edge_weight_error +
                                curve_error * size[3] * power + edge_size[k] * weight_error;
-            const double x = places.lebesgue * (most[k].greatest() + 1.01 * own);
+            const double x = places.factor * (most[k].greatest() + 1.01 * own);
             sum += x * x;
         }
         const double scale =
@@ -223,8 +236,8 @@ public:
     /// compiler where they are the usual ones.
     template <class M, class N, class D, class E>
     std::array<Lanes, 3> largest(const Places& places, M m, N n, D d, E e,
-                                 const std::array<std::array<double, 3>, 2>& a,
-                                 const std::array<std::array<double, 3>, 2>& b, const Span<3>& edge) const {
+                                 const std::array<Coefficients, 2>& a, const std::array<Coefficients, 2>& b,
+                                 const Span<3>& edge) const {
         const Net::Point* const net = &net_->at(0, 0);
         const auto* const curve = &edge.points[0];
         std::array<Lanes, 3> most{};
@@ -234,9 +247,12 @@ public:
                 return power == 2 ? std::array<Lanes, 3>{y * y, 2.0 * (x * y), x * x}
                                   : std::array<Lanes, 3>{y, x, 0.0};
             };
-            const std::array<Lanes, 3> basis = powers(t, r, d);
-            const auto value = [&](const std::array<double, 3>& c) {
-                return basis[0] * c[0] + basis[1] * c[1] + basis[2] * c[2];
+            std::array<Lanes, kMostDegree + 1> basis;
+            set_basis(t, r, d, basis);
+            const auto value = [&](const Coefficients& c) {
+                Lanes sum = basis[0] * c[0];
+                for (std::size_t i = 1; i <= static_cast<std::size_t>(d); ++i) sum += basis[i] * c[i];
+                return sum;
             };
             const std::array<Lanes, 3> along = powers(value(a[0]), value(b[0]), m),
                                        across = powers(value(a[1]), value(b[1]), n);
@@ -250,9 +266,10 @@ public:
                 }
             std::array<Lanes, 4> on_edge{};
             for (std::size_t k = 0; k < 4; ++k) {
-                if (e == 2 && d == 2) {
-                    on_edge[k] = basis[0] * curve[0][k].mid() + basis[1] * curve[1][k].mid() +
-                                 basis[2] * curve[2][k].mid();
+                if (e == d) {
+                    on_edge[k] = basis[0] * curve[0][k].mid();
+                    for (std::size_t i = 1; i <= static_cast<std::size_t>(d); ++i)
+                        on_edge[k] += basis[i] * curve[i][k].mid();
                     continue;
                 }
                 // By Horner's rule in t, with powers of r.
@@ -269,10 +286,30 @@ public:
         return most;
     }
 
-    /// A lower bound of 0 and of a polynomial of degree 2 at most in Bernstein form. With u and v what the
-    /// middle coefficient is below the others, its least value is u v / (u + v) above that.
-    static double least_of(const std::array<double, 3>& c, int degree) {
+    /// Bernstein's polynomials of degree d at t, r = 1 - t.
+    template <class D>
+    static void set_basis(const Lanes& t, const Lanes& r, D d, std::array<Lanes, kMostDegree + 1>& basis) {
+        const std::size_t last = static_cast<std::size_t>(d);
+        Lanes power = r;
+        basis[last] = t;
+        for (std::size_t i = 1; i < last; ++i) {
+            basis[last - i] = power;
+            power = power * r;
+        }
+        basis[0] = power;
+        power = t;
+        for (std::size_t i = 1; i < last; ++i) {
+            basis[i] = binomial(d, static_cast<int>(i)) * (basis[i] * power);
+            power = power * t;
+        }
+        if (last > 1) basis[last] = power;
+    }
+
+    /// A lower bound of 0 and of a polynomial in Bernstein form. With u and v what the middle coefficient of
+    /// three is below the others, its least value is u v / (u + v) above that.
+    static double least_of(const Coefficients& c, int degree) {
         const double last = c[static_cast<std::size_t>(degree)], at_ends = std::min({c[0], last, 0.0});
+        if (degree > 2) return std::min(at_ends, *std::min_element(c.begin(), c.begin() + degree));
         if (degree < 2 || c[1] >= std::min(c[0], last)) return at_ends;
         const double u = c[0] - c[1], v = last - c[1];
         const double rounding = 0x1p-50 * std::max({std::abs(c[0]), std::abs(c[1]), std::abs(last)});
