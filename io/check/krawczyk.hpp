@@ -53,16 +53,18 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
     double last = HUGE_VAL;  // width
     std::optional<Enclosure<T>> found;
     for (int round = 0; round < rounds; ++round) {
-        // Any matrix serves as Y. That of the present m keeps the contraction quadratic up to a double's
-        // digits.
+        // Any matrix serves as Y. That of the present m, or of a small box around it, keeps the contraction
+        // quadratic up to a double's digits.
+        Vector<T> d;
+        std::array<Vector<T>, 3> jacobian;
+        if (found) d = found->offset;
+        for (int r = 0; r < 3; ++r) jacobian[r] = space.gradient(conditions[r], found ? m + d : m);
         Eigen::Matrix3d j;
-        for (int r = 0; r < 3; ++r) {
-            const Vector<T> g = space.gradient(conditions[r], m);
-            for (int k = 0; k < 3; ++k) j(r, k) = number(g[k]);
-        }
+        for (int r = 0; r < 3; ++r)
+            for (int k = 0; k < 3; ++k) j(r, k) = number(jacobian[r][k]);
         inverse = j.inverse();
         if (!inverse.allFinite()) return found;
-        Vector<T> f, newton, d;
+        Vector<T> f, newton;
         double step = 0;
         for (int r = 0; r < 3; ++r) f[r] = space.excess(conditions[r], m);
         for (int r = 0; r < 3; ++r) {
@@ -70,10 +72,11 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
             step = std::max(step, upper_bound(magnitude(newton[r])));
         }
         const double half = 4 * step + least;
-        if (!found && !(half <= reach)) return std::nullopt;
-        for (int r = 0; r < 3; ++r) d[r] = found ? found->offset[r] : T(-half, half);
-        std::array<Vector<T>, 3> jacobian;
-        for (int r = 0; r < 3; ++r) jacobian[r] = space.gradient(conditions[r], m + d);
+        if (!found) {
+            if (!(half <= reach)) return std::nullopt;
+            d.fill(T(-half, half));
+            for (int r = 0; r < 3; ++r) jacobian[r] = space.gradient(conditions[r], m + d);
+        }
         Vector<T> k;
         bool inside = true;
         for (int r = 0; r < 3; ++r) {

@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -81,9 +83,9 @@ inline Vector<Interval> box_about(const Vec3& p, double r) {
 }
 /// Upper bound of the distance of a point of the box from its middle.
 inline double radius(const Vector<Interval>& v) {
-    return sqrt(square(Interval(v[0].radius())) + square(Interval(v[1].radius())) +
-                square(Interval(v[2].radius())))
-        .upper();
+    const double x = v[0].radius(), y = v[1].radius(), z = v[2].radius();
+    // Squares may be lost below normal numbers.
+    return std::sqrt(x * x + y * y + z * z) * (1 + 0x1p-50) + 0x1p-500;
 }
 
 /// An object's surface with a direction of length one.
@@ -245,10 +247,15 @@ public:
 private:
     template <class F>
     auto with(std::uint32_t i, F f) const {
-        if constexpr (std::is_same_v<T, Interval>)
+        if constexpr (std::is_same_v<T, Interval>) {
             return f(surfaces_[i]);
-        else
-            return f(Surface<T>(scene_.objects[i]));
+        } else {
+            // Directions of many digits take time, and few objects are asked for.
+            for (const auto& [object, surface] : known_)
+                if (object == i) return f(surface);
+            known_.emplace_back(i, Surface<T>(scene_.objects[i]));
+            return f(known_.back().second);
+        }
     }
     static Vector<T> negative(const Vector<T>& v) { return {-v[0], -v[1], -v[2]}; }
 
@@ -276,7 +283,8 @@ private:
 
     const Scene& scene_;
     Surface<T> base_;
-    std::vector<Surface<T>> surfaces_;  // of all objects, where T is Interval
+    std::vector<Surface<T>> surfaces_;                                 // of all objects, where T is Interval
+    mutable std::vector<std::pair<std::uint32_t, Surface<T>>> known_;  // of those asked for, elsewhere
     std::array<T, 2> stretch_;
 };
 
