@@ -68,7 +68,7 @@ private:
                 const auto& shadow = shadows_[uses_[e][k].face];
                 if (!shadow) continue;
                 if (const auto* fan = std::get_if<Fan>(&*shadow))
-                    add_fan(uses_[e][k], *fan, span);
+                    add_fan(e, uses_[e][k], *fan, span);
                 else if (k < 2)
                     direct[k] = &*shadow;
             }
@@ -80,6 +80,20 @@ private:
             add_slack(e, span, length);
             if (uses_[e].size() == 1) add_side(e, span);
         }
+    }
+
+    /// Of volume, area and shadow beside a span, where they are estimated: a part of what the edge's error
+    /// may change, and of the volume as much as the blur that it is judged with.
+    std::array<double, 3> enough_for_estimates(std::size_t e, const Span& span) const {
+        constexpr double of_slack = 0x1p-5, of_blur = 8;
+        const auto& c = span.coefficients;
+        const double w = c[0][3].mid();
+        double half_chord = 0;  // about
+        for (std::size_t i = 0; i < 3; ++i)
+            half_chord += std::abs(c[1][i].mid() - c[0][i].mid() * (c[1][3].mid() / w));
+        const double left = of_slack * bands_[e].error * (half_chord / w);
+        return {of_blur * enough_[0], std::max(enough_[1], left),
+                std::max(enough_[1], std::min(enough_of_shadows_, left))};
     }
 
     Interval length_of(const Span& span) {
@@ -171,18 +185,25 @@ private:
         bool is_singular(const Disc& s) const { return conic.is_speed_singular(s); }
     };
 
-    void add_fan(const EdgeUse& use, const Fan& fan, const Span& span) {
+    void add_fan(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
         std::array<Interval, 3> sum{};
         Effort effort{effort_};
-        const auto density = [&]<class T>(const T& s, const T& sigma) {
-            const Densities<T> d = densities(fan, span.at(s), sigma);
-            return std::array<T, 3>{d.volume, d.area, d.shadow};
-        };
-        const std::array<double, 3> enough{enough_[0], enough_[1], enough_[1]};
         if (prove_all_) {
-            sums_.is_complete &= integrate<3>(density, {-1, 0}, {1, 1}, enough, sum, effort);
+            const auto density = [&]<class T>(const T& s, const T& sigma) {
+                const Densities<T> d = FanSection<T>(fan, span.at(s)).at(sigma);
+                return std::array<T, 3>{d.volume, d.area, d.shadow};
+            };
+            sums_.is_complete &=
+                integrate<3>(density, {-1, 0}, {1, 1}, {enough_[0], enough_[1], enough_[1]}, sum, effort);
         } else {
-            const bool is_complete = estimate<3>(density, {-1, 0}, {1, 1}, enough, sum, effort);
+            const auto section = [&](const Approximate& s) {
+                return [section = FanSection<Approximate>(fan, span.at(s))](const Approximate& sigma) {
+                    const Densities<Approximate> d = section.at(sigma);
+                    return std::array<Approximate, 3>{d.volume, d.area, d.shadow};
+                };
+            };
+            const bool is_complete =
+                estimate<3>(section, {-1, 0}, {1, 1}, enough_for_estimates(e, span), sum, effort);
             sums_.is_complete &= is_complete;
             sums_.is_proved = false;
             // Where the rules never came near each other their difference tells little: beside a pole both
@@ -198,8 +219,8 @@ private:
         std::array<Interval, 1> shadow{};
         Effort more{16 * effort_};
         const bool is_told = integrate<1>(
-            [&]<class T>(const T& s) { return std::array<T, 1>{shadow_density(fan, span.at(s))}; }, -1, 1,
-            {enough_of_shadows_}, shadow, more);
+            [&]<class T>(const T& s) { return std::array<T, 1>{FanSection<T>(fan, span.at(s)).shadow()}; },
+            -1, 1, {enough_of_shadows_}, shadow, more);
         if (is_told)
             sum[2] = shadow[0];
         else
@@ -217,9 +238,7 @@ private:
     double steepness(const EdgeUse& use, const Span& span, const MidRad& s) const {
         const auto& shadow = shadows_[use.face];
         if (!shadow) return HUGE_VAL;
-        const Place<MidRad> p = span.at(s);
-        const auto* fan = std::get_if<Fan>(&*shadow);
-        return (fan ? densities(*fan, p, MidRad(1.0)) : densities(*shadow, p)).steepness.magnitude();
+        return check::steepness(*shadow, span.at(s)).magnitude();
     }
 
     /// The greatest all along a span. Over wide intervals bounds may be far too large: parts tell then.

@@ -344,6 +344,7 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
 namespace detail {
 
 inline constexpr std::size_t estimating_rule = 1;  // of ten nodes
+inline constexpr std::size_t nodes_of_estimates = node_counts[estimating_rule];
 
 /// What takes values at a rule's nodes to the coefficients of Legendre's polynomials of the two highest
 /// degrees that the nodes tell apart.
@@ -374,8 +375,8 @@ inline const LastCoefficients& last_coefficients() {
 /// The same integral where a proof would take too long, by the product of rules with ten nodes. An estimate,
 /// if a generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with those of
 /// degrees 8 and 9 at p of the integrand's size the rule, which knows all up to 19, leaves out about p^2
-/// [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they do not fall p. False: the
-/// effort is spent, and it is a poor one.
+/// [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they do not fall p. f takes
+/// several s at once and returns a function of t. False: the effort is spent, and it is a poor one.
 template <std::size_t N, class F>
 bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
               const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
@@ -386,35 +387,42 @@ bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
     const double quarter = half[0] * half[1];
     const GaussRule& rule = gauss(detail::estimating_rule);
     const detail::LastCoefficients& last = detail::last_coefficients();
-    std::array<std::array<std::array<Approximate, GaussRule::most / Approximate::lanes>, N>, 2> first{};
-    std::array<double, N> total{}, size{};
-    std::array<std::array<double, N>, 2> tail{};  // along both axes
-    for (std::size_t m = 0; m < rule.count; ++m) {
-        std::array<Approximate, N> terms{}, sizes{};
+    // Of the two last coefficients, along the one variable at each node of the other.
+    std::array<std::array<std::array<Approximate, detail::nodes_of_estimates>, N>, 2> first{};
+    std::array<Approximate, N> totals{}, sizes{}, tails{};
+    for (std::size_t m = 0; m < rule.packs; ++m) {
+        const auto section = f(Approximate(middle[0]) + half[0] * rule.places[m]);
         std::array<std::array<Approximate, N>, 2> second{};
-        const Approximate s(middle[0] + half[0] * rule.nodes[m].at.mid());
-        for (std::size_t n = 0; n < rule.packs; ++n) {
-            const auto value = f(s, Approximate(middle[1]) + half[1] * rule.places[n]);
+        std::array<Approximate, N> terms{}, sizes_of_terms{};
+        for (std::size_t n = 0; n < rule.count; ++n) {
+            const auto value = section(Approximate(middle[1] + half[1] * rule.nodes[n].at.mid()));
+            const double weight = rule.nodes[n].weight.mid();
             for (std::size_t i = 0; i < N; ++i) {
-                const Approximate term = rule.weights[n] * value[i];
+                const Approximate term = weight * value[i];
                 terms[i] += term;
-                sizes[i] += abs(term);
+                sizes_of_terms[i] += abs(term);
                 for (const std::size_t k : {0, 1}) {
-                    first[k][i][n] += last.of_nodes[k][m] * value[i];
-                    second[k][i] += last.of_packs[k][n] * value[i];
+                    first[k][i][n] += last.of_packs[k][m] * value[i];
+                    second[k][i] += last.of_nodes[k][n] * value[i];
                 }
             }
         }
-        const double weight = rule.nodes[m].weight.mid();
         for (std::size_t i = 0; i < N; ++i) {
-            total[i] += weight * terms[i].sum();
-            size[i] += weight * sizes[i].sum();
-            tail[1][i] += 2 * weight * std::max(std::abs(second[0][i].sum()), std::abs(second[1][i].sum()));
+            totals[i] += rule.weights[m] * terms[i];
+            sizes[i] += rule.weights[m] * sizes_of_terms[i];
+            tails[i] += rule.weights[m] * max(abs(second[0][i]), abs(second[1][i]));
         }
     }
-    for (std::size_t n = 0; n < rule.packs; ++n)
-        for (std::size_t i = 0; i < N; ++i)
-            tail[0][i] += 2 * (rule.weights[n] * max(abs(first[0][i][n]), abs(first[1][i][n]))).sum();
+    std::array<double, N> total, size;
+    std::array<std::array<double, N>, 2> tail{};  // along both axes
+    for (std::size_t i = 0; i < N; ++i) {
+        total[i] = totals[i].sum();
+        size[i] = sizes[i].sum();
+        tail[1][i] = 2 * tails[i].sum();
+        for (std::size_t n = 0; n < rule.count; ++n)
+            tail[0][i] += 2 * rule.nodes[n].weight.mid() *
+                          std::max(std::abs(first[0][i][n].sum()), std::abs(first[1][i][n].sum()));
+    }
     bool is_enough = true;
     std::array<double, 2> worst{};
     std::array<double, N> error;

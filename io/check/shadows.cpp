@@ -188,6 +188,26 @@ Densities<T> along(const Fan&, const Place<T>&) {
     return {};
 }
 
+template <class T>
+T steepness_of(const LinearHeight& h, const Place<T>&) {
+    return T(h.steepness);
+}
+template <class T>
+T steepness_of(const Paraboloid& h, const Place<T>& p) {
+    const auto [x, y, dx, dy] = relative(p, h.axis);
+    return sqrt(T(1.0) + (square(x) + square(y)) / square(p.w) * T(h.one_by_k2));
+}
+template <class T>
+T steepness_of(const Revolved& r, const Place<T>& p) {
+    const Triad<T> n = p.whole();
+    const T b = r.A * (dot(r.axis, n) / sqrt(squared_norm(n))) + T(r.B);
+    return sqrt(T(r.E) + 2.0 * (r.B * b)) / b;
+}
+template <class Other, class T>
+T steepness_of(const Other& other, const Place<T>& p) {
+    return along(other, p).steepness;
+}
+
 }  // namespace
 
 namespace {
@@ -391,70 +411,82 @@ Densities<T> densities(const Shadow& shadow, const Place<T>& p) {
 }
 
 template <class T>
-T shadow_density(const Fan& fan, const Place<T>& p) {
+FanSection<T>::FanSection(const Fan& fan, const Place<T>& p) : fan_(fan) {
     if (fan.base == Fan::Base::plane) {
         const auto [x, y, dx, dy] = relative(p, {fan.start[0], fan.start[1]});
-        return 0.5 * ((x * dy - y * dx) / square(p.w));
+        turn_ = (x * dy - y * dx) / square(p.w);
+        n_ = {x / p.w, y / p.w, T(0.0)};
+        return;
     }
     const Triad<T> n = p.whole(), dn = p.whole_derivative();
     if (fan.base == Fan::Base::sphere) {
-        const T size = sqrt(squared_norm(n));
-        return determinant(fan.start, n, dn) / (size * (size + dot(fan.start, n)));
+        n_ = n;
+        q_ = dot(fan.start, n);
+        size_ = sqrt(squared_norm(n));
+        sum_ = size_ + q_;
+        turn_ = determinant(fan.start, n, dn);
+        return;
     }
-    const T rise = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
-    return rise * (n[1] * dn[0] - n[0] * dn[1]) / (square(n[0]) + square(n[1]));
+    // Between the start's height and the edge's, at the edge's angle: the face is on the left.
+    const T s2 = square(n[0]) + square(n[1]), s = sqrt(s2);
+    rise_ = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
+    turn_ = rise_ * (n[1] * dn[0] - n[0] * dn[1]) / s2;
+    n_ = {n[0] / s, n[1] / s, T(0.0)};
 }
 
 template <class T>
-Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma) {
-    switch (fan.base) {
+T FanSection<T>::shadow() const {
+    switch (fan_.base) {
+        case Fan::Base::plane: return 0.5 * turn_;
+        case Fan::Base::sphere: return turn_ / (size_ * sum_);
+        default: return turn_;
+    }
+}
+
+template <class T>
+Densities<T> FanSection<T>::at(const T& sigma) const {
+    switch (fan_.base) {
         case Fan::Base::plane: {
-            const MidRad x0 = fan.start[0], y0 = fan.start[1];
-            const auto [x, y, dx, dy] = relative(p, {x0, y0});
-            const T turn = sigma * ((x * dy - y * dx) / square(p.w));
-            const auto [t, steepness] =
-                height<T>(fan.equation, {T(x0) + sigma * (x / p.w), T(y0) + sigma * (y / p.w), T(0.0)},
-                          {T(0.0), T(0.0), T(1.0)});
+            const T turn = sigma * turn_;
+            const auto [t, steepness] = height<T>(
+                fan_.equation, {T(fan_.start[0]) + sigma * n_[0], T(fan_.start[1]) + sigma * n_[1], T(0.0)},
+                {T(0.0), T(0.0), T(1.0)});
             return {turn * t, turn * steepness, turn, steepness};
         }
         case Fan::Base::sphere: {
             // Stereographic coordinates about the start a: y = (p - q a) / (|p| + q), q = a p, of which sigma
             // y runs from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle 4 / (1 +
             // |y|^2)^2 of y's area.
-            const Triad<MidRad>& a = fan.start;
-            const Triad<T> n = p.whole(), dn = p.whole_derivative();
-            const T q = dot(a, n), size = sqrt(squared_norm(n)), sum = size + q;
-            const T y2 = square(sigma) * ((size - q) / sum), weight = T(1.0) / (T(1.0) + y2);
-            const T turn = 4.0 * (sigma * (determinant(a, n, dn) * square(weight / sum)));
-            const T along = 2.0 * (sigma * (weight / sum)), up = weight * (T(1.0) - y2) - along * q;
+            const Triad<MidRad>& a = fan_.start;
+            const T y2 = square(sigma) * ((size_ - q_) / sum_), weight = T(1.0) / (T(1.0) + y2);
+            const T turn = 4.0 * (sigma * (turn_ * square(weight / sum_)));
+            const T along = 2.0 * (sigma * (weight / sum_)), up = weight * (T(1.0) - y2) - along * q_;
             const auto [t, steepness] =
-                height<T>(fan.equation, {T(0.0), T(0.0), T(0.0)},
-                          {along * n[0] + a[0] * up, along * n[1] + a[1] * up, along * n[2] + a[2] * up});
+                height<T>(fan_.equation, {T(0.0), T(0.0), T(0.0)},
+                          {along * n_[0] + a[0] * up, along * n_[1] + a[1] * up, along * n_[2] + a[2] * up});
             const T t2 = square(t);
             return {turn * t * t2 * T(third), turn * t2 * steepness, turn, steepness};
         }
         default: {
-            // Between the start's height and the edge's, at the edge's angle: the face is on the left.
-            const Triad<T> n = p.whole(), dn = p.whole_derivative();
-            const T s2 = square(n[0]) + square(n[1]), s = sqrt(s2);
-            const T rise = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
-            const T turn = rise * (n[1] * dn[0] - n[0] * dn[1]) / s2;
-            const auto [t, steepness] = height<T>(
-                fan.equation, {T(0.0), T(0.0), T(fan.start[2]) + sigma * rise}, {n[0] / s, n[1] / s, T(0.0)});
-            return {turn * square(t) * T(0.5), turn * t * steepness, turn, steepness};
+            const auto [t, steepness] =
+                height<T>(fan_.equation, {T(0.0), T(0.0), T(fan_.start[2]) + sigma * rise_}, n_);
+            return {turn_ * square(t) * T(0.5), turn_ * t * steepness, turn_, steepness};
         }
     }
+}
+
+MidRad steepness(const Shadow& shadow, const Place<MidRad>& p) {
+    if (const auto* fan = std::get_if<Fan>(&shadow)) return FanSection<MidRad>(*fan, p).at(1.0).steepness;
+    return std::visit([&](const auto& s) { return steepness_of(s, p); }, shadow);
 }
 
 template Densities<MidRad> densities(const Shadow&, const Place<MidRad>&);
 template Densities<Disc> densities(const Shadow&, const Place<Disc>&);
 template Densities<Traced> densities(const Shadow&, const Place<Traced>&);
 template Densities<Approximate> densities(const Shadow&, const Place<Approximate>&);
-template MidRad shadow_density(const Fan&, const Place<MidRad>&);
-template Traced shadow_density(const Fan&, const Place<Traced>&);
-template Approximate shadow_density(const Fan&, const Place<Approximate>&);
-template Densities<MidRad> densities(const Fan&, const Place<MidRad>&, const MidRad&);
-template Densities<Disc> densities(const Fan&, const Place<Disc>&, const Disc&);
-template Densities<Approximate> densities(const Fan&, const Place<Approximate>&, const Approximate&);
+template class FanSection<MidRad>;
+template class FanSection<Disc>;
+template class FanSection<Traced>;
+template class FanSection<Approximate>;
 
 }  // namespace vcell::check

@@ -113,11 +113,26 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
 /// Pre: no Fan.
 template <class T>
 Densities<T> densities(const Shadow& shadow, const Place<T>& p);
-/// Of the shadow alone, which takes no second variable.
+/// The area of the face for that of the base at its distance, of a Fan too.
+MidRad steepness(const Shadow& shadow, const Place<MidRad>& p);
+/// The integrand over sigma in [0, 1] too: what lies between the start and the edge, at one place of it, or
+/// at as many as T has lanes. What does not depend on sigma is computed once.
 template <class T>
-T shadow_density(const Fan& fan, const Place<T>& p);
-/// The integrand over sigma in [0, 1] too: what lies between the start and the edge.
-template <class T>
-Densities<T> densities(const Fan& fan, const Place<T>& p, const T& sigma);
+class FanSection {
+public:
+    /// Keeps a reference to the fan.
+    FanSection(const Fan& fan, const Place<T>& p);
+
+    Densities<T> at(const T& sigma) const;
+    /// Of the shadow alone, over all sigma: it takes no second variable.
+    T shadow() const;
+
+private:
+    const Fan& fan_;
+    Triad<T> n_;  ///< over a plane, from the start; about a sphere, homogeneous; on a cylinder, the normal
+    T turn_;
+    T q_, size_, sum_;  ///< about a sphere: the share along the start, the length, and both
+    T rise_;            ///< on a cylinder
+};
 
 }  // namespace vcell::check

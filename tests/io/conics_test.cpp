@@ -90,9 +90,11 @@ std::array<Interval, 3> in_two_variables(const Fan& fan, const std::vector<Ratio
         for (const Span& span : spans(side, frame)) {
             Effort effort{1000};
             estimate<3>(
-                [&]<class T>(const T& s, const T& sigma) {
-                    const Densities<T> d = densities(fan, span.at(s), sigma);
-                    return std::array<T, 3>{d.volume, d.area, d.shadow};
+                [&](const Approximate& s) {
+                    return [section = FanSection<Approximate>(fan, span.at(s))](const Approximate& sigma) {
+                        const Densities<Approximate> d = section.at(sigma);
+                        return std::array<Approximate, 3>{d.volume, d.area, d.shadow};
+                    };
                 },
                 {-1, 0}, {1, 1}, {1e-15, 1e-15, 1e-15}, sum, effort);
         }
@@ -117,10 +119,12 @@ TEST_CASE("quadrature: an estimate covers what its rules leave out, however near
         };
         const double along = primitive(1, p, r) - primitive(-1, p, r),
                      across = primitive(1, q, w) - primitive(0, q, w);
-        const auto density = [&]<class T>(const T& s, const T& t) {
-            const T one(1.0), x = s - T(p), y = t - T(q);
-            const T value = one / ((x * x + T(r * r)) * (y * y + T(w * w)));
-            return std::array<T, 1>{value};
+        const auto density = [&](const Approximate& s) {
+            const Approximate x = s - p, x2 = x * x + r * r;
+            return [&, x2](const Approximate& t) {
+                const Approximate y = t - q;
+                return std::array<Approximate, 1>{1.0 / (x2 * (y * y + w * w))};
+            };
         };
         for (const double enough : {1e-3, 1e-6, 1e-12}) {
             CAPTURE(enough);
