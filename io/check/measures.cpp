@@ -64,6 +64,7 @@ private:
             // n')).
             const double growth = edges_[e].growth;
             bands.push_back({edge_error(e), growth > 0 ? std::sqrt(2 / growth) : HUGE_VAL});
+            uses[e].reserve(uses_[e].size());
             for (const auto& use : uses_[e]) uses[e].push_back({use.face, use.reversed});
         }
         // As exact as coordinates are.

@@ -155,6 +155,15 @@ std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding) 
     for (const auto& loop : patch.loops)
         for (const Trim& trim : loop) {
             const Vec2 near = kNearEdge * (patch.hi - patch.lo) + (trim.error + rounding) * rate;
+            // Outside of the box of all its control points the curve turns as its chord does.
+            if ((uv.array() < (trim.lo - near).array()).any() ||
+                (uv.array() > (trim.hi + near).array()).any()) {
+                const auto& last = trim.pieces.back();
+                const Vec2 a = trim.pieces.front().control(0) - uv,
+                           b = last.control(last.points.size() - 1) - uv;
+                total += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+                continue;
+            }
             for (const auto& piece : trim.pieces) {
                 const auto angle = swept(piece, uv, near);
                 if (!angle) return std::nullopt;

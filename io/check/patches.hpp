@@ -2,8 +2,10 @@
 /// ray.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "../../envelope/cell.hpp"
@@ -17,9 +19,20 @@ namespace vcell::check {
 inline constexpr double kNearEdge = 1e-9;
 
 struct Trim {
+    Trim(const TrimCurve* c, double e, std::vector<Bezier<2>> all)
+        : curve(c), error(e), pieces(std::move(all)) {
+        for (const auto& piece : pieces)
+            for (std::size_t i = 0; i < piece.points.size(); ++i) {
+                const Vec2 point = piece.control(i);
+                lo = lo.cwiseMin(point);
+                hi = hi.cwiseMax(point);
+            }
+    }
+
     const TrimCurve* curve;
     double error;  ///< how far its edge or seam may be from the true one
     std::vector<Bezier<2>> pieces;
+    Vec2 lo = Vec2::Constant(HUGE_VAL), hi = -lo;  ///< of all control points
 
     double begin() const { return pieces.front().begin; }
     double end() const { return pieces.back().end; }

@@ -39,16 +39,14 @@ void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certifica
         for (const TrimCurve& trim : loop) {
             trims.push_back(
                 {&trim, trim.edge ? cell.edges[*trim.edge].error : tolerance(), pieces(trim.curve)});
-            for (const auto& piece : trims.back().pieces)
-                for (std::size_t i = 0; i < piece.points.size(); ++i) {
-                    patch.lo = patch.lo.cwiseMin(piece.control(i));
-                    patch.hi = patch.hi.cwiseMax(piece.control(i));
-                }
+            patch.lo = patch.lo.cwiseMin(trims.back().lo);
+            patch.hi = patch.hi.cwiseMax(trims.back().hi);
             if (!trim.edge) {  // a seam may bulge anywhere: no bounds
                 patch.foot_lo = -infinite;
                 patch.foot_hi = infinite;
                 continue;
             }
+            if (uses[*trim.edge].empty()) uses[*trim.edge].reserve(2);
             uses[*trim.edge].push_back(use(f, trim));
             if (!geometry.is_plane()) continue;
             for (const auto& piece : edge_pieces[*trim.edge])
@@ -85,17 +83,17 @@ void Subject::join_uses(std::size_t e, Certificate& certificate) {
     const RationalCurve3& curve = cell.edges[e].curve;
     const double near = kPlaceRounding * (curve.domain_end() - curve.domain_begin());
     std::ranges::sort(sides, {}, [](const Use& use) { return std::pair(use.reversed, use.begin); });
-    std::vector<Use> joined;
+    std::size_t joined = 0;
     for (const Use& use : sides) {
-        const bool goes_on = !joined.empty() && joined.back().reversed == use.reversed &&
-                             joined.back().face == use.face &&
-                             std::abs(joined.back().end - use.begin) <= near;
+        Use* const before = joined > 0 ? &sides[joined - 1] : nullptr;
+        const bool goes_on = before && before->reversed == use.reversed && before->face == use.face &&
+                             std::abs(before->end - use.begin) <= near;
         if (goes_on)
-            joined.back().end = use.end;
+            before->end = use.end;
         else
-            joined.push_back(use);
+            sides[joined++] = use;
     }
-    sides = std::move(joined);
+    sides.resize(joined);
     for (const Use& use : sides)
         if (use.begin > curve.domain_begin() + near || use.end < curve.domain_end() - near)
             certificate.refute(edge_path(e), fmt::format("face {} sides it from {} to {} only", use.face,

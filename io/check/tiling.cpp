@@ -111,6 +111,7 @@ private:
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
             const CellEdge& edge = cell_.edges[e];
             for (const std::uint32_t v : edge.vertices) {
+                if (around[v].empty()) around[v].reserve(3);
                 around[v].push_back(e);
                 for (const std::span<const Site> sites :
                      {std::span<const Site>(edge.sites), std::span<const Site>(edge.extra_sites)})
@@ -228,18 +229,30 @@ private:
 
     /// All around a face its edges are closed, whatever seams cut them: at each vertex as many come as go.
     void check_cycles() {
-        std::map<std::pair<std::size_t, std::uint32_t>, int> balance;
+        struct End {
+            std::size_t face;
+            std::uint32_t vertex;
+            int step;
+        };
+        std::vector<End> ends;
+        ends.reserve(4 * uses_.size());
         for (std::size_t e = 0; e < uses_.size(); ++e) {
             const auto& vertices = cell_.edges[e].vertices;
             if (vertices.empty() || vertices[0] == vertices[1]) continue;
             for (const auto& use : uses_[e])
                 for (const int end : {0, 1})
-                    balance[{use.face, vertices[static_cast<std::size_t>(end)]}] +=
-                        (end == 1) == use.reversed ? -1 : 1;
+                    ends.push_back({use.face, vertices[static_cast<std::size_t>(end)],
+                                    (end == 1) == use.reversed ? -1 : 1});
         }
-        for (const auto& [at, sum] : balance)
+        const auto key = [](const End& end) { return std::pair(end.face, end.vertex); };
+        std::ranges::sort(ends, {}, key);
+        for (std::size_t first = 0, next = 0; first < ends.size(); first = next) {
+            int sum = 0;
+            for (; next < ends.size() && key(ends[next]) == key(ends[first]); ++next) sum += ends[next].step;
             if (sum != 0)
-                note(face_path(at.first), fmt::format("its edges are not closed at vertex {}", at.second));
+                note(face_path(ends[first].face),
+                     fmt::format("its edges are not closed at vertex {}", ends[first].vertex));
+        }
     }
 
     // Of faces between objects that all but meet: which way their loops run is not in the numbers.
