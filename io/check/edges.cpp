@@ -170,13 +170,22 @@ private:
         result.found = distance(part.net.box(), result.excesses, result.size);
         return result;
     }
+    /// Are both sides of the box that meet at a right angle?
+    static bool is_box_edge(const Condition& a, const Condition& b) {
+        const auto is_side = [](const Condition& c) {
+            return c.site.kind == Site::Kind::BoxSide && !c.at_rim;
+        };
+        return is_side(a) && is_side(b) && a.site.index / 2 != b.site.index / 2;
+    }
     /// None: it takes forms to tell.
     std::optional<Distances> by_spheres(const Part& part) const {
         if (!part.spheres) return std::nullopt;
         std::optional<Distances> result =
             distances([&](const Condition& c) { return part.spheres->excess(c); });
         if (!result) return std::nullopt;
-        if (conditions_[0].site.is_object() && conditions_[1].site.is_object())
+        if (is_box_edge(conditions_[0], conditions_[1]))
+            result->found = Reach{result->size, 1, growth_of(conditions_[0], {})};
+        else if (!conditions_[0].at_rim && !conditions_[1].at_rim)
             result->found = reach(
                 [&](double margin) -> std::optional<Reach> {
                     const auto found =

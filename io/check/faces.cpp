@@ -10,44 +10,13 @@
 #include <vector>
 
 #include "excess.hpp"
-#include "least.hpp"
+#include "tile.hpp"
 #include "touching_spheres.hpp"
 #include "trim_curves.hpp"
 #include "turns.hpp"
 
 namespace vcell::check {
 namespace {
-
-/// A site that may be nearer than the base somewhere, and the only places for that where they are known.
-struct Rival {
-    Condition condition;
-    std::optional<Spots> spots;
-};
-
-/// A rectangle of the patch, within the one of its loops.
-struct Tile {
-    Net net;
-    Vec2 lo, hi;  // in the patch's parameters
-    std::vector<Rival> rivals;
-    double excess = HUGE_VAL;  // a bound on its site's in the tile it is a half of
-    int depth = 0;             // of halving
-    bool is_inside = false;    // of the loops, as far as is known
-
-    std::array<Tile, 2> halves() const {
-        // Across the longer way; any choice will do.
-        const Vec3 origin = middle(net.corner(0, 0)), end = middle(net.corner(1, 1));
-        const Vec3 along = middle(net.corner(1, 0)), across = middle(net.corner(0, 1));
-        const int axis =
-            (along - origin).norm() + (end - across).norm() >= (across - origin).norm() + (end - along).norm()
-                ? 0
-                : 1;
-        auto nets = net.halves(axis);
-        std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals, excess, depth + 1, is_inside},
-                              Tile{std::move(nets[1]), lo, hi, rivals, excess, depth + 1, is_inside}};
-        h[0].hi[axis] = h[1].lo[axis] = std::midpoint(lo[axis], hi[axis]);
-        return h;
-    }
-};
 
 class Faces : public Room {
 public:
@@ -121,7 +90,8 @@ private:
                                           const std::optional<double>& boundary) {
         if (spheres_)
             if (const auto near = nearness_by_spheres(*spheres_);
-                near && near->distance && near->size <= width_)
+                near && near->distance && near->size <= width_ &&
+                (!near->is_bent || *near->distance <= boundary.value_or(0)))
                 return near->distance;
         if (boundary)
             if (const auto distance = distance_inside(patch, whole.net, *boundary)) return distance;
@@ -134,8 +104,10 @@ private:
             tiles.pop_back();
             const Nearness near = nearness(tile, count == 0);
             const bool is_rounding = 2 * near.size > std::exchange(tile.excess, near.size);
-            if (near.distance && (near.size <= width_ || *near.distance <= boundary.value_or(0) ||
-                                  (is_rounding && near.size <= stated_))) {
+            const bool is_told = !near.is_bent || tile.depth >= kBent;
+            if (near.distance &&
+                ((near.size <= width_ && is_told) || *near.distance <= boundary.value_or(0) ||
+                 (is_rounding && near.size <= stated_))) {
                 most = std::max(most, *near.distance);
                 continue;
             }
@@ -161,10 +133,18 @@ private:
     struct Nearness {
         double size;
         std::optional<double> distance;
+        bool is_bent = false;  // halves may tell the distance better
     };
+    /// Halvings after which a tile is taken as it is.
+    static constexpr int kBent = 4;
     Nearness nearness(const Tile& tile, bool is_whole) const {
         // Tiles that are many times smaller are few, where gradients all but vanish: forms know of places.
         constexpr int most_depth = 6, least_depth_of_forms = 4;
+        if (own_.size() == 1 && own_[0].site.kind == Site::Kind::BoxSide) {
+            // Coordinates tell, and grow by one per length.
+            const double size = magnitude(space().excess(own_[0], tile.net.box())).upper();
+            return {size, size};
+        }
         if (tile.depth <= most_depth) {
             const auto part = is_whole ? spheres_ : TouchingSpheres::on(tile.net, own_[0].site, space());
             if (const auto near = part ? nearness_by_spheres(*part) : std::nullopt) return *near;
@@ -191,7 +171,7 @@ private:
             size = std::max(size, magnitude(*e).upper());
         }
         if (!(size < HUGE_VAL)) return std::nullopt;
-        return Nearness{size, distance_by_spheres(spheres, size)};
+        return Nearness{size, distance_by_spheres(spheres, size), spheres.is_bent()};
     }
     std::optional<double> distance_by_spheres(const TouchingSpheres& spheres, double size) const {
         return distance_where(
@@ -298,10 +278,12 @@ private:
             tiles.pop_back();
             drop(tile, count > kFew);
             if (tile.rivals.empty() || is_outside(patch, tile)) continue;
+            // Where a rival is nearer tiles become ever smaller: few of them need be asked.
+            constexpr int every = 4;
             const Vec2 uv = 0.5 * (tile.lo + tile.hi);
-            const SurfacePoint s = lift(patch, uv);
-            if (const auto nearer = nearer_at(s.p, tile.rivals);
-                nearer && inside(patch, uv, rounding()).value_or(false)) {
+            const auto nearer =
+                tile.depth % every == every - 1 ? nearer_at(lift(patch, uv).p, tile.rivals) : std::nullopt;
+            if (nearer && inside(patch, uv, rounding()).value_or(false)) {
                 certificate_.refute(where,
                                     fmt::format("{} is {:.3g} nearer than the base",
                                                 title(nearer->first.site), nearer->second),
@@ -361,12 +343,13 @@ private:
     void drop(Tile& tile, bool is_small) const {
         const Vector<Interval>& box = tile.net.box();
         const auto is_elsewhere = [&](const Spot& spot) {
+            const double reach = Interval::up(spot.radius + margin_);
             for (std::size_t k = 0; k < 3; ++k) {
-                const Interval at =
-                    Interval::ball(spot.center[static_cast<Eigen::Index>(k)], spot.radius + margin_);
-                if (at.upper() < box[k].lower() || at.lower() > box[k].upper()) return true;
+                const double at = spot.center[static_cast<Eigen::Index>(k)];
+                if (Interval::up(at + reach) < box[k].lower() || Interval::down(at - reach) > box[k].upper())
+                    return true;
             }
-            return false;
+            return tile.misses(spot.center, reach);
         };
         std::erase_if(tile.rivals, [&](const Rival& rival) {
             if (is_beside(rival.condition, box)) return true;
@@ -378,9 +361,21 @@ private:
                        return is_elsewhere(spot) || space().excess(rival.condition, place).lower() >= 0;
                    });
         });
-        if (tile.rivals.empty()) return;
+        // Where places are told far better than the tile its halves tell more than gradients, which are
+        // parallel there. Beside the loops a place may stay in all halves.
+        constexpr double far_better = 0x1p-4;
+        constexpr int most_depth = 16;
+        const double size = (tile.net.about(0, 0) - tile.net.about(1, 1)).norm();
+        const auto is_told = [&](const Rival& rival) {
+            return tile.depth < most_depth && rival.spots &&
+                   std::ranges::all_of(*rival.spots, [&](const Spot& spot) {
+                       return spot.radius + margin_ <= far_better * size;
+                   });
+        };
+        if (std::ranges::all_of(tile.rivals, is_told)) return;
         const Test test(*this, tile.net, is_small);
-        std::erase_if(tile.rivals, [&](const Rival& rival) { return test(rival.condition); });
+        std::erase_if(tile.rivals,
+                      [&](const Rival& rival) { return !is_told(rival) && test(rival.condition); });
     }
 
     /// A rival that is nearer at p by more than rounding.
@@ -497,9 +492,12 @@ private:
         const Vec2 least_size =
             kNearEdge * (patch.hi - patch.lo) + kRough * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
         for (const auto& loop : patch.loops)
-            for (const Trim& trim : loop)
+            for (const Trim& trim : loop) {
+                if ((trim.lo.array() > tile.hi.array()).any() || (trim.hi.array() < tile.lo.array()).any())
+                    continue;
                 for (const auto& piece : trim.pieces)
                     if (meets(piece, tile, least_size)) return false;
+            }
         tile.is_inside = inside(patch, 0.5 * (tile.lo + tile.hi), rounding()).value_or(true);
         return !tile.is_inside;
     }
@@ -513,6 +511,11 @@ private:
             most = most.cwiseMax(piece.control(i));
         }
         if ((least.array() > hi.array()).any() || (most.array() < lo.array()).any()) return false;
+        // Its ends are on the curve.
+        for (const std::size_t i : {std::size_t{0}, piece.points.size() - 1}) {
+            const Vec2 end = piece.control(i);
+            if ((end.array() >= lo.array()).all() && (end.array() <= hi.array()).all()) return true;
+        }
         if (((most - least).array() < 0.25 * (hi - lo).array()).all()) return true;
         if (!((most - least).array() > least_size.array()).any()) return true;
         for (const auto& half : piece.halves())

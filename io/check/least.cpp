@@ -31,8 +31,8 @@ MidRad inner(const Vector<MidRad>& m, const Vector<MidRad>& v) {
 
 }  // namespace
 
-LeastPlaces::LeastPlaces(const Object& base, const Sphere& own)
-    : own_(to_vector<MidRad>(own.center)), own_radius_(own.radius) {
+LeastPlaces::LeastPlaces(const Object& base, const Sphere& own, double farthest)
+    : own_(to_vector<MidRad>(own.center)), own_radius_(own.radius), farthest_(farthest) {
     base_radius_ = 0.0;
     if (const auto* plane = std::get_if<Plane>(&base)) {
         kind_ = Kind::plane;
@@ -69,7 +69,7 @@ LeastPlaces::Ray LeastPlaces::ray(const V& start, const V& through) {
 /// w^2 = 1 about a centre. The right-hand side is positive where neither body holds the other.
 MidRad LeastPlaces::along_from_own(const Ray& ray) const {
     const MidRad one = 1.0;
-    if (kind_ == Kind::plane) return (height_ + own_radius_) / (one - dot(direction_, ray.way));
+    if (kind_ == Kind::plane) return reach(height_ + own_radius_, one - dot(direction_, ray.way));
     V q = from_base_, w = ray.way;
     MidRad slope = 0.0;
     if (kind_ == Kind::cylinder) {
@@ -80,9 +80,18 @@ MidRad LeastPlaces::along_from_own(const Ray& ray) const {
     const MidRad rest = square(q) - square(difference_);
     if (!(rest.lower() > 0)) return MidRad::whole();
     const MidRad b = dot(w, q) + difference_;
-    if (kind_ == Kind::sphere) return rest / (-2.0 * b);
+    if (kind_ == Kind::sphere) return reach(rest, -2.0 * b);
     const MidRad root = sqrt(square(b) + square(slope) * rest);
-    return b.mid() < 0 ? rest / (root - b) : (b + root) / square(slope);
+    return b.mid() < 0 ? rest / (root - b) : reach(b + root, square(slope));
+}
+
+/// The quotient, or a negative number where that is negative, none or too far: a ray that is all but one way
+/// with the base's normal comes to its bisector nowhere, or far outside of the box.
+MidRad LeastPlaces::reach(const MidRad& numerator, const MidRad& denominator) const {
+    const double most = denominator.upper();
+    if (numerator.lower() > 0 && (most <= 0 || numerator.lower() > most * farthest_ * (1 + 0x1p-40)))
+        return -1.0;
+    return numerator / denominator;
 }
 
 /// From the foot on a plane along its normal, from a centre, or across an axis.
@@ -169,8 +178,12 @@ LeastPlacesOfSites::LeastPlacesOfSites(const Scene& scene, const Site& own) : sc
     }
     if (!own.is_object()) return;
     const Object& object = scene.objects[own.index];
+    // Of all that is in the box.
+    const auto farthest = [&](const Sphere& ball) {
+        return (scene.box.diagonal() + (ball.center - scene.box.min).norm()) * (1 + 0x1p-40);
+    };
     if (const auto* ball = std::get_if<Sphere>(&object)) {
-        of_balls_.emplace(scene.base, *ball);
+        of_balls_.emplace(scene.base, *ball, farthest(*ball));
         if (base_) own_ = focus(*ball);
     } else if (const auto* other = std::get_if<Plane>(&object); other && sphere) {
         // The face is on the side of a base ball that does not reach the plane.
@@ -179,7 +192,7 @@ LeastPlacesOfSites::LeastPlacesOfSites(const Scene& scene, const Site& own) : sc
         const Focus f = focus(towards);
         if (!((f.distance(base_->place) - base_->radius).lower() > 0)) return;
         own_ = f;
-        of_balls_.emplace(towards, *sphere);
+        of_balls_.emplace(towards, *sphere, farthest(*sphere));
     }
 }
 

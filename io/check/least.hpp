@@ -25,6 +25,7 @@
 /// reflection: it is least where the line from o through c meets the side, if c is nearer to the side.
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "../../core/small_vector.hpp"
@@ -47,7 +48,8 @@ using Spots = SmallVector<Spot, 2>;
 /// Of balls, on the bisector of the base and a ball.
 class LeastPlaces {
 public:
-    LeastPlaces(const Object& base, const Sphere& own);
+    /// `farthest`: from the own centre, places beyond which do not count.
+    LeastPlaces(const Object& base, const Sphere& own, double farthest = HUGE_VAL);
 
     /// Two where it is not clear on which side the rival is. None: where they are cannot be told.
     std::optional<Spots> of(const Sphere& rival) const;
@@ -65,6 +67,7 @@ private:
     };
     static Ray ray(const V& start, const V& through);
     MidRad along_from_own(const Ray& ray) const;
+    MidRad reach(const MidRad& numerator, const MidRad& denominator) const;
     Ray ray_from_base(const V& through) const;
     MidRad along_from_base(const Ray& ray) const;
 
@@ -73,6 +76,7 @@ private:
     V own_, from_base_;   // the own ball's centre, and the way there
     MidRad own_radius_, base_radius_, difference_;  // of the radii, the own one less the base's
     MidRad height_;                                 // of the centre over a base plane
+    double farthest_;
 };
 
 /// Of all sites, on a face of the base and a site.

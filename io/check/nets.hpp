@@ -165,6 +165,11 @@ public:
     const Sizes& sizes() const;
     /// The ends in s and t: 0 is the begin, 1 the end.
     Vector<Interval> corner(int i, int j) const { return position(at(i * m_, j * n_)); }
+    /// About where they are, from the origin.
+    Vec3 about(int i, int j) const {
+        const Point& p = at(i * m_, j * n_);
+        return Vec3(p[0].mid(), p[1].mid(), p[2].mid()) / p[3].mid();
+    }
     /// Derivative with respect to s (axis 0) or t (axis 1), as it runs over [0, 1].
     Vector<Interval> derivative(int axis) const;
     std::array<Net, 2> halves(int axis) const;

@@ -86,4 +86,54 @@ std::optional<Slopes> slopes_between(const Oriented& o, const Oriented& a, const
     return Slopes{std::sqrt(least) * kBelow, growth};
 }
 
+// With the gradient g = n_a - n_0 of the object's excess and the unit normal m of the side, |g|^2 = D / (s_0
+// s_a). At the height e over the side a ball's direction has m n = (e - h) / s, h the height of its center,
+// and a plane's the same everywhere, h with s = 1. So |g x m|^2 = |g|^2 - (g m)^2 is
+//     (D s_0 s_a - q^2) / (s_0 s_a)^2,  q = k_a s_0 - k_0 s_a,  k = e - h,
+// a quadratic in t over one. It is the product of the squared singular values, of which the greater is below
+// |g|^2 + 1.
+std::optional<Slopes> slopes_beside(const Oriented& o, const Oriented& a, const Inwards& side,
+                                    const Interval& clearance, double size, double margin) {
+    const double off = (size + 2 * margin) * kAbove;
+    const Number oa = tangential(o, a, off);
+    const double slack = (margin + off) * kAbove, low = clearance.lower() - slack,
+                 high = clearance.upper() + slack;
+    const auto s = [](const Oriented& x, double t) { return x.is_plane ? 1.0 : t + x.radius; };
+    if (!(s(o, low) > 0) || !(s(a, low) > 0) || !(oa.value > oa.error)) return std::nullopt;
+    // k, and what it is off by at most.
+    const auto cosine = [&](const Oriented& x) {
+        const double place = x.place[side.axis];
+        if (x.is_plane) return Number{side.sign * place, kFew};
+        return Number{side.sign * (side.place - place),
+                      off + kFew * (std::abs(side.place) + std::abs(place))};
+    };
+    const Number of_base = cosine(o), own = cosine(a);
+    const auto q = [&](double t) { return own.value * s(o, t) - of_base.value * s(a, t); };
+    const double longest = std::max(s(o, high), s(a, high)) * kAbove;
+    const double most_q = longest * (std::abs(own.value) + std::abs(of_base.value));
+    const double q_error = (longest * (own.error + of_base.error) +
+                            slack * (std::abs(own.value) + std::abs(of_base.value)) + kFew * most_q) *
+                           kAbove;
+    const double error = (longest * longest * (oa.error + kFew * oa.value) +
+                          oa.value * slack * (2 * longest + slack) + q_error * (2 * most_q + q_error)) *
+                         kAbove;
+    constexpr int parts = 4;
+    double least = HUGE_VAL;
+    for (int k = 0; k < parts; ++k) {
+        const double from = low + (high - low) * (k / static_cast<double>(parts)),
+                     to = k + 1 == parts ? high : low + (high - low) * ((k + 1) / static_cast<double>(parts));
+        // Bernstein coefficients of a quadratic.
+        const double lowest =
+            std::min({oa.value * s(o, from) * s(a, from) - q(from) * q(from),
+                      0.5 * oa.value * (s(o, from) * s(a, to) + s(o, to) * s(a, from)) - q(from) * q(to),
+                      oa.value * s(o, to) * s(a, to) - q(to) * q(to)});
+        const double numerator = lowest - error, product = (s(o, to) + slack) * (s(a, to) + slack);
+        if (!(numerator > 0)) return std::nullopt;
+        least = std::min(least, numerator / (product * (oa.value + oa.error + product) * kAbove));
+    }
+    const double growth =
+        0.5 * std::min((oa.value - oa.error) / ((s(o, high) + slack) * (s(a, high) + slack)), 1.0);
+    return Slopes{std::sqrt(least) * kBelow, growth * kBelow};
+}
+
 }  // namespace vcell::check

@@ -43,4 +43,14 @@ struct Slopes {
 std::optional<Slopes> slopes_between(const Oriented& base, const Oriented& a, const Oriented& b,
                                      const Interval& clearance, double size, double margin);
 
+/// A side of the box: its excess, the distance from it inwards, grows in one direction by one per length.
+struct Inwards {
+    int axis;
+    double sign,
+        place;  ///< the side is where the coordinate is `place`, and inside is where sign times it grows
+};
+/// The same of an object and a side of the box.
+std::optional<Slopes> slopes_beside(const Oriented& base, const Oriented& own, const Inwards& side,
+                                    const Interval& clearance, double size, double margin);
+
 }  // namespace vcell::check

@@ -4,83 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coefficients.hpp"
+
 namespace vcell::check {
 
 namespace {
 
-/// Curves and patches of higher degree are not looked at.
-constexpr int kMost = 4;
-
 const Sphere* as_ball(const Scene& scene, const Site& site) {
     return site.is_object() ? std::get_if<Sphere>(&scene.objects[site.index]) : nullptr;
-}
-
-/// Bernstein coefficients of a polynomial of degree (m, n).
-using Coefficients = std::array<double, (kMost + 1) * (kMost + 1)>;
-
-/// A lower bound of its values: halves are looked at as long as coefficients are far below those at the
-/// corners.
-double least_value(const Coefficients& c, int m, int n, int depth) {
-    const int count = (m + 1) * (n + 1);
-    const double least = *std::min_element(c.begin(), c.begin() + count);
-    const double at_corner =
-        std::min({c[0], c[static_cast<std::size_t>(n)], c[static_cast<std::size_t>(m * (n + 1))],
-                  c[static_cast<std::size_t>(count - 1)]});
-    if (depth == 0 || least >= 0.75 * at_corner) return least;
-    const int axis = depth % 2, degree = axis == 0 ? m : n, lines = axis == 0 ? n : m;
-    const auto at = [&](Coefficients& x, int line, int i) -> double& {
-        return x[static_cast<std::size_t>(axis == 0 ? i * (n + 1) + line : line * (n + 1) + i)];
-    };
-    Coefficients first = c, second = c;
-    for (int line = 0; line <= lines; ++line)
-        for (int k = 0; k <= degree; ++k) {
-            at(first, line, k) = at(second, line, 0);
-            for (int i = 0; i < degree - k; ++i)
-                at(second, line, i) = 0.5 * (at(second, line, i) + at(second, line, i + 1));
-        }
-    return std::min(least_value(first, m, n, depth - 1), least_value(second, m, n, depth - 1));
-}
-
-/// binomial(m, i) binomial(n, j), at i (n + 1) + j, by m and n. Known to the compiler: few cells have as many
-/// edges as entries.
-template <int Most>
-struct ProductsOfBinomials {
-    static constexpr std::size_t count = Most + 1;
-    std::array<std::array<std::array<double, count * count>, count>, count> of{};
-
-    constexpr ProductsOfBinomials() {
-        std::array<std::array<double, count>, count> pascal{};
-        for (std::size_t n = 0; n < count; ++n)
-            for (std::size_t k = 0; k <= n; ++k)
-                pascal[n][k] = k == 0 || k == n ? 1 : pascal[n - 1][k - 1] + pascal[n - 1][k];
-        for (std::size_t m = 0; m < count; ++m)
-            for (std::size_t n = 0; n < count; ++n)
-                for (std::size_t i = 0; i <= m; ++i)
-                    for (std::size_t j = 0; j <= n; ++j)
-                        of[m][n][i * (n + 1) + j] = pascal[m][i] * pascal[n][j];
-    }
-};
-constexpr ProductsOfBinomials<kMost> products_of_binomials;
-constexpr ProductsOfBinomials<2 * kMost> products_of_square;
-
-/// Adds sign a^2, a and r Bernstein coefficients times their binomials, of degrees (M, N) and (2 M, 2 N).
-template <int M, int N>
-void add_square(double sign, const double* a, double* r) {
-    for (int i = 0; i <= M; ++i)
-        for (int j = 0; j <= N; ++j) {
-            const double x = sign * a[i * (N + 1) + j];
-            for (int k = 0; k <= M; ++k)
-                for (int l = 0; l <= N; ++l) r[(i + k) * (2 * N + 1) + j + l] += x * a[k * (N + 1) + l];
-        }
-}
-void add_square(int m, int n, double sign, const double* a, double* r) {
-    if (m == 2 && n == 2) return add_square<2, 2>(sign, a, r);
-    if (m == 2 && n == 0) return add_square<2, 0>(sign, a, r);
-    for (int i = 0; i <= m; ++i)
-        for (int j = 0; j <= n; ++j)
-            for (int k = 0; k <= m; ++k)
-                for (int l = 0; l <= n; ++l)
-                    r[(i + k) * (2 * n + 1) + j + l] += sign * a[i * (n + 1) + j] * a[k * (n + 1) + l];
 }
 
 }  // namespace
@@ -304,11 +235,7 @@ void TouchingSpheres::refer_to_base() {
 bool TouchingSpheres::finish_about_sphere() {
     const auto& sphere = std::get<Sphere>(space_->scene().base);
     const auto square = largest_square(sphere.center, sphere.radius);
-    double least = HUGE_VAL;
-    for (const Point& p : points_) {
-        const double t = p.t / p.w;
-        least = std::min(least, t + sphere.radius - kFew * (std::abs(t) + sphere.radius));
-    }
+    const double least = least_sum_ = least_sum(sphere.radius);
     if (!square || !(least > 0)) return false;
     const double once = *square / least * kAbove;
     if (!(once < least)) return false;
@@ -317,10 +244,43 @@ bool TouchingSpheres::finish_about_sphere() {
     return finish();
 }
 
+/// A lower bound of t + radius, as t's coefficients have it, where these tell little of it: on a patch that
+/// is strongly bent they are far below its values.
+double TouchingSpheres::least_sum(double radius) {
+    double least = HUGE_VAL, largest = 0, at_corners = HUGE_VAL;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const double t = points_[i].t / points_[i].w;
+        least = std::min(least, t + radius - kFew * (std::abs(t) + radius));
+        largest = std::max(largest, std::abs(points_[i].t) + radius * points_[i].w);
+    }
+    const auto corner = [&](int i, int j) {
+        const Point& p = points_[static_cast<std::size_t>(i * m_ * (n_ + 1) + j * n_)];
+        return p.t / p.w + radius;
+    };
+    for (const int i : {0, 1})
+        for (const int j : {0, 1}) at_corners = std::min(at_corners, corner(i, j));
+    constexpr double far_below = 0.25;
+    if (n_ == 0 || !(at_corners > 0) || least >= far_below * at_corners) return least;
+    Coefficients c;
+    for (std::size_t i = 0; i < points_.size(); ++i) c[i] = points_[i].t + radius * points_[i].w;
+    is_bent_ = true;
+    constexpr int depth = 4;
+    const double of_product = least_value(c, m_, n_, depth) - kFew * largest;
+    return of_product > 0 ? std::max(least, of_product / most_weight_ * kBelow) : least;
+}
+
 bool TouchingSpheres::finish() {
     most_clearance_ = divide_by_weights([](const Point& p) { return p.t; }, &Affine::t);
     clearance_ = range({0, 0, Vec3::Zero(), 1});
-    return clearance_.magnitude() < HUGE_VAL;
+    if (!(clearance_.magnitude() < HUGE_VAL)) return false;
+    if (n_ == 0) return true;
+    const double radius = base().radius;
+    if (!(least_sum_ > 0)) least_sum_ = least_sum(radius);
+    const double off =
+        most_clearance_ * (4 * kFew + weight_error_ / least_weight_) + 4 * kFew * radius + clearance_error_;
+    const double lower = least_sum_ - radius - off * kAbove;
+    if (lower > clearance_.lower()) clearance_ = {lower, clearance_.upper()};
+    return true;
 }
 
 /// F of the ball about a center, less the reference's F.
@@ -578,7 +538,20 @@ std::optional<double> TouchingSpheres::growth(const Site& site, double size, dou
 std::optional<Slopes> TouchingSpheres::slopes(const Site& first, const Site& second, double size,
                                               double margin) const {
     const auto a = element(first), b = element(second);
-    return a && b ? slopes_between(base(), *a, *b, clearance_, size, margin) : std::nullopt;
+    if (a && b) return slopes_between(base(), *a, *b, clearance_, size, margin);
+    const auto inwards = [&](const Site& site) -> std::optional<Inwards> {
+        if (site.kind != Site::Kind::BoxSide) return std::nullopt;
+        const int axis = static_cast<int>(site.index / 2);
+        const Box& box = space_->scene().box;
+        return site.index % 2 ? Inwards{axis, -1, box.max[axis]} : Inwards{axis, 1, box.min[axis]};
+    };
+    if (a)
+        if (const auto side = inwards(second))
+            return slopes_beside(base(), *a, *side, clearance_, size, margin);
+    if (b)
+        if (const auto side = inwards(first))
+            return slopes_beside(base(), *b, *side, clearance_, size, margin);
+    return std::nullopt;
 }
 
 }  // namespace vcell::check

@@ -38,6 +38,10 @@ public:
     /// Of all points.
     const Interval& clearance() const { return clearance_; }
 
+    /// Do coefficients tell little of the clearances? A patch that is strongly bent, or runs far beyond its
+    /// loops, is better told of in parts.
+    bool is_bent() const { return is_bent_; }
+
     /// Takes the ball, if it is one, for the one of which others differ: over a base plane nothing is known
     /// of balls before. False: it is none.
     bool refer_to(const Site& ball);
@@ -55,7 +59,8 @@ public:
     bool may_be_least(const Sphere& own, const Sphere& rival, double margin) const;
 
     /// Bounds, in the points within `margin` of those where two sites' excesses are below `size`, the least
-    /// singular value of the derivative of both, and half the squared gradient of either.
+    /// singular value of the derivative of both, and half the squared gradient of either. Sides of the box
+    /// are sites here, rims are none.
     std::optional<Slopes> slopes(const Site& a, const Site& b, double size, double margin) const;
     /// The same of one.
     std::optional<double> growth(const Site& a, double size, double margin) const;
@@ -83,6 +88,7 @@ private:
     bool finish_about_sphere();
     template <class Coordinate>
     double divide_by_weights(Coordinate coordinate, Lanes Affine::*quotient);
+    double least_sum(double radius);
     bool finish();
     Oriented base() const;
     std::optional<Oriented> element(const Site& site) const;
@@ -109,6 +115,8 @@ private:
     Vec3 way_, across_;
     std::array<double, 2> sines_;
     double least_weight_ = 0, most_weight_ = 0;
+    double least_sum_ = 0;  // on a patch, of t and the base's radius, where it is known
+    bool is_bent_ = false;
     Interval clearance_;
     Vec3 reference_center_;  // F of the reference is within reference_error_ of 0
     double reference_radius_ = 0, reference_error_ = 0;

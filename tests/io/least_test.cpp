@@ -207,6 +207,19 @@ TEST_CASE(
     CHECK(places.of({Vec3(0, 1, 2), 0.5}).has_value());
 }
 
+TEST_CASE("least places: straight above the own ball a plane's bisector has none within any box") {
+    const Object base = Plane{Vec3::Zero(), Vec3::UnitZ()};
+    const Sphere own{Vec3(0.75, 0.5, 0.1875), 0.03125}, above{Vec3(0.75, 0.5, 0.5), 0.125};
+    CHECK_FALSE(LeastPlaces(base, own).of(above).has_value());
+    const auto spots = LeastPlaces(base, own, 10).of(above);
+    REQUIRE(spots.has_value());
+    CHECK(spots->empty());
+    // A little aside it is far away, and within reach of a box as large.
+    const Sphere aside{Vec3(0.875, 0.5, 0.5), 0.125};
+    REQUIRE(LeastPlaces(base, own, 10).of(aside).has_value());
+    CHECK_FALSE(LeastPlaces(base, own, 10).of(aside)->empty());
+}
+
 TEST_CASE("least places: enclosed to rounding, on the bisector, behind the rival as seen from a focus") {
     const Sphere base{Vec3(0.1, 0.2, 0.3), 1}, own{Vec3(0, 0, 4), 0.5};
     for (const Sphere& rival : {Sphere{Vec3(0.2, 0, 2), 0.125}, Sphere{Vec3(0.4, 0, 3), 0.25}}) {
