@@ -1,5 +1,6 @@
 #include "conics.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "face_terms.hpp"
@@ -32,7 +33,11 @@ std::optional<Quadratic> size_of(const Triad<Quadratic>& n) {
     }
     const double linear = 0.5 * (at[2] - at[0]), rest = 0.5 * (at[2] + at[0]) - at[1];
     Quadratic q{{at[1], linear, rest}};
-    const double least = (at[1] - std::abs(linear) - std::abs(rest)) * (1 - 0x1p-50);
+    // A parabola is least at an end or at its vertex.
+    double least = std::min(at[0], at[2]);
+    if (rest > 0 && std::abs(linear) < 2 * rest)
+        least = std::min(least, at[1] - linear * linear / (4 * rest));
+    least -= 0x1p-50 * (at[1] + std::abs(linear) + std::abs(rest));
     double off = 0;
     for (int k = 0; k <= 4; ++k) {
         MidRad sum = 0.0;
