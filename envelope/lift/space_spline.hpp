@@ -58,84 +58,15 @@
 /// diagram's piece. All of it in double: residuals and gradients carry bounds of their rounding.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
-#include <cstdint>
-#include <limits>
+#include <cstddef>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "../../primitives/bases/radial_base.hpp"
-#include "../diagram/minimization_diagram.hpp"
-#include "radial_patch.hpp"
+#include "space_arc.hpp"
 
 namespace vcell {
-
-/// A coordinate of a bisector's patch as a function of the bisector's points: the quotient of two linear
-/// functions of (x, y, z, t, 1), canonical. The divisor is positive over the patch.
-struct PatchCoordinate {
-    using Linear = Eigen::Matrix<double, 5, 1>;
-
-    Linear numerator = Linear::Zero(), divisor = Linear::Unit(4);
-
-    /// direction . (p - origin)
-    static PatchCoordinate linear(const Vec3& direction, const Vec3& origin);
-    /// The tangent of half the angle from `zero` towards `quarter` (orthonormal): at a distance t + delta
-    /// from the axis through `point` across both, it is (p - point) . quarter / (t + delta + (p - point) .
-    /// zero). Likewise for the stereographic coordinates of a direction from `point` about `zero`, each with
-    /// its own `quarter`.
-    static PatchCoordinate half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter, double delta);
-
-    double operator()(const Eigen::Vector4d& X) const {
-        return (numerator.head<4>().dot(X) + numerator[4]) / (divisor.head<4>().dot(X) + divisor[4]);
-    }
-};
-
-/// (u, v). Together they are one-to-one on the bisector where both divisors are positive.
-using PatchCoordinates = std::array<PatchCoordinate, 2>;
-
-/// Which part of a face a boundary runs in that may run along a seam: the one with the point this far inside
-/// the face, in u.
-constexpr double seam_inwards = 0x1p-32;
-
-/// A patch and the stretch of u for which it is used: a face that wraps around needs several.
-struct SpacePart {
-    PatchCoordinates patch;
-    std::array<double, 2> u{-std::numeric_limits<double>::infinity(),
-                            std::numeric_limits<double>::infinity()};
-    const RadialPatch* surface = nullptr;  ///< with these coordinates, of polynomials (P, w)(u, v)
-};
-
-/// What lies on one side of an edge, canonical.
-struct SpaceSite {
-    Object object;
-    bool is_wall = false;  ///< a Plane with outward normal that bounds the cell: a side of the box, an end
-    std::vector<SpacePart> parts;  ///< none: no trim on this side
-};
-
-struct SpaceEnd {
-    Vec3 point;
-    double error;  ///< bound on its distance from the true vertex
-};
-
-/// An edge. The arc of a rim has no pieces, and the end on its right: the Plane through (0, y, 0) across the
-/// y axis.
-struct SpaceArc {
-    std::array<SpaceSite, 2> sites;      ///< left, right
-    std::optional<SpaceEnd> start, end;  ///< none: closed
-    std::span<const MinimizationDiagram::ArcPiece> pieces;
-    double turn = 0;           ///< of a rim's arc; 0: its ends' points tell
-    bool sites_cross = false;  ///< both are cylinders, of one radius, and their axes cross
-};
-
-/// A Bezier span of degree 5, polynomial: space curve and trims in one parameter.
-struct SpaceSpan {
-    /// Point k of (x, y, z, t, u_left, v_left, u_right, v_right) is column k; zeros where there is no trim.
-    Eigen::Matrix<double, 8, 6> points = Eigen::Matrix<double, 8, 6>::Zero();
-    /// The part on each side that holds the span: where the arc leaves a part, a span ends.
-    std::array<std::uint32_t, 2> part{};
-};
 
 struct SpaceFitError {
     /// Of the curve (x, y, z, t) from the arc; infinite if it is not proved.

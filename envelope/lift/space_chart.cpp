@@ -1,0 +1,62 @@
+#include "space_chart.hpp"
+
+#include <cmath>
+
+namespace vcell::space_fit {
+
+Vector4d SpaceChart::with_distance(const Vec3& p) const {
+    Vector4d X;
+    X << p, problem_->is_sphere ? p.norm() : std::hypot(p.x(), p.z());
+    return X;
+}
+
+Equation SpaceChart::base_equation(const Vec3& foot) const {
+    const Vec3 axis = problem_->is_sphere ? Vec3::Zero().eval() : Vec3::UnitY().eval();
+    return Equation::round(Vec3::Zero(), axis, problem_->radius, problem_->radius, foot);
+}
+
+Equation SpaceChart::equation(const SpaceSite& site, const Vec3& foot) const {
+    const double R0 = problem_->radius;
+    if (const Sphere* s = std::get_if<Sphere>(&site.object))
+        return Equation::round(s->center, Vec3::Zero(), s->radius, R0, foot);
+    if (const Cylinder* c = std::get_if<Cylinder>(&site.object))
+        return Equation::round(c->point, c->axis, c->radius, R0, foot);
+    const Plane& plane = std::get<Plane>(site.object);
+    const Vec3 n = plane.normal.normalized();
+    const bool inward = !site.is_wall && n.dot(foot - plane.point) > 0;
+    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, site.is_wall);
+}
+
+Vec3 SpaceChart::normal_derivative(const Vec2& q, const Vec2& d) const {
+    if (!problem_->is_sphere) {
+        const bool back = q.x() > 1;
+        const double a = back ? q.x() - 2 : q.x(), W = 1 + a * a;
+        return (back ? -2 : 2) * d.x() / (W * W) * (problem_->chart * Vec3(1 - a * a, 0, -2 * a));
+    }
+    const double W = 1 + q.squaredNorm(), dW = 2 * q.dot(d);
+    const Vec3 n(2 * q.x(), 2 * q.y(), 1 - q.squaredNorm());
+    return problem_->chart * (Vec3(2 * d.x(), 2 * d.y(), -dW) / W - n * (dW / (W * W)));
+}
+
+Vec2 SpaceChart::continued(Vec2 q, const std::array<double, 4>& box) const {
+    if (problem_->is_sphere) return q;
+    const double middle = 0.5 * (box[0] + box[1]);
+    if (q.x() - middle > 2) q.x() -= 4;
+    if (middle - q.x() > 2) q.x() += 4;
+    return q;
+}
+
+Vector3i SpaceChart::normals(const Interval& x, const Interval& y, bool back) const {
+    const Interval a = back ? x - Interval(2) : x;
+    const bool is_sphere = problem_->is_sphere;
+    const Interval squares = is_sphere ? square(a) + square(y) : square(a), W = 1 + squares;
+    const Vector3i n{2 * a / W, is_sphere ? 2 * y / W : Interval(0), (1 - squares) / W};
+    Vector3i u;
+    for (int i = 0; i < 3; ++i) {
+        const Interval sum = dot<Interval>(problem_->chart.row(i), n);
+        u[i] = Interval::ball(0, rounding) + (back ? -sum : sum);
+    }
+    return u;
+}
+
+}  // namespace vcell::space_fit

@@ -1,0 +1,59 @@
+/// A base as the fit in space (space_spline.hpp) sees it: its equation, its chart's foot points and normals,
+/// and those of the sites that are met along them.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "../../core/numbers/interval.hpp"
+#include "../../primitives/bases/radial_base.hpp"
+#include "space_equation.hpp"
+
+namespace vcell::space_fit {
+
+using Vector3i = std::array<Interval, 3>;
+
+class SpaceChart {
+public:
+    explicit SpaceChart(const RadialBaseProblem& problem) : problem_(&problem) {}
+
+    /// The foot point of canonical points: on the base's axis, or its centre.
+    Vec3 foot_below(const Vec3& p) const { return {0, problem_->is_sphere ? 0 : p.y(), 0}; }
+    /// (p, t) for a point of the arc.
+    Vector4d with_distance(const Vec3& p) const;
+
+    /// Pre: `foot` is a foot point near the curve.
+    Equation base_equation(const Vec3& foot) const;
+    Equation equation(const SpaceSite& site, const Vec3& foot) const;
+
+    // ---- Over chart points q ----
+    Vec3 foot(const Vec2& q) const { return {0, problem_->is_sphere ? 0 : q.y(), 0}; }
+    Vec3 normal(const Vec2& q) const { return problem_->normal(q); }
+    /// Their derivatives in a direction d.
+    Vec3 foot_derivative(const Vec2& d) const { return {0, problem_->is_sphere ? 0 : d.y(), 0}; }
+    Vec3 normal_derivative(const Vec2& q, const Vec2& d) const;
+    /// The chart point below (p, t).
+    Vec2 chart_point(const Vector4d& X) const {
+        return problem_->chart_point((X.head<3>() - foot_below(X.head<3>())) / X[3], X.y());
+    }
+    /// The same place of the chart, which may close up, as near as it comes to a box {x0, x1, y0, y1}.
+    Vec2 continued(Vec2 q, const std::array<double, 4>& box) const;
+
+    /// Calls f(foot, normal) with enclosures over boxes that make up {x0, x1, y0, y1}.
+    template <class F>
+    void for_parts(const std::array<double, 4>& box, F&& f) const {
+        const Interval y(box[2], box[3]), zero(0);
+        const Vector3i foot{zero, problem_->is_sphere ? zero : y, zero};
+        const bool is_whole = problem_->is_sphere || box[1] <= 1;
+        if (is_whole || box[0] < 1) f(foot, normals(Interval(box[0], is_whole ? box[1] : 1), y, false));
+        if (!is_whole) f(foot, normals(Interval(std::max(box[0], 1.0), box[1]), y, true));
+    }
+
+private:
+    // back: in the second half of the cylinder.
+    Vector3i normals(const Interval& x, const Interval& y, bool back) const;
+
+    const RadialBaseProblem* problem_;
+};
+
+}  // namespace vcell::space_fit

@@ -1,0 +1,247 @@
+/// The equations of an arc in space and its spans as polynomials, for the fit and the certificate of
+/// space_spline.hpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "../../core/curves/quintic_nodes.hpp"
+#include "../../core/curves/scaled_bernstein.hpp"
+#include "space_arc.hpp"
+
+namespace vcell::space_fit {
+
+using Eigen::Matrix4d;
+using Eigen::Vector4d;
+using std::numbers::sqrt2;
+
+using Linear = PatchCoordinate::Linear;
+using Piece = MinimizationDiagram::ArcPiece;
+using Points = Eigen::Matrix<double, 8, 6>;  // as in SpaceSpan
+
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Rounding of a residual or gradient, in units of u times the magnitudes that enter it: some thirty
+// operations, and coefficients within a few u.
+constexpr double rounding = 64 * u;
+
+inline double square(double a) { return a * a; }
+
+inline Bernstein<5> row(const Points& points, int i, double origin = 0) {
+    return Bernstein<5>::from([&](int k) { return points(i, k) - origin; });
+}
+
+inline double at(const Linear& f, const Vector4d& X) { return f.head<4>().dot(X) + f[4]; }
+
+// Of a span's curve (p, t).
+inline Vector4d point(const Points& p, double s) {
+    Eigen::Matrix<double, 4, 6> q = p.topRows<4>();
+    for (int n = 5; n > 0; --n)
+        for (int k = 0; k < n; ++k) q.col(k) += s * (q.col(k + 1) - q.col(k));
+    return q.col(0);
+}
+
+template <class T>
+T dot(const Vec3& a, const std::array<T, 3>& b) {
+    return a.x() * b[0] + a.y() * b[1] + a.z() * b[2];
+}
+
+// A span's coordinates (p - foot, t) as polynomials, and |p - foot|^2 - t^2, which all round objects share.
+struct SpanPolynomials {
+    Vec3 foot;
+    std::array<Bernstein<5>, 4> X;
+    Bernstein<10> square;
+    std::array<double, 4> largest;
+
+    SpanPolynomials(const Points& points, const Vec3& origin)
+        : foot(origin),
+          X{row(points, 0, foot.x()), row(points, 1, foot.y()), row(points, 2, foot.z()), row(points, 3)},
+          square(vcell::square(X[0]) + vcell::square(X[1]) + vcell::square(X[2]) - vcell::square(X[3])) {
+        for (int i = 0; i < 4; ++i) largest[i] = X[i].largest();
+    }
+
+    // f.(p - foot, t) + c
+    Bernstein<5> linear(const Vec3& f, double along_t, double c) const {
+        return f.x() * X[0] + f.y() * X[1] + f.z() * X[2] + along_t * X[3] + c;
+    }
+    Bernstein<5> operator()(const Linear& f) const {
+        return linear(f.head<3>(), f[3], f[4] + f.head<3>().dot(foot));
+    }
+    // Bounds the terms of a linear function.
+    double size(const Linear& f) const {
+        double sum = std::abs(f[4]) + std::abs(f[3]) * largest[3];
+        for (int i = 0; i < 3; ++i) sum += std::abs(f[i]) * (largest[i] + std::abs(foot[i]));
+        return sum;
+    }
+    double size() const { return largest[0] + largest[1] + largest[2] + largest[3]; }
+};
+
+// G(X) and its derivatives, of a round object (the base too) or of something plane.
+class Equation {
+public:
+    // `near`: as for cylinders in cylinder_patch.hpp.
+    static Equation round(const Vec3& point, const Vec3& axis, double rho, double base_radius,
+                          const Vec3& near) {
+        Equation e;
+        e.is_round_ = true;
+        e.delta_ = rho - base_radius;
+        e.point_ = point;
+        e.reach_ = point.norm() + (near - point).norm() + rho + base_radius;
+        if (axis != Vec3::Zero()) {
+            e.axis_ = axis.normalized();
+            e.point_ += e.axis_.dot(near - point) * e.axis_;
+            e.reach_ += e.point_.norm();
+        }
+        return e;
+    }
+    // One of the planes where two lines that cross in `center` are equally near. blur: bound on what rounding
+    // changed about `normal`, and about the center in lengths of what enters G.
+    static Equation between(const Vec3& center, const Vec3& normal, double blur) {
+        Equation e = plane(center, normal, 0, true);
+        e.blur_ = blur;
+        return e;
+    }
+    // The distance along `gradient` (unit) from a point, plus R0 - t unless a wall.
+    static Equation plane(const Vec3& point, const Vec3& gradient, double base_radius, bool is_wall) {
+        Equation e;
+        e.point_ = point;
+        e.axis_ = gradient;
+        e.kappa_ = is_wall ? 0 : 1;
+        e.delta_ = -e.kappa_ * base_radius;
+        e.reach_ = point.norm() + base_radius;
+        return e;
+    }
+
+    double operator()(const Vector4d& X) const {
+        const Vec3 m = X.head<3>() - point_;
+        return (is_round_ ? across(m).norm() : axis_.dot(m)) - (kappa_ * X[3] + delta_);
+    }
+    // The lengths that enter G at X.
+    double size(const Vector4d& X) const { return X.head<3>().norm() + std::abs(X[3]) + reach_; }
+
+    // (g, -kappa)
+    Vector4d gradient(const Vector4d& X) const {
+        Vector4d result;
+        result << (is_round_ ? across(X.head<3>() - point_).normalized() : axis_), -kappa_;
+        return result;
+    }
+    // How far what is within `room` of the hull of the points is from X, across the axis.
+    double reach(const Vector4d& X, const Points& points, double room) const {
+        if (!is_round_) return 0;
+        double squared = 0;
+        for (int k = 0; k < points.cols(); ++k)
+            squared = std::max(squared, across(points.col(k).head<3>() - X.head<3>()).squaredNorm());
+        return std::sqrt(squared) + room;
+    }
+    // How far the gradient may be from its computed value at X, within a reach.
+    double variation(const Vector4d& X, double reach) const {
+        if (!is_round_) return rounding + blur_;
+        const double d = across(X.head<3>() - point_).norm(), s = reach / d;
+        if (!(s < 1)) return infinity;
+        return sqrt2 * s / std::sqrt(1 + std::sqrt(1 - s * s)) + rounding * (1 + size(X) / d);
+    }
+    // Of |Hess G| within a reach that is less than what makes variation() infinite.
+    double curvature_bound(const Vector4d& X, double reach) const {
+        return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - reach) : 0;
+    }
+    // The second derivative in the direction T.
+    double second(const Vector4d& X, const Vector4d& T) const {
+        if (!is_round_) return 0;
+        const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
+        const double d = m.norm();
+        return (v.squaredNorm() - square(m.dot(v) / d)) / d;
+    }
+
+    // Bound of |G|.
+    double residual(const Vector4d& X) const { return std::abs((*this)(X)) + (rounding + blur_) * size(X); }
+    // Step 1 of the certificate: |G| along a span; infinite if it cannot tell. With m = point - foot
+    //     d^2 - (t + delta)^2 = square - 2 m.(p - foot) - 2 delta t + |m|^2 - delta^2  (- (axis.(p -
+    //     point))^2).
+    double residual(const SpanPolynomials& span) const {
+        const Vec3 m = point_ - span.foot;
+        const double size = span.size() + reach_, offset = axis_.dot(m);
+        if (!is_round_)
+            return span.linear(axis_, -kappa_, -(offset + delta_)).largest() +
+                   (rounding + blur_) * (size + span.foot.norm());
+        Bernstein<10> Q =
+            span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
+        if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -offset));
+        const double bound = QuinticNodes::get().largest(Q) + rounding * square(size);
+        // d^2 = (t + delta)^2 + Q
+        const double least = span.X[3].smallest_coefficient() + delta_, below = least * least - bound;
+        return least > 0 && below > 0 ? bound / (least + std::sqrt(below)) : infinity;
+    }
+
+    // t where the ray from a foot point f along the unit normal w meets G = 0, by the quadratic of
+    // primitives/forms/radial_form.hpp; whatever it yields where the ray does not.
+    template <class T>
+    T distance_along(const std::array<T, 3>& f, const std::array<T, 3>& w) const {
+        using std::sqrt;
+        const std::array<T, 3> m{f[0] - T(point_.x()), f[1] - T(point_.y()), f[2] - T(point_.z())};
+        if (!is_round_) return (dot(axis_, m) - T(delta_)) / (T(kappa_) - dot(axis_, w));
+        const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
+        const T mw = m[0] * w[0] + m[1] * w[1] + m[2] * w[2];
+        const T C = square_of(m[0]) + square_of(m[1]) + square_of(m[2]) - square_of(along) - square_of(delta);
+        const T beta = along * alpha + delta - mw;
+        return C / (beta + sqrt(square_of(beta) + square_of(alpha) * C));
+    }
+
+    double distance_along(const Vec3& f, const Vec3& w) const {
+        return distance_along<double>({f.x(), f.y(), f.z()}, {w.x(), w.y(), w.z()});
+    }
+
+private:
+    template <class T>
+    static T square_of(const T& a) {
+        return a * a;
+    }
+    Vec3 across(const Vec3& m) const { return m - axis_.dot(m) * axis_; }
+
+    bool is_round_ = false;
+    double kappa_ = 1;
+    double delta_ = 0;
+    double reach_ = 0;
+    double blur_ = 0;
+    Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
+};
+
+// The gradients of an arc's equations at a point, and its direction there.
+struct Frame {
+    std::array<Vector4d, 3> gradients;
+    Vector4d T;  // null vector in the edge's direction; |T| = 1
+
+    Matrix4d matrix() const {
+        Matrix4d M;
+        M << gradients[0].transpose(), gradients[1].transpose(), gradients[2].transpose(), T.transpose();
+        return M;
+    }
+};
+
+// The equations of the base, of the left and of the right site. Where a plane through the arc stands for
+// the right one, the site's own is the fourth.
+struct ArcEquations {
+    std::array<Equation, 4> equations;
+    int right = 2;  // where the right site's is
+
+    const Equation& operator[](int i) const { return equations[i]; }
+    bool has_plane() const { return right > 2; }
+
+    Frame frame(const Vector4d& X) const {
+        Frame f;
+        for (int i = 0; i < 3; ++i) f.gradients[i] = equations[i].gradient(X);
+        const Vec3 g = f.gradients[0].head<3>();
+        const auto relative = [&](const Vector4d& a) -> Vec3 { return a.head<3>() + a[3] * g; };
+        const Vec3 p = relative(f.gradients[1]).cross(relative(f.gradients[2]));
+        f.T << p, g.dot(p);
+        f.T.normalize();
+        return f;
+    }
+};
+
+}  // namespace vcell::space_fit

@@ -1,0 +1,173 @@
+#include "space_guide.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vcell::space_fit {
+
+namespace {
+
+bool holds(const std::array<double, 4>& box, const Vec2& q) {
+    return q.x() >= box[0] && q.x() <= box[1] && q.y() >= box[2] && q.y() <= box[3];
+}
+
+}  // namespace
+
+std::array<Interval, 2> ArcGuide::distances(const Vector3i& foot, const Vector3i& normal) const {
+    return {equations_[1].distance_along(foot, normal),
+            equations_[equations_.right].distance_along(foot, normal)};
+}
+
+SpaceBox ArcGuide::enclosure(const std::array<double, 4>& box) const {
+    SpaceBox corners{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
+    chart_.for_parts(box, [&](const Vector3i& f, const Vector3i& w) {
+        const auto [a, b] = distances(f, w);
+        const double low = std::max({a.lower(), b.lower(), 0.0}), high = std::min(a.upper(), b.upper());
+        const Interval t(std::min(low, high), std::max(low, high));
+        const std::array<Interval, 4> X{t * w[0] + f[0], t * w[1] + f[1], t * w[2] + f[2], t};
+        for (int i = 0; i < 4; ++i) {
+            corners[0][i] = std::min(corners[0][i], X[i].lower());
+            corners[1][i] = std::max(corners[1][i], X[i].upper());
+        }
+    });
+    return corners;
+}
+
+SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack) const {
+    const double y = std::get<Plane>(arc_.sites[1].object).point.y();
+    const Vec3 v = from.X.head<3>() / from.X[3], w = to.X.head<3>() / to.X[3];
+    // Where the ends may be, and how far the circle is from its chord.
+    const double room = sqrt2 * slack / std::min(from.X[3], to.X[3]) + rounding + (v - w).squaredNorm();
+    const auto over = [&](int i) {
+        return Interval(std::min(v[i], w[i]), std::max(v[i], w[i])) + Interval::ball(0, room);
+    };
+    const Vector3i foot{Interval(0), Interval(y), Interval(0)}, normal{over(0), Interval(0), over(2)};
+    const Interval t = equations_[1].distance_along(foot, normal);
+    const std::array<Interval, 4> X{t * normal[0], Interval(y), t * normal[2], t};
+    SpaceBox corners;
+    for (int i = 0; i < 4; ++i) {
+        corners[0][i] = X[i].lower();
+        corners[1][i] = X[i].upper();
+    }
+    return corners;
+}
+
+// Are the distances of both sites certainly different all over the box?
+bool ArcGuide::is_off_arc(const std::array<double, 4>& box) const {
+    bool is_off = true;
+    chart_.for_parts(box, [&](const Vector3i& foot, const Vector3i& normal) {
+        const auto [a, b] = distances(foot, normal);
+        is_off = is_off && (a.upper() < b.lower() || b.upper() < a.lower());
+    });
+    return is_off;
+}
+
+std::array<double, 4> ArcGuide::box_between(const Node& from, const Node& to, const Piece& piece,
+                                            double slack, std::size_t& cells_left) const {
+    const Vec2 &d = piece.direction, n(-d.y(), d.x());
+    const std::array ends{chart_point(from.X, piece), chart_point(to.X, piece)};
+    double left = infinity, right = -infinity;
+    const auto hold = [&](const Vec2& q, double error) {
+        left = std::min(left, n.dot(q) - error);
+        right = std::max(right, n.dot(q) + error);
+    };
+    for (const int k : {0, 1}) {
+        const Node& node = k == 0 ? from : to;
+        const Vec2& q = ends[k];
+        hold(q, (slack / std::min(node.X[3], 1.0) + rounding) * (1 + q.squaredNorm()));
+        if (!node.ends_piece) continue;
+        // The true end of the piece is near the node.
+        const bool opens_edge = &piece == &arc_.pieces.front();
+        const Piece& before = opens_edge ? arc_.pieces.back() : *(&piece - 1);
+        const Vec2 first = chart_.continued(before.end, piece.box);
+        const bool is_first = !(opens_edge && arc_.start) && (first - q).norm() < (piece.end - q).norm();
+        hold(is_first ? first : piece.end, is_first ? before.error : piece.error);
+    }
+    const auto part = [&](double a, double b) {
+        const Interval s(left, right), t(std::min(a, b), std::max(a, b));
+        const Interval x = s * n.x() + t * d.x(), y = s * n.y() + t * d.y();
+        return std::array{std::max(piece.box[0], x.lower()), std::min(piece.box[1], x.upper()),
+                          std::max(piece.box[2], y.lower()), std::min(piece.box[3], y.upper())};
+    };
+    // From where on, between a and b, there may be an arc.
+    int cells = 0;
+    const auto cut = [&](const auto& self, double a, double b) -> double {
+        constexpr int most_cells = 1000;
+        if (cells_left > 0) --cells_left;
+        const double middle = 0.5 * (a + b);
+        if (const auto box = part(a, b); box[0] > box[1] || box[2] > box[3] || is_off_arc(box)) return b;
+        if (++cells > most_cells || cells_left == 0 || !(std::abs(b - a) > right - left) || middle == a ||
+            middle == b)
+            return a;
+        const double first = self(self, a, middle);
+        return first == middle ? self(self, middle, b) : first;
+    };
+    const double center = 0.5 * d.dot(ends[0] + ends[1]);
+    double reach = 0;
+    for (const double x : {piece.box[0], piece.box[1]})
+        for (const double y : {piece.box[2], piece.box[3]})
+            reach = std::max(reach, std::abs(d.dot(Vec2(x, y)) - center));
+    const double low = cut(cut, center - reach, center);
+    cells = 0;
+    const double high = cut(cut, center + reach, center);
+    return low < high ? part(low, high) : piece.box;
+}
+
+std::optional<Vec2> ArcGuide::meet(const Vec2& q, const Piece& piece) const {
+    const auto found = approach(q, piece.direction);
+    return found && holds(piece.box, *found) ? found : bisect(q, piece);
+}
+
+// Between the sides of the piece's box: the line may meet the two again beyond them.
+std::optional<Vec2> ArcGuide::bisect(const Vec2& q, const Piece& piece) const {
+    constexpr int halvings = 60;
+    const Vec2& d = piece.direction;
+    double low = -infinity, high = infinity;
+    for (const int i : {0, 1}) {
+        const double a = (piece.box[2 * i] - q[i]) / d[i], b = (piece.box[2 * i + 1] - q[i]) / d[i];
+        if (d[i] == 0) continue;
+        low = std::max(low, std::min(a, b));
+        high = std::min(high, std::max(a, b));
+    }
+    const auto is_left_nearer = [&](double s) {
+        const Vec2 p = q + s * d;
+        const Vec3 foot = chart_.foot(p), normal = chart_.normal(p);
+        // Negative or infinite distances are those of rays that do not get there.
+        return 1 / equations_[1].distance_along(foot, normal) >
+               1 / equations_[equations_.right].distance_along(foot, normal);
+    };
+    if (!(low < high) || !is_left_nearer(low) || is_left_nearer(high)) return std::nullopt;
+    for (int i = 0; i < halvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        (is_left_nearer(middle) ? low : high) = middle;
+    }
+    return q + low * d;
+}
+
+// Newton's method, as near as a search in space needs it.
+std::optional<Vec2> ArcGuide::approach(Vec2 q, const Vec2& direction) const {
+    constexpr int enough = 20;
+    constexpr double near = 1e-4;
+    for (int i = 0; i < enough; ++i) {
+        const Vec3 f = chart_.foot(q), w = chart_.normal(q);
+        const Vec3 moving = chart_.foot_derivative(direction),
+                   turning = chart_.normal_derivative(q, direction);
+        std::array<double, 2> t, slope;
+        for (int k = 0; k < 2; ++k) {
+            const Equation& G = equations_[k == 0 ? 1 : equations_.right];
+            t[k] = G.distance_along(f, w);
+            Vector4d X;
+            X << t[k] * w + f, t[k];
+            // 0 = dG = (g.w - kappa) dt + g.(t dw + df)
+            const Vector4d g = G.gradient(X);
+            slope[k] = g.head<3>().dot(t[k] * turning + moving) / (-g[3] - g.head<3>().dot(w));
+        }
+        const double step = (t[0] - t[1]) / (slope[0] - slope[1]);
+        if (!std::isfinite(step)) return std::nullopt;
+        q -= step * direction;
+        if (std::abs(t[0] - t[1]) <= near * (t[0] + t[1])) return q;
+    }
+    return std::nullopt;
+}
+
+}  // namespace vcell::space_fit

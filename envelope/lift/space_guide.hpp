@@ -1,0 +1,70 @@
+/// Where an arc runs, as far as the diagram tells: guesses for the fit of space_spline.hpp, and enclosures
+/// for its chords.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "space_chart.hpp"
+#include "space_equation.hpp"
+
+namespace vcell::space_fit {
+
+// Opposite corners of a box of points (p, t).
+using SpaceBox = std::array<Vector4d, 2>;
+
+// A point of the arc with derivatives along it, by the length of the curve (p, t).
+struct Node {
+    Vector4d X, T, second;
+    bool is_terminal = false;  // the end of the edge
+    bool ends_piece = false;   // of the diagram, or all but does
+};
+
+class ArcGuide {
+public:
+    ArcGuide(const SpaceChart& chart, const SpaceArc& arc, const ArcEquations& equations)
+        : chart_(chart), arc_(arc), equations_(equations) {}
+
+    // The point over a chart point, by the heights of both sides.
+    Vector4d lifted(const Vec2& q) const { return over(chart_.foot(q), chart_.normal(q)); }
+    Vector4d over(const Vec3& foot, const Vec3& normal) const {
+        double t = equations_[1].distance_along(foot, normal);
+        if (!arc_.pieces.empty()) t = 0.5 * (t + equations_[equations_.right].distance_along(foot, normal));
+        Vector4d X;
+        X << t * normal + foot, t;
+        return X;
+    }
+    // In the chart, as continued to the piece.
+    Vec2 chart_point(const Vector4d& X, const Piece& piece) const {
+        return chart_.continued(chart_.chart_point(X), piece.box);
+    }
+
+    // Equal heights along a line of the chart in the piece's direction, as one of them falls against the
+    // other there.
+    std::optional<Vec2> meet(const Vec2& q, const Piece& piece) const;
+
+    // Encloses the points (p, t) over a part of the arc, in a box of the chart.
+    SpaceBox enclosure(const std::array<double, 4>& box) const;
+    // The same over the lesser arc of a rim between two nodes: a rim has no pieces to enclose.
+    SpaceBox rim_enclosure(const Node& from, const Node& to, double slack) const;
+
+    // Encloses the part of a piece between two nodes, in the chart: lines in the piece's direction bound a
+    // strip, and from both ends of the strip what is certainly off the arc is cut off. slack: of the nodes.
+    // `cells`: of the chart that may still be looked at.
+    std::array<double, 4> box_between(const Node& from, const Node& to, const Piece& piece, double slack,
+                                      std::size_t& cells) const;
+
+private:
+    std::array<Interval, 2> distances(const Vector3i& foot, const Vector3i& normal) const;
+    bool is_off_arc(const std::array<double, 4>& box) const;
+    std::optional<Vec2> bisect(const Vec2& q, const Piece& piece) const;
+    std::optional<Vec2> approach(Vec2 q, const Vec2& direction) const;
+
+    const SpaceChart& chart_;
+    const SpaceArc& arc_;
+    const ArcEquations& equations_;
+};
+
+}  // namespace vcell::space_fit
