@@ -50,26 +50,26 @@ CylinderFrame::CylinderFrame(const CylinderForm& form, const Vector2d& p0) : hei
     z2_ = (1 + height_.axis().head<2>().dot(e_)) / (4 * jet.s);
 }
 
+// With q = (1 + eps x, eps y) for p - p0 = (x, y) in the frame, and r = |q|:
+//     mu = (r + q_x) / 2,   u = x + eps y^2 / (4 mu),   v = y / mu.
 Vector2d CylinderFrame::parameters(const Vector2d& p) const {
-    return parameters(p, Vector2d::Zero(), Vector2d::Zero())[0];
+    const Vector2d a = turned(p - origin_), q(1 + eps_ * a.x(), eps_ * a.y());
+    const double mu = 0.5 * (q.norm() + q.x());
+    return {a.x() + eps_ * a.y() * a.y() / (4 * mu), a.y() / mu};
 }
 
-// With q = (1 + eps x, eps y) for p - p0 = (x, y) in the frame, and r = |q|:
-//     mu = (r + q_x) / 2,   u = x + eps y^2 / (4 mu),   v = y / mu;
-//     u' = ((q.p') / r + x') / 2,   u'' = ((q.p'') / r + eps (q x p')^2 / r^3 + x'') / 2.
-std::array<Vector2d, 3> CylinderFrame::parameters(const Vector2d& p, const Vector2d& p1,
-                                                  const Vector2d& p2) const {
-    const Vector2d a = turned(p - origin_), a1 = turned(p1), a2 = turned(p2);
-    const Vector2d q(1 + eps_ * a.x(), eps_ * a.y());
-    const double r = q.norm(), turn = q.x() * a1.y() - q.y() * a1.x();
-    const double mu = 0.5 * (r + q.x());
-    const double u = a.x() + eps_ * a.y() * a.y() / (4 * mu);
-    const double u1 = 0.5 * (q.dot(a1) / r + a1.x());
-    const double u2 = 0.5 * (q.dot(a2) / r + eps_ * turn * turn / (r * r * r) + a2.x());
-    const double v = a.y() / mu;
-    const double v1 = (a1.y() - v * eps_ * u1) / mu;
-    const double v2 = (a2.y() - 2 * v1 * eps_ * u1 - v * eps_ * u2) / mu;
-    return {Vector2d(u, v), Vector2d(u1, v1), Vector2d(u2, v2)};
+// On the patch d_z^2 (f + rho) = s - d.V(p), V(p) = V(p0) + d_z (p - p0) and r = s / s0, so that with mu = (r
+// + q_x) / 2 = 1 + eps u
+//     u = (x + (s - s0) / d_z) / 2 = (x + d.(p - p0) + d_z (f - f0)) / 2,
+// which is linear in (p, f), and v = y / mu. It holds for d_z = 0, too: there d = e and u = x.
+PatchCoordinates CylinderFrame::coordinates() const {
+    const Vector3d& d = height_.axis();
+    const Vector2d along = 0.5 * (e_ + d.head<2>()), left(-e_.y(), e_.x());
+    PatchCoordinates c;
+    c[0].numerator << along, 0.5 * d.z(), 0, -along.dot(origin_) - 0.5 * d.z() * f0_;
+    c[1].numerator << left, 0, 0, -left.dot(origin_);
+    c[1].divisor = eps_ * c[0].numerator + PatchCoordinate::Linear::Unit(4);
+    return c;
 }
 
 // Blossoms: v^2 -> v v', v -> (v + v') / 2.

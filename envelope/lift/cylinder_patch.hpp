@@ -27,6 +27,7 @@
 #include "../../core/curves/bspline.hpp"
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/forms/cylinder_form.hpp"
+#include "patch_coordinate.hpp"
 
 namespace vcell {
 
@@ -96,9 +97,9 @@ public:
 
     /// (u, v) of a chart point in the region.
     Eigen::Vector2d parameters(const Eigen::Vector2d& p) const;
-    /// (u, v) along a curve through p with the derivatives p1, p2: value, first and second derivative.
-    std::array<Eigen::Vector2d, 3> parameters(const Eigen::Vector2d& p, const Eigen::Vector2d& p1,
-                                              const Eigen::Vector2d& p2) const;
+
+    /// (u, v) of the patch's points as functions of them: quotients of linear functions of (x, y, z).
+    PatchCoordinates coordinates() const;
 
     /// The bisector over a rectangle of (u, v): degree (1, 2), polynomial.
     RationalPatch patch(const std::array<double, 2>& u, const std::array<double, 2>& v,

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "../../core/errors.hpp"
 #include "../../core/numbers/exact.hpp"
 #include "../../primitives/bisectors/height_conics.hpp"
+#include "../../primitives/objects/message.hpp"
 
 namespace vcell {
 
@@ -57,6 +59,21 @@ CurveKind section_kind(ExactCylinder f, AxisToBase axis, const SectionPlane& s) 
     const Exact m11 = norm * zz - ex * ex, m12 = -(ex * ey), m22 = norm * zz - ey * ey;
     const Exact g11 = zz + s.nx * s.nx, g12 = s.nx * s.ny, g22 = zz + s.ny * s.ny;
     return m11 * g22 == m22 * g11 && m11 * g12 == m12 * g11 ? CurveKind::Circle : CurveKind::Ellipse;
+}
+
+// Over a plane base a ball is (c, rho) with C = |(x, y) - c|^2 + (c_z - rho) (c_z + rho), w = 2 (c_z + rho).
+// Where the form's centre is rounded, its linear terms tell what is left of it. The bisector of everything
+// else is a plane that bounds the cell.
+SpaceSite space_site(const CircularForm& f) {
+    if (f.k == 0) {
+        const Vector3d n(-f.a, -f.b, f.w);
+        const double norm = n.stableNorm();
+        return {Plane{f.e / norm * (n / norm), n / norm}, true, {}};
+    }
+    const Vector2d c(f.cx, f.cy), rest(0.5 * f.a, 0.5 * f.b);
+    const double width = 0.5 * f.w, behind = (f.e + 2 * c.dot(rest) - rest.squaredNorm()) / width;
+    const Vector2d center = c - rest;
+    return {Sphere{{center.x(), center.y(), 0.5 * (width + behind)}, 0.5 * (width - behind)}, false, {}};
 }
 
 // The conic in which a plane cuts a cylinder's bisector, in the coordinates of one face's patch.
@@ -234,7 +251,7 @@ void MixedArcs::add_frames(const PlaneBaseProblem& problem) {
 void MixedArcs::add_edge(const PlaneBaseProblem& problem, EdgeId e, double tolerance) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     if (diagram_.is_circular(edge.left) && (edge.on_rim() || diagram_.is_circular(edge.right))) return;
-    if (!add_section(problem, e)) add_spline(e, tolerance);
+    if (!add_section(problem, e)) add_spline(problem, e, tolerance);
 }
 
 // The plane that the arc of an edge lies in, if there is one with rational coefficients.
@@ -325,18 +342,65 @@ void MixedArcs::add_end_errors(EdgeId e) {
     arcs_[e].error.space += 2 * end.space;
 }
 
-void MixedArcs::add_spline(EdgeId e, double tolerance) {
+SpaceSite MixedArcs::space_site_beside(const PlaneBaseProblem& problem, EdgeId e, FormId f,
+                                       unsigned side) const {
+    if (diagram_.is_circular(f)) {
+        // The trim is the curve's projection.
+        SpaceSite site = space_site(diagram_.forms[f]);
+        site.parts.push_back({.patch = {PatchCoordinate::linear(Vector3d::UnitX(), Vector3d::Zero()),
+                                        PatchCoordinate::linear(Vector3d::UnitY(), Vector3d::Zero())}});
+        return site;
+    }
+    const CylinderForm& form = problem.family.cylinder(f);
+    const CylinderFrame& frame = frames_[diagram_.dcel.face(Dcel::half_edge(e, side))];
+    return {Cylinder{{form.px, form.py, form.pz}, {form.ax, form.ay, form.az}, form.rho},
+            false,
+            {{.patch = frame.coordinates()}}};
+}
+
+void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-    const auto end = [&](VertexId v) -> ArcEnd {
-        return {diagram_.vertices[v].point, diagram_.vertices[v].height};
+    const auto end = [&](VertexId v) -> std::optional<SpaceEnd> {
+        if (!v.valid()) return std::nullopt;
+        const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
+        return SpaceEnd{{at.point.x(), at.point.y(), at.height}, std::hypot(at.error, at.height_error)};
     };
-    const VertexId from = diagram_.dcel.origin(Dcel::half_edge(e)),
-                   to = diagram_.dcel.target(Dcel::half_edge(e));
-    ArcEnd a, b;
-    if (from.valid()) a = end(from), b = end(to);
-    arcs_[e].error =
-        fit_spline({arc_side(e, edge.left, 0), arc_side(e, edge.right, 1)}, from.valid() ? &a : nullptr,
-                   from.valid() ? &b : nullptr, diagram_.pieces(e), tolerance, spans_);
+    const SpaceArc arc{
+        {space_site_beside(problem, e, edge.left, 0), space_site_beside(problem, e, edge.right, 1)},
+        end(diagram_.dcel.origin(Dcel::half_edge(e))),
+        end(diagram_.dcel.target(Dcel::half_edge(e))),
+        diagram_.pieces(e)};
+    constexpr std::size_t most_of_edge = 500;
+    effort_.spans += most_of_edge;
+    std::vector<SpaceSpan> fitted;
+    const SpaceFitError error = fit_spline_over_plane(arc, tolerance, fitted, effort_);
+    if (error.unproved)
+        throw UndecidedError("objects " + to_string(problem.sites[edge.left].front()) + ", " +
+                             to_string(problem.sites[edge.right].front()) +
+                             ": no curve is proved to be the one between them around " +
+                             to_text(Vec3(problem.unit * problem.frame.to_world(*error.unproved))));
+    const std::size_t first = spans_.size();
+    for (const SpaceSpan& from : fitted) {
+        MixedSpan span;
+        span.degree = 5;
+        for (int k = 0; k <= 5; ++k) span.points[k] << from.points.col(k).head<3>(), 1;
+        for (const int side : {0, 1}) {
+            if (diagram_.is_circular(side == 0 ? edge.left : edge.right)) continue;
+            span.trims[side].degree = 5;
+            for (int k = 0; k <= 5; ++k)
+                span.trims[side].points[k] << from.points.col(k).segment<2>(4 + 2 * side), 1;
+        }
+        spans_.push_back(span);
+    }
+    // Trims of a face begin where others end, which are conics: their ends are computed alike, to the digit.
+    for (const int side : {0, 1}) {
+        if (!arc.start || diagram_.is_circular(side == 0 ? edge.left : edge.right)) continue;
+        const CylinderFrame& frame =
+            frames_[diagram_.dcel.face(Dcel::half_edge(e, static_cast<unsigned>(side)))];
+        spans_[first].trims[side].points[0] << frame.parameters(arc.start->point.head<2>()), 1;
+        spans_.back().trims[side].points[5] << frame.parameters(arc.end->point.head<2>()), 1;
+    }
+    arcs_[e].error = {error.curve, std::max(error.curve, error.trims)};
     add_end_errors(e);
 }
 

@@ -1,5 +1,5 @@
 /// The arcs of a minimization diagram with a cylinder on a side, ready for output: conics exactly, all others
-/// fitted.
+/// fitted in space (space_spline.hpp).
 ///
 /// *Conics.* A plane, the vertical ones over the region's rim included, cuts a cylinder's bisector in a conic
 /// [HE, Lemma 4]; so does every plane in which two bisectors agree (primitives/bisectors/height_conics.hpp).
@@ -24,7 +24,9 @@
 
 #include "../../core/numbers/exact.hpp"
 #include "../cell.hpp"
-#include "spline_fit.hpp"
+#include "mixed_span.hpp"
+#include "section_error.hpp"
+#include "space_spline.hpp"
 
 namespace vcell {
 
@@ -36,7 +38,8 @@ struct SectionPlane {
 /// Empty for diagrams without cylinders.
 class MixedArcs {
 public:
-    /// tolerance: length, the largest distance of a fitted arc from the true one.
+    /// tolerance: length, the largest distance of a fitted arc from the true one. Throws UndecidedError, with
+    /// sites and place, where no curve is proved to be the arc.
     MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance);
 
     /// Is there a cylinder on a side of e?
@@ -63,9 +66,11 @@ private:
     bool add_section(const PlaneBaseProblem& problem, EdgeId e);
     ArcSide arc_side(EdgeId e, FormId f, unsigned side) const;
     void add_end_errors(EdgeId e);
-    void add_spline(EdgeId e, double tolerance);
+    SpaceSite space_site_beside(const PlaneBaseProblem& problem, EdgeId e, FormId f, unsigned side) const;
+    void add_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance);
 
     const MinimizationDiagram& diagram_;
+    FitEffort effort_;
     IdVector<FaceId, CylinderFrame> frames_;
     std::vector<MixedSpan> spans_;
     std::vector<std::uint32_t> offsets_;

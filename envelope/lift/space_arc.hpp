@@ -12,32 +12,10 @@
 
 #include "../../primitives/objects/objects.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "patch_coordinate.hpp"
 #include "radial_patch.hpp"
 
 namespace vcell {
-
-/// A coordinate of a bisector's patch as a function of the bisector's points: the quotient of two linear
-/// functions of (x, y, z, t, 1), canonical. The divisor is positive over the patch.
-struct PatchCoordinate {
-    using Linear = Eigen::Matrix<double, 5, 1>;
-
-    Linear numerator = Linear::Zero(), divisor = Linear::Unit(4);
-
-    /// direction . (p - origin)
-    static PatchCoordinate linear(const Vec3& direction, const Vec3& origin);
-    /// The tangent of half the angle from `zero` towards `quarter` (orthonormal): at a distance t + delta
-    /// from the axis through `point` across both, it is (p - point) . quarter / (t + delta + (p - point) .
-    /// zero). Likewise for the stereographic coordinates of a direction from `point` about `zero`, each with
-    /// its own `quarter`.
-    static PatchCoordinate half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter, double delta);
-
-    double operator()(const Eigen::Vector4d& X) const {
-        return (numerator.head<4>().dot(X) + numerator[4]) / (divisor.head<4>().dot(X) + divisor[4]);
-    }
-};
-
-/// (u, v). Together they are one-to-one on the bisector where both divisors are positive.
-using PatchCoordinates = std::array<PatchCoordinate, 2>;
 
 /// Which part of a face a boundary runs in that may run along a seam: the one with the point this far inside
 /// the face, in u.

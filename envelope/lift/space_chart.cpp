@@ -6,17 +6,18 @@ namespace vcell::space_fit {
 
 Vector4d SpaceChart::with_distance(const Vec3& p) const {
     Vector4d X;
-    X << p, problem_->is_sphere ? p.norm() : std::hypot(p.x(), p.z());
+    X << p, is_plane() ? p.z() : kind_ == Kind::Sphere ? p.norm() : std::hypot(p.x(), p.z());
     return X;
 }
 
 Equation SpaceChart::base_equation(const Vec3& foot) const {
-    const Vec3 axis = problem_->is_sphere ? Vec3::Zero().eval() : Vec3::UnitY().eval();
-    return Equation::round(Vec3::Zero(), axis, problem_->radius, problem_->radius, foot);
+    if (is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0, false);
+    const Vec3 axis = kind_ == Kind::Sphere ? Vec3::Zero().eval() : Vec3::UnitY().eval();
+    return Equation::round(Vec3::Zero(), axis, radius(), radius(), foot);
 }
 
 Equation SpaceChart::equation(const SpaceSite& site, const Vec3& foot) const {
-    const double R0 = problem_->radius;
+    const double R0 = radius();
     if (const Sphere* s = std::get_if<Sphere>(&site.object))
         return Equation::round(s->center, Vec3::Zero(), s->radius, R0, foot);
     if (const Cylinder* c = std::get_if<Cylinder>(&site.object))
@@ -28,7 +29,8 @@ Equation SpaceChart::equation(const SpaceSite& site, const Vec3& foot) const {
 }
 
 Vec3 SpaceChart::normal_derivative(const Vec2& q, const Vec2& d) const {
-    if (!problem_->is_sphere) {
+    if (is_plane()) return Vec3::Zero();
+    if (kind_ == Kind::Cylinder) {
         const bool back = q.x() > 1;
         const double a = back ? q.x() - 2 : q.x(), W = 1 + a * a;
         return (back ? -2 : 2) * d.x() / (W * W) * (problem_->chart * Vec3(1 - a * a, 0, -2 * a));
@@ -39,7 +41,7 @@ Vec3 SpaceChart::normal_derivative(const Vec2& q, const Vec2& d) const {
 }
 
 Vec2 SpaceChart::continued(Vec2 q, const std::array<double, 4>& box) const {
-    if (problem_->is_sphere) return q;
+    if (kind_ != Kind::Cylinder) return q;
     const double middle = 0.5 * (box[0] + box[1]);
     if (q.x() - middle > 2) q.x() -= 4;
     if (middle - q.x() > 2) q.x() += 4;
@@ -48,7 +50,7 @@ Vec2 SpaceChart::continued(Vec2 q, const std::array<double, 4>& box) const {
 
 Vector3i SpaceChart::normals(const Interval& x, const Interval& y, bool back) const {
     const Interval a = back ? x - Interval(2) : x;
-    const bool is_sphere = problem_->is_sphere;
+    const bool is_sphere = kind_ == Kind::Sphere;
     const Interval squares = is_sphere ? square(a) + square(y) : square(a), W = 1 + squares;
     const Vector3i n{2 * a / W, is_sphere ? 2 * y / W : Interval(0), (1 - squares) / W};
     Vector3i u;

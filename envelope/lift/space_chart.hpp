@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 
 #include "../../core/numbers/interval.hpp"
@@ -15,10 +16,13 @@ using Vector3i = std::array<Interval, 3>;
 
 class SpaceChart {
 public:
-    explicit SpaceChart(const RadialBaseProblem& problem) : problem_(&problem) {}
+    /// Of the plane z = 0, whose chart is the plane itself.
+    SpaceChart() = default;
+    explicit SpaceChart(const RadialBaseProblem& problem)
+        : kind_(problem.is_sphere ? Kind::Sphere : Kind::Cylinder), problem_(&problem) {}
 
-    /// The foot point of canonical points: on the base's axis, or its centre.
-    Vec3 foot_below(const Vec3& p) const { return {0, problem_->is_sphere ? 0 : p.y(), 0}; }
+    /// The foot point of canonical points: in the base plane, in the centre or on the axis.
+    Vec3 foot_below(const Vec3& p) const { return foot(p.head<2>()); }
     /// (p, t) for a point of the arc.
     Vector4d with_distance(const Vec3& p) const;
 
@@ -27,14 +31,20 @@ public:
     Equation equation(const SpaceSite& site, const Vec3& foot) const;
 
     // ---- Over chart points q ----
-    Vec3 foot(const Vec2& q) const { return {0, problem_->is_sphere ? 0 : q.y(), 0}; }
-    Vec3 normal(const Vec2& q) const { return problem_->normal(q); }
+    Vec3 foot(const Vec2& q) const { return {is_plane() ? q.x() : 0, kind_ == Kind::Sphere ? 0 : q.y(), 0}; }
+    Vec3 normal(const Vec2& q) const { return is_plane() ? Vec3::UnitZ() : problem_->normal(q); }
     /// Their derivatives in a direction d.
-    Vec3 foot_derivative(const Vec2& d) const { return {0, problem_->is_sphere ? 0 : d.y(), 0}; }
+    Vec3 foot_derivative(const Vec2& d) const { return foot(d); }
     Vec3 normal_derivative(const Vec2& q, const Vec2& d) const;
     /// The chart point below (p, t).
     Vec2 chart_point(const Vector4d& X) const {
+        if (is_plane()) return X.head<2>();
         return problem_->chart_point((X.head<3>() - foot_below(X.head<3>())) / X[3], X.y());
+    }
+    /// How far chart_point() of a point within `slack` of X may be from q, that of X.
+    double chart_error(const Vector4d& X, const Vec2& q, double slack) const {
+        if (is_plane()) return slack + rounding * q.norm();
+        return (slack / std::min(X[3], 1.0) + rounding) * (1 + q.squaredNorm());
     }
     /// The same place of the chart, which may close up, as near as it comes to a box {x0, x1, y0, y1}.
     Vec2 continued(Vec2 q, const std::array<double, 4>& box) const;
@@ -43,17 +53,24 @@ public:
     template <class F>
     void for_parts(const std::array<double, 4>& box, F&& f) const {
         const Interval y(box[2], box[3]), zero(0);
-        const Vector3i foot{zero, problem_->is_sphere ? zero : y, zero};
-        const bool is_whole = problem_->is_sphere || box[1] <= 1;
+        if (is_plane())
+            return f(Vector3i{Interval(box[0], box[1]), y, zero}, Vector3i{zero, zero, Interval(1)});
+        const bool is_sphere = kind_ == Kind::Sphere, is_whole = is_sphere || box[1] <= 1;
+        const Vector3i foot{zero, is_sphere ? zero : y, zero};
         if (is_whole || box[0] < 1) f(foot, normals(Interval(box[0], is_whole ? box[1] : 1), y, false));
         if (!is_whole) f(foot, normals(Interval(std::max(box[0], 1.0), box[1]), y, true));
     }
 
 private:
+    enum class Kind { Plane, Sphere, Cylinder };
+
+    bool is_plane() const { return kind_ == Kind::Plane; }
+    double radius() const { return is_plane() ? 0 : problem_->radius; }
     // back: in the second half of the cylinder.
     Vector3i normals(const Interval& x, const Interval& y, bool back) const;
 
-    const RadialBaseProblem* problem_;
+    Kind kind_ = Kind::Plane;
+    const RadialBaseProblem* problem_ = nullptr;
 };
 
 }  // namespace vcell::space_fit

@@ -74,7 +74,7 @@ std::array<double, 4> ArcGuide::box_between(const Node& from, const Node& to, co
     for (const int k : {0, 1}) {
         const Node& node = k == 0 ? from : to;
         const Vec2& q = ends[k];
-        hold(q, (slack / std::min(node.X[3], 1.0) + rounding) * (1 + q.squaredNorm()));
+        hold(q, chart_.chart_error(node.X, q, slack));
         if (!node.ends_piece) continue;
         // The true end of the piece is near the node.
         const bool opens_edge = &piece == &arc_.pieces.front();

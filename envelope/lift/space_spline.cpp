@@ -455,12 +455,12 @@ private:
         const SpanPolynomials span(fit.points, foot_);
         Residuals residuals = proof_->curve_residuals(span);
         TubeProof::add_trims(fit.points, fit.trims.patches, span, residuals);
-        // The trims of a very short edge err by more than its own room: by what rounding makes it, times the
+        // The trims of a very short chord err by more than its own room: by what rounding makes it, times the
         // condition.
         constexpr double wider = 16;
         for (Neighbourhood D(fit.points, slack_, tolerance_);; D.widen(wider)) {
             fit.tube.trims = proof_->trims_error(fit.points, fit.trims.patches, D, residuals, fit.tube);
-            if (std::isfinite(fit.tube.trims) || !is_all || !(wider * D.room <= tolerance_)) return fit;
+            if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_)) return fit;
         }
     }
 
@@ -482,20 +482,6 @@ private:
 };
 
 }  // namespace
-
-PatchCoordinate PatchCoordinate::linear(const Vec3& direction, const Vec3& origin) {
-    PatchCoordinate c;
-    c.numerator << direction, 0, -direction.dot(origin);
-    return c;
-}
-
-PatchCoordinate PatchCoordinate::half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
-                                            double delta) {
-    PatchCoordinate c;
-    c.numerator << quarter, 0, -quarter.dot(point);
-    c.divisor << zero, 1, delta - zero.dot(point);
-    return c;
-}
 
 // Within a ball of twice the bound the solution is unique by step 2, and the point is one.
 std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
@@ -531,6 +517,11 @@ SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc&
                                std::vector<SpaceSpan>& spans, FitEffort& effort) {
     const SpaceChart chart(problem);
     return Fitter(chart, arc, tolerance, spans, effort).run();
+}
+
+SpaceFitError fit_spline_over_plane(const SpaceArc& arc, double tolerance, std::vector<SpaceSpan>& spans,
+                                    FitEffort& effort) {
+    return Fitter(SpaceChart(), arc, tolerance, spans, effort).run();
 }
 
 }  // namespace vcell

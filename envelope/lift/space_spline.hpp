@@ -1,13 +1,17 @@
-/// Splines in space for the edges over sphere and cylinder bases that are no conics: quintic spans with a
-/// certified distance from the true arc, and with them the trims on both sides.
+/// Splines in space for the edges that are no conics: quintic spans with a certified distance from the true
+/// arc, and with them the trims on both sides.
 ///
 /// The unknowns are X = (p, t): a point in canonical coordinates and its distance t from the base's centre or
-/// axis. An edge lies where three equations G(X) = 0 hold, that of the base and those of its two sites:
+/// axis, or from a base plane. An edge lies where three equations G(X) = 0 hold, that of the base and those
+/// of its two sites (R0 = 0 for a base plane):
 ///
 ///     sphere (c, rho), cylinder       G = |p - c| (distance from the axis) - (t + delta),   delta = rho - R0
-///     base                            the same with delta = 0, about 0 (about the y axis)
+///     base sphere, cylinder           the same with delta = 0, about 0 (about the y axis)
+///     base plane                      G = z - t
 ///     plane                           G = its distance + R0 - t
-///     wall                            G = the distance to a side of the box or an end of the stretch
+///     wall                            G = the distance to a side of the box, to an end of the stretch, over
+///     a
+///                                     base plane to the bisector of any plane
 ///
 /// Their gradients are (g, -1), g the unit vector from the foot point, and (g, 0) for walls. Seen along the
 /// edge the left site is nearest on the left, so the edge runs along (g_left - g) x (g_right - g), g = grad
@@ -95,5 +99,9 @@ struct FitEffort {
 /// and says so.
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans, FitEffort& effort);
+
+/// The same over the base plane z = 0, for distances from it.
+SpaceFitError fit_spline_over_plane(const SpaceArc& arc, double tolerance, std::vector<SpaceSpan>& spans,
+                                    FitEffort& effort);
 
 }  // namespace vcell

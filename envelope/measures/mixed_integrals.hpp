@@ -10,7 +10,7 @@
 #pragma once
 
 #include "../lift/cylinder_patch.hpp"
-#include "../lift/spline_fit.hpp"
+#include "../lift/mixed_span.hpp"
 #include "span_integrals.hpp"
 
 namespace vcell {

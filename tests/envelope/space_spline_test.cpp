@@ -10,6 +10,7 @@
 
 #include "../../core/curves/quintic_nodes.hpp"
 #include "../../core/curves/scaled_bernstein.hpp"
+#include "../../envelope/lift/cylinder_patch.hpp"
 #include "test_support.hpp"
 #include "traced_arcs.hpp"
 
@@ -22,23 +23,23 @@ TEST_CASE("space splines: lie within the stated bound of the true arc, whole, ov
     double sharpest = 0;  // of bounds: true distance over bound
     for (int round = 0; round < 3 * rounds(); ++round) {
         const double unit = std::array{1.0, 1e-6, 1e6}[round % 3];
-        for (const bool sphere_base : {true, false}) {
+        for (const Base base : {Base::Sphere, Base::Cylinder, Base::Plane}) {
             for (const Kind left : kinds) {
                 for (const Kind right : kinds) {
-                    if (sphere_base && left != Kind::Cylinder && right != Kind::Cylinder) continue;
-                    Case c = random_case(sphere_base, left, right, unit, rng);
+                    if (base != Base::Cylinder && left != Kind::Cylinder && right != Kind::Cylinder) continue;
+                    Case c = random_case(base, left, right, unit, rng);
                     auto traced = trace(c, unit, rng);
                     if (!traced) continue;
                     make_arc(*traced, c, unit);
                     for (const double relative : {1e-4, 1e-7}) {
                         const double tolerance = relative * 10 * unit;
                         CAPTURE(round);
-                        CAPTURE(sphere_base);
+                        CAPTURE(static_cast<int>(base));
                         CAPTURE(static_cast<int>(left));
                         CAPTURE(static_cast<int>(right));
                         CAPTURE(relative);
                         std::vector<SpaceSpan> spans;
-                        const SpaceFitError error = fitted(c.problem, traced->arc, tolerance, spans);
+                        const SpaceFitError error = fitted(c, traced->arc, tolerance, spans);
                         CHECK(error.curve <= tolerance);
                         CHECK(error.trims <= tolerance);
                         const SpaceFitError truth = measured(c, spans);
@@ -318,6 +319,26 @@ TEST_CASE("space splines: all edges of cells of cylinders and spheres among skew
             sphere_base ? lower_envelope_on_sphere(problem.family)
                         : lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1]);
         for (const double tolerance : {1e-3, 1e-6}) CHECK(fit_diagram(problem, diagram, tolerance) > 10);
+    }
+}
+
+TEST_CASE("patch coordinates: over a plane those of a cone and of a parabolic cylinder are its patch's") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> side(-1, 1), size(0.1, 1);
+    for (int i = 0; i < 1000; ++i) {
+        Vec3 a = random_unit(rng);
+        a.z() *= i % 4 == 0 ? 0 : 0.4;
+        const double rho = size(rng);
+        const CylinderForm form{0, 0, 3 + rho, a.x(), a.y(), a.z(), rho};
+        const Vec2 p0(0.2 * side(rng), 0.2 * side(rng));
+        const CylinderFrame frame(form, p0);
+        const PatchCoordinates coordinates = frame.coordinates();
+        const Vec2 p = p0 + 0.2 * Vec2(side(rng), side(rng)), uv = frame.parameters(p);
+        Eigen::Vector4d X;
+        X << p, Vec2::Constant(frame.height()(p).value);
+        CAPTURE(i);
+        CHECK(std::abs(coordinates[0](X) - uv.x()) < 1e-11);
+        CHECK(std::abs(coordinates[1](X) - uv.y()) < 1e-11);
     }
 }
 

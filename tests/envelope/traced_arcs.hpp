@@ -1,4 +1,4 @@
-/// Arcs of trisectors over curved bases traced by bisection in the chart and polished in 200 bits, and how
+/// Arcs of trisectors over every base traced by bisection in the chart and polished in 200 bits, and how
 /// far splines are from them.
 #pragma once
 
@@ -12,6 +12,7 @@
 #include <random>
 #include <vector>
 
+#include "../../envelope/lift/cylinder_patch.hpp"
 #include "../../envelope/lift/space_spline.hpp"
 #include "test_support.hpp"
 
@@ -27,15 +28,26 @@ using V3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using V4 = Eigen::Matrix<T, 4, 1>;
 
+enum class Base { Plane, Sphere, Cylinder };
+
 struct Case {
-    RadialBaseProblem problem;
+    RadialBaseProblem problem;  // nothing of it over a plane but the radius, 0
     std::array<SpaceSite, 2> sites;
+    bool is_plane = false;
+
+    bool closes_up() const { return !is_plane && !problem.is_sphere; }
 };
 
 inline SpaceFitError fitted(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
                             std::vector<SpaceSpan>& spans) {
     FitEffort effort;
     return fit_space_spline(problem, arc, tolerance, spans, effort);
+}
+inline SpaceFitError fitted(const Case& c, const SpaceArc& arc, double tolerance,
+                            std::vector<SpaceSpan>& spans) {
+    FitEffort effort;
+    return c.is_plane ? fit_spline_over_plane(arc, tolerance, spans, effort)
+                      : fitted(c.problem, arc, tolerance, spans);
 }
 
 /// Distances by their definitions; a wall's is signed, positive inside.
@@ -55,20 +67,25 @@ T distance_to(const SpaceSite& site, const V3<T>& p) {
     return site.is_wall ? T(-signed_distance) : T(abs(signed_distance));
 }
 template <class T>
-T distance_from_base(const RadialBaseProblem& problem, const V3<T>& p) {
+T distance_from_base(const Case& c, const V3<T>& p) {
     using std::sqrt;
-    return problem.is_sphere ? p.norm() : T(sqrt(p.x() * p.x() + p.z() * p.z()));
+    if (c.is_plane) return p.z();
+    return c.problem.is_sphere ? p.norm() : T(sqrt(p.x() * p.x() + p.z() * p.z()));
 }
 
 /// Zero on the bisector; along a ray from the base it decreases.
 template <class T>
 T excess(const Case& c, int side, const V3<T>& p) {
     const T d = distance_to(c.sites[side], p);
-    return c.sites[side].is_wall ? d : T(d - distance_from_base(c.problem, p) + T(c.problem.radius));
+    return c.sites[side].is_wall ? d : T(d - distance_from_base(c, p) + T(c.problem.radius));
 }
 
-inline Vec3 normal_of(const Case& c, const Vec2& q) { return c.problem.normal(q); }
-inline Vec3 foot_of(const Case& c, const Vec2& q) { return {0, c.problem.is_sphere ? 0 : q.y(), 0}; }
+inline Vec3 normal_of(const Case& c, const Vec2& q) {
+    return c.is_plane ? Vec3::UnitZ() : c.problem.normal(q);
+}
+inline Vec3 foot_of(const Case& c, const Vec2& q) {
+    return {c.is_plane ? q.x() : 0, c.is_plane || c.closes_up() ? q.y() : 0, 0};
+}
 
 constexpr double far = 30;  // of the scene's unit: heights beyond are not traced
 
@@ -84,12 +101,12 @@ inline double height(const Case& c, int side, const Vec2& q, double unit) {
     return 0.5 * (low + high);
 }
 
-/// Chart units: y is a length over a cylinder, so steps in it scale with the scene.
+/// Chart units: y is a length over a cylinder, x too over a plane, so steps in them scale with the scene.
 struct Chart {
     const Case& c;
     double unit;
 
-    Vec2 scale() const { return {1, c.problem.is_sphere ? 1 : unit}; }
+    Vec2 scale() const { return {c.is_plane ? unit : 1, c.is_plane || c.closes_up() ? unit : 1}; }
     double difference(const Vec2& s) const {
         const Vec2 q = point(s);
         return (height(c, 0, q, unit) - height(c, 1, q, unit)) / unit;
@@ -103,7 +120,7 @@ struct Chart {
     Vec2 point(const Vec2& s) const { return wrapped(s).cwiseProduct(scale()); }
     // Once around is 4.
     Vec2 wrapped(Vec2 s) const {
-        if (!c.problem.is_sphere) s.x() -= 4 * std::floor((s.x() + 1) / 4);
+        if (c.closes_up()) s.x() -= 4 * std::floor((s.x() + 1) / 4);
         return s;
     }
 };
@@ -144,7 +161,7 @@ inline V4<Real> polished(const Case& c, const Eigen::Vector4d& start, const Eige
         [&]<class T>(const V4<T>& X) {
             const V3<T> p = X.template head<3>();
             V4<T> G;
-            G[0] = distance_from_base(c.problem, p) - X[3];
+            G[0] = distance_from_base(c, p) - X[3];
             for (int k = 0; k < 2; ++k) {
                 const T d = distance_to(c.sites[k], p);
                 G[k + 1] = c.sites[k].is_wall ? d : T(d - X[3] + T(c.problem.radius));
@@ -173,7 +190,7 @@ inline std::optional<Traced> trace(const Case& c, double unit, std::mt19937_64& 
     for (int i = 0; i < 40 && !found; ++i) {
         a = {side(rng), side(rng)};
         b = {side(rng), side(rng)};
-        if (!c.problem.is_sphere) {
+        if (c.closes_up()) {
             a.x() = 1 + 2 * a.x();
             b.x() = a.x() + 0.5 * b.x();
         }
@@ -201,8 +218,7 @@ inline std::optional<Traced> trace(const Case& c, double unit, std::mt19937_64& 
             break;
         result.line.push_back(s);
         if (result.line.size() > 4 && chart.wrapped(s - a + Vec2(-1, 0)).x() >= -1 &&
-            (Vec2(std::remainder(s.x() - a.x(), c.problem.is_sphere ? 1e9 : 4.0), s.y() - a.y())).norm() <
-                step) {
+            (Vec2(std::remainder(s.x() - a.x(), c.closes_up() ? 4.0 : 1e9), s.y() - a.y())).norm() < step) {
             result.closed = true;
             break;
         }
@@ -222,8 +238,9 @@ inline std::optional<Traced> trace(const Case& c, double unit, std::mt19937_64& 
         piece.direction = slope.cwiseProduct(chart.scale()).normalized();
         piece.end = chart.wrapped(result.line[to]).cwiseProduct(chart.scale());
         piece.error = 1e-12 * std::min(1.0, unit);
-        piece.box = {low.x() + shift, high.x() + shift, low.y() * chart.scale().y(),
-                     high.y() * chart.scale().y()};
+        const Vec2 scale = chart.scale();
+        piece.box = {(low.x() + shift) * scale.x(), (high.x() + shift) * scale.x(), low.y() * scale.y(),
+                     high.y() * scale.y()};
         result.pieces.push_back(piece);
     };
     if (result.closed) result.line.back() = result.line.front();
@@ -240,7 +257,21 @@ inline Vec3 random_unit(std::mt19937_64& rng) {
 /// A site that stays clear of the base: at random, of one of four kinds.
 enum class Kind { Sphere, Cylinder, Plane, Wall };
 
-inline SpaceSite random_site(Kind kind, bool sphere_base, double radius, double unit, std::mt19937_64& rng) {
+inline SpaceSite random_site_over_plane(Kind kind, double unit, std::mt19937_64& rng) {
+    std::uniform_real_distribution<double> unit_range(0, 1), side(-1, 1);
+    const double rho = 0.6 * unit_range(rng) * unit, gap = (0.3 + 2 * unit_range(rng)) * unit;
+    const Vec3 above(side(rng) * unit, side(rng) * unit, rho + gap);
+    const Vec3 level(side(rng), side(rng), 0);
+    if (kind == Kind::Sphere) return {Sphere{above, rho}, false, {}};
+    // Leaning by so little that it meets the base beyond all that is traced.
+    if (kind == Kind::Cylinder)
+        return {Cylinder{above, level.normalized() + 0.02 * side(rng) * Vec3::UnitZ(), rho}, false, {}};
+    return {Plane{above, Vec3::UnitZ() + 0.02 * level}, kind == Kind::Wall, {}};
+}
+
+inline SpaceSite random_site(Kind kind, Base base, double radius, double unit, std::mt19937_64& rng) {
+    if (base == Base::Plane) return random_site_over_plane(kind, unit, rng);
+    const bool sphere_base = base == Base::Sphere;
     std::uniform_real_distribution<double> unit_range(0, 1);
     const double rho = 0.6 * unit_range(rng) * unit, gap = (0.3 + 2 * unit_range(rng)) * unit;
     Vec3 out = random_unit(rng);
@@ -262,9 +293,18 @@ inline SpaceSite random_site(Kind kind, bool sphere_base, double radius, double 
     return {Plane{(radius + gap) * out.normalized(), 2 * out}, kind == Kind::Wall, {}};
 }
 
+/// `middle`: a normal or, over a plane, a foot point.
 inline PatchCoordinates coordinates(const Case& c, int side, const Vec3& middle) {
     const SpaceSite& site = c.sites[side];
     const Cylinder* cylinder = std::get_if<Cylinder>(&site.object);
+    if (c.is_plane) {
+        if (!cylinder)
+            return {PatchCoordinate::linear(Vec3::UnitX(), middle),
+                    PatchCoordinate::linear(Vec3::UnitY(), middle)};
+        const Vec3 &p = cylinder->point, &a = cylinder->axis;
+        return CylinderFrame({p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder->radius}, middle.head<2>())
+            .coordinates();
+    }
     if (const Plane* plane = std::get_if<Plane>(&site.object);
         plane && (site.is_wall || c.problem.is_sphere)) {
         const Vec3 a = plane->normal.unitOrthogonal();
@@ -289,15 +329,17 @@ inline PatchCoordinates coordinates(const Case& c, int side, const Vec3& middle)
             PatchCoordinate::half_angle(Vec3::Zero(), zero, zero.cross(x), 0)};
 }
 
-inline Case random_case(bool sphere_base, Kind left, Kind right, double unit, std::mt19937_64& rng) {
+inline Case random_case(Base base, Kind left, Kind right, double unit, std::mt19937_64& rng) {
+    const bool sphere_base = base == Base::Sphere;
     Case c;
+    c.is_plane = base == Base::Plane;
     c.problem.is_sphere = sphere_base;
-    c.problem.radius = std::uniform_real_distribution<double>(0, 1)(rng) * unit;
+    c.problem.radius = c.is_plane ? 0 : std::uniform_real_distribution<double>(0, 1)(rng) * unit;
     const Vec3 about = sphere_base ? random_unit(rng) : Vec3::UnitY().eval();
     c.problem.chart =
         Eigen::AngleAxisd(std::uniform_real_distribution<double>(-pi, pi)(rng), about).toRotationMatrix();
-    c.sites = {random_site(left, sphere_base, c.problem.radius, unit, rng),
-               random_site(right, sphere_base, c.problem.radius, unit, rng)};
+    c.sites = {random_site(left, base, c.problem.radius, unit, rng),
+               random_site(right, base, c.problem.radius, unit, rng)};
     return c;
 }
 
@@ -318,10 +360,11 @@ inline void make_arc(Traced& traced, Case& c, double unit) {
         const Vec3 p = space_point(c, chart, traced.line[i], tangent(i));
         return {p, 2e-16 * p.norm()};
     };
-    const Vec3 middle = normal_of(c, chart.point(traced.line[traced.line.size() / 2]));
+    const Vec2 half_way = chart.point(traced.line[traced.line.size() / 2]);
+    const Vec3 middle = c.is_plane ? foot_of(c, half_way) : normal_of(c, half_way);
     bool one_patch = true;
     for (const Vec2& s : traced.line)
-        one_patch = one_patch && normal_of(c, chart.point(s)).dot(middle) > -0.7;
+        one_patch = one_patch && (c.is_plane || normal_of(c, chart.point(s)).dot(middle) > -0.7);
     for (int side = 0; side < 2; ++side) {
         c.sites[side].parts.clear();
         if (one_patch) c.sites[side].parts = {{coordinates(c, side, middle)}};
@@ -357,7 +400,7 @@ inline V3<Real> surface_point(const Case& c, int side, std::uint32_t which, cons
                               const Vec3& near) {
     return solved<3>(
         [&]<class T>(const V3<T>& p) {
-            const T t = distance_from_base(c.problem, p), unit(near.norm());
+            const T t = distance_from_base(c, p), unit(near.norm());
             const PatchCoordinates& f = c.sites[side].parts[which].patch;
             return V3<T>(excess(c, side, p), (value(f[0], p, t) - T(uv[0])) * unit,
                          (value(f[1], p, t) - T(uv[1])) * unit);
