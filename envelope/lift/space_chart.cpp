@@ -16,10 +16,26 @@ Equation SpaceChart::base_equation(const Vec3& foot) const {
     return Equation::round(Vec3::Zero(), axis, radius(), radius(), foot);
 }
 
+namespace {
+
+// Is the direction of the ball from the bisector's point over `foot` all but that of the base? The difference
+// of the two, which tells the point, has the length |(m, c_z + rho)| / (t + rho), m = foot - c across the
+// normal. Only how well the numbers are conditioned depends on this.
+bool is_seen_upright(const Sphere& s, const Vec3& foot) {
+    constexpr double well_told = 0x1p-6;
+    const double width = s.center.z() + s.radius, m = (foot - s.center).head<2>().norm();
+    const double t = 0.5 * (m * m / width + (s.center.z() - s.radius));
+    return std::hypot(m, width) < well_told * (t + s.radius);
+}
+
+}  // namespace
+
 Equation SpaceChart::equation(const SpaceSite& site, const Vec3& foot) const {
     const double R0 = radius();
-    if (const Sphere* s = std::get_if<Sphere>(&site.object))
-        return Equation::round(s->center, Vec3::Zero(), s->radius, R0, foot);
+    const Sphere* s = std::get_if<Sphere>(&site.object);
+    if (s != nullptr && is_plane() && is_seen_upright(*s, foot))
+        return Equation::paraboloid(s->center, s->radius, foot);
+    if (s != nullptr) return Equation::round(s->center, Vec3::Zero(), s->radius, R0, foot);
     if (const Cylinder* c = std::get_if<Cylinder>(&site.object))
         return Equation::round(c->point, c->axis, c->radius, R0, foot);
     const Plane& plane = std::get<Plane>(site.object);

@@ -82,7 +82,8 @@ struct SpanPolynomials {
     double size() const { return largest[0] + largest[1] + largest[2] + largest[3]; }
 };
 
-// G(X) and its derivatives, of a round object (the base too) or of something plane.
+// G(X) and its derivatives, of a round object (the base too), of a ball over a base plane or of something
+// plane.
 class Equation {
 public:
     // `near`: as for cylinders in cylinder_patch.hpp.
@@ -118,22 +119,51 @@ public:
         return e;
     }
 
+    // A ball over a base plane, with z = t: the paraboloid |(x, y) - c|^2 + (c_z - rho) (c_z + rho) = 2 (c_z
+    // + rho) t, over the length of its gradient above `near`. Unlike distances it tells a ball next to the
+    // base from the base.
+    static Equation paraboloid(const Vec3& center, double rho, const Vec3& near) {
+        Equation e;
+        e.is_paraboloid_ = true;
+        e.axis_ = Vec3::UnitZ();
+        e.point_ = {center.x(), center.y(), 0};
+        e.width_ = center.z() + rho;
+        e.behind_ = center.z() - rho;
+        e.reach_ = e.point_.norm();
+        e.scale_ = 0.5 / std::hypot(e.across(near - e.point_).norm(), e.width_);
+        return e;
+    }
+
     double operator()(const Vector4d& X) const {
+        if (is_paraboloid_)
+            return scale_ * (across(X.head<3>() - point_).squaredNorm() + width_ * (behind_ - 2 * X[3]));
         const Vec3 m = X.head<3>() - point_;
         return (is_round_ ? across(m).norm() : axis_.dot(m)) - (kappa_ * X[3] + delta_);
     }
     // The lengths that enter G at X.
-    double size(const Vector4d& X) const { return X.head<3>().norm() + std::abs(X[3]) + reach_; }
+    double size(const Vector4d& X) const {
+        if (is_paraboloid_) return paraboloid_size(across(X.head<3>() - point_).norm(), X[3]);
+        return X.head<3>().norm() + std::abs(X[3]) + reach_;
+    }
 
     // (g, -kappa)
     Vector4d gradient(const Vector4d& X) const {
         Vector4d result;
+        if (is_paraboloid_) {
+            result << 2 * scale_ * across(X.head<3>() - point_), -2 * scale_ * width_;
+            return result;
+        }
         result << (is_round_ ? across(X.head<3>() - point_).normalized() : axis_), -kappa_;
         return result;
     }
+    // How fast G falls along the normal of a base plane where it is linear in z or in t, and in that alone;
+    // else 0.
+    double fall() const {
+        return is_paraboloid_ ? 2 * scale_ * width_ : is_round_ || kappa_ != 0 ? 0 : -axis_.z();
+    }
     // How far what is within `room` of the hull of the points is from X, across the axis.
     double reach(const Vector4d& X, const Points& points, double room) const {
-        if (!is_round_) return 0;
+        if (!is_round_ && !is_paraboloid_) return 0;
         double squared = 0;
         for (int k = 0; k < points.cols(); ++k)
             squared = std::max(squared, across(points.col(k).head<3>() - X.head<3>()).squaredNorm());
@@ -141,6 +171,8 @@ public:
     }
     // How far the gradient may be from its computed value at X, within a reach.
     double variation(const Vector4d& X, double reach) const {
+        if (is_paraboloid_)
+            return 2 * scale_ * (reach + rounding * (across(X.head<3>() - point_).norm() + reach_ + width_));
         if (!is_round_) return rounding + blur_;
         const double d = across(X.head<3>() - point_).norm(), s = reach / d;
         if (!(s < 1)) return infinity;
@@ -148,10 +180,12 @@ public:
     }
     // Of |Hess G| within a reach that is less than what makes variation() infinite.
     double curvature_bound(const Vector4d& X, double reach) const {
+        if (is_paraboloid_) return 2 * scale_;
         return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - reach) : 0;
     }
     // The second derivative in the direction T.
     double second(const Vector4d& X, const Vector4d& T) const {
+        if (is_paraboloid_) return 2 * scale_ * across(T.head<3>()).squaredNorm();
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
         const double d = m.norm();
@@ -165,6 +199,14 @@ public:
     //     point))^2).
     double residual(const SpanPolynomials& span) const {
         const Vec3 m = point_ - span.foot;
+        if (is_paraboloid_) {
+            const Bernstein<10> Q = vcell::square(span.X[0]) + vcell::square(span.X[1]) +
+                                    raised<10>(span.linear(-2 * across(m), -2 * width_,
+                                                           across(m).squaredNorm() + width_ * behind_));
+            const double away = span.largest[0] + span.largest[1] + across(m).norm();
+            return scale_ * QuinticNodes::get().largest(Q) +
+                   rounding * (paraboloid_size(away, span.largest[3]) + scale_ * away * span.foot.norm());
+        }
         const double size = span.size() + reach_, offset = axis_.dot(m);
         if (!is_round_)
             return span.linear(axis_, -kappa_, -(offset + delta_)).largest() +
@@ -184,6 +226,7 @@ public:
     T distance_along(const std::array<T, 3>& f, const std::array<T, 3>& w) const {
         using std::sqrt;
         const std::array<T, 3> m{f[0] - T(point_.x()), f[1] - T(point_.y()), f[2] - T(point_.z())};
+        if (is_paraboloid_) return (square_of(m[0]) + square_of(m[1])) / T(2 * width_) + T(0.5 * behind_);
         if (!is_round_) return (dot(axis_, m) - T(delta_)) / (T(kappa_) - dot(axis_, w));
         const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
         const T mw = m[0] * w[0] + m[1] * w[1] + m[2] * w[2];
@@ -203,11 +246,17 @@ private:
     }
     Vec3 across(const Vec3& m) const { return m - axis_.dot(m) * axis_; }
 
-    bool is_round_ = false;
+    // The terms of G at a distance `away` from the paraboloid's axis.
+    double paraboloid_size(double away, double t) const {
+        return scale_ * (away * (away + reach_) + width_ * (width_ + std::abs(behind_) + 2 * std::abs(t)));
+    }
+
+    bool is_round_ = false, is_paraboloid_ = false;
     double kappa_ = 1;
     double delta_ = 0;
     double reach_ = 0;
     double blur_ = 0;
+    double width_ = 0, behind_ = 0, scale_ = 0;        // paraboloid: c_z + rho, c_z - rho
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
 };
 

@@ -8,6 +8,7 @@
 ///     sphere (c, rho), cylinder       G = |p - c| (distance from the axis) - (t + delta),   delta = rho - R0
 ///     base sphere, cylinder           the same with delta = 0, about 0 (about the y axis)
 ///     base plane                      G = z - t
+///     sphere over a base plane        its paraboloid, which is quadratic in (x, y) and linear in t
 ///     plane                           G = its distance + R0 - t
 ///     wall                            G = the distance to a side of the box, to an end of the stretch, over
 ///     a

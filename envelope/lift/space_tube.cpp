@@ -42,6 +42,11 @@ double distance_on(const RadialPatch& patch, const Points& points, int side, dou
     return std::sqrt(squared) / least;
 }
 
+// Are the coordinates those of the point's projection onto a base plane?
+bool is_projection(const PatchCoordinates& c) {
+    return c[0].numerator == Linear::Unit(0) && c[1].numerator == Linear::Unit(1);
+}
+
 }  // namespace
 
 Tube TubeProof::certify(const Points& points, const Patches& patches, const Residuals& residuals, double most,
@@ -168,6 +173,10 @@ double TubeProof::trim_error(int side, const Points& points, const PatchCoordina
         variations[1] = right.variation(D.center, right.reach(D.center, points, D.room));
         e[1] = residuals.right;
     }
+    // A graph over the base plane: the patch's point is above or below the curve's, and may be so where the
+    // graph is so steep that nothing else tells.
+    const Equation& site = equations_[side == 1 ? equations_.right : 1];
+    if (is_projection(coordinates) && site.fall() > 0) return e[0] + e[1] / site.fall();
     for (int i = 0; i < 2; ++i) {
         const PatchCoordinate& c = coordinates[i];
         const auto value = points.row(4 + 2 * side + i);
