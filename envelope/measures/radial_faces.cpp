@@ -96,7 +96,7 @@ Share TubeFace::share(const Ray& ray) const {
 Share TubeFace::size(const Ray& ray) const {
     const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
     const double t = distance(ray), condition = 1 + (length + std::abs(delta)) / R, r = t + delta;
-    const double step = t * norm(ray.du) * (1 + t * (length / t + std::abs(A)) / R);
+    const double step = t * ray.rate * (1 + t * (length / t + std::abs(A)) / R);
     // Away from `first` by more, for the rounding of the place.
     const double at = t * A, v = at + std::copysign(noise * t, at - first), half = r / (K + at * at),
                  E = length + std::abs(delta), E2 = E * E;
@@ -167,7 +167,7 @@ Share TurnedFace::share(const Ray& ray) const {
 
 Share TurnedFace::size(const Ray& ray) const {
     const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm();
-    const double element = 0.5 * norm(ray.du) / (beta * beta) * (1 + reach / beta),
+    const double element = 0.5 * ray.rate / (beta * beta) * (1 + reach / beta),
                  rounding = noise * std::abs(ray.y);
     if (is_round) {
         const double at = ray.y - start, v = at + std::copysign(rounding, at - first);
@@ -301,7 +301,7 @@ Share SkewFace::size(const Ray& ray) const {
     const SkewPoint a = skew_point(s, start), b = skew_point(s, ray.y);
     const double t = std::max(a.t, b.t), dS = std::max(a.dS, b.dS);
     const double height = std::abs(ray.y - start) + noise * std::abs(ray.y);
-    return {0.5 * t * t * height * norm(ray.du), dS * height * norm(ray.du)};
+    return {0.5 * t * t * height * ray.rate, dS * height * ray.rate};
 }
 
 }  // namespace radial_integrals

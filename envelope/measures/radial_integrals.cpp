@@ -24,8 +24,11 @@ using std::sqrt;
 Ray ray_to(const SpanPoint<double>& p, bool is_sphere) {
     const double y = is_sphere ? p.y : 0.0, y1 = is_sphere ? p.y1 : 0.0;
     const double reciprocal = 1.0 / sqrt(p.x * p.x + y * y + p.z * p.z);
-    Ray ray{{p.x * reciprocal, y * reciprocal, p.z * reciprocal}, {}, is_sphere ? 0.0 : p.y};
     const Vector d{p.x1, y1, p.z1};
+    Ray ray{{p.x * reciprocal, y * reciprocal, p.z * reciprocal},
+            {},
+            is_sphere ? 0.0 : p.y,
+            norm(d) * reciprocal};
     const double along = dot(ray.u, d);
     for (int i = 0; i < 3; ++i) ray.du[i] = (d[i] - ray.u[i] * along) * reciprocal;
     return ray;
@@ -187,7 +190,7 @@ struct SpanIntegrand {
         const Share l = share(left), r = right != nullptr ? share(*right) : Share{0, 0};
         const double speed = sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1);
         const double end = right == nullptr ? 0.5 * (p.x * p.x + p.z * p.z) : 0;
-        if (sizes != nullptr) set_sizes(p, ray, speed, end * norm(ray.du), *sizes);
+        if (sizes != nullptr) set_sizes(p, ray, speed, end * ray.rate, *sizes);
         return {l.volume, l.area, r.volume, r.area, speed, end * turn(ray)};
     }
 

@@ -63,6 +63,9 @@ using span_integrals::SpanPoint;
 struct Ray {
     std::array<double, 3> u, du;
     double y;
+    /// How fast the curve leaves its place, seen from there: what the rounding of du is a part of. Where the
+    /// curve runs along the ray next to nothing of it is du.
+    double rate;
 };
 
 /// d theta on a cylinder: x = sin, z = cos.

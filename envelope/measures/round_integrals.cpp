@@ -161,7 +161,7 @@ Share RoundFace::share(const Ray& ray) const {
 
 Share RoundFace::size(const Ray& ray) const {
     const double t = distance(ray), condition = 1 + (std::abs(e0) + e1) * t / k;
-    const double element = t * t * norm(ray.du) * condition;
+    const double element = t * t * ray.rate * condition;
     const Factors<double> f = factors(t);
     return {f.volume * element, f.area * element};
 }

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "../../core/quadrature/quadrature.hpp"
+#include "../../envelope/measures/radial_integrals.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../test_support.hpp"
@@ -338,6 +339,25 @@ TEST_CASE("radial measures: the length of a conic around a cylinder is within it
         CHECK(e.length_error < 1e-10);
     }
     CHECK(checked >= 2);
+}
+
+// The area between the axis and a line that all but meets it is what is left of much larger products.
+TEST_CASE("radial measures: a line along the ray has the rounding of all of its length") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (int i = 0; i < 100; ++i) {
+        const double x = uniform(rng), z = uniform(rng), aside = 1e-9 * uniform(rng);
+        const std::array points{Eigen::Vector4d(x, 0.5, z, 1),
+                                Eigen::Vector4d(3 * x + aside * z, 0.5, 3 * z - aside * x, 1)};
+        const RadialFace side = radial_integrals::FlatFace(Plane{{0, 0.5, 0}, {0, 1, 0}}, {0, 0.5, 0});
+        RadialIntegrals sum;
+        add_span(points, true, false, side, nullptr, sum);
+        const auto wide = [](double a, double b) { return static_cast<long double>(a) * b; };
+        const auto twice = wide(z, points[1].x()) - wide(x, points[1].z());
+        CAPTURE(aside);
+        CHECK(std::abs(sum.end_area.value - static_cast<double>(twice / 2)) <= sum.end_area.error);
+        CHECK(sum.end_area.error <= 1e-12);
+    }
 }
 
 TEST_CASE("radial measures: faces as small as rounding are no larger than their boundary allows") {
