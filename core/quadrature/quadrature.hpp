@@ -66,6 +66,13 @@ constexpr const RuleOf<n>& rule() {
     return rule_of<n>;
 }
 
+/// (k + 1/2) P_k(x) for k = 5: times weights what a node adds to a function's fifth coefficient in the series
+/// of Legendre polynomials.
+constexpr double fifth_term(double x) {
+    const double z = x * x;
+    return 5.5 * x * (15 - z * (70 - 63 * z)) / 8;
+}
+
 /// Seven points of degree 11, among them Gauss's three of degree 5, and eight more that make them fifteen of
 /// degree 23: each rule asks only for what is new [Patterson68].
 struct NestedRule {
@@ -73,6 +80,7 @@ struct NestedRule {
         double x, weight;  ///< the rule is symmetric
         double seven = 0;  ///< weight in the rule of seven, or 0
         double gauss = 0;  ///< weight in Gauss's rule, or 0
+        double fifth = seven * fifth_term(x);
     };
     Node center{0, 0.2255104997982066874, 0.450916538658474142, 8.0 / 9};
     std::array<Node, 3> first{{{0.434243749346802558, 0.200628529376989021, 0.401397414775962223},

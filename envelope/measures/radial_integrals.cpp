@@ -211,8 +211,9 @@ void add_span(std::span<const Vector4d> points, bool is_conic, bool is_sphere, c
               const RadialFace* right, RadialIntegrals& sum) {
     const PowerSpan span(points);
     std::array<Integral, 6> parts{};
-    // A spline is off its arc by more than the integrals of its spans could be.
-    integrate_estimated(span, SpanIntegrand{is_sphere, left, right}, is_conic ? 1e-9 : 1e-7, parts);
+    // Parts of the size. A spline is off its arc by more than the integrals of its spans could be.
+    constexpr double of_conic = 1e-17, of_spline = 1e-12;
+    integrate_estimated(span, SpanIntegrand{is_sphere, left, right}, is_conic ? of_conic : of_spline, parts);
     sum.sides[0].volume += parts[0];
     sum.sides[0].area += parts[1];
     sum.sides[1].volume += parts[2];

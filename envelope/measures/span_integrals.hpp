@@ -216,20 +216,26 @@ inline Integral length(const PowerSpan& span) {
 /// What integrate() adds, for integrands that are dear or cannot be bounded: with seven points, and their
 /// difference from three of them, at which sizes are taken, too; or with fifteen, and their difference from
 /// the seven. Error: not proven. As the rules converge geometrically, and each has about twice the degree of
-/// the one before, ten times the square of the difference (as parts of the size); halved until the difference
-/// is at most `largest_difference`. integrand(p, sizes) gives the values at p, and puts down their sizes
-/// where it is given room for them.
+/// the one before, ten times the square of the difference, as parts of the integrand's absolute value: sizes
+/// grow with the condition and tell nothing of how fast rules converge. The difference is that of the first
+/// coefficient of even degree that the coarser rule misses. Where poles lie aside of the middle coefficients
+/// go up and down, so that it may be next to nothing: then the fifth one counts, and of fifteen points what
+/// seven were estimated to leave out. Halved until the estimate is at most `largest_rest` of the size.
+/// integrand(p, sizes) gives the values at p, and puts down their sizes where it is given room for them.
 template <std::size_t N, class Integrand>
-void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_difference,
+void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_rest,
                          std::array<Integral, N>& sum, int halvings, int& budget) {
     using Node = quadrature::NestedRule::Node;
     constexpr quadrature::NestedRule rule;
-    std::array<double, N> fine{}, coarse{}, all{}, size{};
+    std::array<double, N> fine{}, coarse{}, all{}, size{}, absolute{}, fifth{}, rest{};
     const auto add_first = [&](double t, const Node& node) {
         std::array<double, N> s;
         const std::array<double, N> f = integrand(span.at(t), node.gauss != 0 ? &s : nullptr);
+        const double of_fifth = t < 0 ? -node.fifth : node.fifth;
         for (std::size_t k = 0; k < N; ++k) {
             fine[k] += node.seven * f[k];
+            absolute[k] += node.seven * std::abs(f[k]);
+            fifth[k] += of_fifth * f[k];
             all[k] += node.weight * f[k];
         }
         if (node.gauss == 0) return;
@@ -238,16 +244,26 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, doub
             size[k] += node.gauss * s[k];
         }
     };
-    const auto are_near = [&](const std::array<double, N>& a, const std::array<double, N>& b) {
-        bool are = true;
-        for (std::size_t k = 0; k < N; ++k)
-            are = are && std::abs(a[k] - b[k]) <= largest_difference * size[k];
-        return are;
+    // As a part of the absolute value: all of it where that vanishes among the smallest numbers.
+    const auto part = [&](double a, std::size_t k) { return a < absolute[k] ? a / absolute[k] : 1.0; };
+    const auto is_good = [&] {
+        bool is = true;
+        for (std::size_t k = 0; k < N; ++k) is = is && 10 * rest[k] <= largest_rest * size[k];
+        return is;
     };
     add_first(0, rule.center);
     for (const Node& node : rule.first)
         for (const double t : {-node.x, node.x}) add_first(t, node);
-    bool good = are_near(fine, coarse);
+    for (std::size_t k = 0; k < N; ++k) {
+        const double difference = std::abs(fine[k] - coarse[k]), c5 = std::abs(fifth[k]);
+        rest[k] = difference * part(difference, k);
+        if (!(c5 > difference)) continue;
+        // Coefficients that fall evenly from the absolute value on have c_6^2 = c_5^2 (c_5 / c_0)^(2/5),
+        // which the power 3/8 is above.
+        const double root = std::sqrt(std::sqrt(part(c5, k)));
+        rest[k] = std::max(rest[k], c5 * part(c5, k) * root * std::sqrt(root));
+    }
+    bool good = is_good();
     if (!good) {
         for (const Node& node : rule.rest)
             for (const double t : {-node.x, node.x}) {
@@ -255,27 +271,30 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, doub
                 for (std::size_t k = 0; k < N; ++k) all[k] += node.weight * f[k];
             }
         coarse = std::exchange(fine, all);
-        good = are_near(fine, coarse);
+        for (std::size_t k = 0; k < N; ++k) {
+            const double most = std::max(std::abs(fine[k] - coarse[k]), rest[k]);
+            rest[k] = most * part(most, k);
+        }
+        good = is_good();
     }
     if (!good && halvings > 0 && budget > 0) {
         --budget;
         for (const int side : {0, 1})
-            integrate_estimated(span.half(side), integrand, largest_difference, sum, halvings - 1, budget);
+            integrate_estimated(span.half(side), integrand, largest_rest, sum, halvings - 1, budget);
         return;
     }
     for (std::size_t k = 0; k < N; ++k) {
-        const double difference = std::abs(fine[k] - coarse[k]);
-        const double truncation = good && size[k] > 0 ? 10 * difference * (difference / size[k]) : difference;
+        const double truncation = good ? 10 * rest[k] : std::max(10 * rest[k], std::abs(fine[k] - coarse[k]));
         sum[k] += {fine[k], truncation + term_rounding * size[k]};
     }
 }
 
 template <std::size_t N, class Integrand>
-void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_difference,
+void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_rest,
                          std::array<Integral, N>& sum) {
     // Towards each of a few sharp turns; where a span has no smooth part more are no better.
     int budget = 64;
-    integrate_estimated(span, integrand, largest_difference, sum, 12, budget);
+    integrate_estimated(span, integrand, largest_rest, sum, 12, budget);
 }
 
 }  // namespace span_integrals

@@ -82,11 +82,26 @@ TEST_CASE("certify: proves a cell within a small distance, whatever its unit") {
 }
 
 TEST_CASE("certify: proves hostile cells, and finds no error in them larger than it need be") {
-    for (const char* name :
-         {"near_twins", "steep_face", "uneven_weights", "leaning_tube", "bundle_of_lines", "scaled_ball",
-          "far_corners", "line_beside_plane", "tip_beside_region", "small_face_far_out", "needle_in_bundle",
-          "lines_an_ulp_apart", "flat_hyperboloid", "point_on_line", "line_in_plane", "ball_behind_base",
-          "hidden_tie", "turning_twice", "lever"}) {
+    for (const char* name : {"near_twins",
+                             "steep_face",
+                             "uneven_weights",
+                             "leaning_tube",
+                             "bundle_of_lines",
+                             "scaled_ball",
+                             "far_corners",
+                             "line_beside_plane",
+                             "tip_beside_region",
+                             "small_face_far_out",
+                             "needle_in_bundle",
+                             "lines_an_ulp_apart",
+                             "flat_hyperboloid",
+                             "point_on_line",
+                             "line_in_plane",
+                             "ball_behind_base",
+                             "hidden_tie",
+                             "turning_twice",
+                             "lever",
+                             "volume_error_among_tubes"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
