@@ -1,6 +1,8 @@
 /// Spans of the edges beside cylinders over a plane base, conics and splines alike.
 #pragma once
 
+#include "../../core/platform.hpp"
+
 #include <Eigen/Core>
 #include <array>
 

@@ -305,7 +305,8 @@ private:
             change = across(a, apart, radius + reach);
             if (change <= reach) return change;
         }
-        const bool is_end = radius <= error + room_;
+        // Halves of parts that are no longer than their place is known would not show more.
+        const bool is_end = radius <= 2 * error + room_;
         if (is_end) return 4 * (radius + room_);
         if (halvings == 0) return infinity;
         --halvings;
