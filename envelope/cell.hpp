@@ -91,6 +91,9 @@ struct Measures {
 
 struct Report {
     Decisions decisions;
+    /// How the diagram came about: forms inserted into diagrams (of pieces of the base's chart, or of discs),
+    /// pairs of diagrams merged by overlay, pieces that certified subdivision came down to.
+    std::uint64_t insertions = 0, merges = 0, pieces = 0;
     double seconds_bisectors = 0, seconds_envelope = 0, seconds_patches = 0;
     /// A bound on the distance that anything of the scene within the box has moved before it was decided
     /// about: all else is exact about that. Vertices are as far from those of the scene as that takes them.

@@ -159,6 +159,9 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     cell.scene = scene;
     require_numbers(cell, options.measure);
     report("patches", 1);
+    cell.report.insertions = diagram.work.insertions;
+    cell.report.merges = diagram.work.merges;
+    cell.report.pieces = diagram.work.pieces;
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();

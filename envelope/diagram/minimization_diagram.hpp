@@ -46,6 +46,15 @@ struct TieError : UndecidedError {
     Assumption tie;  ///< what was met where it was given up
 };
 
+/// How a diagram came about.
+struct EnvelopeWork {
+    std::uint64_t insertions = 0;  ///< forms inserted into a diagram, of a piece of the region or of discs
+    std::uint64_t merges = 0;      ///< pairs of diagrams overlaid and merged
+    std::uint64_t pieces = 0;      ///< pieces of the region that certified subdivision came down to
+
+    friend bool operator==(const EnvelopeWork&, const EnvelopeWork&) = default;
+};
+
 /// Every vertex, edge and face carries as label all functions that attain the minimum there.
 ///
 /// The unbounded face (Dcel::unbounded_face()) lies outside the region and has no label. Edges are
@@ -95,6 +104,7 @@ struct MinimizationDiagram {
     IdVector<EdgeId, Edge> edges;
     IdVector<FaceId, FormId> face_forms;
     Decisions decisions;
+    EnvelopeWork work;
     std::vector<Assumption> assumptions;
 
     /// The functions that attain the minimum at v (on e), ascending.

@@ -20,8 +20,7 @@ constexpr double least_part = 0x1p-40;
 FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms,
                          const std::array<double, 4>& box, bool is_sphere)
     : family_(family), is_sphere_(is_sphere), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
-    if (family.is_all_circular())
-        for (const CircularForm& f : family.forms) circular_.push_back(CircleKernel::make_form(f));
+    if (family.is_all_circular()) circular_.emplace(family);
     Node root;
     root.box = box;
     root.forms = std::move(forms);
@@ -76,18 +75,9 @@ void FormLocator::halve(std::uint32_t i, bool upright, double at) {
 }
 
 std::vector<FormId> FormLocator::cull(const std::array<double, 4>& box, std::span<const FormId> forms) {
-    if (circular_.empty()) return analysis_.cull(box, forms);
-    const double x = 0.5 * (box[0] + box[1]), y = 0.5 * (box[2] + box[3]);
-    const double rx = Interval::up(std::max(box[1] - x, x - box[0])),
-                 ry = Interval::up(std::max(box[3] - y, y - box[2]));
-    box_forms_.clear();
-    for (const FormId f : forms)
-        box_forms_.push_back(CircleKernel::box_form(circular_[f.value], x, y, rx, ry));
-    const CircleKernel::BoxForm& rival =
-        *std::ranges::min_element(box_forms_, {}, &CircleKernel::BoxForm::top);
+    if (!circular_) return analysis_.cull(box, forms);
     std::vector<FormId> kept;
-    for (std::size_t i = 0; i < forms.size(); ++i)
-        if (!CircleKernel::certainly_above(box_forms_[i], rival, rx, ry)) kept.push_back(forms[i]);
+    (*circular_)({box[0], box[1], box[2], box[3]}, forms, [&](std::size_t i) { kept.push_back(forms[i]); });
     return kept;
 }
 

@@ -8,13 +8,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "../../arrangement/circles/circle_kernel.hpp"
 #include "../../core/numbers/sign.hpp"
 #include "../../primitives/forms/form_family.hpp"
 #include "../proofs/mixed_piece.hpp"
+#include "circular_culling.hpp"
 #include "heights.hpp"
 
 namespace vcell {
@@ -54,9 +55,8 @@ private:
     const FormFamily& family_;
     bool is_sphere_;
     MixedAnalysis analysis_;
-    std::vector<CircleKernel::Form> circular_;      // where all forms are
-    std::vector<CircleKernel::BoxForm> box_forms_;  // of a rectangle's forms, for cull()
-    std::vector<Interval> values_;                  // of a leaf's forms, for lowest_of()
+    std::optional<CircularCulling> circular_;  // where all forms are
+    std::vector<Interval> values_;             // of a leaf's forms, for lowest_of()
     std::vector<Node> nodes_;
     Decisions decisions_;
 };

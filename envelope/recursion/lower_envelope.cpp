@@ -122,6 +122,8 @@ private:
         result.region = region_;
         result.decisions = merger_.decisions();
         result.decisions += analysis_.decisions();
+        result.work = merger_.effort();
+        result.work.pieces = resolved_;
         result.assumptions = std::move(analysis_.assumptions());
         return result;
     }
@@ -216,6 +218,7 @@ private:
                     {part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
                 done_ += share;
                 if (options_.progress) options_.progress(done_);
+                ++resolved_;
                 return patchwork_.add(*resolved);
             }
         }
@@ -310,7 +313,7 @@ private:
     PieceCutter cutter_;
     Sizes sizes_ = region_sizes;
     bool is_cylinder_ = false;
-    std::size_t splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
+    std::size_t resolved_ = 0, splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
     double done_ = 0;
 };
 

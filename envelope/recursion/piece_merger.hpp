@@ -11,41 +11,30 @@
 
 #include "../../arrangement/circles/circle_kernel.hpp"
 #include "../circles/work_diagram.hpp"
+#include "../diagram/minimization_diagram.hpp"
+#include "circular_culling.hpp"
 #include "pieces.hpp"
 
 namespace vcell {
 
 class PieceMerger {
     using Form = CircleKernel::Form;
-    using Jet = CircleKernel::Jet;
 
 public:
     /// `largest` as EnvelopeOptions::largest_piece. The family must outlive this object.
     PieceMerger(const FormFamily& family, std::size_t largest)
-        : family_(family), largest_(largest), work_(kernel_) {
-        forms_.reserve(family.forms.size());
-        for (const CircularForm& f : family.forms) forms_.push_back(CircleKernel::make_form(f));
-    }
+        : family_(family), largest_(largest), forms_(family), work_(kernel_) {}
     PieceMerger(const PieceMerger&) = delete;
     PieceMerger& operator=(const PieceMerger&) = delete;
 
     const Decisions& decisions() const { return kernel_.decisions(); }
+    /// Insertions and merges so far.
+    const EnvelopeWork& effort() const { return effort_; }
 
-    /// Keeps the candidates that may be lowest somewhere in the rectangle: those that are not certainly above
-    /// a rival all over it. The best rival is the one whose highest value in the rectangle is lowest.
+    /// Calls keep(i) for the candidates that may be lowest somewhere in the rectangle.
     template <class Keep>
     void cull(const Rectangle& r, std::span<const FormId> candidates, Keep&& keep) {
-        const double x = 0.5 * r.x0 + 0.5 * r.x1, y = 0.5 * r.y0 + 0.5 * r.y1;
-        const double rx = Interval::up(std::max(r.x1 - x, x - r.x0)),
-                     ry = Interval::up(std::max(r.y1 - y, y - r.y0));
-        box_forms_.resize(candidates.size());
-        std::size_t rival = 0;
-        for (std::size_t i = 0; i < candidates.size(); ++i) {
-            box_forms_[i] = CircleKernel::box_form(forms_[candidates[i]], x, y, rx, ry);
-            if (box_forms_[i].top < box_forms_[rival].top) rival = i;
-        }
-        for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (!CircleKernel::certainly_above(box_forms_[i], box_forms_[rival], rx, ry)) keep(i);
+        forms_(r, candidates, std::forward<Keep>(keep));
     }
 
     /// The diagram of the candidates over the piece, if these are all that may be lowest in it; valid until
@@ -87,6 +76,7 @@ private:
         if (forms.size() <= std::max<std::size_t>(largest_, 1)) {
             work.start(lines_, forms[0]);
             for (const FormId f : forms.subspan(1)) work.insert(f);
+            effort_.insertions += forms.size() - 1;
             return;
         }
         // Forms that are lowest in different places share few faces: halve along the longer side.
@@ -108,15 +98,16 @@ private:
         merge_all(first, std::span(sorted).first(half), r);
         merge_all(second, std::span(sorted).subspan(half), r);
         work.merge(first, second);
+        ++effort_.merges;
     }
 
     const FormFamily& family_;
     const std::size_t largest_;
-    IdVector<FormId, Form> forms_;
+    CircularCulling forms_;
     CircleKernel kernel_;
     WorkDiagram work_;
+    EnvelopeWork effort_;
     // Working space.
-    std::vector<CircleKernel::BoxForm> box_forms_;
     std::vector<char> kept_;
     std::vector<std::pair<double, FormId>> order_;
     std::vector<FormId> lines_;

@@ -43,7 +43,9 @@ public:
         }
         for (Index f = static_cast<Index>(family_.size()); f < forms_.size(); ++f)
             if (faces_[f].start != none) return std::nullopt;
-        return diagram(*owner);
+        auto result = diagram(*owner);
+        if (result) result->work.insertions = inserted_;
+        return result;
     }
 
     std::size_t inserted() const { return inserted_; }

@@ -151,6 +151,11 @@ void write_report(JsonWriter& out, const Report& r) {
             out.key("multiprecision").value(r.decisions.by_multiprecision);
             out.key("assumed").value(r.decisions.assumed);
         });
+        out.key("work").object([&] {
+            out.key("insertions").value(r.insertions);
+            out.key("merges").value(r.merges);
+            out.key("pieces").value(r.pieces);
+        });
         out.key("seconds").object([&] {
             out.key("bisectors").value(r.seconds_bisectors);
             out.key("envelope").value(r.seconds_envelope);
@@ -373,6 +378,13 @@ private:
                                required_member("multiprecision",
                                                [&] { d.by_multiprecision = in_.unsigned_integer(); }),
                                required_member("assumed", [&] { d.assumed = in_.unsigned_integer(); }));
+                }),
+            required_member(
+                "work",
+                [&] {
+                    in_.object(required_member("insertions", [&] { r.insertions = in_.unsigned_integer(); }),
+                               required_member("merges", [&] { r.merges = in_.unsigned_integer(); }),
+                               required_member("pieces", [&] { r.pieces = in_.unsigned_integer(); }));
                 }),
             required_member("seconds",
                             [&] {

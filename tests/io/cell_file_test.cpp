@@ -66,6 +66,9 @@ TEST_CASE("cell file: every field arrives") {
     cell.faces[0].patches[0].loops[0][0].seam = 12;
     cell.measures = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, true};
     cell.report.decisions = {1, 2, 3, 4, 5};
+    cell.report.insertions = 7;
+    cell.report.merges = 8;
+    cell.report.pieces = 9;
     cell.report.seconds_bisectors = 1e-9;
     cell.report.seconds_envelope = 2;
     cell.report.seconds_patches = 3;
@@ -106,6 +109,9 @@ TEST_CASE("cell file: every field arrives") {
     CHECK(read.measures.max_clearance_error == 14);
     CHECK(read.measures.touches_box);
     CHECK(read.report.decisions == cell.report.decisions);
+    CHECK(read.report.insertions == 7);
+    CHECK(read.report.merges == 8);
+    CHECK(read.report.pieces == 9);
     CHECK(read.report.seconds_bisectors == 1e-9);
     CHECK(read.report.seconds_envelope == 2);
     CHECK(read.report.seconds_patches == 3);
