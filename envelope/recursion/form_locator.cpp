@@ -10,9 +10,10 @@ namespace {
 
 // Measured on spheres over a plane: smaller leaves cost more levels than they save comparisons.
 constexpr std::size_t forms_of_leaf = 6;
-// Halving on although the forms hardly get fewer (many of them meet in a point): this often in a row, and in
-// all, as rectangles end to be larger than a double's spacing.
-constexpr int most_stalled = 4;
+// Halving on although the forms hardly get fewer: so often in a row. The first halves of a sphere are so
+// large that none is left out; beyond that many of them meet in a point. And not below a part of the whole,
+// as rectangles end to be larger than the spacing of doubles.
+constexpr int most_stalled = 12;
 constexpr double least_part = 0x1p-40;
 
 }  // namespace
