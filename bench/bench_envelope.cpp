@@ -2,17 +2,21 @@
 //
 //   random   50 ... 1,000,000 random spheres at constant density, with the fit to c n log n
 //   lattice  equal spheres on a lattice, where every vertex is degenerate
+//   sphere   points near a sphere that touches the plane: many forms through one neighbourhood
 //
-// Usage: bench_envelope [--max_n=N] [Google Benchmark's options]
+// Usage: bench_envelope [--max_n=N] [--largest_piece=M] [Google Benchmark's options]
 //
 // Sizes above N (default 10,000) are left out: the million takes half a minute and 1.5 GB. Counters, each
 // for one call: the diagram's vertices V, edges E (closed: those without vertices), faces F; the signs that
-// each rung of the ladder decided, cheap being the share of the first two; per_sphere, CPU time in seconds;
-// peak_MB, the process's largest resident set so far. The latter means the size at hand because sizes ascend
-// within a family; run one family a process (--benchmark_filter=random) when memory matters.
+// each rung of the ladder decided; insertions and merges (M: EnvelopeOptions::largest_piece); cheap being the
+// share of the first two; per_sphere, CPU time in seconds; peak_MB, the process's largest resident set so
+// far. The latter means the size at hand because sizes ascend within a family; run one family a process
+// (--benchmark_filter=random) when memory matters.
 //
 // Every size is checked once, after its measurement; a wrong diagram is an error and the exit status 1.
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -52,6 +56,8 @@ struct Family {
     }
 };
 
+EnvelopeOptions options;
+
 void measure(benchmark::State& state, Family& family) {
     family.prepare(static_cast<std::uint32_t>(state.range(0)));
     const ConvexRegion region = family.scene.region();
@@ -62,7 +68,7 @@ void measure(benchmark::State& state, Family& family) {
             diagram.reset();
             state.ResumeTiming();
         }
-        diagram = lower_envelope(family.forms, region);
+        diagram = lower_envelope(family.forms, region, options);
     }
     const double peak = peak_megabytes();
     if (!family.checked) {
@@ -91,6 +97,8 @@ void measure(benchmark::State& state, Family& family) {
     count("cheap", d.total()
                        ? static_cast<double>(d.by_double + d.by_interval) / static_cast<double>(d.total())
                        : 1.0);
+    count("insertions", diagram->work.insertions);
+    count("merges", diagram->work.merges);
     count("peak_MB", peak);
     state.counters["per_sphere"] = benchmark::Counter(
         static_cast<double>(n), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
@@ -98,7 +106,7 @@ void measure(benchmark::State& state, Family& family) {
 
 void register_families(std::uint32_t max_n) {
     static Family random{[](std::uint32_t n) { return random_scene(n); }};
-    static Family lattice{lattice_scene};
+    static Family lattice{lattice_scene}, sphere{points_on_a_sphere};
 
     auto* bench = benchmark::RegisterBenchmark("random", measure, std::ref(random));
     bench->Unit(benchmark::kMillisecond)->Complexity(benchmark::oNLogN);
@@ -110,12 +118,31 @@ void register_families(std::uint32_t max_n) {
     bench->Unit(benchmark::kMillisecond);
     for (const std::uint32_t side : {10, 30, 100, 300, 1000})
         if (side * side <= max_n) bench->Arg(side);
+
+    bench = benchmark::RegisterBenchmark("sphere", measure, std::ref(sphere));
+    bench->Unit(benchmark::kMillisecond);
+    for (const std::uint32_t n : {64, 128, 256, 512, 1024})
+        if (n <= max_n) bench->Arg(n);
+}
+
+// Takes --largest_piece=M out of the arguments.
+void take_largest_piece(int& argc, char** argv) {
+    constexpr char option[] = "--largest_piece=";
+    int kept = 1;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strncmp(argv[i], option, sizeof(option) - 1) == 0)
+            options.largest_piece = std::strtoul(argv[i] + sizeof(option) - 1, nullptr, 10);
+        else
+            argv[kept++] = argv[i];
+    }
+    argc = kept;
 }
 
 }  // namespace
 }  // namespace vcell::bench
 
 int main(int argc, char** argv) {
+    vcell::bench::take_largest_piece(argc, argv);
     const auto max_n = vcell::bench::take_max_n(argc, argv, 10'000, 100);
     if (!max_n) return 1;
     vcell::bench::register_families(*max_n);

@@ -107,6 +107,25 @@ inline SphereScene lattice_scene(std::uint32_t side) {
     return scene;
 }
 
+/// n points within 1e-4 of a sphere of radius 2 that touches the plane at (4, 4), no lower than 0.2: all
+/// their trisectors pass near that point, and no piece around it sees fewer than all of them.
+inline SphereScene points_on_a_sphere(std::uint32_t n) {
+    SphereScene scene;
+    scene.x1 = scene.y1 = 8;
+    std::mt19937_64 random(3);
+    const auto uniform = [&](double low, double high) {
+        return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
+    while (scene.spheres.size() < n) {
+        const Vec3 d(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+        const double length = d.norm();
+        if (!(length > 0.1 && length <= 1)) continue;
+        const Vec3 p = Vec3(4, 4, 2) + (2 + uniform(0, 1e-4)) / length * d;
+        if (p.z() >= 0.2) scene.spheres.push_back({p, 0});
+    }
+    return scene;
+}
+
 /// Reads "xmin ymin xmax ymax", then "x y z r" for every sphere, separated by blanks or newlines.
 inline SphereScene read_scene(std::istream& in) {
     SphereScene scene;
