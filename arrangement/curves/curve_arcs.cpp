@@ -327,7 +327,7 @@ Sign CurveArcs::exact_side_of(const ExactPoint& p, BranchId b) const {
     return level;
 }
 
-// Of a point on the circle: does it lie on this half?
+// Does a point of the circle lie on this half? The two halves are graphs of their own.
 bool CurveArcs::on_half(Point p, BranchId b) const {
     const Branch& branch = branches_[b];
     if (!branch.graph) return true;

@@ -26,7 +26,7 @@ struct MixedSpan {
     MixedSpan() { points.fill(Eigen::Vector4d::Zero()); }
 };
 
-/// Of an edge's spans.
+/// How far an edge's spans are from the true arc.
 struct FitError {
     double chart = 0;  ///< distance of the chart curve from the arc's projection
     double space = 0;  ///< of the space curve from the arc, and of the lifted trims from the space curve

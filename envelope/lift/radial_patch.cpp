@@ -41,7 +41,9 @@ bool is_crossing(const Cylinder& c) {
 // A unit vector across the unit vector `axis`, as near to `towards` as can be.
 Vec3 across(const Vec3& axis, const Vec3& towards) {
     const Vec3 x = towards - axis * axis.dot(towards);
-    return x.norm() > 0x1p-20 * towards.norm() ? Vec3(x.normalized()) : axis.unitOrthogonal();
+    // Output accuracy: of a smaller sine rounding would be more than 2^-32, and any direction is as near.
+    constexpr double least_sine = 0x1p-20;
+    return x.norm() > least_sine * towards.norm() ? Vec3(x.normalized()) : axis.unitOrthogonal();
 }
 
 }  // namespace

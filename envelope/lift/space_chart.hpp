@@ -16,7 +16,7 @@ using Vector3i = std::array<Interval, 3>;
 
 class SpaceChart {
 public:
-    /// Of the plane z = 0, whose chart is the plane itself.
+    /// The chart of the base plane z = 0 is the plane itself.
     SpaceChart() = default;
     explicit SpaceChart(const RadialBaseProblem& problem)
         : kind_(problem.is_sphere ? Kind::Sphere : Kind::Cylinder), problem_(&problem) {}
@@ -46,7 +46,8 @@ public:
         if (is_plane()) return slack + rounding * q.norm();
         return (slack / std::min(X[3], 1.0) + rounding) * (1 + q.squaredNorm());
     }
-    /// The same place of the chart, which may close up, as near as it comes to a box {x0, x1, y0, y1}.
+    /// Names a place of the chart, which may close up, by the coordinates nearest to a box {x0, x1, y0, y1}:
+    /// pieces are continued beyond the chart's own range.
     Vec2 continued(Vec2 q, const std::array<double, 4>& box) const;
 
     /// Calls f(foot, normal) with enclosures over boxes that make up {x0, x1, y0, y1}.

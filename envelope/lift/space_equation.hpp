@@ -39,7 +39,7 @@ inline Bernstein<5> row(const Points& points, int i, double origin = 0) {
 
 inline double at(const Linear& f, const Vector4d& X) { return f.head<4>().dot(X) + f[4]; }
 
-// Of a span's curve (p, t).
+// The point of a span's curve (p, t) at a parameter.
 inline Vector4d point(const Points& p, double s) {
     Eigen::Matrix<double, 4, 6> q = p.topRows<4>();
     for (int n = 5; n > 0; --n)
@@ -178,7 +178,7 @@ public:
         if (!(s < 1)) return infinity;
         return sqrt2 * s / std::sqrt(1 + std::sqrt(1 - s * s)) + rounding * (1 + size(X) / d);
     }
-    // Of |Hess G| within a reach that is less than what makes variation() infinite.
+    // Bounds |Hess G| within a reach that is less than what makes variation() infinite.
     double curvature_bound(const Vector4d& X, double reach) const {
         if (is_paraboloid_) return 2 * scale_;
         return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - reach) : 0;

@@ -47,7 +47,7 @@ public:
 
     // Encloses the points (p, t) over a part of the arc, in a box of the chart.
     SpaceBox enclosure(const std::array<double, 4>& box) const;
-    // The same over the lesser arc of a rim between two nodes: a rim has no pieces to enclose.
+    // Encloses them over the lesser arc of a rim between two nodes: a rim has no pieces.
     SpaceBox rim_enclosure(const Node& from, const Node& to, double slack) const;
 
     // Encloses the part of a piece between two nodes, in the chart: lines in the piece's direction bound a

@@ -101,7 +101,7 @@ struct FitEffort {
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans, FitEffort& effort);
 
-/// The same over the base plane z = 0, for distances from it.
+/// Fits likewise over the base plane z = 0, where t is the distance from it.
 SpaceFitError fit_spline_over_plane(const SpaceArc& arc, double tolerance, std::vector<SpaceSpan>& spans,
                                     FitEffort& effort);
 

@@ -119,7 +119,7 @@ public:
     }
 
 private:
-    // Of the three equations over D.
+    // What the three equations may do over D.
     struct Range {
         std::array<double, 3> reach;
         std::array<double, 4> variations{};

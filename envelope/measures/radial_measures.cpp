@@ -100,8 +100,9 @@ private:
         // The face's integrals along the axis start between its ends; or in a tip, where rounding turns
         // points about the axis by most, and which then counts for nothing.
         radial_integrals::Around around() const {
+            constexpr double tip_part = 0x1p-10;  // a matter of digits: integrals from any height are right
             const double height =
-                nearest < 0x1p-10 * farthest ? at_nearest.y() : 0.5 * (least.y() + most.y());
+                nearest < tip_part * farthest ? at_nearest.y() : 0.5 * (least.y() + most.y());
             return {{at_nearest.x(), height, at_nearest.z()}, (most - least).norm()};
         }
     };

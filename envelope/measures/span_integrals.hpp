@@ -244,7 +244,8 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, doub
             size[k] += node.gauss * s[k];
         }
     };
-    // As a part of the absolute value: all of it where that vanishes among the smallest numbers.
+    // A difference is a part of the absolute value, and all of it where that vanishes among the smallest
+    // numbers.
     const auto part = [&](double a, std::size_t k) { return a < absolute[k] ? a / absolute[k] : 1.0; };
     const auto is_good = [&] {
         bool is = true;

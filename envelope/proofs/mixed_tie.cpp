@@ -208,7 +208,9 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
                     raised[2].enclosure())
             .sign();
     };
-    for (double step = 0.5 * work.width; step > 0x1p-10 * work.width; step *= 0.5) {
+    // Where to stop asking: nearer to the apex the two sides are told apart by fewer digits.
+    constexpr double least_step = 0x1p-10;
+    for (double step = 0.5 * work.width; step > least_step * work.width; step *= 0.5) {
         const double s = apex.point[by_x ? 0 : 1];
         const auto before = above(s - step), after = above(s + step);
         if (before && after) return *before == -*after && *before != Sign::Zero;

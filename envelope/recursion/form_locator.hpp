@@ -25,7 +25,7 @@ public:
     /// Most points asked about lie in x0 <= x <= x1, y0 <= y <= y1, box = {x0, x1, y0, y1}, in the chart's
     /// coordinates; for others all forms are compared. On a sphere rectangles are halved as angles from the
     /// chart's middle are. The family must outlive the locator.
-    /// Of `forms`, ascending and not empty, one is found.
+    /// Only `forms`, ascending and not empty, are looked at: hidden ones of the family own no point.
     FormLocator(const FormFamily& family, std::vector<FormId> forms, const std::array<double, 4>& box,
                 bool is_sphere);
 

@@ -80,15 +80,17 @@ protected:
         // |m + d|) < 8 |d| for |d| < |m| / 2. From the ends |d| is half the sum of their errors, from the
         // centre 2 e; and R^2 itself changes the apex by 2 e / |m| < 128 e, the centre by 2 e. Together 4
         // times the ends' errors and less than 150 e.
-        if (!(radius2 < 4 * depth2) || !(p.error + q.error < 0x1p-7)) return;
+        constexpr double most_change = 0x1p-7;  // |m| / 2
+        if (!(radius2 < 4 * depth2) || !(p.error + q.error < most_change)) return;
         edge.apex.p = center + radius2 / depth2 * middle;
         edge.apex.error = edge.apex_blur + 32 * (p.error + q.error);
         edge.apex.height = f(edge.apex.p);
         edge.apex.doubt = 2 * std::max(f.error, g.error) + f.slope * edge.apex.error;
         edge.apex.set_level(steepest_);
     }
-    // Of an arc whose ends are too near to each other to tell how it runs, unless it seems to be the rest of
-    // the circle: the point opposite to its ends would be on it. Otherwise it lies in a ball about its ends.
+    // Marks an arc whose ends are too near to each other to tell how it runs, unless it seems to be the rest
+    // of the circle: the point opposite to its ends would be on it. Otherwise it lies in a ball about its
+    // ends.
     void set_short_arc(Index e) {
         constexpr double near = 0x1p-20;
         Edge& edge = edges_[e];
@@ -187,7 +189,9 @@ protected:
         const double radius = std::sqrt(square) + error + slack;
         if (!(radius < f.ball.radius)) return;
         const double length = center.norm();
-        if (!(length > 0x1p-10 && radius < 1 + length && is_outside(face, center / -length))) return;
+        constexpr double least_length =
+            0x1p-10;  // whose direction is known well; nearer ones keep their ball
+        if (!(length > least_length && radius < 1 + length && is_outside(face, center / -length))) return;
         f.ball = {center, radius};
         f.cap.shrink_to(f.ball);
     }
@@ -252,7 +256,7 @@ protected:
     // What ties in a vertex or along an edge and came later.
     struct Ties {
         std::vector<Index> forms;
-        // Of a vertex in the kernel, as long as the kernel keeps it:
+        // What the kernel calls the vertex, as long as it keeps it:
         PointId point;
         Index generation = 0;
     };
@@ -283,7 +287,7 @@ protected:
             return std::ranges::find(v.forms, f) != v.forms.end() || std::ranges::find(ties, f) != ties.end();
         });
     }
-    // Of the challenger less the forms that tie in the vertex.
+    // The sign of the challenger less the forms that tie in the vertex; none if no exact point is at hand.
     std::optional<Sign> exact_sign(const Vertex& v, Index challenger) {
         if (std::max(challenger, std::ranges::max(v.forms)) >= family_.size()) return std::nullopt;
         const auto point = exact_point(v);

@@ -303,7 +303,9 @@ private:
         const double doubt = 4 * error + slope * (64 * edge.error / length + slack);
         const double extreme = sign * at_center - steepness * radius;
         if (extreme > doubt) return Middle::Same;
-        if (!(extreme < -doubt) || !(steepness > 0x1p-20 * slope)) return Middle::Unknown;
+        // Less steep along the circle, a form has its extreme anywhere on it, for doubles.
+        constexpr double least_steepness = 0x1p-20;
+        if (!(extreme < -doubt) || !(steepness > least_steepness * slope)) return Middle::Unknown;
         const Vector3d center = edge.offset / edge.square * edge.normal;
         middle_ = center - sign * radius / steepness * across;
         // n.(a x b) for two points seen from the centre: each end is off by its error, the centre counts

@@ -102,7 +102,8 @@ private:
         MinimizationDiagram::Vertex out;
         out.point = scale * p.head<2>();
         const double reach2 = out.point.squaredNorm(), reach = std::sqrt(reach2), W = 1 + reach2;
-        if (!(W * v.error < 0x1p-10)) return std::nullopt;
+        constexpr double most_error = 0x1p-10;  // for which second orders are within the factors below
+        if (!(W * v.error < most_error)) return std::nullopt;
         out.error = W * v.error + 8 * u * reach;
         out.height = W * v.height;
         out.height_error =
@@ -198,7 +199,7 @@ private:
             });
             if (count != 2) continue;
             const Edge &first = edges_[sides[0] >> 1], &second = edges_[sides[1] >> 1];
-            // Of the two ways from end to end both sides take one.
+            // Both sides take the same of the two ways from end to end.
             const bool is_same_way =
                 (first.normal.dot(second.normal) < 0) == ((sides[0] & 1u) == (sides[1] & 1u));
             const auto is_one_circle = are_on_one_circle(f, right(sides[0]), right(sides[1]));

@@ -82,8 +82,8 @@ private:
         }
     }
 
-    /// Of volume, area and shadow beside a span, where they are estimated: a part of what the edge's error
-    /// may change, and of the volume as much as the blur that it is judged with.
+    /// The errors that volume, area and shadow beside a span may have where they are estimated: a part of
+    /// what the edge's error may change, and for the volume as much as the blur that it is judged with.
     std::array<double, 3> enough_for_estimates(std::size_t e, const Span& span) const {
         constexpr double of_slack = 0x1p-5, of_blur = 8;
         const auto& c = span.coefficients;

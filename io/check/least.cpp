@@ -178,7 +178,7 @@ LeastPlacesOfSites::LeastPlacesOfSites(const Scene& scene, const Site& own) : sc
     }
     if (!own.is_object()) return;
     const Object& object = scene.objects[own.index];
-    // Of all that is in the box.
+    // Whatever is in the box is no farther than that.
     const auto farthest = [&](const Sphere& ball) {
         return (scene.box.diagonal() + (ball.center - scene.box.min).norm()) * (1 + 0x1p-40);
     };

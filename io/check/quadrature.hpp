@@ -387,7 +387,7 @@ bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
     const double quarter = half[0] * half[1];
     const GaussRule& rule = gauss(detail::estimating_rule);
     const detail::LastCoefficients& last = detail::last_coefficients();
-    // Of the two last coefficients, along the one variable at each node of the other.
+    // The two last coefficients along the one variable, at each node of the other.
     std::array<std::array<std::array<Approximate, detail::nodes_of_estimates>, N>, 2> first{};
     std::array<Approximate, N> totals{}, sizes{}, tails{};
     for (std::size_t m = 0; m < rule.packs; ++m) {

@@ -124,7 +124,7 @@ public:
     FanSection(const Fan& fan, const Place<T>& p);
 
     Densities<T> at(const T& sigma) const;
-    /// Of the shadow alone, over all sigma: it takes no second variable.
+    /// Integrates the shadow alone, over all sigma: it takes no second variable.
     T shadow() const;
 
 private:

@@ -26,6 +26,15 @@ Number tangential(const Oriented& a, const Oriented& b, double off) {
             kFew * (way.squaredNorm() + delta * delta) + twice * (2 * std::abs(delta) + twice)};
 }
 
+/// The slopes are told apart in so many parts of the clearances.
+constexpr int kParts = 4;
+Interval part_of(double low, double high, int k) {
+    const auto end = [&](int i) {
+        return i == kParts ? high : low + (high - low) * (i / static_cast<double>(kParts));
+    };
+    return {end(k), end(k + 1)};
+}
+
 }  // namespace
 
 std::optional<double> growth_between(const Oriented& base, const Oriented& own, const Interval& clearance,
@@ -62,11 +71,10 @@ std::optional<Slopes> slopes_between(const Oriented& o, const Oriented& a, const
                           slack * std::max({std::abs(oa.value), std::abs(ob.value), std::abs(ab.value)})) *
                          kAbove;
     // The denominator is taken at the end of each part, where it is greatest.
-    constexpr int parts = 4;
     double least = HUGE_VAL;
-    for (int k = 0; k < parts; ++k) {
-        const double from = low + (high - low) * (k / static_cast<double>(parts)),
-                     to = k + 1 == parts ? high : low + (high - low) * ((k + 1) / static_cast<double>(parts));
+    for (int k = 0; k < kParts; ++k) {
+        const Interval part = part_of(low, high, k);
+        const double from = part.lower(), to = part.upper();
         const Vec3 first_sides = sides(from), last_sides = sides(to);
         // Bernstein coefficients of a quadratic.
         const double lowest = std::min(
@@ -117,11 +125,10 @@ std::optional<Slopes> slopes_beside(const Oriented& o, const Oriented& a, const 
     const double error = (longest * longest * (oa.error + kFew * oa.value) +
                           oa.value * slack * (2 * longest + slack) + q_error * (2 * most_q + q_error)) *
                          kAbove;
-    constexpr int parts = 4;
     double least = HUGE_VAL;
-    for (int k = 0; k < parts; ++k) {
-        const double from = low + (high - low) * (k / static_cast<double>(parts)),
-                     to = k + 1 == parts ? high : low + (high - low) * ((k + 1) / static_cast<double>(parts));
+    for (int k = 0; k < kParts; ++k) {
+        const Interval part = part_of(low, high, k);
+        const double from = part.lower(), to = part.upper();
         // Bernstein coefficients of a quadratic.
         const double lowest =
             std::min({oa.value * s(o, from) * s(a, from) - q(from) * q(from),

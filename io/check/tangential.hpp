@@ -39,7 +39,7 @@ std::optional<double> growth_between(const Oriented& base, const Oriented& own, 
 struct Slopes {
     double both, growth;
 };
-/// The same of two.
+/// The slopes beside two objects.
 std::optional<Slopes> slopes_between(const Oriented& base, const Oriented& a, const Oriented& b,
                                      const Interval& clearance, double size, double margin);
 
@@ -49,7 +49,7 @@ struct Inwards {
     double sign,
         place;  ///< the side is where the coordinate is `place`, and inside is where sign times it grows
 };
-/// The same of an object and a side of the box.
+/// The slopes beside an object and a side of the box.
 std::optional<Slopes> slopes_beside(const Oriented& base, const Oriented& own, const Inwards& side,
                                     const Interval& clearance, double size, double margin);
 

@@ -90,7 +90,7 @@ private:
 };
 
 class TrimJudge {
-    /// Of trimming curves and edges that are looked at by values.
+    /// Trimming curves and edges of higher degree are not looked at by values.
     static constexpr int kMostDegree = 7;
     using Coefficients = std::array<double, kMostDegree + 1>;
 

@@ -50,7 +50,7 @@ std::string object_path(const Scene& scene, std::size_t object, const std::strin
 
 /// "object 3 (O1)" or "object 3", for messages.
 std::string object_title(const Scene& scene, std::size_t object);
-/// The same for an object as a site, and "side box:-x".
+/// How messages name a competitor: an object by its title, a side of the box as "side box:-x".
 std::string competitor_title(const Scene& scene, Site site);
 
 }  // namespace vcell

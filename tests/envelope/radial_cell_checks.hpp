@@ -177,7 +177,7 @@ inline void check_cell(const Cell& cell) {
     }
 }
 
-/// Of the sites along the ray in a direction: the nearest, and how much further the next one is (relative).
+/// The nearest site along the ray in a direction, and how much further the next one is (relative).
 struct Nearest {
     Site site;
     double gap;

@@ -128,7 +128,7 @@ struct Ties {
     std::size_t in_vertices = 0, along_edges = 0;
 };
 
-/// Of a scene whose diagram insertion finds as pieces do, if it finds one.
+/// The ties of a scene whose diagram insertion, if it finds one, finds as pieces do.
 Ties ties_both_ways(const Scene& s) {
     CAPTURE(in_words(s));
     const FormFamily family = radial_base_problem(s).family;
@@ -185,7 +185,7 @@ TEST_CASE("ties of four and more balls: insertion finds what pieces find") {
 TEST_CASE("ties along edges: insertion finds what pieces find") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    // Of a simple cubic lattice all neighbours but six touch the cell along an edge or in a corner.
+    // In a simple cubic lattice all neighbours but six touch the cell along an edge or in a corner.
     std::vector<Vec3> lattice;
     for (int x = -3; x <= 3; ++x)
         for (int y = -3; y <= 3; ++y)

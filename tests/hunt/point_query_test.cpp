@@ -12,6 +12,7 @@
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../../primitives/objects/decided_scene.hpp"
+#include "../primitives/reference.hpp"
 #include "families.hpp"
 #include "test_support.hpp"
 
@@ -20,33 +21,13 @@ using namespace vcell::hunt;
 
 namespace {
 
-double distance(const Object& object, const Vec3& p) {
-    if (const auto* plane = std::get_if<Plane>(&object))
-        return std::abs(plane->normal.stableNormalized().dot(p - plane->point));
-    if (const auto* ball = std::get_if<Sphere>(&object))
-        return std::abs((p - ball->center).norm() - ball->radius);
-    const auto& tube = std::get<Cylinder>(object);
-    return std::abs((p - tube.point).cross(tube.axis.stableNormalized()).norm() - tube.radius);
-}
-
-// The least distance of p from an object that competes. The box clips cells, p lies in it.
+// How far p is from the nearest object that competes; negative in the solid of one, where no point is in the
+// cell. The box clips cells, p lies in it.
 double least_distance(const Scene& scene, const Vec3& p) {
     double least = scene.box.diagonal();
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         if (scene.competes(i)) least = std::min(least, distance(scene.objects[i], p));
     return least;
-}
-
-// The solid of an object may hold p; then no point there is in the cell.
-bool is_in_a_solid(const Scene& scene, const Vec3& p) {
-    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        if (!scene.competes(i)) continue;
-        if (const auto* ball = std::get_if<Sphere>(&scene.objects[i]))
-            if ((p - ball->center).norm() < ball->radius) return true;
-        if (const auto* tube = std::get_if<Cylinder>(&scene.objects[i]))
-            if ((p - tube->point).cross(tube->axis.stableNormalized()).norm() < tube->radius) return true;
-    }
-    return false;
 }
 
 }  // namespace
@@ -74,14 +55,10 @@ TEST_CASE("point query: inside is nearer to the base than to all else, over ever
                     const bool behind =
                         std::holds_alternative<Plane>(scene.base) &&
                         std::get<Plane>(scene.base).normal.dot(p - std::get<Plane>(scene.base).point) < 0;
-                    const double slack = least_distance(scene, p) - distance(scene.base, p);
-                    if (std::abs(slack) < 1e-9 * size || behind || is_in_a_solid(scene, p)) continue;
+                    const double nearest = least_distance(scene, p), own = distance(scene.base, p),
+                                 slack = nearest - own;
                     // What a base's body holds belongs to the cell unless something else reaches in.
-                    if (const auto* ball = std::get_if<Sphere>(&scene.base))
-                        if ((p - ball->center).norm() < ball->radius) continue;
-                    if (const auto* tube = std::get_if<Cylinder>(&scene.base))
-                        if ((p - tube->point).cross(tube->axis.stableNormalized()).norm() < tube->radius)
-                            continue;
+                    if (std::abs(slack) < 1e-9 * size || behind || nearest < 0 || own < 0) continue;
                     ++judged;
                     ++(slack > 0 ? inside : outside);
                     CHECK(answer->inside == (slack > 0));

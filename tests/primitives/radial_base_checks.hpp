@@ -15,25 +15,17 @@
 
 #include "../../core/errors.hpp"
 #include "../../primitives/bases/radial_base.hpp"
+#include "reference.hpp"
 #include "test_support.hpp"
 
 namespace vcell::radial_base {
 
-using Real = boost::multiprecision::cpp_bin_float_100;
+using vcell::Real;
+using vcell::real;
 
 inline constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
 using RealVector = std::array<Real, 3>;
-
-inline Real real(const Exact& v) {
-    Real sum = 0;
-    for (Exact rest = v; rest.sign() != Sign::Zero;) {
-        const double part = rest.enclosure().mid();
-        sum += part;
-        rest -= part;
-    }
-    return sum;
-}
 
 inline RealVector real(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 inline Real dot(const RealVector& p, const RealVector& q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; }
