@@ -11,11 +11,13 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <numeric>
 #include <optional>
 
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
 #include "../envelope/point_query.hpp"
+#include "../envelope/vertex_refinement.hpp"
 #include "../envelope/voronoi_cell.hpp"
 #include "../io/check/check.hpp"
 #include "../io/files/text.hpp"
@@ -37,6 +39,7 @@ Examples:
   vcell query scene.json points.txt
   vcell measure scene.json
   vcell compute scene.json -o - | vcell check -
+  vcell refine cell.json --bits 200
 
 A file named - is standard input or output. Scenes are JSON or plain "x y z r" lines.
 Exit status: 0 done, 1 wrong usage or an output that cannot be written, 2 bad input, 3 a question that
@@ -446,6 +449,71 @@ private:
     bool json_ = false;
 };
 
+// ---- refine --------------------------------------------------------------------------------------
+
+class Refine {
+public:
+    explicit Refine(CLI::App& app)
+        : command_(*app.add_subcommand("refine", "vertices of a cell file to more digits")) {
+        command_.add_option("CELL", path_, "cell file, JSON; - is standard input")->required();
+        command_.add_option("--vertex", vertices_, "only these, counted from 0");
+        command_.add_option("--bits", bits_, "within 2^-BITS of the box's diagonal")
+            ->check(CLI::Range(1, most_refined_bits))
+            ->capture_default_str();
+        command_.footer(
+            "Prints a table, tab-separated: the vertex; three of its sites that fix it with the base; x, y, z\n"
+            "and clearance, of which the last digit may be off by one; and a bound on how far the vertex is from\n"
+            "being equally far from its other sites, 0 if it has none. Exit status 3 if a vertex has no line:\n"
+            "where bisectors touch, no three sites fix it.");
+    }
+
+    bool chosen() const { return command_.parsed(); }
+
+    Status run() const {
+        const Cell cell = about_file(path_, "", [&] { return read_cell(path_); });
+        std::vector<std::size_t> vertices = vertices_;
+        if (!command_.count("--vertex")) {
+            vertices.resize(cell.vertices.size());
+            std::iota(vertices.begin(), vertices.end(), std::size_t{0});
+        }
+        // Digits after the point.
+        const double unit = std::ldexp(cell.scene.box.diagonal(), -bits_);
+        const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(unit))));
+        std::string table = "vertex\tsites\tx\ty\tz\tclearance\ttie_width\n";
+        bool is_whole = true;
+        for (const std::size_t v : vertices) {
+            if (v >= cell.vertices.size())
+                throw UsageError(
+                    fmt::format("refine: there is no vertex {}, but {} of them", v, cell.vertices.size()));
+            if (const auto refined = refine(cell, v, bits_)) {
+                append(table, v, *refined, digits);
+            } else {
+                warn(fmt::format("vertex {}: no three of its sites are proved to fix it", v));
+                is_whole = false;
+            }
+        }
+        OutputFile out("-");
+        out.stream() << table;
+        out.commit();
+        return is_whole ? done : undecided;
+    }
+
+private:
+    static void append(std::string& table, std::size_t v, const RefinedVertex& refined, int digits) {
+        const auto& [a, b, c] = refined.sites;
+        fmt::format_to(std::back_inserter(table), "{}\t{},{},{}", v, to_string(a), to_string(b),
+                       to_string(c));
+        for (const Wide& side : refined.box)
+            table += '\t' + side.mid().lower().str(digits, std::ios_base::fixed);
+        fmt::format_to(std::back_inserter(table), "\t{:.3g}\n", refined.tie_width);
+    }
+
+    CLI::App& command_;
+    std::string path_;
+    std::vector<std::size_t> vertices_;
+    int bits_ = 128;
+};
+
 int run(int argc, char** argv) {
     CLI::App app(program_help, "vcell");
     app.footer(program_footer);
@@ -458,6 +526,7 @@ int run(int argc, char** argv) {
     Query query(app);
     Measure measure(app);
     Check check(app);
+    Refine refine(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -466,7 +535,8 @@ int run(int argc, char** argv) {
     if (compute.chosen()) return compute.run();
     if (query.chosen()) return query.run();
     if (measure.chosen()) return measure.run();
-    return check.run();
+    if (check.chosen()) return check.run();
+    return refine.run();
 }
 
 }  // namespace

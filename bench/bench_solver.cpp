@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "../primitives/bisectors/vertex_system.hpp"
+#include "../primitives/bisectors/vertex_roots.hpp"
 #include "bench_main.hpp"
 
 namespace vcell::bench {

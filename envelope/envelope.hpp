@@ -5,4 +5,5 @@
 #include "cell_changes.hpp"
 #include "diagram/minimization_diagram.hpp"
 #include "point_query.hpp"
+#include "vertex_refinement.hpp"
 #include "voronoi_cell.hpp"

@@ -5,7 +5,7 @@
 #include "bisectors/bisector.hpp"
 #include "bisectors/height_conics.hpp"
 #include "bisectors/trisector.hpp"
-#include "bisectors/vertex_system.hpp"
+#include "bisectors/vertex_roots.hpp"
 #include "objects/objects.hpp"
 #include "objects/scene.hpp"
 #include "objects/site.hpp"

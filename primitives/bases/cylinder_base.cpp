@@ -131,10 +131,6 @@ public:
 private:
     // In box diagonals, some times the rounding of coordinates.
     static constexpr double tie_rounding = 0x1p-50;
-    // In box diagonals. A line that runs into a side obliquely has no clearance there: distances just before
-    // are all but 0 on one side of it only. Half a double's digits: the rounding of the axis is as small a
-    // part of the last circle as that is of the box.
-    static constexpr double least_end_radius = 0x1p-26;
 
     // A side of the box from the origin of the frame: normal.p <= norm distance.
     struct Side {
@@ -172,8 +168,7 @@ private:
             if (side.is_across_axis()) {
                 end = ahead == Sign::Positive ? side.distance.enclosure() : -side.distance.enclosure();
             } else {
-                const double least = least_end_radius * scene_.box.diagonal();
-                const double radius = std::max(base_.radius, least);
+                const double radius = end_radius(base_, scene_.box);
                 const Exact across2 = Exact(radius) * radius * side.across2();
                 end = ((frame_.norm * side.distance).enclosure() - sqrt(across2.enclosure())) /
                       side.normal.y.enclosure();
@@ -182,8 +177,7 @@ private:
             const double y = is_last ? end.lower() : end.upper();
             if (is_last ? y >= range[1] : y <= range[0]) continue;
             range[is_last] = y;
-            const bool is_early =
-                !side.is_across_axis() && base_.radius < least_end_radius * scene_.box.diagonal();
+            const bool is_early = !side.is_across_axis() && base_.radius < end_radius(base_, scene_.box);
             early_ends_[is_last] = is_early ? std::optional(side.site) : std::nullopt;
         }
         if (!(range[0] < range[1])) fail_empty("contains no stretch of the base cylinder (base.cylinder)");
@@ -500,8 +494,7 @@ private:
         problem.chart = chart() / turn_norm;
         for (const std::optional<Site>& site : early_ends_)
             if (site)
-                problem.warnings.push_back("base: ends " +
-                                           to_text(unit_ * least_end_radius * scene_.box.diagonal()) +
+                problem.warnings.push_back("base: ends " + to_text(unit_ * end_radius(base_, scene_.box)) +
                                            " from side " + to_string(*site) +
                                            ", which it runs into obliquely: its clearance falls to 0 there");
         objects_.warn(found.sites, problem.warnings);
@@ -514,14 +507,18 @@ private:
     const Cylinder& base_;
     const double unit_;
     const CylinderFrame frame_;
-    const BaseFrame motion_;  // rounded
-    std::array<std::optional<Site>, 2>
-        early_ends_;  // sides before which the stretch ends by least_end_radius
+    const BaseFrame motion_;                         // rounded
+    std::array<std::optional<Site>, 2> early_ends_;  // sides before which the stretch ends by end_radius()
     const std::array<double, 2> stretch_;
     RadialObjects objects_;
 };
 
 }  // namespace
+
+double end_radius(const Cylinder& base, const Box& box) {
+    constexpr double least = 0x1p-26;  // of the box's diagonal
+    return std::max(base.radius, least * box.diagonal());
+}
 
 RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit) {
     return CylinderProblem(scene, base, unit).build();

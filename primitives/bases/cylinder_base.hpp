@@ -8,4 +8,10 @@ namespace vcell {
 /// radial_base_problem() of a scene whose base is this cylinder.
 RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit);
 
+/// The radius of the circles that end the stretch of a base cylinder obliquely on the sides of the box: its
+/// own, or half a double's digits of the box's diagonal. A line that runs into a side has no clearance there,
+/// and distances just before are all but 0 on one side of it only; so far from it, the rounding of the axis
+/// is as small a part of the last circle as that is of the box.
+double end_radius(const Cylinder& base, const Box& box);
+
 }  // namespace vcell

@@ -11,14 +11,34 @@ template <class T>
 using Forms = QuadraticForms<4, T>;
 
 template <class T>
+T squared_norm(const std::array<double, 3>& v) {
+    T sum(0.0);
+    for (const double x : v) sum += square(T(x));
+    return sum;
+}
+
+template <class T>
 void write(Forms<T>& f, int k, const PlaneSite& s) {
-    T norm2(0.0);
+    f.constant[k] = T(s.offset);
     for (int i = 0; i < 3; ++i) {
         f.linear[i][k] = T(s.normal[i]);
-        norm2 += square(T(s.normal[i]));
+        f.constant[k] -= T(s.normal[i]) * T(s.point[i]);
     }
-    f.linear[3][k] = -sqrt(norm2);
-    f.constant[k] = T(s.offset);
+    f.linear[3][k] = -sqrt(squared_norm<T>(s.normal));
+}
+
+template <class T>
+void write(Forms<T>& f, int k, const BoxSideSite& s) {
+    f.linear[s.axis][k] = T(1.0);
+    f.constant[k] = -T(s.bound);
+}
+
+template <class T>
+void write(Forms<T>& f, int k, const RimSite& s) {
+    const T norm = sqrt(squared_norm<T>(s.base.normal));
+    f.linear[s.side.axis][k] = norm;
+    f.linear[3][k] = -T(s.base.normal[s.side.axis]);
+    f.constant[k] = -(norm * T(s.side.bound));
 }
 
 template <class T>
@@ -39,8 +59,7 @@ void write(Forms<T>& f, int k, const SphereSite& s) {
 // With D = |d|^2 I - d d^T: p^T D p - 2 (D c).p + c^T D c = |d|^2 (r + rho)^2.
 template <class T>
 void write(Forms<T>& f, int k, const CylinderSite& s) {
-    T norm2(0.0);
-    for (const double d : s.direction) norm2 += square(T(d));
+    const T norm2 = squared_norm<T>(s.direction);
     std::array<std::array<T, 3>, 3> D;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
@@ -59,6 +78,22 @@ void write(Forms<T>& f, int k, const CylinderSite& s) {
     f.quadratic[f.pair(3, 3)][k] = -norm2;
     f.linear[3][k] = -(norm2 * T(2.0 * s.radius));
     f.constant[k] = constant;
+}
+
+template <class T>
+void write(Forms<T>& f, int k, const EndSite& s) {
+    const CylinderSite& tube = s.tube;
+    const int axis = s.side.axis;
+    std::array<double, 3> across = tube.direction;
+    across[axis] = 0;
+    const T norm2 = squared_norm<T>(tube.direction),
+            reach = T(tube.radius) * sqrt(squared_norm<T>(across) / norm2),
+            middle = T(s.side.bound) + (s.from_below ? -reach : reach);
+    f.constant[k] = -((middle - T(tube.point[axis])) * norm2);
+    for (int i = 0; i < 3; ++i) {
+        f.linear[i][k] = T(tube.direction[axis]) * T(tube.direction[i]);
+        f.constant[k] -= f.linear[i][k] * T(tube.point[i]);
+    }
 }
 
 }  // namespace
@@ -81,7 +116,5 @@ double VertexSystem::least_clearance() const {
     }
     return least;
 }
-
-template Solutions<4> solve(const VertexSystem&, const IntervalBox<4>&, const SolverOptions&);
 
 }  // namespace vcell

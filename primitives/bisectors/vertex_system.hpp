@@ -1,18 +1,20 @@
-/// The equations of a vertex: four planes, spheres and cylinders at one distance.
+/// The equations of a vertex: four planes, spheres and cylinders at one distance, or planes that bound the
+/// cell in the place of some of them.
 #pragma once
 
 #include <array>
 #include <variant>
 
-#include "../../core/solver/roots/solver.hpp"
+#include "../../core/solver/systems/quadratic_system.hpp"
 
 namespace vcell {
 
-/// The half space's plane n.p + D = 0; its clearance counts on the side where n.p + D > 0. n need not
-/// be unit.
+/// The half space's plane n.(p - point) + D = 0; its clearance counts on the side where this is positive. n
+/// need not be unit.
 struct PlaneSite {
     std::array<double, 3> normal;
-    double offset;
+    double offset = 0;
+    std::array<double, 3> point{};
 };
 struct SphereSite {
     std::array<double, 3> center;
@@ -24,13 +26,32 @@ struct CylinderSite {
     std::array<double, 3> direction;
     double radius;
 };
-using VertexSite = std::variant<PlaneSite, SphereSite, CylinderSite>;
+/// A side of the box: p_axis = bound, at any distance.
+struct BoxSideSite {
+    int axis;
+    double bound;
+};
+/// The rim of a base plane's region on a side of the box: the foot of p on the plane has the coordinate
+/// `bound`.
+struct RimSite {
+    PlaneSite base;
+    BoxSideSite side;
+};
+/// The plane across a tube in which the tube's circle touches a side of the box, from below or from above.
+struct EndSite {
+    CylinderSite tube;
+    BoxSideSite side;
+    bool from_below;
+};
+using VertexSite = std::variant<PlaneSite, SphereSite, CylinderSite, BoxSideSite, RimSite, EndSite>;
 
 /// The points (x, y, z) with the same distance r from four objects, in the unknowns x, y, z, r:
 ///
-///     plane      n.p + D = |n| r
+///     plane      n.(p - point) + D = |n| r
 ///     sphere     |p - c|^2 = (r + rho)^2
 ///     cylinder   |d|^2 |p - c|^2 - (d.(p - c))^2 = |d|^2 (r + rho)^2
+///     rim        |n| p_axis - n_axis r = |n| bound, if r is the distance from the base: the foot is p - r n
+///     / |n| end        d.(p - c) = s |d|^2 with c_axis + s d_axis +- rho |d - d_axis e_axis| / |d| = bound
 ///
 /// The squared equations also hold for the distance -(r + rho) - rho; r + rho >= 0 excludes that, so
 /// the box to search has r >= least_clearance().
@@ -45,6 +66,5 @@ struct VertexSystem {
 
 extern template QuadraticForms<4, Interval> VertexSystem::forms<Interval>() const;
 extern template QuadraticForms<4, Wide> VertexSystem::forms<Wide>() const;
-extern template Solutions<4> solve(const VertexSystem&, const IntervalBox<4>&, const SolverOptions&);
 
 }  // namespace vcell

@@ -84,7 +84,7 @@ using Names = std::vector<std::string>;
 TEST_CASE("program: help and version") {
     Workplace w;
     for (const char* arguments :
-         {"--help", "compute --help", "query --help", "measure --help", "check --help"}) {
+         {"--help", "compute --help", "query --help", "measure --help", "check --help", "refine --help"}) {
         const Outcome o = w.run(arguments);
         CHECK(o.status == 0);
         CHECK(o.err.empty());
@@ -452,6 +452,21 @@ TEST_CASE("program: measure prints a header and a line") {
     CHECK(header.find("volume\tvolume_error\tbody_volume\tarea\t") == 0);
     const json cell = json::parse(w.run("compute " + example("three_spheres.json") + " -o -").out);
     CHECK(std::stod(values) == cell.at("measures").at("volume").get<double>());
+}
+
+TEST_CASE("program: refine prints vertices to the digits asked for") {
+    const Workplace w;
+    // A point among points: the vertex (3/2, 3/2, 3/2), sqrt(27/4) away.
+    w.write("points.xyzr", "0 0 0 0\n3 0 0 0\n0 3 0 0\n0 0 3 0\n");
+    const std::string cell = w.run("compute points.xyzr --base 0 --box -9 -9 -9 9 9 9 -o -").out;
+    const Outcome o = w.run("refine - --bits 110", cell);
+    CHECK(o.status == 0);
+    CHECK(o.out.find("vertex\tsites\tx\ty\tz\tclearance\ttie_width\n") == 0);
+    CHECK(o.out.find("\t1.50000000000000000000000000000000\t1.50000000000000000000000000000000\t"
+                     "1.50000000000000000000000000000000\t2.59807621135331594029116951225881\t0\n") !=
+          std::string::npos);
+    CHECK(w.run("refine - --vertex 99", cell).status == 1);
+    CHECK(w.run("refine - --bits 300", cell).status == 1);
 }
 
 TEST_CASE("program: check names the damage, status 4") {

@@ -45,8 +45,8 @@ beside = {
     "primitives/bisectors/trisector.hpp",
     "primitives/bisectors/trisector_curves.cpp",
     "primitives/bisectors/trisector_equations.hpp",
-    "primitives/bisectors/vertex_system.cpp",
-    "primitives/bisectors/vertex_system.hpp",
+    "primitives/bisectors/vertex_roots.cpp",
+    "primitives/bisectors/vertex_roots.hpp",
 }
 
 # What users of the library call and the program does not; it is made of what computes cells.

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "../../primitives/bisectors/vertex_system.hpp"
+#include "../../primitives/bisectors/vertex_roots.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;

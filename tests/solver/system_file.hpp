@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "../../core/solver/systems/polynomial.hpp"
-#include "../../primitives/bisectors/vertex_system.hpp"
+#include "../../primitives/bisectors/vertex_roots.hpp"
 #include "../test_support.hpp"
 
 namespace vcell::testing {
