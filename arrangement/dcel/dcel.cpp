@@ -1,7 +1,8 @@
 #include "dcel.hpp"
 
 #include <cassert>
-#include <numeric>
+
+#include "../../core/partition.hpp"
 
 namespace vcell {
 
@@ -55,20 +56,6 @@ void Dcel::add_isolated_vertex(FaceId f, VertexId v) {
 namespace {
 
 std::optional<DcelDefect> defect(std::string what) { return DcelDefect{std::move(what)}; }
-
-/// Disjoint sets over 0 .. n-1.
-class Partition {
-public:
-    explicit Partition(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-    std::uint32_t find(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void merge(std::uint32_t i, std::uint32_t j) { parent_[find(i)] = find(j); }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
 
 }  // namespace
 

@@ -101,20 +101,18 @@ void WorkDiagram::kill_edge(Index e) {
         --live_vertices_;
     } else {
         for (const Index g : {h, t}) {
-            const Index v = half_edges_[g].origin, before = half_edges_[g].prev,
-                        after = half_edges_[twin(g)].next;
-            if (after == g && merging_ && vertices_[v].ties != none && ties_[vertices_[v].ties].size() > 1) {
+            const Index v = half_edges_[g].origin, after = detach(g);
+            if (after == none && merging_ && vertices_[v].ties != none &&
+                ties_[vertices_[v].ties].size() > 1) {
                 // An isolated point of one diagram that lay on an edge of the other.
                 vertices_[v].out = none;
                 isolated_.push_back(v);
                 --live_vertices_;
-            } else if (after == g) {
-                vertices_[v].alive = false;
-                free_vertices_.push_back(v);
+            } else if (after == none) {
+                remove_vertex(v);
                 --live_vertices_;
             } else {
                 vertices_[v].out = after;
-                link(before, after);
             }
         }
     }
@@ -135,22 +133,31 @@ WorkDiagram::Index WorkDiagram::split_edge(Index e, PointId p, FormId lowest) {
     }
     const Index h = 2 * e, t = h + 1, end = half_edges_[t].origin;
     const Index n = 2 * add_edge(edges_[e].curve, v, end, edges_[e].rim);
-    half_edges_[n].label = half_edges_[h].label;
-    half_edges_[n].face = half_edges_[h].face;
-    half_edges_[n + 1].label = half_edges_[t].label;
-    half_edges_[n + 1].face = half_edges_[t].face;
-    const Index after = half_edges_[h].next, before = half_edges_[t].prev;
-    half_edges_[t].origin = v;
-    link(n, after);
-    link(h, n);
-    link(before, n + 1);
-    link(n + 1, t);
+    split(h, v, n);
     vertices_[v].out = n;
     if (vertices_[end].out == t) vertices_[end].out = n + 1;
     edges_[n >> 1].ties = copy_ties(edges_[e].ties);
     edges_[n >> 1].challenger_ties = edges_[e].challenger_ties;
     edges_[n >> 1].stamp = edges_[e].stamp;
     return v;
+}
+
+void WorkDiagram::remove_vertex(Index v) {
+    vertices_[v].alive = false;
+    free_vertices_.push_back(v);
+}
+
+// Lets h run on over its successor, and drops the vertex between them.
+void WorkDiagram::join_with_next(Index h) {
+    const Index n = next(h), v = half_edges_[n].origin, end = target(n);
+    join(h);
+    if (vertices_[end].out == twin(n)) vertices_[end].out = twin(h);
+    remove_vertex(v);
+    --live_vertices_;
+    edges_[n >> 1].alive = false;
+    free_edges_.push_back(n >> 1);
+    --live_edges_;
+    set_bounds(h >> 1);
 }
 
 void WorkDiagram::add_ties(Index& list, std::initializer_list<FormId> present, FormId tied) {
@@ -213,6 +220,19 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
     faces_[f].outer = 0;
     faces_[outside].inner.push_back(1);
     set_center(faces_[f]);
+    require_soundness();
+}
+
+// In builds with asserts: of what every change leaves.
+void WorkDiagram::require_soundness() const {
+#ifndef NDEBUG
+    if (const auto defect = find_defect([&](Index e) { return edges_[e].alive; }))
+        throw InternalError("a diagram of circular forms: " + *defect);
+    for (Index h = 0; h < half_edges_.size(); ++h)
+        if (edges_[h >> 1].alive && half_edges_[h].face != outside &&
+            half_edges_[h].label != faces_[half_edges_[h].face].site)
+            throw InternalError("half-edge h" + std::to_string(h) + " has another label than its face");
+#endif
 }
 
 void WorkDiagram::set_center(Face& f) const {
@@ -268,8 +288,7 @@ void WorkDiagram::resolve() {
             if (stays) {
                 isolated_.push_back(v);
             } else {
-                vertex.alive = false;
-                free_vertices_.push_back(v);
+                remove_vertex(v);
             }
         }
         f.alive = false;
@@ -292,6 +311,7 @@ void WorkDiagram::resolve() {
     } else {
         nest_cycles();
     }
+    require_soundness();
 }
 
 void WorkDiagram::decide_boundary(Duel& d) {
@@ -331,15 +351,10 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     }
     vertex.sign = kernel_.sign_at(vertex.point, rival.f, rival.g);
     if (vertex.sign == Sign::Zero) {
-        Index h = vertex.out;
-        if (h == none) {
+        if (vertex.out == none)
             add_ties(vertex.ties, {}, rival.f);
-            return vertex.sign;
-        }
-        do {
-            add_ties(vertex.ties, {half_edges_[h].label}, rival.f);
-            h = twin(half_edges_[h].prev);
-        } while (h != vertex.out);
+        else
+            for_leaving(vertex.out, [&](Index h) { add_ties(vertex.ties, {half_edges_[h].label}, rival.f); });
     }
     return vertex.sign;
 }

@@ -15,15 +15,19 @@
 
 #include "../../arrangement/circles/circle_arcs.hpp"
 #include "../../arrangement/circles/circle_kernel.hpp"
+#include "../../arrangement/dcel/half_edge_mesh.hpp"
 #include "../diagram/minimization_diagram.hpp"
 
 namespace vcell {
 
-class WorkDiagram {
-public:
-    using Index = std::uint32_t;
-    static constexpr Index none = UINT32_MAX;
+struct WorkHalfEdge {
+    std::uint32_t next, prev, origin, face;
+    FormId label;  ///< the lowest form on its left; none outside the polygon
+};
 
+class WorkDiagram : public HalfEdgeMesh<WorkHalfEdge> {
+public:
+    using HalfEdge = WorkHalfEdge;
     struct Vertex {
         PointId point;
         Index out = none;          ///< some half-edge that leaves it; none: isolated
@@ -36,10 +40,6 @@ public:
         double height, height_error;  ///< encloses the minimum at the vertex
         // While stamp is current: the challenger's slope, and a lower bound of |challenger - defender|.
         double slope_x, slope_y, margin;
-    };
-    struct HalfEdge {
-        Index next, prev, origin, face;
-        FormId label;  ///< the lowest form on its left; none outside the polygon
     };
     /// Half-edges 2e and 2e + 1; curve directs 2e. Rim curves are {zero_form, line}, inside on their left.
     struct Edge {
@@ -77,7 +77,6 @@ public:
 
     CircleKernel& kernel() const { return kernel_; }
     const std::vector<Vertex>& vertices() const { return vertices_; }
-    const std::vector<HalfEdge>& half_edges() const { return half_edges_; }
     const std::vector<Edge>& edges() const { return edges_; }
     const std::vector<Face>& faces() const { return faces_; }
     const std::vector<std::vector<FormId>>& ties() const { return ties_; }
@@ -101,25 +100,10 @@ private:
         bool touching;
     };
 
-    Index twin(Index h) const { return h ^ 1u; }
-    Index target(Index h) const { return half_edges_[twin(h)].origin; }
     /// The curve along which half-edge h runs.
     FormPair directed(Index h) const {
         const FormPair c = edges_[h >> 1].curve;
         return h & 1u ? c.reversed() : c;
-    }
-    void link(Index first, Index second) {
-        half_edges_[first].next = second;
-        half_edges_[second].prev = first;
-    }
-    template <class Visit>
-    void for_cycle(Index start, Visit&& visit) const {
-        Index h = start;
-        do {
-            const Index next = half_edges_[h].next;
-            visit(h);
-            h = next;
-        } while (h != start);
     }
     template <class Visit>
     void for_boundary(const Face& f, Visit&& visit) const {
@@ -162,7 +146,9 @@ private:
     void thread_isolated(Index face, std::size_t first_new);
     FormId winner(Index h, const Duel& d);
     void remove_inner_edges();
-    void join_rim_edges(Index h);
+    void join_with_next(Index h);
+    void remove_vertex(Index v);
+    void require_soundness() const;
     void rebuild_faces();
     void nest_cycles();
 
@@ -175,7 +161,6 @@ private:
 
     CircleKernel& kernel_;
     std::vector<Vertex> vertices_;
-    std::vector<HalfEdge> half_edges_;
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
     std::vector<std::vector<FormId>> ties_;

@@ -211,8 +211,7 @@ void WorkDiagram::thread_isolated(Index face, std::size_t first_new) {
                 touched_.push_back(2 * n);
                 touched_.push_back(2 * n + 1);
             }
-            vertices_[v].alive = false;
-            free_vertices_.push_back(v);
+            remove_vertex(v);
             return true;
         }
         return false;
@@ -235,7 +234,7 @@ void WorkDiagram::remove_inner_edges() {
         if (edges_[e].sign == Sign::Negative) edges_[e].ties = none;
         while (vertices_[target(h)].sign == Sign::Negative) {
             if (edges_[half_edges_[h].next >> 1].curve == edges_[e].curve) {
-                join_rim_edges(h);
+                join_with_next(h);
                 continue;
             }
             Vertex& corner = vertices_[target(h)];
@@ -244,22 +243,6 @@ void WorkDiagram::remove_inner_edges() {
             break;
         }
     }
-}
-
-// Lets rim half-edge h run on over its successor, and drops the vertex between them.
-void WorkDiagram::join_rim_edges(Index h) {
-    const Index n = half_edges_[h].next, v = half_edges_[n].origin, end = target(n);
-    half_edges_[twin(h)].origin = end;
-    link(h, half_edges_[n].next);
-    link(half_edges_[twin(n)].prev, twin(h));
-    if (vertices_[end].out == twin(n)) vertices_[end].out = twin(h);
-    vertices_[v].alive = false;
-    free_vertices_.push_back(v);
-    --live_vertices_;
-    edges_[n >> 1].alive = false;
-    free_edges_.push_back(n >> 1);
-    --live_edges_;
-    set_bounds(h >> 1);
 }
 
 // Collects the new boundary components of all changed faces into cycles_.

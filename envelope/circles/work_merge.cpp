@@ -284,7 +284,7 @@ void WorkDiagram::unite_ties() {
         gather(v.challenger_ties);
         if (v.sign == Sign::Negative) {
             FormId lowest = v.out == none ? challenger(v.isolated_in) : FormId();
-            for (Index h = v.out; !lowest.valid(); h = twin(half_edges_[h].prev))
+            for (Index h = v.out; !lowest.valid(); h = next_around_origin(h))
                 lowest = challenger(half_edges_[h].face);
             set_height(v, lowest);
             v.ties = all.empty() ? none : store();
@@ -295,11 +295,7 @@ void WorkDiagram::unite_ties() {
             all.push_back(faces_[v.isolated_in].site);
             all.push_back(challenger(v.isolated_in));
         } else {
-            Index h = v.out;
-            do {
-                gather_sides(h >> 1);
-                h = twin(half_edges_[h].prev);
-            } while (h != v.out);
+            for_leaving(v.out, [&](Index h) { gather_sides(h >> 1); });
         }
         v.ties = store();
     }
@@ -320,8 +316,8 @@ void WorkDiagram::unite_ties() {
 void WorkDiagram::smooth(Index v) {
     const Index h = vertices_[v].out;
     if (!vertices_[v].alive || h == none) return;
-    const Index g = twin(half_edges_[h].prev), e = h >> 1, f = g >> 1;
-    if (g == h || twin(half_edges_[g].prev) != h) return;
+    const Index g = next_around_origin(h), e = h >> 1, f = g >> 1;
+    if (g == h || next_around_origin(g) != h) return;
     if (half_edges_[h].label != half_edges_[twin(g)].label ||
         half_edges_[twin(h)].label != half_edges_[g].label)
         return;
@@ -343,21 +339,13 @@ void WorkDiagram::smooth(Index v) {
             }))
             return;
     }
-    vertices_[v].alive = false;
-    free_vertices_.push_back(v);
-    if (e == f) {  // the last vertex of a closed curve, which counts as one vertex and one edge still
-        half_edges_[h].origin = half_edges_[g].origin = none;
-    } else {
-        const Index start = target(g);
-        half_edges_[h].origin = start;
-        link(half_edges_[twin(g)].prev, h);
-        link(twin(h), half_edges_[g].next);
-        if (vertices_[start].out == twin(g)) vertices_[start].out = h;
-        edges_[f].alive = false;
-        free_edges_.push_back(f);
-        --live_vertices_;
-        --live_edges_;
+    if (e != f) {
+        join_with_next(twin(h));
+        return;
     }
+    // The last vertex of a closed curve, which counts as one vertex and one edge still.
+    remove_vertex(v);
+    half_edges_[h].origin = half_edges_[g].origin = none;
     set_bounds(e);
 }
 

@@ -24,7 +24,8 @@ Patchwork::Patchwork(const FormFamily& family) : family_(family) {
     vertices_.reserve(4 * n);
     edges_.reserve(6 * n);
     half_edges_.reserve(12 * n);
-    faces_.reserve(2 * n);
+    face_sites_.reserve(2 * n);
+    united_faces_.reserve(2 * n);
 }
 
 Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceSide> line_sides) {
@@ -43,8 +44,7 @@ Patchwork::Index Patchwork::add(const WorkDiagram& piece, std::span<const PieceS
     face_map.assign(piece.faces().size(), none);
     for (Index f = 1; f < piece.faces().size(); ++f) {
         if (!piece.faces()[f].alive) continue;
-        face_map[f] = static_cast<Index>(faces_.size());
-        faces_.push_back({kernel.family_id(piece.faces()[f].site), face_map[f]});
+        face_map[f] = add_face(kernel.family_id(piece.faces()[f].site));
     }
     std::vector<Index>& vertex_map = vertex_map_;
     vertex_map.assign(piece.vertices().size(), none);
@@ -159,17 +159,16 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
     for (Index h = 2 * first_edge; h < half_edges_.size(); ++h) {
         const bool outside = h < 2 * (first_edge + rim) && (h & 1u);
         if (outside || half_edges_[h].face != none) continue;
-        const auto f = static_cast<Index>(faces_.size());
-        faces_.push_back({left_of(h), f});
+        const Index f = add_face(left_of(h));
         for (Index g = h; half_edges_[g].face == none; g = half_edges_[g].next) {
-            if (left_of(g) != faces_[f].site) throw InternalError("labels differ around a face of a piece");
+            if (left_of(g) != face_sites_[f]) throw InternalError("labels differ around a face of a piece");
             half_edges_[g].face = f;
         }
     }
     // A vertex without edges is one of a piece without arcs.
     for (Index v = rim; v < piece.vertices.size(); ++v) {
         if (!piece.leaving[v].empty()) continue;
-        vertices_[first_vertex + v].isolated_in = static_cast<Index>(faces_.size() - 1);
+        vertices_[first_vertex + v].isolated_in = static_cast<Index>(face_sites_.size() - 1);
         isolated_.push_back(first_vertex + v);
     }
     return 2 * first_edge + 1;
@@ -188,17 +187,12 @@ void Patchwork::join_links(Index edge, Index other, bool other_first, bool rever
     theirs = {};
 }
 
-Patchwork::Index Patchwork::find(Index f) {
-    while (faces_[f].parent != f) f = faces_[f].parent = faces_[faces_[f].parent].parent;
-    return f;
-}
-
 void Patchwork::merge_faces(Index f, Index g) {
-    f = find(f);
-    g = find(g);
-    if (faces_[f].site != faces_[g].site)
+    if (face_sites_[f] != face_sites_[g])
         throw InternalError("labels differ across a seam at face f" + std::to_string(f));
-    faces_[std::max(f, g)].parent = std::min(f, g);
+    f = united_faces_.find(f);
+    g = united_faces_.find(g);
+    united_faces_.merge(std::max(f, g), std::min(f, g));
 }
 
 // The half-edges along the seam, in their order on the outer boundary.
@@ -221,7 +215,7 @@ Patchwork::Chain Patchwork::side_chain(Index outer, std::uint32_t seam) const {
 // counter-clockwise from the seam's upper half, and b_1, ..., b_q the second's from the lower half. Their
 // rotation in the union is a_1 .. a_p b_1 .. b_q: only the turns a_p -> b_1 and b_q -> a_1 are new.
 Patchwork::Index Patchwork::glue(Index piece, Index other, std::uint32_t seam) {
-    return join(side_chain(piece, seam), side_chain(other, seam));
+    return join_chains(side_chain(piece, seam), side_chain(other, seam));
 }
 
 // The same around the cylinder: the piece lies on both sides of the seam.
@@ -231,10 +225,10 @@ void Patchwork::close(Index piece, std::uint32_t right, std::uint32_t left, doub
     const Chain down = side_chain(piece, right), up = side_chain(piece, left);
     for (const Index h : down) vertices_[half_edges_[h].origin].x -= circumference;
     vertices_[target(down.back())].x -= circumference;
-    join(down, up);
+    join_chains(down, up);
 }
 
-Patchwork::Index Patchwork::join(const Chain& down, const Chain& up) {
+Patchwork::Index Patchwork::join_chains(const Chain& down, const Chain& up) {
     const std::size_t k = down.size();
     if (up.size() != k)
         throw InternalError("a seam has " + std::to_string(k) + " edges on one side and " +
@@ -314,11 +308,7 @@ void Patchwork::unite_vertices(Index kept, Index other, Index outgoing, Index fa
         }
         return;
     }
-    Index h = outgoing;
-    do {
-        half_edges_[h].origin = kept;
-        h = twin(half_edges_[h].prev);
-    } while (h != outgoing);
+    for_leaving(outgoing, [&](Index h) { half_edges_[h].origin = kept; });
 }
 
 std::vector<FormId> Patchwork::label_of_edge(Index e) const {
@@ -334,8 +324,8 @@ std::vector<FormId> Patchwork::label_of_edge(Index e) const {
 // attains the minimum at v.
 void Patchwork::smooth(Index v) {
     if (!vertices_[v].alive || vertices_[v].out == none) return;
-    const Index h = vertices_[v].out, g = twin(half_edges_[h].prev);
-    if (g == h || twin(half_edges_[g].prev) != h) return;
+    const Index h = vertices_[v].out, g = next_around_origin(h);
+    if (g == h || next_around_origin(g) != h) return;
     const Index e = h >> 1, f = g >> 1;
     if (edges_[e].side != edges_[f].side || left_of(h) != left_of(twin(g)) || left_of(twin(h)) != left_of(g))
         return;
@@ -352,21 +342,29 @@ void Patchwork::smooth(Index v) {
     const Index start = target(g);
     // The joined edge runs along h from `start`: half-edge 2e is h, or h's twin.
     join_links(e, f, (h & 1u) == 0, (h & 1u) == (g & 1u));
-    half_edges_[h].origin = start;
-    link(half_edges_[twin(g)].prev, h);
-    link(twin(h), half_edges_[g].next);
+    join(twin(h));
     if (vertices_[start].out == twin(g)) vertices_[start].out = h;
     edges_[f].alive = false;
 }
 
 void Patchwork::drop_rim(Index outer) {
     pole_face_ = half_edges_[twin(outer)].face;
-    Index h = outer;
-    do {
+    for_cycle(outer, [&](Index h) {
         edges_[h >> 1].alive = false;
         vertices_[half_edges_[h].origin].alive = false;
-        h = half_edges_[h].next;
-    } while (h != outer);
+    });
+}
+
+// In builds with asserts: of the pieces and of their union, whose faces are known by what stands for them.
+void Patchwork::require_soundness() {
+#ifndef NDEBUG
+    std::vector<PatchworkHalfEdge> as_glued = half_edges_;
+    for (PatchworkHalfEdge& h : half_edges_)
+        if (h.face != none) h.face = united_faces_.find(h.face);
+    if (const auto defect = find_defect([&](Index e) { return edges_[e].alive; }))
+        throw InternalError("glued pieces: " + *defect);
+    half_edges_.swap(as_glued);
+#endif
 }
 
 namespace {
@@ -383,7 +381,8 @@ public:
 
     Index add(Index start, Index face) {
         const auto c = static_cast<Index>(items_.size());
-        items_.push_back({start, face, std::exchange(first_[face], c), c, none});
+        items_.push_back({start, face, std::exchange(first_[face], c), none});
+        graphs_.add();
         return c;
     }
     Index start(Index c) const { return items_[c].start; }
@@ -395,16 +394,16 @@ public:
                                    [&](const Item& c) { return c.face != root && c.next_of_face != none; });
     }
     /// The two sides of an edge belong to one graph.
-    void join(Index c, Index d) { items_[graph(c)].parent = graph(d); }
+    void join(Index c, Index d) { graphs_.merge(c, d); }
     /// Pre: join() was called for all edges.
     void find_outer(Index root) {
         std::vector<Index> first_of_graph(items_.size(), none), open;
         for (Index c = 0; c < items_.size(); ++c)
-            items_[c].next_of_graph = std::exchange(first_of_graph[graph(c)], c);
+            items_[c].next_of_graph = std::exchange(first_of_graph[graphs_.find(c)], c);
         outer_.assign(first_.size(), none);
         const auto enter_graphs_of = [&](Index face) {
             for (Index c = first_[face]; c != none; c = items_[c].next_of_face)
-                if (const Index g = std::exchange(first_of_graph[graph(c)], none); g != none)
+                if (const Index g = std::exchange(first_of_graph[graphs_.find(c)], none); g != none)
                     open.push_back(g);
         };
         enter_graphs_of(root);
@@ -423,30 +422,28 @@ public:
 
 private:
     struct Item {
-        Index start, face, next_of_face, parent, next_of_graph;
+        Index start, face, next_of_face, next_of_graph;
     };
-    Index graph(Index c) {
-        while (items_[c].parent != c) c = items_[c].parent = items_[items_[c].parent].parent;
-        return c;
-    }
 
     std::vector<Item> items_;
+    Partition graphs_;
     std::vector<Index> first_, outer_;
 };
 
 }  // namespace
 
 MinimizationDiagram Patchwork::finish(const Heights& heights) {
+    require_soundness();
     MinimizationDiagram out;
     out.forms = family_.forms;
     out.cylinders = family_.cylinders;
     out.radial = family_.radial;
 
     std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none),
-        face_map(faces_.size() + 2, none);
+        face_map(face_sites_.size() + 2, none);
     const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges_, &Edge::alive));
     const auto alive_vertices = static_cast<std::size_t>(std::ranges::count_if(vertices_, &Vertex::alive));
-    out.dcel.reserve(alive_vertices, alive_edges, faces_.size() + 1);
+    out.dcel.reserve(alive_vertices, alive_edges, face_sites_.size() + 1);
     out.vertices.reserve(alive_vertices);
     out.edges.reserve(alive_edges);
     out.face_forms.push_back({});
@@ -484,10 +481,10 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
 
     // Faces outside the region are numbered after the others: the unbounded one, and beyond a cylinder's
     // upper rim.
-    const auto inside = static_cast<Index>(faces_.size());
-    const Index root = pole_face_ == none ? inside : find(pole_face_);
+    const auto inside = static_cast<Index>(face_sites_.size());
+    const Index root = pole_face_ == none ? inside : united_faces_.find(pole_face_);
     const auto face_of = [&](Index h) {
-        if (half_edges_[h].face != none) return find(half_edges_[h].face);
+        if (half_edges_[h].face != none) return united_faces_.find(half_edges_[h].face);
         return edges_[h >> 1].side == upper_rim_ ? inside + 1 : inside;
     };
     Components components(inside + 2);
@@ -507,7 +504,7 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
     };
     for (Index c = components.first(root); c != none; c = components.next(c))
         add_inner(Dcel::unbounded_face(), c);
-    if (root != inside) out.face_forms[Dcel::unbounded_face()] = faces_[root].site;
+    if (root != inside) out.face_forms[Dcel::unbounded_face()] = face_sites_[root];
     face_map[root] = Dcel::unbounded_face().value;
     const auto add_face = [&](Index f, FormId form) {
         if (f == root || components.first(f) == none) return;
@@ -520,10 +517,10 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
             if (c != outer) add_inner(id, c);
     };
     add_face(inside + 1, {});
-    for (Index f = 0; f < inside; ++f) add_face(f, faces_[f].site);
+    for (Index f = 0; f < inside; ++f) add_face(f, face_sites_[f]);
     for (const Index v : isolated_)
         if (vertices_[v].alive)
-            out.dcel.add_isolated_vertex(FaceId{face_map[find(vertices_[v].isolated_in)]},
+            out.dcel.add_isolated_vertex(FaceId{face_map[united_faces_.find(vertices_[v].isolated_in)]},
                                          VertexId{vertex_map[v]});
 
     // Labels: the faces around, and whatever else ties.
@@ -536,14 +533,11 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
         label.clear();
         sides.clear();
         if (vertices_[v].ties != none) label = ties_[vertices_[v].ties];
-        if (const Index start = vertices_[v].out; start != none) {
-            Index h = start;
-            do {
+        if (vertices_[v].out != none)
+            for_leaving(vertices_[v].out, [&](Index h) {
                 if (left_of(h).valid()) label.push_back(left_of(h));
                 if (edges_[h >> 1].side != UINT32_MAX) sides.push_back(edges_[h >> 1].side);
-                h = twin(half_edges_[h].prev);
-            } while (h != start);
-        }
+            });
         sort_unique(label);
         std::ranges::sort(sides);
         sides.erase(std::ranges::unique(sides).begin(), sides.end());

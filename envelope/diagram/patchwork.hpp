@@ -11,16 +11,22 @@
 #include <span>
 #include <vector>
 
+#include "../../arrangement/dcel/half_edge_mesh.hpp"
+#include "../../core/partition.hpp"
 #include "../circles/work_diagram.hpp"
 #include "../proofs/mixed_piece.hpp"
 #include "minimization_diagram.hpp"
 
 namespace vcell {
 
-class Patchwork {
+struct PatchworkHalfEdge {
+    std::uint32_t next, prev, origin, face;
+};
+
+class Patchwork : private HalfEdgeMesh<PatchworkHalfEdge> {
 public:
-    using Index = WorkDiagram::Index;
-    static constexpr Index none = WorkDiagram::none;
+    using HalfEdgeMesh::Index;
+    using HalfEdgeMesh::none;
 
     explicit Patchwork(const FormFamily& family);
 
@@ -62,9 +68,6 @@ private:
         Index isolated_in = none;
         Index ties = none;
     };
-    struct HalfEdge {
-        Index next, prev, origin, face;
-    };
     // A piece of an arc with a cylinder (MinimizationDiagram::ArcPiece) that knows both its ends.
     struct Link {
         Eigen::Vector2d from, to;
@@ -81,19 +84,13 @@ private:
         Index links = none;  // index into links_, in the direction of half-edge 2e
         bool alive = true;
     };
-    struct Face {
-        FormId site;
-        Index parent;  // union-find over seams
-    };
 
-    static Index twin(Index h) { return h ^ 1u; }
-    Index target(Index h) const { return half_edges_[twin(h)].origin; }
-    void link(Index first, Index second) {
-        half_edges_[first].next = second;
-        half_edges_[second].prev = first;
+    Index add_face(FormId site) {
+        face_sites_.push_back(site);
+        return united_faces_.add();
     }
-    Index find(Index f);
     void merge_faces(Index f, Index g);
+    void require_soundness();
     FormId left_of(Index h) const { return h & 1u ? edges_[h >> 1].right : edges_[h >> 1].left; }
     std::vector<FormId> label_of_edge(Index e) const;
     static constexpr std::size_t usual_chain = 8;
@@ -102,13 +99,13 @@ private:
     void unite_vertices(Index kept, Index other, Index outgoing, Index face);
     void smooth(Index v);
     void join_links(Index edge, Index other, bool other_first, bool reverse_other);
-    Index join(const Chain& down, const Chain& up);
+    Index join_chains(const Chain& down, const Chain& up);
 
     const FormFamily& family_;
     std::vector<Vertex> vertices_;
-    std::vector<HalfEdge> half_edges_;
     std::vector<Edge> edges_;
-    std::vector<Face> faces_;
+    std::vector<FormId> face_sites_;
+    Partition united_faces_;  // across seams; the first one stands for all
     std::vector<std::vector<FormId>> ties_;
     std::vector<std::vector<Link>> links_;
     std::vector<Index> isolated_;

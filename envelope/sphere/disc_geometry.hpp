@@ -166,7 +166,7 @@ protected:
         const Linear& form = forms_[face];
         Vector3d center = Vector3d::Zero();
         double count = 0, top = -HUGE_VAL;
-        for_cycle(face, [&](Index h) {
+        for_boundary(face, [&](Index h) {
             const Vertex& v = vertices_[half_edges_[h].origin];
             const Mark& apex = edges_[h >> 1].apex;
             center += v.p;
@@ -180,7 +180,7 @@ protected:
         if (top == HUGE_VAL) return;
         center /= count;
         double square = 0, error = 0;
-        for_cycle(face, [&](Index h) {
+        for_boundary(face, [&](Index h) {
             const Vertex& v = vertices_[half_edges_[h].origin];
             const Mark& apex = edges_[h >> 1].apex;
             square = std::max({square, (v.p - center).squaredNorm(), (apex.p - center).squaredNorm()});

@@ -83,7 +83,7 @@ protected:
             remove_vertex(half_edges_[c.returning].origin);
         }
         for (const Cut& c : cuts_) cut(challenger, c);
-        for (const Index h : middles_) join(h);
+        for (const Index h : middles_) remove_middle(h);
         if (!vertex_tree_) {
             if (!swallowed_.empty()) erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
             alive_faces_.push_back(challenger);
@@ -214,7 +214,7 @@ private:
                     middle = Middle::Same;
                 if (middle == Middle::Unknown) return false;
                 is_crossed = middle == Middle::Differs;
-                if (is_crossed) split(h);
+                if (is_crossed) put_middle(h);
             }
             if (is_crossed) {
                 ++crossings;
@@ -330,7 +330,7 @@ private:
     // --- Cuts
 
     // Puts a vertex at middle_ on the edge of h, until the challenger is inserted. h stays the first part.
-    void split(Index h) {
+    void put_middle(Index h) {
         const Index from = half_edges_[h].origin;
         Vertex middle;
         middle.p = middle_;
@@ -339,24 +339,14 @@ private:
         const Index v = add(vertices_, free_vertices_, middle);
         const Index e = add_edge(edges_[h >> 1]);
         // Both parts lie on the old curve in the old direction.
-        const Index second = 2 * e + (h & 1u);
-        half_edges_[second] = {half_edges_[h].next, h, v, left(h)};
-        half_edges_[twin(second)] = {twin(h), half_edges_[twin(h)].prev, half_edges_[twin(h)].origin,
-                                     right(h)};
-        link(second, half_edges_[h].next);
-        link(h, second);
-        link(half_edges_[twin(h)].prev, twin(second));
-        link(twin(second), twin(h));
-        half_edges_[twin(h)].origin = v;
+        split(h, v, 2 * e + (h & 1u));
         if (!is_taken(vertices_[v])) middles_.push_back(h);
     }
-    // Undoes split() where the middle is left.
-    void join(Index h) {
-        const Index second = half_edges_[h].next;
+    // Undoes that where the middle is left.
+    void remove_middle(Index h) {
+        const Index second = next(h);
         remove_vertex(half_edges_[second].origin);
-        link(h, half_edges_[second].next);
-        link(half_edges_[twin(second)].prev, twin(h));
-        half_edges_[twin(h)].origin = half_edges_[twin(second)].origin;
+        join(h);
         remove_edge(second >> 1);
     }
     // Where a half-edge of the face passes from the face to the challenger: there face, face on the right and
@@ -428,7 +418,7 @@ private:
     Index stamp_ = 0;
     // Working space of insert().
     SomeIndices rivals_, swallowed_, new_edges_;
-    SomeIndices middles_;  // half-edges that end at a vertex made by split() that is not taken
+    SomeIndices middles_;  // half-edges that end at a vertex made by put_middle() that is not taken
     SmallVector<Cut, 32> cuts_;
     Vector3d middle_;
 };

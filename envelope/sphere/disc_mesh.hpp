@@ -9,12 +9,18 @@
 #include <optional>
 #include <vector>
 
+#include "../../arrangement/dcel/half_edge_mesh.hpp"
+#include "../../core/errors.hpp"
 #include "../../core/small_vector.hpp"
 #include "sphere_trees.hpp"
 
 namespace vcell::discs {
 
-class DiscMesh {
+struct DiscHalfEdge {
+    Index next, prev, origin, face;
+};
+
+class DiscMesh : protected HalfEdgeMesh<DiscHalfEdge> {
 protected:
     struct Vertex : Mark {
         std::array<Index, 3> forms{};
@@ -22,9 +28,6 @@ protected:
         Index stamp = 0;    // current: compared with the challenger
         Index taken = 0;    // current: the challenger is lower
         Index ties = none;  // the list of forms that tie here and came later
-    };
-    struct HalfEdge {
-        Index next, prev, origin, face;
     };
     // normal.p = offset on the circle; half-edge 2e runs counter-clockwise about the normal.
     struct Edge {
@@ -53,21 +56,11 @@ protected:
 
     using SomeIndices = SmallVector<Index, 32>;
 
-    static Index twin(Index h) { return h ^ 1u; }
-    Index target(Index h) const { return half_edges_[twin(h)].origin; }
     Index left(Index h) const { return half_edges_[h].face; }
     Index right(Index h) const { return half_edges_[twin(h)].face; }
-    void link(Index first, Index second) {
-        half_edges_[first].next = second;
-        half_edges_[second].prev = first;
-    }
     template <class Visit>
-    void for_cycle(Index face, Visit&& visit) const {
-        Index h = faces_[face].start;
-        do {
-            visit(h);
-            h = half_edges_[h].next;
-        } while (h != faces_[face].start);
+    void for_boundary(Index face, Visit&& visit) const {
+        for_cycle(faces_[face].start, visit);
     }
 
     template <class T>
@@ -111,8 +104,15 @@ protected:
         free_edges_.push_back(e);
     }
 
+    // In builds with asserts: between insertions.
+    void require_soundness() const {
+#ifndef NDEBUG
+        if (const auto defect = find_defect([&](Index e) { return !edges_[e].apex.is_gone(); }))
+            throw InternalError("a diagram of discs: " + *defect);
+#endif
+    }
+
     std::vector<Vertex> vertices_;
-    std::vector<HalfEdge> half_edges_;
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
     SomeIndices free_vertices_, free_edges_;

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "../../core/partition.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "disc_insertion.hpp"
 
@@ -72,7 +72,7 @@ protected:
 
         const auto half_edge = [&](Index h) { return HalfEdgeId{edge_map[h >> 1] ^ (h & 1u)}; };
         for (const auto& [place, f] : faces) {
-            for_cycle(f, [&](Index h) {
+            for_boundary(f, [&](Index h) {
                 if (is_within_point(h)) return;
                 Index next = half_edges_[h].next;
                 while (is_within_point(next)) next = half_edges_[next].next;
@@ -122,15 +122,11 @@ private:
     bool is_within_point(Index h) const { return has_points_ && edges_[h >> 1].is_point; }
     bool is_point(Index face) const {
         bool is = has_points_;
-        if (is) for_cycle(face, [&](Index h) { is = is && is_within_point(h); });
+        if (is) for_boundary(face, [&](Index h) { is = is && is_within_point(h); });
         return is;
     }
     // The one of the vertices in a vertex's place that stands for all of them.
-    Index place(Index v) {
-        if (places_.empty()) return v;
-        while (places_[v] != v) v = places_[v] = places_[places_[v]];
-        return v;
-    }
+    Index place(Index v) { return places_.size() == 0 ? v : places_.find(v); }
     // Finds the vertices that are one point, and all forms that tie there. False where an edge is closed in
     // one, or a face meets itself, and where that is not known.
     bool unite_vertices() {
@@ -142,15 +138,14 @@ private:
                               vertices_[half_edges_[2 * e + 1].origin]) != false)
                 return false;
         }
-        places_.resize(vertices_.size());
-        std::iota(places_.begin(), places_.end(), Index{0});
+        places_ = Partition(vertices_.size());
         const auto ends = [&](Index e) {
             return std::array{place(half_edges_[2 * e].origin), place(half_edges_[2 * e + 1].origin)};
         };
         for (Index e = 0; e < edges_.size(); ++e) {
             if (!is_alive(e) || !edges_[e].is_point) continue;
             const auto [p, q] = ends(e);
-            places_[p] = q;
+            places_.merge(p, q);
         }
         for (Index e = 0; e < edges_.size(); ++e) {
             if (!is_alive(e) || edges_[e].is_point) continue;
@@ -160,7 +155,7 @@ private:
         for (const Face& f : faces_) {
             if (f.start == none) continue;
             met_.clear();
-            for_cycle(static_cast<Index>(&f - faces_.data()), [&](Index h) {
+            for_boundary(static_cast<Index>(&f - faces_.data()), [&](Index h) {
                 if (!edges_[h >> 1].is_point) met_.push_back(place(half_edges_[h].origin));
             });
             std::ranges::sort(met_);
@@ -192,7 +187,7 @@ private:
             if (faces_[f].start == none) continue;
             std::array<Index, 2> sides{none, none};
             std::size_t count = 0;
-            for_cycle(f, [&](Index h) {
+            for_boundary(f, [&](Index h) {
                 if (edges_[h >> 1].is_point) return;
                 if (count < 2) sides[count] = h;
                 ++count;
@@ -292,7 +287,8 @@ private:
 
     // The result has for each vertex one in the same place (none if all are apart), and the forms where they
     // are more than three.
-    std::vector<Index> places_, met_;
+    Partition places_;
+    std::vector<Index> met_;
     std::map<Index, std::vector<Index>> tied_;
     std::map<Index, std::array<Index, 2>> slivers_;  // faces without width, and their sides
 };

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -38,9 +39,11 @@ public:
         for (const auto& [place, form] : insertion_order(attempt)) {
             if (!insert(form)) return std::nullopt;
             ++inserted_;
+            if (std::has_single_bit(inserted_)) require_soundness();
             if (options_.progress && inserted_ % 1024 == 0)
                 options_.progress(static_cast<double>(inserted_) / static_cast<double>(family_.size()));
         }
+        require_soundness();
         for (Index f = static_cast<Index>(family_.size()); f < forms_.size(); ++f)
             if (faces_[f].start != none) return std::nullopt;
         auto result = diagram(*owner);
