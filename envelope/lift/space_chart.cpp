@@ -64,17 +64,4 @@ Vec2 SpaceChart::continued(Vec2 q, const std::array<double, 4>& box) const {
     return q;
 }
 
-Vector3i SpaceChart::normals(const Interval& x, const Interval& y, bool back) const {
-    const Interval a = back ? x - Interval(2) : x;
-    const bool is_sphere = kind_ == Kind::Sphere;
-    const Interval squares = is_sphere ? square(a) + square(y) : square(a), W = 1 + squares;
-    const Vector3i n{2 * a / W, is_sphere ? 2 * y / W : Interval(0), (1 - squares) / W};
-    Vector3i u;
-    for (int i = 0; i < 3; ++i) {
-        const Interval sum = dot<Interval>(problem_->chart.row(i), n);
-        u[i] = Interval::ball(0, rounding) + (back ? -sum : sum);
-    }
-    return u;
-}
-
 }  // namespace vcell::space_fit

@@ -50,16 +50,37 @@ public:
     /// pieces are continued beyond the chart's own range.
     Vec2 continued(Vec2 q, const std::array<double, 4>& box) const;
 
-    /// Calls f(foot, normal) with enclosures over boxes that make up {x0, x1, y0, y1}.
+    // ---- Over boxes of the chart, coordinates in Interval or Jets of them ----
+    /// A box {x0, x1, y0, y1} over which foot and normal are smooth: around a cylinder in one half.
+    struct Part {
+        std::array<double, 4> box;
+        bool is_back = false;  ///< in the second half
+    };
+    /// Calls f with parts that make up the box.
     template <class F>
     void for_parts(const std::array<double, 4>& box, F&& f) const {
-        const Interval y(box[2], box[3]), zero(0);
-        if (is_plane())
-            return f(Vector3i{Interval(box[0], box[1]), y, zero}, Vector3i{zero, zero, Interval(1)});
-        const bool is_sphere = kind_ == Kind::Sphere, is_whole = is_sphere || box[1] <= 1;
-        const Vector3i foot{zero, is_sphere ? zero : y, zero};
-        if (is_whole || box[0] < 1) f(foot, normals(Interval(box[0], is_whole ? box[1] : 1), y, false));
-        if (!is_whole) f(foot, normals(Interval(std::max(box[0], 1.0), box[1]), y, true));
+        const auto& [x0, x1, y0, y1] = box;
+        if (kind_ != Kind::Cylinder || x1 <= 1) return f(Part{box});
+        if (x0 < 1) f(Part{{x0, 1, y0, y1}});
+        f(Part{{std::max(x0, 1.0), x1, y0, y1}, true});
+    }
+    template <class T>
+    std::array<T, 3> foot(const T& x, const T& y) const {
+        return {is_plane() ? x : T(0.0), kind_ == Kind::Sphere ? T(0.0) : y, T(0.0)};
+    }
+    template <class T>
+    std::array<T, 3> normal(const T& x, const T& y, bool is_back) const {
+        if (is_plane()) return {T(0.0), T(0.0), T(1.0)};
+        const T a = is_back ? x - T(2.0) : x, one(1.0), two(2.0);
+        const bool is_sphere = kind_ == Kind::Sphere;
+        const T squares = is_sphere ? square(a) + square(y) : square(a), W = one + squares;
+        const std::array<T, 3> n{two * a / W, is_sphere ? two * y / W : T(0.0), (one - squares) / W};
+        std::array<T, 3> u;
+        for (int i = 0; i < 3; ++i) {
+            const T sum = dot<T>(problem_->chart.row(i), n);
+            u[i] = T(Interval::ball(0, rounding)) + (is_back ? -sum : sum);
+        }
+        return u;
     }
 
 private:
@@ -67,8 +88,6 @@ private:
 
     bool is_plane() const { return kind_ == Kind::Plane; }
     double radius() const { return is_plane() ? 0 : problem_->radius; }
-    // back: in the second half of the cylinder.
-    Vector3i normals(const Interval& x, const Interval& y, bool back) const;
 
     Kind kind_ = Kind::Plane;
     const RadialBaseProblem* problem_ = nullptr;

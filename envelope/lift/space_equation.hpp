@@ -224,25 +224,54 @@ public:
     // primitives/forms/radial_form.hpp; whatever it yields where the ray does not.
     template <class T>
     T distance_along(const std::array<T, 3>& f, const std::array<T, 3>& w) const {
-        using std::sqrt;
-        const std::array<T, 3> m{f[0] - T(point_.x()), f[1] - T(point_.y()), f[2] - T(point_.z())};
-        if (is_paraboloid_) return (square_of(m[0]) + square_of(m[1])) / T(2 * width_) + T(0.5 * behind_);
+        const std::array<T, 3> m = from_point(f);
+        if (is_paraboloid_) return (square(m[0]) + square(m[1])) / T(2 * width_) + T(0.5 * behind_);
         if (!is_round_) return (dot(axis_, m) - T(delta_)) / (T(kappa_) - dot(axis_, w));
-        const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
-        const T mw = m[0] * w[0] + m[1] * w[1] + m[2] * w[2];
-        const T C = square_of(m[0]) + square_of(m[1]) + square_of(m[2]) - square_of(along) - square_of(delta);
-        const T beta = along * alpha + delta - mw;
-        return C / (beta + sqrt(square_of(beta) + square_of(alpha) * C));
+        const Quadratic<T> q = quadratic(m, w);
+        return q.C / (q.beta + q.root());
     }
 
     double distance_along(const Vec3& f, const Vec3& w) const {
         return distance_along<double>({f.x(), f.y(), f.z()}, {w.x(), w.y(), w.z()});
     }
 
+    // How far the true site's t may be from distance_along(): by what rounding changes about G, over the
+    // slope of G along the ray. That is sqrt(beta^2 + alpha^2 C) / (t + delta) of round objects.
+    Interval doubt_along(const std::array<Interval, 3>& f, const std::array<Interval, 3>& w,
+                         const Interval& t) const {
+        const std::array<Interval, 3> m = from_point(f);
+        if (is_paraboloid_) {
+            const double away = sqrt(square(m[0]) + square(m[1])).upper();
+            return Interval::ball(0, rounding * paraboloid_size(away, t.magnitude())) / Interval(fall());
+        }
+        double size = 2 * t.magnitude() + reach_;
+        for (const Interval& x : f) size += x.magnitude();
+        const Interval change = Interval::ball(0, (rounding + blur_) * size);
+        if (!is_round_) return change / (Interval(kappa_) - dot(axis_, w));
+        return change * (t + Interval(delta_)) / quadratic(m, w).root();
+    }
+
 private:
+    // C q^2 - 2 beta q - alpha^2 = 0, q = 1 / t.
     template <class T>
-    static T square_of(const T& a) {
-        return a * a;
+    struct Quadratic {
+        T C, beta, alpha;
+
+        T root() const {
+            using std::sqrt;
+            return sqrt(square(beta) + square(alpha) * C);
+        }
+    };
+    template <class T>
+    Quadratic<T> quadratic(const std::array<T, 3>& m, const std::array<T, 3>& w) const {
+        const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
+        const T mw = m[0] * w[0] + m[1] * w[1] + m[2] * w[2];
+        return {square(m[0]) + square(m[1]) + square(m[2]) - square(along) - square(delta),
+                along * alpha + delta - mw, alpha};
+    }
+    template <class T>
+    std::array<T, 3> from_point(const std::array<T, 3>& f) const {
+        return {f[0] - T(point_.x()), f[1] - T(point_.y()), f[2] - T(point_.z())};
     }
     Vec3 across(const Vec3& m) const { return m - axis_.dot(m) * axis_; }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../../core/numbers/jet.hpp"
+
 namespace vcell::space_fit {
 
 namespace {
@@ -13,15 +15,24 @@ bool holds(const std::array<double, 4>& box, const Vec2& q) {
 
 }  // namespace
 
-std::array<Interval, 2> ArcGuide::distances(const Vector3i& foot, const Vector3i& normal) const {
-    return {equations_[1].distance_along(foot, normal),
-            equations_[equations_.right].distance_along(foot, normal)};
+ArcGuide::Rays ArcGuide::rays(const SpaceChart::Part& part) const {
+    const auto& [x0, x1, y0, y1] = part.box;
+    const Interval x(x0, x1), y(y0, y1);
+    Rays r{chart_.foot(x, y), chart_.normal(x, y, part.is_back), {}, {}};
+    for (const int k : {0, 1}) {
+        const Equation& G = equations_[k == 0 ? 1 : equations_.right];
+        const Interval t = G.distance_along(r.foot, r.normal);
+        r.doubts[k] = G.doubt_along(r.foot, r.normal, t);
+        r.distances[k] = t + r.doubts[k];
+    }
+    return r;
 }
 
 SpaceBox ArcGuide::enclosure(const std::array<double, 4>& box) const {
     SpaceBox corners{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
-    chart_.for_parts(box, [&](const Vector3i& f, const Vector3i& w) {
-        const auto [a, b] = distances(f, w);
+    chart_.for_parts(box, [&](const SpaceChart::Part& part) {
+        const auto [f, w, distances, doubts] = rays(part);
+        const auto& [a, b] = distances;
         const double low = std::max({a.lower(), b.lower(), 0.0}), high = std::min(a.upper(), b.upper());
         const Interval t(std::min(low, high), std::max(low, high));
         const std::array<Interval, 4> X{t * w[0] + f[0], t * w[1] + f[1], t * w[2] + f[2], t};
@@ -52,13 +63,28 @@ SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack)
     return corners;
 }
 
-// Are the distances of both sites certainly different all over the box?
+// Are the distances of both sites certainly different all over the part? Next to a node they differ by far
+// less than each of them changes over a small box: the mean value theorem tells their difference.
+bool ArcGuide::is_off_arc(const SpaceChart::Part& part) const {
+    const Rays over = rays(part);
+    const auto& [a, b] = over.distances;
+    if (a.upper() < b.lower() || b.upper() < a.lower()) return true;
+    const auto difference = [&](const auto& x, const auto& y) {
+        const auto f = chart_.foot(x, y), w = chart_.normal(x, y, part.is_back);
+        return equations_[1].distance_along(f, w) - equations_[equations_.right].distance_along(f, w);
+    };
+    const auto& [x0, x1, y0, y1] = part.box;
+    const Interval x(x0, x1), y(y0, y1), at_x(x.mid()), at_y(y.mid());
+    using Height = Jet<Interval, 2>;
+    const Height slopes = difference(Height::variable(x, 0), Height::variable(y, 1));
+    const Interval value = difference(at_x, at_y) + slopes.gradient[0] * (x - at_x) +
+                           slopes.gradient[1] * (y - at_y) + over.doubts[0] + over.doubts[1];
+    return !value.contains(0);
+}
+
 bool ArcGuide::is_off_arc(const std::array<double, 4>& box) const {
     bool is_off = true;
-    chart_.for_parts(box, [&](const Vector3i& foot, const Vector3i& normal) {
-        const auto [a, b] = distances(foot, normal);
-        is_off = is_off && (a.upper() < b.lower() || b.upper() < a.lower());
-    });
+    chart_.for_parts(box, [&](const SpaceChart::Part& part) { is_off = is_off && is_off_arc(part); });
     return is_off;
 }
 

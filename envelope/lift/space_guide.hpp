@@ -57,7 +57,13 @@ public:
                                       std::size_t& cells) const;
 
 private:
-    std::array<Interval, 2> distances(const Vector3i& foot, const Vector3i& normal) const;
+    // Over a part of the chart, with what rounding changes about each site's distance.
+    struct Rays {
+        Vector3i foot, normal;
+        std::array<Interval, 2> distances, doubts;
+    };
+    Rays rays(const SpaceChart::Part& part) const;
+    bool is_off_arc(const SpaceChart::Part& part) const;
     bool is_off_arc(const std::array<double, 4>& box) const;
     std::optional<Vec2> bisect(const Vec2& q, const Piece& piece) const;
     std::optional<Vec2> approach(Vec2 q, const Vec2& direction) const;
