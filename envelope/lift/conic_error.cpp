@@ -5,8 +5,10 @@
 #include <limits>
 #include <numbers>
 #include <type_traits>
+#include <vector>
 
 #include "../../core/curves/scaled_bernstein.hpp"
+#include "longest_first.hpp"
 
 namespace vcell {
 
@@ -37,15 +39,10 @@ double product(const Vector4d& a, const Vector4d& b) {
     return a.x() * b.x() + (is_sphere ? a.y() * b.y() : 0) + a.z() * b.z() - a.w() * b.w();
 }
 
-// What of an edge is proved to be near the conic, and the size of what is not.
-struct Proved {
-    double distance = 0, rest = 0;
-    int halvings = most_halvings;
-};
-
+// How near to the conic all of a span is proved to be; infinite if it is not.
 template <bool is_sphere>
-void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner, double sine2,
-              int depth, Proved& proved) {
+double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner,
+                     double sine2) {
     const std::array<const Vector4d*, 3> X{&span.from, &span.middle, &span.to};
     const double w = span.weight, over_w = 1 / w;
     const std::array<double, 3> weights{1, w, 1}, over{1, over_w, 1};
@@ -100,17 +97,7 @@ void add_span(const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
     m2 /= sine2;
     const double over_near = phi / near;
     m2 -= 8 * over_near * (std::sqrt(std::max(m2, 0.0)) + over_near);
-    if (near > 0 && m2 > 0 && 2.5 * phi <= near * m2) {
-        proved.distance = std::max(proved.distance, e + 2 * phi / std::sqrt(m2));
-        return;
-    }
-    if (depth == 0 || proved.halvings == 0) {
-        for (int i = 1; i < 3; ++i) proved.rest += (over[i] * *X[i] - over[i - 1] * *X[i - 1]).norm();
-        return;
-    }
-    --proved.halvings;
-    for (const ConicSpan& half : span.halves())
-        add_span<is_sphere>(half, planes, inner, sine2, depth - 1, proved);
+    return near > 0 && m2 > 0 && 2.5 * phi <= near * m2 ? e + 2 * phi / std::sqrt(m2) : infinity;
 }
 
 struct Trimmed {
@@ -179,14 +166,17 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
     const double product = (a - b).squaredNorm() * (a + b).squaredNorm();
     const double sine2 = 0.25 * product - rounding * std::sqrt(product);
     const double inner = a.dot(b);
-    Proved proved;
-    for (const ConicSpan& span : spans) {
-        if (is_sphere)
-            add_span<true>(span, planes, inner, sine2, deepest, proved);
-        else
-            add_span<false>(span, planes, inner, sine2, deepest, proved);
-    }
-    return proved.distance + 4 * proved.rest;
+    double distance = 0;
+    const double rest = unproved_length(std::vector<ConicSpan>(spans.begin(), spans.end()), deepest,
+                                        most_halvings, [&](const ConicSpan& span) {
+                                            const double of_span =
+                                                is_sphere ? span_distance<true>(span, planes, inner, sine2)
+                                                          : span_distance<false>(span, planes, inner, sine2);
+                                            if (!(of_span < infinity)) return false;
+                                            distance = std::max(distance, of_span);
+                                            return true;
+                                        });
+    return distance + 4 * rest;
 }
 
 // Along a ray of direction u (w) n.(p, t) has the slope (k - n_y y) / t =: s, over a sphere k / t. Where the

@@ -15,6 +15,11 @@ struct ConicSpan {
     Eigen::Vector4d from, middle, to;
     double weight;
 
+    /// Of its control polygon.
+    double length() const {
+        const Eigen::Vector4d corner = middle / weight;
+        return (corner - from).norm() + (to - corner).norm();
+    }
     /// Reparametrised so that the ends' weights are 1 again.
     std::array<ConicSpan, 2> halves() const {
         const double w = std::sqrt(0.5 * (1 + weight));

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <queue>
+#include <vector>
 
 #include "../../core/curves/scaled_bernstein.hpp"
 #include "../diagram/chart_arc.hpp"
+#include "longest_first.hpp"
 
 namespace vcell {
 
@@ -135,10 +138,38 @@ public:
     void add(const Points& points, const std::array<Trim, 2>& trims) {
         Part part{points, trims};
         part.balance();
-        bound_ = bound_ + refined(part, bound(part), deepest);
+        parts_.push_back(part);
     }
+
+    // Slopes and weights vary along a part, and what is proved of all of it at once may be far too much:
+    // parts are halved until there is a proof, and on while that gains a factor of four.
     FitError error() const {
-        return {bound_.proved.chart + 4 * bound_.rest.chart, bound_.proved.space + 4 * bound_.rest.space};
+        std::priority_queue<Proved> proved;
+        const double rest = unproved_length(parts_, deepest, most_halvings, [&](const Part& part) {
+            const auto whole = whole_error(part.points, part.trims);
+            if (whole) proved.push({part, *whole});
+            return whole.has_value();
+        });
+        FitError most;
+        for (int halvings = most_halvings; !proved.empty();) {
+            const Proved whole = proved.top();
+            proved.pop();
+            if (halvings > 0 && whole.error.space > std::max(sharp * whole.part.length(), rest)) {
+                --halvings;
+                const auto half = whole.part.halves();
+                const auto gains = [&](const std::optional<FitError>& e) {
+                    return e && e->space <= 0.25 * whole.error.space;
+                };
+                const std::array of_half{whole_error(half[0].points, half[0].trims),
+                                         whole_error(half[1].points, half[1].trims)};
+                if (std::ranges::all_of(of_half, gains)) {
+                    for (const int i : {0, 1}) proved.push({half[i], *of_half[i]});
+                    continue;
+                }
+            }
+            most = {std::max(most.chart, whole.error.chart), std::max(most.space, whole.error.space)};
+        }
+        return {most.chart + 4 * rest, most.space + 4 * rest};
     }
 
 private:
@@ -165,46 +196,24 @@ private:
                            .norm();
             return sum;
         }
-    };
-    // What is proved of some parts, and the length of the others.
-    struct Bound {
-        FitError proved, rest;
-
-        bool is_proved() const { return rest.space == 0; }
-        friend Bound operator+(const Bound& a, const Bound& b) {
-            return {{std::max(a.proved.chart, b.proved.chart), std::max(a.proved.space, b.proved.space)},
-                    {a.rest.chart + b.rest.chart, a.rest.space + b.rest.space}};
+        std::array<Part, 2> halves() const {
+            std::array<Part, 2> half;
+            divide(points, half[0].points, half[1].points);
+            for (int side = 0; side < 2; ++side)
+                divide(trims[side], half[0].trims[side], half[1].trims[side]);
+            for (Part& h : half) h.balance();
+            return half;
         }
+    };
+    // The least exact one is sharpened first.
+    struct Proved {
+        Part part;
+        FitError error;
+
+        bool operator<(const Proved& o) const { return error.space < o.error.space; }
     };
     static constexpr int deepest = 40, most_halvings = 400;
     static constexpr double sharp = 0x1p-36;  // of a part's length: no reader asks for more
-
-    Bound bound(const Part& part) const {
-        if (const auto whole = whole_error(part.points, part.trims)) return {*whole, {}};
-        const double length = part.length();
-        return {{}, {length, length}};
-    }
-
-    // Slopes and weights vary along a part, and what is proved of all of it at once may be far too much:
-    // parts are halved until there is a proof, and on while that gains a factor of four.
-    Bound refined(const Part& part, const Bound& whole, int depth) {
-        // What could only be sharper leaves alone what is needed for proofs.
-        int& halvings = whole.is_proved() ? sharpenings_ : halvings_;
-        if (depth == 0 || halvings == 0) return whole;
-        if (whole.is_proved() && whole.proved.space <= sharp * part.length()) return whole;
-        --halvings;
-        std::array<Part, 2> half;
-        divide(part.points, half[0].points, half[1].points);
-        for (int side = 0; side < 2; ++side)
-            divide(part.trims[side], half[0].trims[side], half[1].trims[side]);
-        for (Part& h : half) h.balance();
-        const std::array<Bound, 2> of_half{bound(half[0]), bound(half[1])};
-        if (whole.is_proved()) {
-            const Bound both = of_half[0] + of_half[1];
-            if (!both.is_proved() || both.proved.space > 0.25 * whole.proved.space) return whole;
-        }
-        return refined(half[0], of_half[0], depth - 1) + refined(half[1], of_half[1], depth - 1);
-    }
 
     template <class Control>
     static void divide(const Control& points, Control& first, Control& second) {
@@ -306,8 +315,7 @@ private:
 
     const std::array<ArcSide, 2> sides_;
     const SectionSurface& plane_;
-    Bound bound_;
-    int halvings_ = most_halvings, sharpenings_ = most_halvings;
+    std::vector<Part> parts_;
 };
 
 }  // namespace

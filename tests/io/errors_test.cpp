@@ -288,6 +288,10 @@ TEST_CASE("errors: hostile steep faces: areas along a sharp bend have bounds") {
     for (const CellFace& face : hostile("tip_beside_region").faces) CHECK(face.area_error < 1e-10);
 }
 
+TEST_CASE("errors: hostile tips: a bend that rounding hides takes no halvings from the rest of a conic") {
+    CHECK(largest_edge_error(hostile("tip_beside_side")) < 1e-9);
+}
+
 TEST_CASE("errors: hostile nodes: what rounding blurs takes no halvings from the rest of an edge") {
     for (const char* name : {"near_node", "ball_on_line"}) {
         CAPTURE(name);
