@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 
 #include "../../core/curves/quintic_nodes.hpp"
@@ -134,7 +135,25 @@ public:
         return e;
     }
 
+    // G of the right one of two round objects less that of the left one, which are all but the same: what
+    // tells them apart hardly turns.
+    static Equation difference(const Equation& left, const Equation& right) {
+        Equation e;
+        e.pair_ = std::make_shared<const Pair>(Pair{left, right});
+        e.kappa_ = 0;
+        return e;
+    }
+    // Are both balls, or tubes, so alike at X that their difference turns much less than either?
+    static bool are_alike(const Equation& a, const Equation& b, const Vector4d& X) {
+        constexpr double share = 0.125;  // only how fast proofs go depends on this
+        if (!a.is_round_ || !b.is_round_ || (a.axis_ == Vec3::Zero()) != (b.axis_ == Vec3::Zero()))
+            return false;
+        const double da = a.from_axis(X).norm(), db = b.from_axis(X).norm();
+        return turn(a, b, X, 0) < share * (1 / da + 1 / db);
+    }
+
     double operator()(const Vector4d& X) const {
+        if (pair_) return right()(X) - left()(X);
         if (is_paraboloid_)
             return scale_ * (across(X.head<3>() - point_).squaredNorm() + width_ * (behind_ - 2 * X[3]));
         const Vec3 m = X.head<3>() - point_;
@@ -142,12 +161,14 @@ public:
     }
     // The lengths that enter G at X.
     double size(const Vector4d& X) const {
+        if (pair_) return left().size(X) + right().size(X);
         if (is_paraboloid_) return paraboloid_size(across(X.head<3>() - point_).norm(), X[3]);
         return X.head<3>().norm() + std::abs(X[3]) + reach_;
     }
 
     // (g, -kappa)
     Vector4d gradient(const Vector4d& X) const {
+        if (pair_) return right().gradient(X) - left().gradient(X);
         Vector4d result;
         if (is_paraboloid_) {
             result << 2 * scale_ * across(X.head<3>() - point_), -2 * scale_ * width_;
@@ -161,9 +182,9 @@ public:
     double fall() const {
         return is_paraboloid_ ? 2 * scale_ * width_ : is_round_ || kappa_ != 0 ? 0 : -axis_.z();
     }
-    // How far what is within `room` of the hull of the points is from X, across the axis.
+    // How far what is within `room` of the hull of the points is from X, across the axis, if there is one.
     double reach(const Vector4d& X, const Points& points, double room) const {
-        if (!is_round_ && !is_paraboloid_) return 0;
+        if (!is_round_ && !is_paraboloid_ && !pair_) return 0;
         double squared = 0;
         for (int k = 0; k < points.cols(); ++k)
             squared = std::max(squared, across(points.col(k).head<3>() - X.head<3>()).squaredNorm());
@@ -171,6 +192,10 @@ public:
     }
     // How far the gradient may be from its computed value at X, within a reach.
     double variation(const Vector4d& X, double reach) const {
+        if (pair_)
+            return std::min(
+                turn(left(), right(), X, reach) * reach + left().variation(X, 0) + right().variation(X, 0),
+                left().variation(X, reach) + right().variation(X, reach));
         if (is_paraboloid_)
             return 2 * scale_ * (reach + rounding * (across(X.head<3>() - point_).norm() + reach_ + width_));
         if (!is_round_) return rounding + blur_;
@@ -180,11 +205,15 @@ public:
     }
     // Bounds |Hess G| within a reach that is less than what makes variation() infinite.
     double curvature_bound(const Vector4d& X, double reach) const {
+        if (pair_)
+            return std::min(turn(left(), right(), X, reach),
+                            left().curvature_bound(X, reach) + right().curvature_bound(X, reach));
         if (is_paraboloid_) return 2 * scale_;
         return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - reach) : 0;
     }
     // The second derivative in the direction T.
     double second(const Vector4d& X, const Vector4d& T) const {
+        if (pair_) return right().second(X, T) - left().second(X, T);
         if (is_paraboloid_) return 2 * scale_ * across(T.head<3>()).squaredNorm();
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
@@ -198,6 +227,7 @@ public:
     //     d^2 - (t + delta)^2 = square - 2 m.(p - foot) - 2 delta t + |m|^2 - delta^2  (- (axis.(p -
     //     point))^2).
     double residual(const SpanPolynomials& span) const {
+        if (pair_) return difference_residual(span);
         const Vec3 m = point_ - span.foot;
         if (is_paraboloid_) {
             const Bernstein<10> Q = vcell::square(span.X[0]) + vcell::square(span.X[1]) +
@@ -207,17 +237,11 @@ public:
             return scale_ * QuinticNodes::get().largest(Q) +
                    rounding * (paraboloid_size(away, span.largest[3]) + scale_ * away * span.foot.norm());
         }
-        const double size = span.size() + reach_, offset = axis_.dot(m);
         if (!is_round_)
-            return span.linear(axis_, -kappa_, -(offset + delta_)).largest() +
-                   (rounding + blur_) * (size + span.foot.norm());
-        Bernstein<10> Q =
-            span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
-        if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -offset));
-        const double bound = QuinticNodes::get().largest(Q) + rounding * square(size);
-        // d^2 = (t + delta)^2 + Q
-        const double least = span.X[3].smallest_coefficient() + delta_, below = least * least - bound;
-        return least > 0 && below > 0 ? bound / (least + std::sqrt(below)) : infinity;
+            return span.linear(axis_, -kappa_, -(axis_.dot(m) + delta_)).largest() +
+                   (rounding + blur_) * (span.size() + reach_ + span.foot.norm());
+        const double bound = QuinticNodes::get().largest(quadric(span)) + rounding * squared_size(span);
+        return bound / least_sum(span, bound);
     }
 
     // t where the ray from a foot point f along the unit normal w meets G = 0, by the quadratic of
@@ -252,6 +276,52 @@ public:
     }
 
 private:
+    using Pair = std::array<Equation, 2>;
+    const Equation& left() const { return (*pair_)[0]; }
+    const Equation& right() const { return (*pair_)[1]; }
+
+    // Bounds how fast the difference of the unit vectors of two balls or two tubes turns, per length, within
+    // a reach of X; infinite if it cannot tell. As in scene_motion.cpp: a unit vector's derivative is the
+    // projection across it, or on what is across it and the axis, over the distance. What is within half of
+    // the lesser distance is that far, h, from both; the ways from centres or axes differ there by b = apart
+    // + tilt h at most, the projections by tilt + b / h, and the distances' reciprocals by b / h^2.
+    static double turn(const Equation& left, const Equation& right, const Vector4d& X, double reach) {
+        const Vec3 a = left.from_axis(X), b = right.from_axis(X);
+        const double h = 0.5 * std::min(a.norm(), b.norm());
+        if (!(reach < h)) return infinity;
+        const double tilt = std::min((left.axis_ - right.axis_).norm(), (left.axis_ + right.axis_).norm()) +
+                            rounding,
+                     apart = (b - a).norm() + rounding * (left.size(X) + right.size(X));
+        return (tilt + 2 * (apart + tilt * h) / h) / h;
+    }
+    // With S = d + t + delta, G S = Q:
+    //     Q_b - Q_a = (G_b - G_a) (S_b + G_a) + 2 G_a (delta_b - delta_a).
+    double difference_residual(const SpanPolynomials& span) const {
+        const QuinticNodes& nodes = QuinticNodes::get();
+        const Bernstein<10> a = left().quadric(span), b = right().quadric(span);
+        const double of_a = rounding * left().squared_size(span),
+                     of_b = rounding * right().squared_size(span);
+        const double G = left().residual(span), sum = right().least_sum(span, nodes.largest(b) + of_b) - G;
+        if (!(sum > 0)) return infinity;
+        return (nodes.largest(b - a) + of_a + of_b + 2 * G * std::abs(right().delta_ - left().delta_)) / sum;
+    }
+
+    // d^2 - (t + delta)^2 along a span, and what bounds its terms.
+    Bernstein<10> quadric(const SpanPolynomials& span) const {
+        const Vec3 m = point_ - span.foot;
+        Bernstein<10> Q =
+            span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
+        if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -axis_.dot(m)));
+        return Q;
+    }
+    double squared_size(const SpanPolynomials& span) const { return square(span.size() + reach_); }
+    // Bounds d + t + delta from below where d^2 is within `bound` of (t + delta)^2; 0 if it cannot tell.
+    double least_sum(const SpanPolynomials& span, double bound) const {
+        const double least = span.X[3].smallest_coefficient() + delta_, below = least * least - bound;
+        return least > 0 && below > 0 ? least + std::sqrt(below) : 0;
+    }
+    Vec3 from_axis(const Vector4d& X) const { return across(X.head<3>() - point_); }
+
     // C q^2 - 2 beta q - alpha^2 = 0, q = 1 / t.
     template <class T>
     struct Quadratic {
@@ -287,6 +357,7 @@ private:
     double blur_ = 0;
     double width_ = 0, behind_ = 0, scale_ = 0;        // paraboloid: c_z + rho, c_z - rho
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
+    std::shared_ptr<const Pair> pair_;                 // of a difference, which has nothing else
 };
 
 // The gradients of an arc's equations at a point, and its direction there.
@@ -302,13 +373,13 @@ struct Frame {
 };
 
 // The equations of the base, of the left and of the right site. Where a plane through the arc stands for
-// the right one, the site's own is the fourth.
+// the right one, or its difference from the left one, the site's own is the fourth.
 struct ArcEquations {
     std::array<Equation, 4> equations;
     int right = 2;  // where the right site's is
 
     const Equation& operator[](int i) const { return equations[i]; }
-    bool has_plane() const { return right > 2; }
+    bool is_replaced() const { return right > 2; }
 
     Frame frame(const Vector4d& X) const {
         Frame f;

@@ -20,7 +20,9 @@
 ///
 /// Where cylinders of one radius have crossing axes, left and right depend on each other over the crossing,
 /// and the trisector has a node. Each of its curves lies in a plane between the axes; the plane's equation
-/// then stands for that of the right site, except for the trim.
+/// then stands for that of the right site, except for the trim. Where the sites are two balls or two tubes
+/// that are all but alike, the difference of their equations does: its gradient, which tells where the edge
+/// is, is as small as the objects are apart, and changes by as little.
 ///
 /// Both ends of a span lie on the arc. First and second derivative at both ends, by the length of the curve
 /// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. Steps of

@@ -167,7 +167,7 @@ double TubeProof::trim_error(int side, const Points& points, const PatchCoordina
     M.row(1) = frame.gradients[side + 1];
     std::array<double, 4> variations{over.variations[0], over.variations[side + 1]},
         e{residuals.curve[0], residuals.curve[side + 1]};
-    if (side == 1 && equations_.has_plane()) {
+    if (side == 1 && equations_.is_replaced()) {
         const Equation& right = equations_[equations_.right];
         M.row(1) = right.gradient(D.center);
         variations[1] = right.variation(D.center, right.reach(D.center, points, D.room));

@@ -101,7 +101,7 @@ public:
 
     Residuals curve_residuals(const SpanPolynomials& span) const {
         return {{equations_[0].residual(span), equations_[1].residual(span), equations_[2].residual(span)},
-                equations_.has_plane() ? equations_[equations_.right].residual(span) : 0,
+                equations_.is_replaced() ? equations_[equations_.right].residual(span) : 0,
                 {}};
     }
     static void add_trims(const Points& points, const Patches& patches, const SpanPolynomials& span,

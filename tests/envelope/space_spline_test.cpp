@@ -59,6 +59,41 @@ TEST_CASE("space splines: lie within the stated bound of the true arc, whole, ov
     CHECK(trimmed > 12 * rounds());
 }
 
+TEST_CASE("space splines: between tubes that are all but alike few spans do, over every base") {
+    std::mt19937_64 rng(test_seed());
+    std::normal_distribution<double> normal;
+    int arcs = 0;
+    for (int round = 0; round < 6 * rounds(); ++round)
+        for (const Base base : {Base::Sphere, Base::Cylinder, Base::Plane}) {
+            Case c = random_case(base, Kind::Cylinder, Kind::Cylinder, 1, rng);
+            const double apart = round % 2 == 0 ? 1e-3 : 1e-4;
+            const auto moved = [&](const Vec3& v) -> Vec3 {
+                return v + apart * Vec3(normal(rng), normal(rng), normal(rng));
+            };
+            const Cylinder& tube = std::get<Cylinder>(c.sites[0].object);
+            c.sites[1] = {
+                Cylinder{moved(tube.point), moved(tube.axis), tube.radius + apart * normal(rng)}, false, {}};
+            if (!(std::get<Cylinder>(c.sites[1].object).radius > 0)) continue;
+            auto traced = trace(c, 1, rng);
+            if (!traced) continue;
+            make_arc(*traced, c, 1);
+            CAPTURE(round);
+            CAPTURE(static_cast<int>(base));
+            std::vector<SpaceSpan> spans;
+            constexpr double tolerance = 1e-6;
+            const SpaceFitError error = fitted(c, traced->arc, tolerance, spans);
+            CHECK(error.curve <= tolerance);
+            CHECK(spans.size() <= 100);
+            if (spans.size() > 100) continue;
+            const SpaceFitError truth = measured(c, spans);
+            CHECK(truth.curve <= error.curve);
+            CHECK(truth.trims <= error.trims);
+            CHECK(gap_between(c, *traced, 1, spans) <= 0.25);
+            ++arcs;
+        }
+    CHECK(arcs > 6 * rounds());
+}
+
 namespace {
 
 // A ball between a base cylinder and a parallel one: its face is bounded by one closed edge.

@@ -288,6 +288,12 @@ TEST_CASE("errors: hostile steep faces: areas along a sharp bend have bounds") {
     for (const CellFace& face : hostile("tip_beside_region").faces) CHECK(face.area_error < 1e-10);
 }
 
+TEST_CASE("errors: hostile twins: an edge between all but equal lines is proved in few spans") {
+    const Cell cell = hostile("twin_lines_over_plane");
+    CHECK(largest_edge_error(cell) < 1e-5);
+    for (const CellEdge& e : cell.edges) CHECK(e.curve.points.size() < 1000);
+}
+
 TEST_CASE("errors: hostile tips: a bend that rounding hides takes no halvings from the rest of a conic") {
     CHECK(largest_edge_error(hostile("tip_beside_side")) < 1e-9);
 }
