@@ -1,5 +1,5 @@
-/// What a fit in space (space_spline.hpp) is told and what it yields: an edge with its sites, ends and
-/// patches, and the spans that follow it.
+/// What the fit of an edge (space_spline.hpp) is told and what it yields: its sites, ends and patches, and
+/// the spans that follow it.
 #pragma once
 
 #include <Eigen/Core>

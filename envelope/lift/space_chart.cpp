@@ -11,7 +11,7 @@ Vector4d SpaceChart::with_distance(const Vec3& p) const {
 }
 
 Equation SpaceChart::base_equation(const Vec3& foot) const {
-    if (is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0, false);
+    if (is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0);
     const Vec3 axis = kind_ == Kind::Sphere ? Vec3::Zero().eval() : Vec3::UnitY().eval();
     return Equation::round(Vec3::Zero(), axis, radius(), radius(), foot);
 }
@@ -41,7 +41,7 @@ Equation SpaceChart::equation(const SpaceSite& site, const Vec3& foot) const {
     const Plane& plane = std::get<Plane>(site.object);
     const Vec3 n = plane.normal.normalized();
     const bool inward = !site.is_wall && n.dot(foot - plane.point) > 0;
-    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, site.is_wall);
+    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, site.is_wall ? 0 : 1);
 }
 
 Vec3 SpaceChart::normal_derivative(const Vec2& q, const Vec2& d) const {

@@ -8,7 +8,8 @@
 
 #include "../../core/numbers/interval.hpp"
 #include "../../primitives/bases/radial_base.hpp"
-#include "space_equation.hpp"
+#include "../../primitives/fit/arc_equations.hpp"
+#include "space_arc.hpp"
 
 namespace vcell::space_fit {
 

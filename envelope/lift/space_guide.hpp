@@ -1,5 +1,5 @@
-/// Where an arc runs, as far as the diagram tells: guesses for the fit of space_spline.hpp, and enclosures
-/// for its chords.
+/// Where an edge runs, as far as the diagram tells: guesses for the fit (primitives/fit/spline_fit.hpp), and
+/// enclosures for its chords.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,20 +7,12 @@
 #include <cstddef>
 #include <optional>
 
+#include "../../primitives/fit/spline_fit.hpp"
 #include "space_chart.hpp"
-#include "space_equation.hpp"
 
 namespace vcell::space_fit {
 
-// Opposite corners of a box of points (p, t).
-using SpaceBox = std::array<Vector4d, 2>;
-
-// A point of the arc with derivatives along it, by the length of the curve (p, t).
-struct Node {
-    Vector4d X, T, second;
-    bool is_terminal = false;  // the end of the edge
-    bool ends_piece = false;   // of the diagram, or all but does
-};
+using Piece = MinimizationDiagram::ArcPiece;
 
 class ArcGuide {
 public:

@@ -7,10 +7,8 @@
 #include <numbers>
 
 #include "space_chart.hpp"
-#include "space_equation.hpp"
 #include "space_guide.hpp"
 #include "space_trims.hpp"
-#include "space_tube.hpp"
 
 namespace vcell {
 
@@ -19,15 +17,77 @@ namespace {
 using namespace space_fit;
 using std::numbers::pi;
 
-class Fitter {
+// An edge as its fit's guide: the pieces of the diagram, and trims.
+class EdgeGuide {
 public:
-    Fitter(const SpaceChart& chart, const SpaceArc& arc, double tolerance, std::vector<SpaceSpan>& spans,
-           FitEffort& effort)
+    using Piece = space_fit::Piece;
+    using Span = SpaceSpan;
+    using Trims = space_fit::Trims;
+
+    EdgeGuide(const SpaceArc& arc, const ArcEquations& equations, const ArcGuide& pieces)
+        : arc_(arc), equations_(equations), pieces_(pieces) {}
+
+    static SpaceSpan span(const Points& points, const Trims& trims) { return {points, trims.part}; }
+    Vector4d end_of(const Piece& piece) const { return pieces_.lifted(piece.end); }
+    Trims place_trims(Points& points, double tolerance) const {
+        return space_fit::place_trims(arc_, tolerance, points);
+    }
+    static TrimProof prove_trims(const TubeProof& proof, const Points& points, const Trims& trims,
+                                 const SpanPolynomials& span, const Residuals& residuals) {
+        return {proof, trims.patches, points, span, residuals};
+    }
+
+    std::optional<Node> half_way(const Node& from, const Node& to, const Piece* piece, const Points& points,
+                                 const Trims& trims, double tolerance) const {
+        if (trims.seam)
+            if (const auto crossing = sign_change(points, *trims.seam, tolerance))
+                if (const auto found = equations_.find(*crossing, &*trims.seam);
+                    found && is_between(from, *found, to))
+                    return found;
+        if (trims.seam)
+            if (const auto found = equations_.find(point(points, 0.5)); found && is_between(from, *found, to))
+                return found;
+        if (!piece) {
+            Vec3 w = from.X.head<3>() / from.X[3] + to.X.head<3>() / to.X[3];
+            w.y() = 0;
+            return equations_.node(pieces_.over(Vec3(0, from.X.y(), 0), w.normalized()));
+        }
+        const auto on_line = pieces_.meet(
+            0.5 * (pieces_.chart_point(from.X, *piece) + pieces_.chart_point(to.X, *piece)), *piece);
+        return equations_.find(on_line ? pieces_.lifted(*on_line) : Vector4d(0.5 * (from.X + to.X)));
+    }
+
+    std::optional<SpaceBox> enclosure(const Chord& chord, const Piece* piece, FitEffort& effort) const {
+        // Where there is no piece whole edges only: parts may end where the edge does, as far as is known.
+        if (!piece)
+            return chord.is_all ? std::optional(pieces_.rim_enclosure(chord.from, chord.to, chord.slack))
+                                : std::nullopt;
+        // Elsewhere the diagram is not needed, and not relied on.
+        const double length = (chord.to.X - chord.from.X).norm();
+        const bool is_blurred_part =
+            is_blurred(equations_, chord.from.X, length) || is_blurred(equations_, chord.to.X, length);
+        if (chord.is_all || is_blurred_part) {
+            const auto tight = pieces_.enclosure(
+                pieces_.box_between(chord.from, chord.to, *piece, chord.slack, effort.cells));
+            // As in step 4, nothing but the last span reaches the edge's end.
+            const bool holds_end = (chord.end - tight[0]).minCoeff() >= -chord.slack &&
+                                   (tight[1] - chord.end).minCoeff() >= -chord.slack;
+            if (!holds_end || chord.from.is_terminal || chord.to.is_terminal) return tight;
+        }
+        return pieces_.enclosure(piece->box);
+    }
+
+private:
+    const SpaceArc& arc_;
+    const ArcEquations& equations_;
+    const ArcGuide& pieces_;
+};
+
+class EdgeFit {
+public:
+    EdgeFit(const SpaceChart& chart, const SpaceArc& arc)
         : chart_(chart),
           arc_(arc),
-          tolerance_(tolerance),
-          spans_(spans),
-          effort_(effort),
           foot_(arc.start            ? chart.foot_below(arc.start->point)
                 : arc.pieces.empty() ? chart.foot_below(std::get<Plane>(arc.sites[1].object).point)
                                      : chart.foot(arc.pieces.back().end)) {
@@ -40,49 +100,25 @@ public:
             take_difference();
     }
 
-    SpaceFitError run() {
-        const double start_error = arc_.start ? sqrt2 * arc_.start->error : 0;
-        const double end_error = arc_.end ? sqrt2 * arc_.end->error : 0;
-        slack_ = std::max(start_error, end_error);
-        // No edge is known better than its ends.
-        tolerance_ = std::max(tolerance_, 4 * slack_);
+    SpaceFitError run(double tolerance, std::vector<SpaceSpan>& spans, FitEffort& effort) const {
         const bool on_rim = arc_.pieces.empty();
-        start_ = arc_.start ? node(chart_.with_distance(arc_.start->point))
-                 : on_rim   ? rim_node(0)
-                            : inner_node(arc_.pieces.back());
-        end_ = arc_.end ? node(chart_.with_distance(arc_.end->point)) : start_;
-        last_ = Tube{0, 0, 0, start_error, 0};
-        start_.is_terminal = !arc_.end || arc_.end->point == arc_.start->point;
-        end_.is_terminal = true;
-        if (arc_.end) final_ = Tube{0, 0, end_error, 0, 0};
-        if (!arc_.start && !on_rim) last_->end = start_deviation();
-        proof_.emplace(equations_, tolerance_, slack_, end_.X);
-        if (on_rim) {
-            fit_rim();
-        } else {
-            int halvings = most_halvings * static_cast<int>(arc_.pieces.size());
-            fit(start_, end_, arc_.pieces, deepest, halvings);
-        }
-        return error_;
+        const ArcEnd start = arc_.start ? end_at(*arc_.start) : on_rim ? ArcEnd{rim_node(0), 0} : cut();
+        std::optional<ArcEnd> end;
+        if (arc_.end) end = end_at(*arc_.end);
+        const EdgeGuide guide(arc_, equations_, guide_);
+        SplineFit<EdgeGuide> fit(guide, equations_, foot_, tolerance, start, end, spans, effort);
+        if (on_rim)
+            fit.fit_by_way_of(rim_nodes());
+        else
+            fit.fit_all(arc_.pieces);
+        return fit.error();
     }
 
 private:
-    // What a singular end needs, and what no proof in reach may cost (per piece).
-    static constexpr int deepest = 40, most_halvings = 256;
-    static constexpr int most_rim_halvings =
-        4096;                                // no pieces get shorter where both sites are nearly as one
-    static constexpr int deepest_proof = 4;  // halvings of a span for its certificate
+    ArcEnd end_at(const SpaceEnd& e) const {
+        return {equations_.node(chart_.with_distance(e.point)), sqrt2 * e.error};
+    }
 
-    struct Fit {
-        Points points = Points::Zero();
-        Tube tube = Tube::failed();
-        bool is_chord = false;
-        Trims trims;
-        double expected = infinity;  // error, but for q; finite if this is near the arc
-
-        double error() const { return tube.error(); }
-        bool is_near() const { return expected < infinity; }
-    };
     // Where cylinders of one radius cross, their equations depend on each other in the points over both axes.
     // An arc lies in one of the planes between the axes, whose equation takes the place of the right one's.
     // Which plane, and on which side of it the right one is nearer, an inner point of the arc tells.
@@ -138,50 +174,13 @@ private:
         return best;
     }
 
-    Node node(const Vector4d& X) const {
-        const Frame f = equations_.frame(X);
-        Vector4d bend = Vector4d::Zero();
-        for (int i = 0; i < 3; ++i) bend[i] = -equations_[i].second(X, f.T);
-        return {X, f.T, f.matrix().inverse() * bend};
-    }
-
-    // Newton's method across the curve (or for its point where `seam` vanishes), to the level of rounding.
-    std::optional<Node> find(Vector4d X, const Linear* seam = nullptr) const {
-        constexpr int enough = 12;
-        for (int i = 0; i < enough; ++i) {
-            Vector4d G = Vector4d::Zero();
-            double size = 0;
-            for (int k = 0; k < 3; ++k) {
-                G[k] = equations_[k](X);
-                size = std::max(size, equations_[k].size(X));
-            }
-            Matrix4d M = equations_.frame(X).matrix();
-            if (seam) {
-                M.row(3) = seam->head<4>().normalized();
-                G[3] = at(*seam, X) / seam->head<4>().norm();
-            }
-            const Matrix4d inverse = M.inverse();
-            const Vector4d step = inverse * G;
-            X -= step;
-            if (step.norm() <= 16 * u * size * (1 + inverse.leftCols<3>().norm())) return node(X);
-        }
-        return std::nullopt;
-    }
-
-    Node inner_node(const Piece& piece) const {
-        const Vector4d X = guide_.lifted(piece.end);
-        const auto found = find(X);
-        Node result = found ? *found : node(X);
-        result.ends_piece = true;
-        return result;
-    }
-
     // Around a cylinder: with growing angle on the lower end, the region lying on the left.
     Node rim_node(double angle) const {
         const double y = std::get<Plane>(arc_.sites[1].object).point.y();
-        return node(guide_.over(Vec3(0, y, 0), Vec3(std::sin(angle), 0, std::cos(angle))));
+        return equations_.node(guide_.over(Vec3(0, y, 0), Vec3(std::sin(angle), 0, std::cos(angle))));
     }
-    void fit_rim() {
+    // Between the ends of a rim's arc.
+    std::vector<Node> rim_nodes() const {
         constexpr double widest = pi / 3;
         const double sign = std::get<Plane>(arc_.sites[1].object).normal.y() < 0 ? 1 : -1;
         const auto angle = [](const SpaceEnd& e) { return std::atan2(e.point.x(), e.point.z()); };
@@ -192,307 +191,26 @@ private:
             if (turn < 0) turn += 2 * pi;
         }
         const int n = std::max(1, static_cast<int>(std::ceil(turn / widest)));
-        Node from = start_;
-        for (int i = 1; i <= n; ++i) {
-            int halvings = most_rim_halvings;
-            const Node to = i == n ? end_ : rim_node(first + sign * turn * i / n);
-            fit(from, to, {}, deepest, halvings);
-            from = to;
-        }
+        std::vector<Node> nodes;
+        for (int i = 1; i < n; ++i) nodes.push_back(rim_node(first + sign * turn * i / n));
+        return nodes;
     }
 
-    // How far the first node of a closed edge may be from a point of the edge.
-    double start_deviation() const {
+    // Where a closed edge is cut, and how far that may be from a point of the edge.
+    ArcEnd cut() const {
         const Piece& piece = arc_.pieces.back();
+        const Node node = piece_end(equations_, guide_.lifted(piece.end));
         const double e = piece.error;
         const auto box =
             guide_.enclosure({piece.end.x() - e, piece.end.x() + e, piece.end.y() - e, piece.end.y() + e});
-        const Vector4d& X = start_.X;
-        return (X - box[0]).cwiseAbs().cwiseMax((X - box[1]).cwiseAbs()).norm();
-    }
-
-    // Along these pieces, or the rim. A span that is not good enough is divided; several pieces of which
-    // nothing is proved yet where one of them ends.
-    // `before`: the trims' error of the span that this one is a part of.
-    void fit(const Node& from, const Node& to, std::span<const Piece> pieces, int deeper, int& halvings,
-             double before = infinity) {
-        if (effort_.spans > 0) --effort_.spans;
-        const Fit spline = smooth(from, to, tolerance_);
-        // What division does not make smaller is rounding, of the scene, too.
-        constexpr double no_less = 0.8, most_blurred = 16;
-        const double error = spline.tube.trims;
-        const bool is_floor =
-            before < infinity && error > no_less * before && error <= most_blurred * tolerance_;
-        if (accept(spline, to, is_floor)) return;
-        const double length = (to.X - from.X).norm();
-        const bool is_short = length <= tolerance_, divides = deeper > 0 && halvings > 0 && !is_lost();
-        // Parts of what rounding blurs are no better than it, and their ends cannot be told from the edge's.
-        const bool is_all = from.X == start_.X && to.X == end_.X;
-        const bool is_chord = is_short && divides && (is_all || is_blurred(from, length));
-        if (spline.is_near() && !spline.trims.seam && divides && !is_chord) {
-            const std::vector<Node> inner = divide(from, to, spline);
-            for (std::size_t i = 0; i < inner.size(); ++i) {
-                const Node &start = i == 0 ? from : inner[i - 1], &end = inner[i];
-                const std::size_t first = ends_before(end.X, to.X - from.X, pieces);
-                --halvings;
-                fit(start, end, pieces.first(std::min(first + 1, pieces.size())), deeper - 1, halvings,
-                    error);
-                pieces = pieces.subspan(first);
-            }
-            if (!inner.empty()) return fit(inner.back(), to, pieces, deeper - 1, halvings, error);
-        }
-        if (pieces.size() > 1) {
-            const std::size_t half = pieces.size() / 2;
-            const Node end = inner_node(pieces[half - 1]);
-            fit(from, end, pieces.first(half), deeper, halvings);
-            fit(end, to, pieces.subspan(half), deeper, halvings);
-            return;
-        }
-        const Piece* piece = pieces.empty() ? nullptr : &pieces.front();
-        // Both ends are in the enclosure that vouches for a chord.
-        if (is_short && accept(chord(from, to, piece), to)) return;
-        if (divides) {
-            const auto middle = half_way(from, to, piece, spline);
-            if (middle && !(is_short && is_blurred(*middle, length))) {
-                --halvings;
-                fit(from, *middle, pieces, deeper - 1, halvings, error);
-                fit(*middle, to, pieces, deeper - 1, halvings, error);
-                return;
-            }
-        }
-        const Fit best = smooth(from, to, infinity), straight = chord(from, to, piece);
-        const bool is_straight = (piece || straight.tube.is_proved()) && !(best.error() < straight.error());
-        append(is_straight ? straight : best);
-    }
-
-    // Does rounding blur the arc so much that no span of this length, or a shorter one, can be proved?
-    bool is_blurred(const Node& n, double length) const {
-        const Solver solver(equations_.frame(n.X).matrix(), {});
-        std::array<double, 4> e{};
-        for (int i = 0; i < 3; ++i) e[i] = rounding * equations_[i].size(n.X);
-        return !(solver.is_regular() && 64 * solver.distance(e) <= length);
-    }
-    bool is_lost() const {
-        return std::isinf(error_.curve) || std::isinf(error_.trims) || effort_.spans == 0;
-    }
-
-    // Points of the arc between parts that will do, as errors fall with the sixth power of the length.
-    std::vector<Node> divide(const Node& from, const Node& to, const Fit& spline) const {
-        constexpr double most_parts = 4, reserve = 1.5;
-        const int parts = static_cast<int>(std::clamp(
-            std::ceil(std::pow(reserve * spline.expected / tolerance_, 1.0 / 6)), 2.0, most_parts));
-        std::vector<Node> inner;
-        const Node* last = &from;
-        for (int k = 1; k < parts; ++k) {
-            const auto found = find(point(spline.points, static_cast<double>(k) / parts));
-            if (!found || !is_between(*last, *found, to)) return {};
-            inner.push_back(*found);
-            last = &inner.back();
-        }
-        return inner;
-    }
-
-    // How many of the pieces end before a point as seen along the chord, all but the last one at most.
-    std::size_t ends_before(const Vector4d& X, const Vector4d& chord, std::span<const Piece> pieces) const {
-        const auto is_before = [&](const Piece& p) { return chord.dot(guide_.lifted(p.end) - X) < 0; };
-        std::size_t n = 0;
-        while (n + 1 < pieces.size() && is_before(pieces[n])) ++n;
-        return n;
-    }
-
-    bool accept(const Fit& fit, const Node& to, bool is_floor = false) {
-        if (!fit.tube.is_within(tolerance_) && !(is_floor && fit.tube.curve <= tolerance_)) return false;
-        if (!fit.is_chord) {
-            if (last_ && !joins(*last_, fit.tube)) return false;
-            const bool is_end = to.X == end_.X && to.is_terminal;
-            if (!is_end && !fit.tube.is_joint()) return false;
-            if (is_end) {
-                const std::optional<Tube>& next = final_ ? final_ : first_;
-                if (next && !joins(fit.tube, *next)) return false;
-            }
-            if (spans_.size() == first_span_) first_ = fit.tube;
-        }
-        append(fit);
-        return true;
-    }
-    void append(const Fit& fit) {
-        if (!fit.tube.is_proved() && !error_.unproved) error_.unproved = point(fit.points, 0.5).head<3>();
-        if (fit.tube.error() > std::max(error_.curve, error_.trims))
-            error_.worst = point(fit.points, 0.5).head<3>();
-        error_.curve = std::max(error_.curve, fit.tube.curve);
-        error_.trims = std::max(error_.trims, fit.tube.trims);
-        if (fit.is_chord)
-            last_.reset();
-        else
-            last_ = fit.tube;
-        spans_.push_back({fit.points, fit.trims.part});
-    }
-
-    std::optional<Node> half_way(const Node& from, const Node& to, const Piece* piece,
-                                 const Fit& spline) const {
-        if (spline.trims.seam)
-            if (const auto crossing = sign_change(spline.points, *spline.trims.seam, tolerance_))
-                if (const auto found = find(*crossing, &*spline.trims.seam);
-                    found && is_between(from, *found, to))
-                    return found;
-        if (spline.trims.seam)
-            if (const auto found = find(middle(spline.points)); found && is_between(from, *found, to))
-                return found;
-        if (!piece) {
-            Vec3 w = from.X.head<3>() / from.X[3] + to.X.head<3>() / to.X[3];
-            w.y() = 0;
-            return node(guide_.over(Vec3(0, from.X.y(), 0), w.normalized()));
-        }
-        const auto on_line = guide_.meet(
-            0.5 * (guide_.chart_point(from.X, *piece) + guide_.chart_point(to.X, *piece)), *piece);
-        return find(on_line ? guide_.lifted(*on_line) : Vector4d(0.5 * (from.X + to.X)));
-    }
-
-    // Of spans whose chord goes with the arc.
-    static bool is_between(const Node& from, const Node& n, const Node& to) {
-        const Vec3 chord = (to.X - from.X).head<3>();
-        const double along = chord.dot((n.X - from.X).head<3>());
-        return along > 0 && along < chord.squaredNorm();
-    }
-
-    // Value, first and second derivative in the span's parameter.
-    using Jet = Eigen::Matrix<double, 4, 3>;
-
-    // The quintic with the given ends.
-    static Eigen::Matrix<double, 4, 6> quintic(const Jet& a, const Jet& b) {
-        Eigen::Matrix<double, 4, 6> p;
-        p << a.col(0), a.col(0) + a.col(1) / 5, a.col(0) + 2 * a.col(1) / 5 + a.col(2) / 20,
-            b.col(0) - 2 * b.col(1) / 5 + b.col(2) / 20, b.col(0) - b.col(1) / 5, b.col(0);
-        return p;
-    }
-    static Vector4d middle(const Points& p) { return point(p, 0.5); }
-
-    // At constant speed: with X' = length T and X'' = length^2 K at both ends, K the curvature vector, a
-    // quintic has
-    //     X'(1/2) = 15/8 (X1 - X0) - 7/16 (X0' + X1') + 1/32 (X1'' - X0''),
-    // and the speed there is to be `length`, too: that determines it to the order of the quintic's own error.
-    static double length_between(const Node& from, const Node& to) {
-        const Vector4d chord = to.X - from.X, T = from.T + to.T, K = to.second - from.second;
-        double length = chord.norm();
-        constexpr int steps = 3;  // of Newton's method
-        for (int i = 0; i < steps; ++i) {
-            const Vector4d velocity = 1.875 * chord - 0.4375 * length * T + square(length) / 32 * K;
-            const double speed = velocity.norm();
-            const double slope = velocity.dot(length / 16 * K - 0.4375 * T) / speed - 1;
-            length -= (speed - length) / slope;
-        }
-        return length;
-    }
-
-    // Takes a span from Hermite's data at the ends to the arc at the inner nodes, by a step of Newton's
-    // method each, or two where residuals are not small. Not if they are larger than `most`.
-    bool interpolate(Points& points, double most, double small) const {
-        constexpr int most_steps = 2;
-        const QuinticNodes& nodes = QuinticNodes::get();
-        Eigen::Matrix<double, 4, 6> at_nodes = points.topRows<4>() * nodes.values;
-        double largest = infinity;
-        for (int step = 0; step < most_steps && largest > small; ++step) {
-            std::array<Vector4d, 6> G;
-            largest = 0;
-            for (int k = 1; k < 5; ++k) {
-                G[k] = Vector4d::Zero();
-                for (int i = 0; i < 3; ++i) G[k][i] = equations_[i](at_nodes.col(k));
-                largest = std::max(largest, G[k].cwiseAbs().maxCoeff());
-            }
-            if (!(largest <= most)) return false;
-            for (int k = 1; k < 5; ++k)
-                at_nodes.col(k) -= equations_.frame(at_nodes.col(k)).matrix().inverse() * G[k];
-        }
-        points.block<4, 4>(0, 1) = at_nodes * nodes.coefficients.middleCols<4>(1);
-        return true;
-    }
-
-    // Certified if it may err by no more than `most`: in the certificate each |B_i| is 1 / sqrt(2) at least.
-    // Others that come near the arc tell where to divide it, and by their residuals into how many parts.
-    Fit smooth(const Node& from, const Node& to, double most) const {
-        constexpr double flattest = 0.45;
-        Fit fit;
-        const Vec3 chord = to.X.head<3>() - from.X.head<3>();
-        for (const Node& n : {from, to})
-            if (!(chord.dot(n.T.head<3>()) > flattest * chord.norm() * n.T.head<3>().norm())) return fit;
-        const double length = length_between(from, to);
-        if (!(length > 0)) return fit;
-        std::array<Jet, 2> ends;
-        ends[0] << from.X, length * from.T, square(length) * from.second;
-        ends[1] << to.X, length * to.T, square(length) * to.second;
-        fit.points.topRows<4>() = quintic(ends[0], ends[1]);
-        constexpr double near = 4096, small = 32, least_share = 0.7;
-        if (!interpolate(fit.points, near * most, small * most)) return fit;
-        const SpanPolynomials span(fit.points, foot_);
-        Residuals residuals = proof_->curve_residuals(span);
-        const double largest = std::ranges::max(residuals.curve);
-        constexpr double usual_share = 6;  // of errors, of trims mostly, but for q
-        fit.expected = usual_share * largest;
-        if (!(least_share * largest <= most)) return fit;
-        fit.trims = place_trims(arc_, tolerance_, fit.points);
-        if (fit.trims.seam) return fit;
-        TubeProof::add_trims(fit.points, fit.trims.patches, span, residuals);
-        fit.tube = proof_->certify(fit.points, fit.trims.patches, residuals, most,
-                                   {from.is_terminal, to.is_terminal}, deepest_proof);
-        if (fit.tube.is_proved())
-            fit.expected = fit.error() * (1 - fit.tube.q);  // parts have a smaller q
-        else if (fit.tube.curve == infinity)
-            fit.expected = infinity;
-        return fit;
-    }
-
-    Fit chord(const Node& from, const Node& to, const Piece* piece) const {
-        Fit fit;
-        fit.is_chord = true;
-        auto box = piece ? guide_.enclosure(piece->box) : guide_.rim_enclosure(from, to, slack_);
-        // Elsewhere the diagram is not needed, and not relied on.
-        const double length = (to.X - from.X).norm();
-        const bool is_all = from.X == start_.X && to.X == end_.X;
-        if (!piece) {
-            // Whole edges only: parts may end where the edge does, as far as is known.
-            if (!is_all) return fit;
-        } else if (is_all || is_blurred(from, length) || is_blurred(to, length)) {
-            const auto tight = guide_.enclosure(guide_.box_between(from, to, *piece, slack_, effort_.cells));
-            // As in step 4, nothing but the last span reaches the edge's end.
-            const bool holds_end =
-                (end_.X - tight[0]).minCoeff() >= -slack_ && (tight[1] - end_.X).minCoeff() >= -slack_;
-            if (!holds_end || from.is_terminal || to.is_terminal) box = tight;
-        }
-        const Vector4d low = box[0].cwiseMin(from.X).cwiseMin(to.X),
-                       high = box[1].cwiseMax(from.X).cwiseMax(to.X);
-        std::array<Jet, 2> ends;
-        ends[0] << from.X, to.X - from.X, Vector4d::Zero();
-        ends[1] << to.X, to.X - from.X, Vector4d::Zero();
-        fit.points.topRows<4>() = quintic(ends[0], ends[1]);
-        fit.trims = place_trims(arc_, tolerance_, fit.points);
-        fit.tube = Tube{(high - low).norm(), 0, 0, 0, 0, 0};
-        const SpanPolynomials span(fit.points, foot_);
-        Residuals residuals = proof_->curve_residuals(span);
-        TubeProof::add_trims(fit.points, fit.trims.patches, span, residuals);
-        // The trims of a very short chord err by more than its own room: by what rounding makes it, times the
-        // condition.
-        constexpr double wider = 16;
-        for (Neighbourhood D(fit.points, slack_, tolerance_);; D.widen(wider)) {
-            fit.tube.trims = proof_->trims_error(fit.points, fit.trims.patches, D, residuals, fit.tube);
-            if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_)) return fit;
-        }
+        return {node, (node.X - box[0]).cwiseAbs().cwiseMax((node.X - box[1]).cwiseAbs()).norm()};
     }
 
     const SpaceChart& chart_;
     const SpaceArc& arc_;
-    double tolerance_;
-    std::vector<SpaceSpan>& spans_;
-    FitEffort& effort_;
     Vec3 foot_;  // near the curve
     ArcEquations equations_;
     ArcGuide guide_{chart_, arc_, equations_};
-    std::optional<TubeProof> proof_;  // once tolerance, slack and end are known
-    Node start_, end_;                // of the edge
-    std::size_t first_span_ = spans_.size();
-    double slack_ = 0;                   // of the vertices
-    std::optional<Tube> last_;           // the span before, the start at first; none: vouched for by a piece
-    std::optional<Tube> first_, final_;  // the first span; the end
-    SpaceFitError error_;
 };
 
 }  // namespace
@@ -529,13 +247,12 @@ std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std
 
 SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans, FitEffort& effort) {
-    const SpaceChart chart(problem);
-    return Fitter(chart, arc, tolerance, spans, effort).run();
+    return EdgeFit(SpaceChart(problem), arc).run(tolerance, spans, effort);
 }
 
 SpaceFitError fit_spline_over_plane(const SpaceArc& arc, double tolerance, std::vector<SpaceSpan>& spans,
                                     FitEffort& effort) {
-    return Fitter(SpaceChart(), arc, tolerance, spans, effort).run();
+    return EdgeFit(SpaceChart(), arc).run(tolerance, spans, effort);
 }
 
 }  // namespace vcell

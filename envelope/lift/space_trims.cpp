@@ -30,6 +30,49 @@ std::optional<Linear> crossed_seam(const SpacePart& part, const Points& points, 
     return std::nullopt;
 }
 
+// Bounds the distance of the patch's points at the trim from the curve's; `largest_blur` grows to
+// rounding's part.
+double distance_on(const RadialPatch& patch, const Points& points, int side, double& largest_blur) {
+    const Bernstein<5> u = row(points, 4 + 2 * side), v = row(points, 5 + 2 * side);
+    const Bernstein<10> uu = square(u), vv = square(v);
+    const double largest_u = u.largest(), largest_v = v.largest();
+    const auto polynomial = [&](int k) {
+        const auto in_v = [&](int i) {
+            const auto c = [&](int j) { return patch.coefficient(i, j)[k]; };
+            return raised<10>(c(1) * v + c(0)) + c(2) * vv;
+        };
+        return raised<20>(in_v(0)) + raised<20>(u * in_v(1)) + uu * in_v(2);
+    };
+    // Bounds the terms.
+    const auto size = [&](int k) {
+        double sum = 0;
+        for (int i = 2; i >= 0; --i) {
+            double in_v = 0;
+            for (int j = 2; j >= 0; --j) in_v = in_v * largest_v + std::abs(patch.coefficient(i, j)[k]);
+            sum = sum * largest_u + in_v;
+        }
+        return sum;
+    };
+    constexpr double blur = 2 * rounding;  // more terms than elsewhere
+    const Bernstein<20> w = polynomial(3);
+    const double least = w.smallest_coefficient() - blur * size(3);
+    if (!(least > 0)) return infinity;
+    double squared = 0, blurred = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Bernstein<5> p = row(points, k);
+        const double rounded = blur * (size(k) + p.largest() * size(3));
+        squared += square((raised<25>(polynomial(k)) - p * w).largest() + rounded);
+        blurred += square(rounded);
+    }
+    largest_blur = std::max(largest_blur, std::sqrt(blurred) / least);
+    return std::sqrt(squared) / least;
+}
+
+// Are the coordinates those of the point's projection onto a base plane?
+bool is_projection(const PatchCoordinates& c) {
+    return c[0].numerator == Linear::Unit(0) && c[1].numerator == Linear::Unit(1);
+}
+
 }  // namespace
 
 Trims place_trims(const SpaceArc& arc, double tolerance, Points& points) {
@@ -90,6 +133,83 @@ std::optional<Vector4d> sign_change(const Points& points, const Linear& f, doubl
         return point(points, low);
     }
     return std::nullopt;
+}
+
+TrimProof::TrimProof(const TubeProof& proof, const Patches& patches, const Points& points,
+                     const SpanPolynomials& span, const Residuals& residuals)
+    : proof_(proof), patches_(patches), residuals_(residuals) {
+    for (int side = 0; side < 2; ++side) {
+        if (!patches_[side]) continue;
+        for (int i = 0; i < 2; ++i) {
+            const PatchCoordinate& c = patches_[side]->patch[i];
+            const Bernstein<5> v = row(points, 4 + 2 * side + i), numerator = span(c.numerator);
+            const double divisor_size = span.size(c.divisor);
+            double residual = 0, least = 0;
+            if (c.divisor.head<4>().isZero()) {
+                residual = (numerator - c.divisor[4] * v).largest();
+                least = c.divisor[4];
+            } else {
+                const Bernstein<5> divisor = span(c.divisor);
+                residual = QuinticNodes::get().largest(raised<10>(numerator) - v * divisor);
+                least = divisor.smallest_coefficient();
+            }
+            trims_[side].residual[i] =
+                residual + rounding * (span.size(c.numerator) + divisor_size * v.largest());
+            trims_[side].divisor[i] = least - rounding * divisor_size;
+        }
+    }
+}
+
+double TrimProof::operator()(const Points& points, const LocalEquations& local, Tube& tube) const {
+    const double tolerance = proof_.tolerance();
+    double most = 0;
+    for (int side = 0; side < 2 && most < infinity; ++side) {
+        if (!patches_[side]) continue;
+        double error = trim_error(side, points, local, tube.q);
+        if (tube.curve <= tolerance && !(error <= tolerance) && patches_[side]->surface)
+            error = std::min(error, distance_on(*patches_[side]->surface, points, side, tube.blur));
+        most = std::max(most, error);
+    }
+    return most;
+}
+
+double TrimProof::trim_error(int side, const Points& points, const LocalEquations& local,
+                             double& largest_q) const {
+    const ArcEquations& equations = proof_.equations();
+    const PatchCoordinates& coordinates = patches_[side]->patch;
+    const Neighbourhood& D = local.D;
+    const Trim& trim = trims_[side];
+    Matrix4d M;
+    M.row(0) = local.frame.gradients[0];
+    M.row(1) = local.frame.gradients[side + 1];
+    std::array<double, 4> variations{local.variations[0], local.variations[side + 1]},
+        e{residuals_.curve[0], residuals_.curve[side + 1]};
+    if (side == 1 && equations.is_replaced()) {
+        const Equation& right = equations[equations.right];
+        M.row(1) = right.gradient(D.center);
+        variations[1] = right.variation(D.center, right.reach(D.center, points, D.room));
+        e[1] = residuals_.right;
+    }
+    // A graph over the base plane: the patch's point is above or below the curve's, and may be so where the
+    // graph is so steep that nothing else tells.
+    const Equation& site = equations[side == 1 ? equations.right : 1];
+    if (is_projection(coordinates) && site.fall() > 0) return e[0] + e[1] / site.fall();
+    for (int i = 0; i < 2; ++i) {
+        const PatchCoordinate& c = coordinates[i];
+        const auto value = points.row(4 + 2 * side + i);
+        const double low = value.minCoeff(), high = value.maxCoeff(), middle = 0.5 * (low + high);
+        const Vector4d n = c.numerator.head<4>(), d = c.divisor.head<4>(), gradient = n - middle * d;
+        const double scale = gradient.norm(), across = d.norm();
+        if (!(trim.divisor[i] > D.room * across)) return infinity;
+        M.row(2 + i) = gradient / scale;
+        variations[2 + i] = 0.5 * (high - low) * across / scale;
+        e[2 + i] = trim.residual[i] / scale;
+    }
+    const Solver solver(M, variations);
+    largest_q = std::max(largest_q, solver.q);
+    if (!solver.is_regular()) return infinity;
+    const double distance = solver.distance(e);
+    return distance <= D.room ? distance : infinity;
 }
 
 }  // namespace vcell::space_fit

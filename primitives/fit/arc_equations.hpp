@@ -1,19 +1,22 @@
-/// The equations of an arc in space and its spans as polynomials, for the fit and the certificate of
-/// space_spline.hpp.
+/// The equations of an arc of a trisector in space, and its spans as polynomials, for the fit and the
+/// certificate of spline_fit.hpp.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 
 #include "../../core/curves/quintic_nodes.hpp"
 #include "../../core/curves/scaled_bernstein.hpp"
-#include "space_arc.hpp"
+#include "../../core/numbers/interval.hpp"
+#include "../objects/objects.hpp"
 
 namespace vcell::space_fit {
 
@@ -21,9 +24,11 @@ using Eigen::Matrix4d;
 using Eigen::Vector4d;
 using std::numbers::sqrt2;
 
-using Linear = PatchCoordinate::Linear;
-using Piece = MinimizationDiagram::ArcPiece;
-using Points = Eigen::Matrix<double, 8, 6>;  // as in SpaceSpan
+using Linear = Eigen::Matrix<double, 5, 1>;  // a function of (x, y, z, t, 1)
+
+// Of a Bezier span of degree 5, polynomial: point k of the curve (x, y, z, t) and below it of what follows it
+// in the same parameter, a trim (u, v) on the left and one on the right, is column k.
+using Points = Eigen::Matrix<double, 8, 6>;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -87,12 +92,14 @@ struct SpanPolynomials {
 // plane.
 class Equation {
 public:
-    // `near`: as for cylinders in cylinder_patch.hpp.
+    // The distance from a point or an axis is rho + kappa r, r = t - R0: kappa = -1 where one of the object
+    // and the base lies within the other. `near`: a point of an axis near it is taken.
     static Equation round(const Vec3& point, const Vec3& axis, double rho, double base_radius,
-                          const Vec3& near) {
+                          const Vec3& near, double kappa = 1) {
         Equation e;
         e.is_round_ = true;
-        e.delta_ = rho - base_radius;
+        e.kappa_ = kappa;
+        e.delta_ = rho - kappa * base_radius;
         e.point_ = point;
         e.reach_ = point.norm() + (near - point).norm() + rho + base_radius;
         if (axis != Vec3::Zero()) {
@@ -105,16 +112,17 @@ public:
     // One of the planes where two lines that cross in `center` are equally near. blur: bound on what rounding
     // changed about `normal`, and about the center in lengths of what enters G.
     static Equation between(const Vec3& center, const Vec3& normal, double blur) {
-        Equation e = plane(center, normal, 0, true);
+        Equation e = plane(center, normal, 0, 0);
         e.blur_ = blur;
         return e;
     }
-    // The distance along `gradient` (unit) from a point, plus R0 - t unless a wall.
-    static Equation plane(const Vec3& point, const Vec3& gradient, double base_radius, bool is_wall) {
+    // The distance along `gradient` (unit) from a point, less kappa (t - R0): 0 of a wall, -1 where the base
+    // is seen from within.
+    static Equation plane(const Vec3& point, const Vec3& gradient, double base_radius, double kappa = 1) {
         Equation e;
         e.point_ = point;
         e.axis_ = gradient;
-        e.kappa_ = is_wall ? 0 : 1;
+        e.kappa_ = kappa;
         e.delta_ = -e.kappa_ * base_radius;
         e.reach_ = point.norm() + base_radius;
         return e;
@@ -224,8 +232,8 @@ public:
     // Bound of |G|.
     double residual(const Vector4d& X) const { return std::abs((*this)(X)) + (rounding + blur_) * size(X); }
     // Step 1 of the certificate: |G| along a span; infinite if it cannot tell. With m = point - foot
-    //     d^2 - (t + delta)^2 = square - 2 m.(p - foot) - 2 delta t + |m|^2 - delta^2  (- (axis.(p -
-    //     point))^2).
+    //     d^2 - (kappa t + delta)^2 = square - 2 m.(p - foot) - 2 kappa delta t + |m|^2 - delta^2
+    //                                 (- (axis.(p - point))^2).
     double residual(const SpanPolynomials& span) const {
         if (pair_) return difference_residual(span);
         const Vec3 m = point_ - span.foot;
@@ -245,7 +253,7 @@ public:
     }
 
     // t where the ray from a foot point f along the unit normal w meets G = 0, by the quadratic of
-    // primitives/forms/radial_form.hpp; whatever it yields where the ray does not.
+    // primitives/forms/radial_form.hpp; whatever it yields where the ray does not. Pre: kappa is not -1.
     template <class T>
     T distance_along(const std::array<T, 3>& f, const std::array<T, 3>& w) const {
         const std::array<T, 3> m = from_point(f);
@@ -306,18 +314,20 @@ private:
         return (nodes.largest(b - a) + of_a + of_b + 2 * G * std::abs(right().delta_ - left().delta_)) / sum;
     }
 
-    // d^2 - (t + delta)^2 along a span, and what bounds its terms.
+    // d^2 - (kappa t + delta)^2 along a span, and what bounds its terms.
     Bernstein<10> quadric(const SpanPolynomials& span) const {
         const Vec3 m = point_ - span.foot;
-        Bernstein<10> Q =
-            span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
+        Bernstein<10> Q = span.square + raised<10>(span.linear(-2 * m, -2 * kappa_ * delta_,
+                                                               m.squaredNorm() - square(delta_)));
         if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -axis_.dot(m)));
         return Q;
     }
     double squared_size(const SpanPolynomials& span) const { return square(span.size() + reach_); }
-    // Bounds d + t + delta from below where d^2 is within `bound` of (t + delta)^2; 0 if it cannot tell.
+    // Bounds d + kappa t + delta from below where d^2 is within `bound` of (kappa t + delta)^2; 0 if it
+    // cannot tell.
     double least_sum(const SpanPolynomials& span, double bound) const {
-        const double least = span.X[3].smallest_coefficient() + delta_, below = least * least - bound;
+        const double least = (kappa_ > 0 ? span.X[3].smallest_coefficient() : -span.X[3].largest()) + delta_,
+                     below = least * least - bound;
         return least > 0 && below > 0 ? least + std::sqrt(below) : 0;
     }
     Vec3 from_axis(const Vector4d& X) const { return across(X.head<3>() - point_); }
@@ -372,6 +382,13 @@ struct Frame {
     }
 };
 
+// A point of the arc with derivatives along it, by the length of the curve (p, t).
+struct Node {
+    Vector4d X, T, second;
+    bool is_terminal = false;  // the end of the arc
+    bool ends_piece = false;   // of its guide, or all but does
+};
+
 // The equations of the base, of the left and of the right site. Where a plane through the arc stands for
 // the right one, or its difference from the left one, the site's own is the fourth.
 struct ArcEquations {
@@ -390,6 +407,36 @@ struct ArcEquations {
         f.T << p, g.dot(p);
         f.T.normalize();
         return f;
+    }
+
+    Node node(const Vector4d& X) const {
+        const Frame f = frame(X);
+        Vector4d bend = Vector4d::Zero();
+        for (int i = 0; i < 3; ++i) bend[i] = -equations[i].second(X, f.T);
+        return {X, f.T, f.matrix().inverse() * bend};
+    }
+
+    // Newton's method across the curve (or for its point where `seam` vanishes), to the level of rounding.
+    std::optional<Node> find(Vector4d X, const Linear* seam = nullptr) const {
+        constexpr int enough = 12;
+        for (int i = 0; i < enough; ++i) {
+            Vector4d G = Vector4d::Zero();
+            double size = 0;
+            for (int k = 0; k < 3; ++k) {
+                G[k] = equations[k](X);
+                size = std::max(size, equations[k].size(X));
+            }
+            Matrix4d M = frame(X).matrix();
+            if (seam) {
+                M.row(3) = seam->head<4>().normalized();
+                G[3] = at(*seam, X) / seam->head<4>().norm();
+            }
+            const Matrix4d inverse = M.inverse();
+            const Vector4d step = inverse * G;
+            X -= step;
+            if (step.norm() <= 16 * u * size * (1 + inverse.leftCols<3>().norm())) return node(X);
+        }
+        return std::nullopt;
     }
 };
 

@@ -1,4 +1,4 @@
-/// The certificate of a span: steps 1, 2, 3 and 5 of space_spline.hpp, and of step 4 what one span tells.
+/// The certificate of a span: steps 1, 2 and 3 of spline_fit.hpp, and of step 4 what one span tells.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "space_equation.hpp"
+#include "arc_equations.hpp"
 
 namespace vcell::space_fit {
 
@@ -54,9 +54,6 @@ struct Tube {
 
 inline bool joins(const Tube& a, const Tube& b) { return a.end <= b.link || b.start <= a.link; }
 
-// The parts of the patches that a span's trims are for; null: none on this side.
-using Patches = std::array<const SpacePart*, 2>;
-
 // D: what is within `room` of the hull of a span's points, and so within `radius` of its middle.
 struct Neighbourhood {
     Vector4d center;
@@ -77,63 +74,75 @@ struct Neighbourhood {
     }
 };
 
-// Step 1: of the three equations, and of the trims in those of step 5, n - u d, with the divisors' least
-// values.
+// Step 1: of the three equations.
 struct Residuals {
     std::array<double, 3> curve;
     double right;  // of the right site's equation, where a plane's is in its place
-    struct Trim {
-        std::array<double, 2> residual, divisor;
-    };
-    std::array<Trim, 2> trims;
 };
 
-// Which ends of a span are ends of the edge.
+// What the equations are over D, and may do there.
+struct LocalEquations {
+    Neighbourhood D;
+    Frame frame;
+    std::array<double, 3> reach;
+    std::array<double, 4> variations{};
+};
+
+// Which ends of a span are ends of the arc.
 struct Terminals {
     bool from, to;
 };
 
+// Does rounding blur the arc so much at X that no span of this length, or a shorter one, can be proved?
+bool is_blurred(const ArcEquations& equations, const Vector4d& X, double length);
+
 class TubeProof {
 public:
-    // slack: of the vertices. end: of the edge.
+    // slack: of the arc's ends. end: the arc's.
     TubeProof(const ArcEquations& equations, double tolerance, double slack, const Vector4d& end)
         : equations_(equations), tolerance_(tolerance), slack_(slack), end_(end) {}
 
-    Residuals curve_residuals(const SpanPolynomials& span) const {
+    double tolerance() const { return tolerance_; }
+    const ArcEquations& equations() const { return equations_; }
+
+    Residuals residuals(const SpanPolynomials& span) const {
         return {{equations_[0].residual(span), equations_[1].residual(span), equations_[2].residual(span)},
-                equations_.is_replaced() ? equations_[equations_.right].residual(span) : 0,
-                {}};
+                equations_.is_replaced() ? equations_[equations_.right].residual(span) : 0};
     }
-    static void add_trims(const Points& points, const Patches& patches, const SpanPolynomials& span,
-                          Residuals& residuals);
+    LocalEquations local(const Points& points, const Neighbourhood& D) const;
+    LocalEquations local(const Points& points) const {
+        return local(points, Neighbourhood(points, slack_, tolerance_));
+    }
 
     // In parts where one D does not prove it, or not an error of `most` though quarters should: q falls like
-    // the size of D, if it is finite, and with it 1 / (1 - q).
-    Tube certify(const Points& points, const Patches& patches, const Residuals& residuals, double most,
-                 Terminals terminals, int halvings) const;
-
-    // Step 5 alone, of all the span in one D. Adds to q and blur of the tube.
-    double trims_error(const Points& points, const Patches& patches, const Neighbourhood& D,
-                       const Residuals& residuals, Tube& tube) const {
-        return trims_error(points, patches, D, equations_.frame(D.center), range(points, D), residuals, tube);
+    // the size of D, if it is finite, and with it 1 / (1 - q). trims_error(points, local, tube) bounds the
+    // error of what follows the curve, and adds to q and blur of the tube.
+    template <class TrimsError>
+    Tube certify(const Points& points, const Residuals& residuals, double most, Terminals terminals,
+                 int halvings, const TrimsError& trims_error) const {
+        const LocalEquations here = local(points);
+        Tube whole = curve_tube(points, residuals, terminals, here);
+        if (whole.is_proved()) whole.trims = trims_error(points, here, whole);
+        if (halvings == 0 || is_final(whole, most, halvings)) return whole;
+        const std::array<Points, 2> halves = halved(points);
+        const Tube a =
+            certify(halves[0], residuals, most, {terminals.from, false}, halvings - 1, trims_error);
+        if (!a.is_proved() || !a.is_within(most)) return whole;
+        const Tube b = certify(halves[1], residuals, most, {false, terminals.to}, halvings - 1, trims_error);
+        if (!b.is_proved() || !joins(a, b)) return whole;
+        return {
+            std::max(a.curve, b.curve), std::max(a.trims, b.trims), a.start, b.end, std::min(a.link, b.link),
+            std::max(a.q, b.q),         std::max(a.blur, b.blur)};
     }
 
 private:
-    // What the three equations may do over D.
-    struct Range {
-        std::array<double, 3> reach;
-        std::array<double, 4> variations{};
-    };
-
-    Tube tube(const Points& points, const Patches& patches, const Residuals& residuals,
-              Terminals terminals) const;
-    Range range(const Points& points, const Neighbourhood& D) const;
+    // Steps 2 to 4 in one D.
+    Tube curve_tube(const Points& points, const Residuals& residuals, Terminals terminals,
+                    const LocalEquations& here) const;
+    // Are parts not worth trying?
+    static bool is_final(const Tube& whole, double most, int halvings);
+    static std::array<Points, 2> halved(const Points& points);
     std::array<double, 4> residuals_at(const Vector4d& X) const;
-    double trims_error(const Points& points, const Patches& patches, const Neighbourhood& D,
-                       const Frame& frame, const Range& over, const Residuals& residuals, Tube& tube) const;
-    double trim_error(int side, const Points& points, const PatchCoordinates& coordinates,
-                      const Neighbourhood& D, const Frame& frame, const Range& over,
-                      const Residuals& residuals, double& largest_q) const;
 
     const ArcEquations& equations_;
     double tolerance_, slack_;
