@@ -156,8 +156,8 @@ QuadraticForm with_distance(const QuadraticForm& form) {
 class Components {
 public:
     // `distance`, of (x, y, z, r, 1), is what tells r where it does not take part.
-    Components(Range range, std::optional<QuadraticForm> distance = std::nullopt)
-        : with_r_(!distance), range_(std::move(range)), distance_(std::move(distance)) {}
+    Components(Range range, std::array<int, 3> sides, std::optional<QuadraticForm> distance = std::nullopt)
+        : with_r_(!distance), range_(std::move(range)), sides_(sides), distance_(std::move(distance)) {}
 
     // The curves in the span of `basis` where all forms, given on that span, vanish.
     void add(const Basis& basis, const std::vector<Condition>& forms) {
@@ -194,7 +194,7 @@ public:
 private:
     std::shared_ptr<const TrisectorEquations> equations(const Basis& basis,
                                                         const std::vector<Condition>& forms) const {
-        TrisectorEquations e{with_distance(annihilators(basis)), {}, range_.lower, range_.upper};
+        TrisectorEquations e{with_distance(annihilators(basis)), {}, range_.lower, range_.upper, sides_};
         for (const Condition& c : forms) e.quadratic.push_back(with_distance(c.whole));
         if (distance_) e.quadratic.push_back(*distance_);
         return std::make_shared<const TrisectorEquations>(std::move(e));
@@ -341,6 +341,7 @@ private:
 
     const bool with_r_;
     const Range range_;
+    const std::array<int, 3> sides_;
     const std::optional<QuadraticForm> distance_;
     std::vector<Basis> lines_;
     Trisector result_;
@@ -352,7 +353,8 @@ constexpr double parallel_tangents = 0x1p-40;
 // A sphere or cylinder as a condition on (p, r): squared distance of p from its centre = (r + side rho)^2.
 struct RoundCondition {
     RoundSurface surface;
-    int side = 1;  // -1: seen from within
+    std::size_t object;  // of base, a, b
+    int side = 1;        // -1: seen from within
 };
 
 // norm |m|^2 - (m.a)^2 - norm (r + side rho)^2, or without the last term.
@@ -396,10 +398,11 @@ std::string_view to_string(TrisectorKind kind) {
 }
 
 Trisector trisector(const Object& base, const Object& a, const Object& b) {
+    const std::array<const Object*, 3> objects{&base, &a, &b};
     std::vector<RoundCondition> rounds;
-    for (const Object* o : {&base, &a, &b}) {
-        if (const auto* s = std::get_if<Sphere>(o)) rounds.push_back({RoundSurface(*s)});
-        if (const auto* c = std::get_if<Cylinder>(o)) rounds.push_back({RoundSurface(*c)});
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+        if (const auto* s = std::get_if<Sphere>(objects[k])) rounds.push_back({RoundSurface(*s), k});
+        if (const auto* c = std::get_if<Cylinder>(objects[k])) rounds.push_back({RoundSurface(*c), k});
     }
     const bool round_base = !std::holds_alternative<Plane>(base);
     // What contains the base is seen from within; a line through a point has no inside.
@@ -412,8 +415,10 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
     }
     Range range;
     Exact norms = 1.0;
+    std::array<int, 3> sides{};
     for (const RoundCondition& c : rounds) {
         norms *= c.surface.norm;
+        sides[c.object] = c.side;
         if (c.side > 0)
             range.at_least(-c.surface.rho);
         else
@@ -436,7 +441,7 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
     std::vector<QuadraticForm> forms;
     for (std::size_t i = 0; i < rounds.size(); ++i) forms.push_back(quadric(rounds[i], !equal, scale(i)));
     if (equal) {
-        Components components(range, quadric(rounds[0], true, 1.0));
+        Components components(range, sides, quadric(rounds[0], true, 1.0));
         std::vector<Condition> differences;
         for (const int i : {1, 2}) {
             const QuadraticForm difference = forms[0] + Exact(-1.0) * forms[i];
@@ -448,19 +453,19 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
 
     // Each plane by each side it may be seen from: the base's is known, as is a round base's.
     std::vector<std::vector<LinearFunction>> planes;
-    for (const Object* o : {&base, &a, &b}) {
-        const auto* plane = std::get_if<Plane>(o);
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+        const auto* plane = std::get_if<Plane>(objects[k]);
         if (plane == nullptr) continue;
         const ExactVector n(plane->normal);
         const Exact d = -dot(n, ExactVector(plane->point)), length = rounded_sqrt(dot(n, n));
-        std::vector<double> sides{1.0, -1.0};
-        if (o == &base) sides = {1.0};
-        if (round_base) sides = {(dot(n, rounds[0].surface.point) + d).sign() == Sign::Negative ? -1.0 : 1.0};
+        if (k == 0) sides[k] = 1;
+        if (round_base) sides[k] = (dot(n, rounds[0].surface.point) + d).sign() == Sign::Negative ? -1 : 1;
         planes.emplace_back();
-        for (const double side : sides)
-            planes.back().push_back({side * n.x, side * n.y, side * n.z, -length, side * d});
+        for (const double side : {1.0, -1.0})
+            if (sides[k] != -side)
+                planes.back().push_back({side * n.x, side * n.y, side * n.z, -length, side * d});
     }
-    Components components(range);
+    Components components(range, sides);
     std::vector<Condition> conditions;
     for (const QuadraticForm& form : forms) conditions.push_back({form, form});
     const auto choose = [&](const auto& self, std::size_t k, const Basis& basis) -> void {

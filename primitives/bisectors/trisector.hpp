@@ -75,10 +75,11 @@ struct TrisectorCurve {
     TrisectorKind kind = TrisectorKind::Spline;
     int degree = 1;  ///< of the component it lies on
     /// One after the other, each beginning where the one before ends: a segment; quadratic arcs of a conic,
-    /// exact but for the rounding of their ends and control points; one spline.
+    /// exact but for the rounding of their ends and control points; one spline of degree 5 in spans.
     std::vector<RationalCurve3> arcs;
     /// Splines: certified, no point of the arcs is farther from the trisector and none of this part of it
-    /// farther from the arcs; infinite where nothing could be proved.
+    /// farther from the arcs. It exceeds the tolerance where rounding blurs the curve, or near nodes;
+    /// infinite where nothing could be proved.
     double error = 0;
     bool is_closed = false;
     /// Where an open part ends: a side of the box, in the order -x, +x, -y, +y, -z, +z; where the distance
@@ -94,8 +95,9 @@ struct TrisectorCurves {
 };
 
 /// Every connected part of the trisector within the box, proved to be one and to be all (solve_curves()),
-/// with splines fitted to `tolerance` (a length). Objects are seen as by trisector() above. Pre: those of
-/// trisector(); the box has a positive extent along each axis; tolerance > 0.
+/// with splines fitted to `tolerance` (a length) as the edges of cells are (primitives/fit/spline_fit.hpp).
+/// Objects are seen as by trisector() above. Pre: those of trisector(); the box has a positive extent along
+/// each axis; tolerance > 0.
 TrisectorCurves trisector(const Object& base, const Object& a, const Object& b, const Box& box,
                           double tolerance);
 

@@ -7,10 +7,10 @@
 #include "../../core/errors.hpp"
 #include "../../core/numbers/enclosure.hpp"
 #include "../../core/solver/curves/curve.hpp"
-#include "../../core/solver/fit/curve_fit.hpp"
 #include "../../core/solver/systems/scaled.hpp"
 #include "trisector.hpp"
 #include "trisector_equations.hpp"
+#include "trisector_fit.hpp"
 
 namespace vcell {
 
@@ -144,9 +144,9 @@ TrisectorCurves trisector(const Object& base, const Object& a, const Object& b, 
                 curve.ends[end] =
                     part.ends[end].kind == CurveEnd::Kind::Face ? static_cast<int>(part.ends[end].index) : -1;
             if (component.kind == TrisectorKind::Spline) {
-                FittedCurve<3> fit = fit_curve<3, 3>(f, part, tolerance);
-                curve.arcs.push_back(std::move(fit.curve));
-                curve.error = fit.error;
+                TrisectorSpline spline = fit_trisector({&base, &a, &b}, equations.sides, f, part, tolerance);
+                curve.arcs.push_back(std::move(spline.curve));
+                curve.error = spline.error;
             } else if (component.kind == TrisectorKind::Line) {
                 curve.arcs.push_back(
                     *trisector_arc(component, place(part.joints.front()), place(part.joints.back())));

@@ -216,3 +216,98 @@ TEST_CASE("trisector in a box: special positions") {
         CHECK(none.undecided.empty());
     }
 }
+
+namespace {
+
+// The largest distance of the spline's points from the trisector.
+double largest_distance(const Triple& t, const RationalCurve3& spline) {
+    double largest = 0;
+    for (int i = 1; i < 1000; ++i) {
+        const Vec3 p = spline.evaluate(std::lerp(spline.domain_begin(), spline.domain_end(), i / 1000.0));
+        if (const auto q = point_near(t, p)) largest = std::max(largest, (*q - p).norm());
+    }
+    return largest;
+}
+
+// Seen from within and from without alike.
+double from_either_side(const Object& object, const Vec3& p) { return std::abs(distance(object, p)); }
+
+}  // namespace
+
+TEST_CASE("trisector in a box: the bound of a spline is one, and no idle one") {
+    const Plane ground{{0, 0, -3}, {0.1, 0.2, 1}};
+    const Sphere ball{{1, 1, 1}, 0.9}, marble{{-1.2, 0, -0.5}, 0.5};
+    const Cylinder across{{0, -1, -0.4}, {1, 0.1, 0.05}, 0.4}, away{{1.2, 0, 1}, {0, 1, 0.2}, 0.3},
+        upright{{-1, 1.2, 0}, {0.1, 0.1, 1}, 0.5};
+    for (const Triple& t :
+         {Triple{ground, ball, across}, Triple{ground, across, away}, Triple{marble, ball, across},
+          Triple{ball, across, upright}, Triple{upright, across, away}}) {
+        std::size_t fewest = 0;
+        for (const double wanted : {1e-3, 1e-5, 1e-7, 1e-9}) {
+            CAPTURE(wanted);
+            const TrisectorCurves found = trisector(t.base, t.a, t.b, box, wanted);
+            REQUIRE(found.undecided.empty());
+            REQUIRE_FALSE(found.curves.empty());
+            std::size_t spans = 0;
+            for (const TrisectorCurve& c : found.curves) {
+                REQUIRE(c.kind == TrisectorKind::Spline);
+                REQUIRE(c.arcs.size() == 1);
+                CHECK(c.arcs[0].degree == 5);
+                CHECK(c.error <= wanted);
+                const double worst = largest_distance(t, c.arcs[0]);
+                CHECK(worst <= c.error);
+                if (wanted > 1e-8) CHECK(worst > c.error / 1000);  // the judge's own rounding is less
+                // The judge sees a spline that is off.
+                RationalCurve3 off = c.arcs[0];
+                for (auto& point : off.points) point.head<3>() += 3 * c.error * Vec3(0.36, 0.48, 0.8);
+                CHECK(largest_distance(t, off) > c.error);
+                spans += c.arcs[0].points.size() / 5;
+            }
+            CHECK(spans > fewest);
+            fewest = spans;
+        }
+    }
+}
+
+TEST_CASE("trisector in a box: a tolerance below rounding is missed by a finite, stated error") {
+    const Triple t{Sphere{{-1.2, 0, -0.5}, 0.5}, Sphere{{1, 1, 1}, 0.9},
+                   Cylinder{{0, -1, -0.4}, {1, 0.1, 0.05}, 0.4}};
+    const TrisectorCurves found = trisector(t.base, t.a, t.b, box, 1e-15);
+    REQUIRE(found.curves.size() == 1);
+    CHECK(found.curves[0].error > 1e-15);
+    CHECK(found.curves[0].error < 1e-9);
+}
+
+TEST_CASE("trisector in a box: from within a ball and a tube, and of what lies within the base") {
+    const Sphere shell{{0.2, 0.1, 0}, 3}, small{{-0.6, 0.3, 0.4}, 0.4};
+    const Cylinder pipe{{0.1, -0.2, 0.3}, {0.2, 1, 0.1}, 2.5}, rod{{0.8, 0.3, -0.5}, {1, 0.3, -0.2}, 0.3};
+    for (const Triple& t : {Triple{small, shell, pipe}, Triple{small, pipe, rod}, Triple{pipe, small, rod}}) {
+        const TrisectorCurves found = trisector(t.base, t.a, t.b, box, tolerance);
+        REQUIRE_FALSE(found.curves.empty());
+        for (const TrisectorCurve& c : found.curves) {
+            REQUIRE(c.kind == TrisectorKind::Spline);
+            CHECK(c.error <= tolerance);
+            for (const Vec3& p : points_of(c))
+                for (const Object& o : {t.a, t.b})
+                    CHECK(std::abs(from_either_side(o, p) - from_either_side(t.base, p)) <= 2 * c.error);
+        }
+    }
+}
+
+TEST_CASE("trisector in a box: arcs that lead into a node are bounded to their end") {
+    // Equal rods that cross: the trisector with a plane falls into plane curves, whose planes are irrational.
+    const Vec3 center(0.25, 0.5, 0.125);
+    const Triple t{Plane{{0, 0, -2}, {0.1, 0.3, 1}}, Cylinder{center, {1, 0.2, 0.3}, 0.4},
+                   Cylinder{center, {-0.3, 1, 0.1}, 0.4}};
+    REQUIRE(trisector(t.base, t.a, t.b).splits_irrationally);
+    const TrisectorCurves found = trisector(t.base, t.a, t.b, box, tolerance);
+    CHECK(found.undecided.size() >= 1);
+    int ends = 0;
+    for (const TrisectorCurve& c : found.curves) {
+        CHECK(c.error <= tolerance);
+        for (const Vec3& p : points_of(c))
+            for (const double d : differences(t, p)) CHECK(std::abs(d) <= 2 * c.error);
+        ends += (c.ends[0] == -1) + (c.ends[1] == -1);
+    }
+    CHECK(ends >= 4);
+}

@@ -49,6 +49,32 @@ T chebyshev(int n, const T& x) {
 
 const CurveSystem<1> unit_circle([](const auto& p) { return std::array{square(p[0]) + square(p[1]) - 1.0}; });
 
+// The length of the curves in their first coordinates (x, y, z): of chords, whose error is of the second
+// order, extrapolated.
+template <int N>
+double arc_length(const CurveSystem<N>& f, const CurveSet<N + 1>& set) {
+    double length = 0;
+    for (const auto& component : set.components)
+        for (const Tube<N + 1>& tube : component.tubes) {
+            const auto chords = [&](int parts) {
+                double sum = 0;
+                auto from = mid(point_at<N>(f, tube, tube.begin));
+                for (int k = 1; k <= parts; ++k) {
+                    const auto to =
+                        mid(point_at<N>(f, tube, std::lerp(tube.begin, tube.end, k / double(parts))));
+                    double squares = 0;
+                    for (int i = 0; i < std::min(N + 1, 3); ++i)
+                        squares += (to[i] - from[i]) * (to[i] - from[i]);
+                    sum += std::sqrt(squares);
+                    from = to;
+                }
+                return sum;
+            };
+            length += (4 * chords(16) - chords(8)) / 3;
+        }
+    return length;
+}
+
 // An entry of kind "curve" of the system file, against all that it says.
 template <int N>
 void check_entry(const nlohmann::json& entry) {
@@ -70,6 +96,10 @@ void check_entry(const nlohmann::json& entry) {
         if (!component.closed)
             for (const CurveEnd& end : component.ends) faces += end.kind == CurveEnd::Kind::Face;
     CHECK(faces == entry.at("boundary_points").size());
+
+    if (const char* key = N == 1 ? "arc_length" : "arc_length_xyz"; entry.contains(key))
+        CHECK(arc_length<N>(f, set) ==
+              doctest::Approx(std::stod(entry.at(key).get<std::string>())).epsilon(1e-6));
 
     const auto approximation = [](const nlohmann::json& digits) {
         Point<D> x;

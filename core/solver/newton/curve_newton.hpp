@@ -1,4 +1,4 @@
-/// Interval Newton with one coordinate as a parameter: the step shared by the curve solver and its splines.
+/// Interval Newton with one coordinate as a parameter: the step of the curve solver.
 #pragma once
 
 #include <Eigen/LU>
@@ -145,8 +145,8 @@ private:
 
 /// Newton in double towards the curve f_0 = ... = f_{N-1} = 0 with x[axis] fixed; false when it does not
 /// settle.
-template <int N, int M>
-bool settle(const SmoothMap<N + 1, M>& f, Point<N + 1>& x, int axis, double tolerance, int steps) {
+template <int N>
+bool settle(const CurveSystem<N>& f, Point<N + 1>& x, int axis, double tolerance, int steps) {
     for (int step = 0; step < steps; ++step) {
         const auto j = f.differentiate(x);
         double largest = 0;

@@ -1,8 +1,7 @@
-/// Coefficients in the arithmetic of a callable's argument: numbers, jets and series of them.
+/// Coefficients in the arithmetic of a callable's argument: numbers and jets of them.
 #pragma once
 
 #include "../../numbers/jet.hpp"
-#include "../../numbers/series.hpp"
 #include "polynomial.hpp"
 
 namespace vcell {
@@ -15,10 +14,6 @@ struct ScalarOf {
 template <class T, int N>
 struct ScalarOf<Jet<T, N>> {
     using type = T;
-};
-template <>
-struct ScalarOf<Series> {
-    using type = Interval;
 };
 
 template <class T>
