@@ -95,9 +95,7 @@ public:
         equations[0] = chart.base_equation(foot_);
         for (int i = 0; i < 2; ++i) equations[i + 1] = chart.equation(arc.sites[i], foot_);
         if (arc.sites_cross) take_plane();
-        if (!equations_.is_replaced() && !arc.pieces.empty() &&
-            Equation::are_alike(equations_[1], equations_[2], first_point()))
-            take_difference();
+        if (!arc.pieces.empty()) equations_.tell_apart(first_point());
     }
 
     SpaceFitError run(double tolerance, std::vector<SpaceSpan>& spans, FitEffort& effort) const {
@@ -140,14 +138,6 @@ private:
         equations_.right = 3;
         equations[3] = equations[2];
         equations[2] = Equation::between(center, side > 0 ? n : Vec3(-n), rounding / (least * least));
-    }
-    // Where objects are all but alike their equations depend on each other so nearly that each alone would be
-    // told from the other on the shortest of spans only.
-    void take_difference() {
-        auto& equations = equations_.equations;
-        equations_.right = 3;
-        equations[3] = equations[2];
-        equations[2] = Equation::difference(equations[1], equations[3]);
     }
     Vector4d first_point() const {
         return arc_.start ? chart_.with_distance(arc_.start->point) : guide_.lifted(arc_.pieces.back().end);

@@ -245,13 +245,11 @@ private:
             const double error = (X - box[0]).cwiseAbs().cwiseMax((X - box[1]).cwiseAbs()).norm();
             return ArcEnd{equations.node(X), error};
         };
-        ArcEnd start = end_at(first);
         const CurveTube& tube = component_.tubes[range.first];
-        const double along = start.node.T[tube.axis] * (tube.axis < 3 ? 1 : sites_.sense());
-        if ((along > 0) != (tube.begin < tube.end)) {
-            std::swap(equations.equations[1], equations.equations[2]);
-            start = end_at(first);
-        }
+        const double along = end_at(first).node.T[tube.axis] * (tube.axis < 3 ? 1 : sites_.sense());
+        if ((along > 0) != (tube.begin < tube.end)) std::swap(equations.equations[1], equations.equations[2]);
+        equations.tell_apart(sites_.middle(first));
+        const ArcEnd start = end_at(first);
         std::optional<ArcEnd> end;
         if (!component_.closed) end = end_at(last);
 

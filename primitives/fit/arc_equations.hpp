@@ -154,8 +154,8 @@ public:
     // Are both balls, or tubes, so alike at X that their difference turns much less than either?
     static bool are_alike(const Equation& a, const Equation& b, const Vector4d& X) {
         constexpr double share = 0.125;  // only how fast proofs go depends on this
-        if (!a.is_round_ || !b.is_round_ || (a.axis_ == Vec3::Zero()) != (b.axis_ == Vec3::Zero()))
-            return false;
+        if (!a.is_round_ || !b.is_round_ || a.kappa_ != b.kappa_) return false;
+        if ((a.axis_ == Vec3::Zero()) != (b.axis_ == Vec3::Zero())) return false;
         const double da = a.from_axis(X).norm(), db = b.from_axis(X).norm();
         return turn(a, b, X, 0) < share * (1 / da + 1 / db);
     }
@@ -397,6 +397,15 @@ struct ArcEquations {
 
     const Equation& operator[](int i) const { return equations[i]; }
     bool is_replaced() const { return right > 2; }
+
+    // Where the sites are all but alike at X their equations depend on each other so nearly that each alone
+    // would be told from the other on the shortest of spans only: the difference takes the right one's place.
+    void tell_apart(const Vector4d& X) {
+        if (is_replaced() || !Equation::are_alike(equations[1], equations[2], X)) return;
+        right = 3;
+        equations[3] = equations[2];
+        equations[2] = Equation::difference(equations[1], equations[3]);
+    }
 
     Frame frame(const Vector4d& X) const {
         Frame f;

@@ -311,3 +311,20 @@ TEST_CASE("trisector in a box: arcs that lead into a node are bounded to their e
     }
     CHECK(ends >= 4);
 }
+
+TEST_CASE("trisector in a box: between tubes that are all but alike few spans do") {
+    const Cylinder tube{{0.3, 0.2, 1}, {1, 0.3, 0.2}, 0.4};
+    const Plane ground{{0, 0, -2}, {0.1, 0, 1}};
+    for (const double apart : {0.1, 0.03, 0.01}) {
+        CAPTURE(apart);
+        const Cylinder twin{tube.point + apart * Vec3(0.2, 0.6, -0.5), tube.axis + apart * Vec3(0.3, -1, 0.4),
+                            tube.radius};
+        const TrisectorCurves found = trisector(ground, tube, twin, box, tolerance);
+        REQUIRE(found.undecided.empty());
+        CHECK(found.curves.size() == 2);
+        for (const TrisectorCurve& c : found.curves) {
+            CHECK(c.error <= tolerance);
+            CHECK(c.arcs[0].points.size() < 5 * 20);
+        }
+    }
+}
