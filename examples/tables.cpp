@@ -230,7 +230,8 @@ int main(int argc, char** argv) {
         "special position makes them conics.\n\n"
         "`trisector(base, a, b, box, tolerance)` gives the curves within a box: every connected part, proved to be one "
         "and to be\n"
-        "all. Those of the five rows that are no conics, drawn by `build/release/examples/trisectors`:\n\n"
+        "all. Splines are of degree 5, by the fit that the edges of cells come from. The five rows that are no conics, each\n"
+        "within 1e-4 in a box of 6 x 6 x 5, drawn by `build/release/examples/trisectors`:\n\n"
         "![Five trisectors in a box with their objects](pictures/trisectors.svg)\n\n"
         "| objects | position | curve | degree | written | [HE] |\n"
         "|---|---|---|--:|---|---|");
