@@ -175,7 +175,7 @@ public:
             spans_.clear();
             error_ = 0;
             fit();
-            if (error_ <= looser * tolerance_ || attempt == most_attempts) return {joined(spans_), error_};
+            if (error_ < infinity || attempt == most_attempts) return {joined(spans_), error_};
         }
     }
 
@@ -259,8 +259,9 @@ private:
         FitEffort effort;
         SplineFit<TubeGuide> fit(guide, equations, foot, tolerance_, start, end, spans_, effort);
         fit.fit_all(pieces);
-        const bool is_this = component_.closed || is_certain(equations, start, tube.axis);
-        error_ = std::max(error_, is_this ? fit.error().curve : infinity);
+        const bool is_proved =
+            fit.is_proved() && (component_.closed || is_certain(equations, start, tube.axis));
+        error_ = std::max(error_, is_proved ? fit.error().curve : infinity);
     }
 
     const Sites& sites_;

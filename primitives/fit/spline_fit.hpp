@@ -196,6 +196,8 @@ public:
         }
     }
     const SpaceFitError& error() const { return error_; }
+    // Is every span proved to the tolerance and to join the one before? Otherwise a budget was spent.
+    bool is_proved() const { return is_proved_; }
 
 private:
     // What a singular end needs, and what no proof in reach may cost (per piece).
@@ -266,6 +268,7 @@ private:
         }
         const Fit best = smooth(from, to, infinity), straight = chord(from, to, piece);
         const bool is_straight = (piece || straight.tube.is_proved()) && !(best.error() < straight.error());
+        is_proved_ = false;
         append(is_straight ? straight : best);
     }
 
@@ -422,6 +425,7 @@ private:
     std::optional<Tube> last_;           // the span before, the start at first; none: vouched for by a piece
     std::optional<Tube> first_, final_;  // the first span; the end
     SpaceFitError error_;
+    bool is_proved_ = true;
 };
 
 }  // namespace vcell::space_fit
