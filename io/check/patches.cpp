@@ -213,14 +213,14 @@ std::optional<std::vector<Vec2>> parameters(const Patch& patch, const Ray& ray,
     const Vec2 infinite = Vec2::Constant(HUGE_VAL);
     Vec2 least = infinite, most = -infinite;
     bool is_ahead = false;
+    const double noise = kRounding * patch.control_size;
     const RationalPatch& part = patch.part();
     for (const auto& c : part.points) {
         const Vec3 p = c.head<3>();
         least = least.cwiseMin(aside(p));
         most = most.cwiseMax(aside(p));
-        is_ahead |= geometry.is_ahead(ray, p);
+        is_ahead |= geometry.ahead(ray, p) > -noise;
     }
-    const double noise = kRounding * patch.control_size;
     std::vector<Vec2> result;
     if (!is_ahead || (least.array() > noise).any() || (most.array() < -noise).any()) return result;
 
@@ -230,7 +230,11 @@ std::optional<std::vector<Vec2>> parameters(const Patch& patch, const Ray& ray,
     if (!places) return std::nullopt;
     for (const Vec2& s : *places) {
         const Vec2 uv = patch.lo + s.cwiseProduct(patch.hi - patch.lo);
-        if (geometry.is_ahead(ray, lift(patch, uv).p)) result.push_back(uv);
+        const SurfacePoint on_line = lift(patch, uv);
+        // Next to the ray's start the surface may as well be behind it, or meet another ray.
+        const double ahead = geometry.ahead(ray, on_line.p);
+        if (std::abs(ahead) <= surface_rounding(patch, on_line, uv)) return std::nullopt;
+        if (ahead > 0) result.push_back(uv);
     }
     return result;
 }

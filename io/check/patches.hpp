@@ -72,7 +72,8 @@ inline Vec2 parameters_per_length(const SurfacePoint& s) {
 std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding);
 
 /// All (u, v) of the rectangle of the patch's loops whose surface points are on a ray, and perhaps some
-/// beside the rectangle. None: the ray touches the surface, or runs along it, as far as doubles tell.
+/// beside the rectangle. None: the ray touches the surface, runs along it, or starts on it, as far as doubles
+/// tell.
 std::optional<std::vector<Vec2>> parameters(const Patch& patch, const Ray& ray,
                                             const SceneGeometry& geometry);
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <random>
 #include <string>
@@ -72,9 +73,10 @@ public:
     /// Plane: p's place in it.
     Vec2 chart(const Vec3& p) const { return {across_[0].dot(p - origin_), across_[1].dot(p - origin_)}; }
 
-    /// Is p on the side of the ray's start to which the ray runs? A plane's rays are lines.
-    bool is_ahead(const Ray& ray, const Vec3& p) const {
-        return is_plane() || ray.direction.dot(p - ray.at(ray.start)) > 0;
+    /// How far p is from the ray's start on the side to which the ray runs. A plane's rays are lines.
+    double ahead(const Ray& ray, const Vec3& p) const {
+        return is_plane() ? std::numeric_limits<double>::infinity()
+                          : ray.direction.dot(p - ray.at(ray.start));
     }
 
     // ---- Sites ----
