@@ -123,6 +123,11 @@ struct MinimizationDiagram {
         return {pieces_.data() + piece_offsets_[e.value], pieces_.data() + piece_offsets_[e.value + 1]};
     }
     bool is_circular(FormId f) const { return f.value < forms.size(); }
+    /// Where half-edge 2e begins and ends; none where the edge is closed.
+    VertexId start(EdgeId e) const { return dcel.origin(Dcel::half_edge(e)); }
+    VertexId end(EdgeId e) const { return dcel.target(Dcel::half_edge(e)); }
+    /// On the left (side 0) or right of an edge.
+    FaceId face(EdgeId e, unsigned side) const { return dcel.face(Dcel::half_edge(e, side)); }
     /// The sides of the region on which vertex v lies (none, one, or two at a corner).
     std::span<const std::uint32_t> sides(VertexId v) const {
         return {vertex_sides_.data() + side_offsets_[v.value],

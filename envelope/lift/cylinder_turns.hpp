@@ -1,0 +1,61 @@
+/// Angles around a cylinder base, along a diagram's edges and loops: how far faces reach around it, and where
+/// seams may run.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "based_diagram.hpp"
+#include "face_loops.hpp"
+
+namespace vcell::radial {
+
+/// Where symmetric input has no points in which an edge touches a generator: a seam there would run along the
+/// edge as far as doubles tell.
+constexpr double off_middle = 0.48643;
+
+/// The angle about the y axis over a point of the chart.
+inline double chart_angle(double x) {
+    return x > 1 ? std::numbers::pi + 2 * std::atan(x - 2) : 2 * std::atan(x);
+}
+
+class CylinderTurns {
+public:
+    CylinderTurns(const RadialDiagram& of, const FaceLoops& loops)
+        : problem_(of.problem), diagram_(of.diagram), loops_(loops) {}
+
+    /// The base's normal, canonical, at an angle of the chart; and back.
+    Vec3 direction(double angle) const { return problem_.chart * Vec3(std::sin(angle), 0, std::cos(angle)); }
+    double angle(const Vec3& direction) const {
+        const Vec3 in_chart = problem_.chart.transpose() * direction;
+        return std::atan2(in_chart.x(), in_chart.z());
+    }
+
+    /// What a face covers: angles in the chart, continuously, and the mean height of its boundary.
+    struct Extent {
+        double from = 0, to = 0, y = 0;
+        bool is_closed = false;  ///< all around
+
+        double middle() const { return 0.5 * (from + to); }
+        double width() const { return to - from; }
+    };
+    Extent extent(FaceId face) const;
+    /// Of the points of a face's boundary between two angles; of all of them where there are none.
+    double mean_height(FaceId face, double from, double to) const;
+    /// Where the sides of `count` sectors keep furthest from the face's vertices.
+    double clear_angle(FaceId face, std::size_t count) const;
+
+    /// The angle over an edge's start, and by how much it changes.
+    std::array<double, 2> along(EdgeId e) const;
+
+private:
+    double rim_turn(VertexId from, VertexId to, double sign) const;
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    const FaceLoops& loops_;
+};
+
+}  // namespace vcell::radial

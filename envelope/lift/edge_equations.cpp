@@ -1,0 +1,75 @@
+#include "edge_equations.hpp"
+
+#include <algorithm>
+
+#include "radial_patch.hpp"
+
+namespace vcell::radial {
+
+EdgeEquations::EdgeEquations(const RadialDiagram& of)
+    : problem_(of.problem), diagram_(of.diagram), hyperplanes_(of.problem) {
+    SphereConicKind conic_kind(problem_, decisions_);
+    kinds_.reserve(diagram_.edges.size());
+    for (const EdgeId e : diagram_.edges.ids()) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        const bool is_conic =
+            diagram_.is_circular(edge.left) && !edge.on_rim() && diagram_.is_circular(edge.right);
+        kinds_.push_back(is_conic ? conic_kind(edge.left, edge.right, hyperplanes_[edge.left].functional(),
+                                               hyperplanes_[edge.right].functional())
+                         : problem_.is_sphere ? CurveKind::Spline
+                                              : kind_over_cylinder(e));
+    }
+}
+
+CurveKind EdgeEquations::kind_over_cylinder(EdgeId e) const {
+    if (is_line_over_cylinder(e)) return CurveKind::Line;
+    const auto equations = axial(e);
+    if (!equations) return CurveKind::Spline;
+    const auto& [f, g] = *equations;
+    return kind_of(f, g);
+}
+
+std::optional<std::array<AxialEquation, 2>> EdgeEquations::axial(EdgeId e) const {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    const auto of_form = [&](FormId f) {
+        auto equation = axial_equation(problem_.family.radial_form(f));
+        if (equation)
+            equation->is_plane = !is_wall(problem_, f) && std::holds_alternative<Plane>(problem_.objects[f]);
+        return equation;
+    };
+    const auto left = of_form(edge.left);
+    const auto right = edge.on_rim() ? axial_equation(problem_.stretch[edge.side != 0]) : of_form(edge.right);
+    if (!left || !right) return std::nullopt;
+    return std::array{*left, *right};
+}
+
+AxialConic EdgeEquations::axial_conic(EdgeId e) const {
+    const auto equations = axial(e);
+    return AxialConic(problem_, (*equations)[0], (*equations)[1]);
+}
+
+std::array<DistancePlane, 2> EdgeEquations::planes(EdgeId e) {
+    if (!problem_.is_sphere) return axial_conic(e).planes();
+    const auto [left, right] = hyperplanes(e);
+    return {left->plane(), right->plane()};
+}
+
+// Edges of two planes, of bisectors that are parallel to the axis, and of such as have a point of it in
+// common.
+bool EdgeEquations::is_line_over_cylinder(EdgeId e) const {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    if (edge.on_rim()) return is_flat(problem_, edge.left);
+    if ((is_flat(problem_, edge.left) && is_flat(problem_, edge.right)) ||
+        (is_along_axis(edge.left) && is_along_axis(edge.right)))
+        return true;
+    const auto equations = axial(e);
+    const double size = std::max(-problem_.stretch[0], problem_.stretch[1]);
+    return equations && is_pair_of_lines((*equations)[0], (*equations)[1], size);
+}
+
+bool EdgeEquations::is_along_axis(FormId f) const {
+    const RadialForm& form = problem_.family.radial_form(f);
+    return form.c[1].sign() == Sign::Zero && form.c[2].sign() == Sign::Zero && !form.has_root();
+}
+
+}  // namespace vcell::radial

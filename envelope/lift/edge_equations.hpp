@@ -1,0 +1,52 @@
+/// What an edge's two sites say about it over a curved base: its kind, and the hyperplanes of (p, t) that a
+/// conic lies in (sphere_conic.hpp, axial_conic.hpp).
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "axial_conic.hpp"
+#include "based_diagram.hpp"
+#include "sphere_conic.hpp"
+
+namespace vcell::radial {
+
+class EdgeEquations {
+public:
+    explicit EdgeEquations(const RadialDiagram& of);
+
+    /// Decided exactly.
+    CurveKind kind(EdgeId e) const { return kinds_[e]; }
+    bool is_line(EdgeId e) const { return kinds_[e] == CurveKind::Line; }
+    bool is_spline(EdgeId e) const { return kinds_[e] == CurveKind::Spline; }
+
+    /// Of circular forms over a sphere.
+    const Hyperplane& hyperplane(FormId f) { return hyperplanes_[f]; }
+    std::array<const Hyperplane*, 2> hyperplanes(EdgeId e) {
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        return {&hyperplanes_[edge.left], &hyperplanes_[edge.right]};
+    }
+    /// Over a cylinder; none where a site has no such equation.
+    std::optional<std::array<AxialEquation, 2>> axial(EdgeId e) const;
+    /// Pre: a conic over a cylinder.
+    AxialConic axial_conic(EdgeId e) const;
+
+    /// Of a conic, left and right.
+    std::array<DistancePlane, 2> planes(EdgeId e);
+
+    /// The signs taken for the kinds.
+    const Decisions& decisions() const { return decisions_; }
+
+private:
+    CurveKind kind_over_cylinder(EdgeId e) const;
+    bool is_line_over_cylinder(EdgeId e) const;
+    bool is_along_axis(FormId f) const;
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    Hyperplanes hyperplanes_;
+    IdVector<EdgeId, CurveKind> kinds_;
+    Decisions decisions_;
+};
+
+}  // namespace vcell::radial

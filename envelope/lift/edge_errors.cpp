@@ -1,0 +1,75 @@
+#include "edge_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "conic_error.hpp"
+#include "conic_trim.hpp"
+
+namespace vcell::radial {
+
+using Eigen::Vector4d;
+
+// The true edge ends in the true vertices, up to which the curve that was compared may be continued: their
+// errors count twice.
+EdgeErrors::Bounds EdgeErrors::operator()(EdgeId e, double ends, double rounding) {
+    if (curves_.is_spline(e)) return {curves_.fit_error(e).curve + ends, curves_.fit_error(e).trims};
+    std::optional<std::array<DistancePlane, 2>> planes;
+    if (!curves_.is_line(e)) planes = equations_.planes(e);
+    const double off = planes ? conic_error(e, *planes) + 2 * ends : ends;
+    return {off, trims_error(e, off + 4 * rounding, planes)};
+}
+
+double EdgeErrors::conic_error(EdgeId e, const std::array<DistancePlane, 2>& planes) const {
+    // The difference of forms that are nearly alike has all its digits, and tells the edge.
+    constexpr double nearly_alike = 1 - 0x1p-33;
+    const RadialBaseProblem& problem = of_.problem;
+    if (!problem.is_sphere || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
+        return conic_distance(curves_.conics(e), planes, problem.is_sphere);
+    const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
+    return conic_distance(curves_.conics(e), {planes[0], difference_plane(problem, edge.left, edge.right)},
+                          problem.is_sphere);
+}
+
+// How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The edge's
+// planes are found where there are none yet.
+double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) {
+    const bool is_sphere = of_.problem.is_sphere;
+    const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
+    double most = off;
+    if (curves_.is_line(e) && (is_sphere || !equations_.axial(e))) return most;
+    std::vector<ConicSpan> segment;
+    std::span<const ConicSpan> along = curves_.conics(e);
+    if (curves_.is_line(e)) {
+        // The rays' slopes are those of one generator, best told far from the axis.
+        const Vector4d &from = curves_.from(e), &to = curves_.to(e);
+        const Vector4d& far = from.w() > to.w() ? from : to;
+        segment.push_back({far, far, far, 1});
+        along = segment;
+    }
+    for (const unsigned side : {0u, 1u}) {
+        if (side == 1 && edge.on_rim()) continue;
+        if (patches_.is_flat(side == 0 ? edge.left : edge.right)) continue;
+        if (!planes) planes = equations_.planes(e);
+        // Rays that graze the bisector tell little of where a point of it is.
+        constexpr double grazing = 64;
+        const double gain = ray_gain(along, (*planes)[side], is_sphere);
+        double trim = (1 + gain) * off;
+        if (gain > grazing && is_sphere) trim = std::min(trim, trim_distance_of(e, side, along));
+        most = std::max(most, trim);
+    }
+    return most;
+}
+
+double EdgeErrors::trim_distance_of(EdgeId e, unsigned side, std::span<const ConicSpan> along) const {
+    const RadialPatch& patch = patches_[of_.diagram.face(e, side)];
+    double most = 0;
+    for (const ConicSpan& span : along) {
+        const TrimSpan trim(patch, span);
+        most = std::max(most, trim_distance(patch, span, {trim.from, trim.middle, trim.to}));
+    }
+    return most;
+}
+
+}  // namespace vcell::radial

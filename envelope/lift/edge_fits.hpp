@@ -1,0 +1,55 @@
+/// The curves of edges that depend on their faces' patches: splines, whose trims are fitted with them, and
+/// conics over a cylinder, which are divided where they leave a sector.
+#pragma once
+
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "based_diagram.hpp"
+#include "face_patches.hpp"
+#include "radial_curves.hpp"
+#include "space_spline.hpp"
+
+namespace vcell::radial {
+
+class EdgeFits {
+public:
+    /// tolerance: length, of splines.
+    EdgeFits(const RadialDiagram& of, const FacePatches& patches, RadialCurves& curves, double tolerance)
+        : of_(of), patches_(patches), curves_(curves), tolerance_(tolerance) {}
+
+    bool is_asked_for(EdgeId e) const {
+        return curves_.is_spline(e) || (!of_.problem.is_sphere && !curves_.is_line(e));
+    }
+    /// Lets so many more edges be fitted, each at the price of some spans.
+    void grant(std::size_t edges) { effort_.spans += 500 * edges; }
+
+    void fit(EdgeId e);
+
+    /// The box says little of how far the cell reaches, which may be less than the tolerance: curves have to
+    /// be four digits finer than that. What the curves themselves say of it serves, coarse as they are.
+    /// Lowers the tolerance, or false where it is as low.
+    bool refine();
+    double tolerance() const { return tolerance_; }
+    /// Beyond this a bound says as good as nothing.
+    double most_error() const { return 256 * tolerance_; }
+    /// Of a spline: of its curve and trims.
+    double error(EdgeId e) const { return curves_.fit_error(e).curve + curves_.fit_error(e).trims; }
+
+    /// A spline that is not proved to follow its arc is none.
+    void require_proof(EdgeId e) const;
+    /// place: in the scene as decided.
+    UndecidedError unproved(EdgeId e, const char* what, const Vec3& place) const;
+
+private:
+    void fit_axial_conic(EdgeId e);
+    std::vector<double> angles_along(EdgeId e) const;
+
+    const RadialDiagram of_;
+    const FacePatches& patches_;
+    RadialCurves& curves_;
+    double tolerance_;
+    FitEffort effort_;
+};
+
+}  // namespace vcell::radial

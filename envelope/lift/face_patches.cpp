@@ -1,0 +1,164 @@
+#include "face_patches.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+namespace vcell::radial {
+
+namespace {
+
+// A face that turns further than this has several patches.
+constexpr double widest_patch = 4;
+constexpr double narrowest_sector = 0x1p-10;
+
+constexpr double pi = std::numbers::pi;
+
+PatchCoordinates coordinates(const RadialPatch& patch, double delta) {
+    using Kind = RadialPatch::Kind;
+    const auto& [x, y, z] = patch.axes();
+    if (patch.kind() == Kind::Planar)
+        return {PatchCoordinate::linear(x, patch.origin()), PatchCoordinate::linear(y, patch.origin())};
+    if (patch.kind() == Kind::Confocal) {
+        PatchCoordinate focal;
+        focal.numerator << z, 1, 0;
+        return {focal, PatchCoordinate::linear(y, patch.origin())};
+    }
+    if (patch.kind() == Kind::Stereographic)
+        return {PatchCoordinate::half_angle(patch.origin(), z, x, 0),
+                PatchCoordinate::half_angle(patch.origin(), z, y, 0)};
+    PatchCoordinate along;
+    along.numerator << patch.along(), 0, patch.along_start();
+    const double reach = patch.kind() == Kind::AboutObject ? delta : 0;
+    return {PatchCoordinate::half_angle(patch.origin(), x, y, reach), along};
+}
+
+}  // namespace
+
+FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves)
+    : problem_(of.problem),
+      diagram_(of.diagram),
+      loops_(loops),
+      curves_(curves),
+      turns_(of, loops),
+      is_flat_(problem_.objects.size()) {
+    const std::size_t count = diagram_.dcel.face_count();
+    patches_.reserve(count);
+    if (!problem_.is_sphere) sectors_.resize(count);
+    for (const FaceId face : diagram_.face_forms.ids()) {
+        const FormId form = diagram_.face_forms[face];
+        if (!form.valid()) {
+            patches_.push_back({});
+            continue;
+        }
+        is_flat_[form] = vcell::is_flat(problem_, form);
+        if (problem_.is_sphere) {
+            patches_.push_back(RadialPatch(problem_, form, middle(face), 0));
+        } else {
+            patches_.push_back({});
+            add_around_cylinder(face);
+        }
+    }
+}
+
+Vec3 FacePatches::middle(FaceId face) const {
+    Vec3 sum = Vec3::Zero();
+    loops_.around(face, [&](EdgeId e, bool) {
+        for (const ConicSpan& s : curves_.conics(e)) sum += s.from.head<3>() / s.from.w();
+        if (curves_.has_ends(e)) sum += curves_.from(e).head<3>() / curves_.from(e).w();
+        for (const auto& piece : diagram_.pieces(e)) sum += problem_.normal(piece.end);
+    });
+    return sum.isZero(0) ? Vec3::UnitZ() : sum.normalized();
+}
+
+bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
+    if (!problem_.is_sphere) return change_around_cylinder(face, is_too_wide);
+    wide_.resize(patches_.size());
+    if (wide_[face]) return false;
+    wide_[face] = true;
+    patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0, true);
+    return true;
+}
+
+SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
+    const FaceId face = diagram_.face(e, side);
+    const FormId form = diagram_.face_forms[face];
+    const Object& object = problem_.objects[form];
+    const auto* cylinder = std::get_if<Cylinder>(&object);
+    const double delta = cylinder != nullptr ? cylinder->radius - problem_.radius : 0;
+    SpaceSite site{object, is_wall(problem_, form), {}};
+    if (!is_cut(face)) {
+        site.parts.push_back({.patch = coordinates(patches_[face], delta), .surface = &patches_[face]});
+        return site;
+    }
+    for (const Sector& s : sectors_[face])
+        site.parts.push_back({coordinates(s.patch, delta), {-s.reach(), s.reach()}, &s.patch});
+    return site;
+}
+
+// ---- Around a cylinder ------------------------------------------------------------------------------
+
+RadialPatch FacePatches::patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const {
+    return RadialPatch(problem_, diagram_.face_forms[face], turns_.direction(e.middle()), e.y, wide);
+}
+
+void FacePatches::add_around_cylinder(FaceId face) {
+    const CylinderTurns::Extent e = turns_.extent(face);
+    const RadialPatch& patch = patches_[face] = patch_around(face, e, false);
+    if (patch.kind() == RadialPatch::Kind::Planar) return;
+    if (patch.half()) {
+        const double off = std::abs(std::remainder(e.middle() - turns_.angle(*patch.half()), 2 * pi));
+        if (e.is_closed || off + 0.5 * e.width() > 0.5 * pi * (1 + 0x1p-20)) cut(face);
+    } else if (e.is_closed || e.width() > widest_patch) {
+        cut(face);
+    }
+}
+
+// Into two halves: those that patches are for, if they are for a half.
+void FacePatches::cut(FaceId face) {
+    const std::optional<Vec3>& half = patches_[face].half();
+    const double start = half ? turns_.angle(*half) - 0.5 * pi : turns_.clear_angle(face, 2);
+    for (const double from : {start, start + pi}) sectors_[face].push_back(sector(face, from, from + pi));
+}
+
+Sector FacePatches::sector(FaceId face, double from, double to) const {
+    const Vec3 middle = turns_.direction(0.5 * (from + to));
+    const double y = turns_.mean_height(face, from, to);
+    return {from, to,
+            RadialPatch(problem_, diagram_.face_forms[face], middle, y, patches_[face].half().has_value())};
+}
+
+// Narrower sectors have smaller rectangles; and patches that are for a half each keep away from what lies at
+// infinity.
+bool FacePatches::change_around_cylinder(FaceId face, const std::vector<bool>& is_too_wide) {
+    if (!is_cut(face)) {
+        patches_[face] = patch_around(face, turns_.extent(face), true);
+        cut(face);
+        return true;
+    }
+    std::vector<Sector> finer;
+    for (std::size_t i = 0; i < sectors_[face].size(); ++i) {
+        const auto& [from, to, patch] = sectors_[face][i];
+        if (!is_too_wide[i]) {
+            finer.push_back(sectors_[face][i]);
+            continue;
+        }
+        if (to - from < narrowest_sector) return false;
+        const double inside = std::lerp(from, to, off_middle);
+        finer.push_back(sector(face, from, inside));
+        finer.push_back(sector(face, inside, to));
+    }
+    sectors_[face] = std::move(finer);
+    return true;
+}
+
+std::uint32_t FacePatches::sector_of(FaceId face, const Vec3& p, bool rises) const {
+    const double inwards = rises ? -seam_inwards : seam_inwards;
+    const auto outside = [&](const Sector& s) {
+        return std::abs(s.patch.parameters(p).x() + inwards) - s.reach();
+    };
+    const std::vector<Sector>& all = sectors_[face];
+    return static_cast<std::uint32_t>(std::ranges::min_element(all, {}, outside) - all.begin());
+}
+
+}  // namespace vcell::radial

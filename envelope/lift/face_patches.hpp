@@ -1,0 +1,72 @@
+/// Which patches the faces over a sphere or a cylinder base have. Around a cylinder a face may turn further
+/// than a patch does: then the base is divided into sectors by generators, and each has a patch of its own.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "based_diagram.hpp"
+#include "cylinder_turns.hpp"
+#include "face_loops.hpp"
+#include "radial_curves.hpp"
+#include "radial_patch.hpp"
+#include "space_arc.hpp"
+
+namespace vcell::radial {
+
+/// The part of the base between two angles of the chart, with a patch of its own.
+struct Sector {
+    double from, to;
+    RadialPatch patch;
+
+    /// u at its end, and -u at its start.
+    double reach() const { return std::tan(0.25 * (to - from)); }
+};
+
+class FacePatches {
+public:
+    FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves);
+
+    /// Of a face that is not cut.
+    const RadialPatch& operator[](FaceId face) const { return patches_[face]; }
+    bool is_cut(FaceId face) const { return !sectors_.empty() && !sectors_[face].empty(); }
+    const CylinderTurns& turns() const { return turns_; }
+    /// Once around; none of a face that is not cut.
+    std::span<const Sector> sectors(FaceId face) const {
+        return sectors_.empty() ? std::span<const Sector>() : std::span(sectors_[face]);
+    }
+    /// In which a point of a face's boundary lies, which rises there with the face on its left or falls.
+    std::uint32_t sector_of(FaceId face, const Vec3& p, bool rises) const;
+
+    /// Other patches for a face, where a weight is not positive: of a face that is cut in the sectors that
+    /// are too wide. False where there are none.
+    bool change(FaceId face, const std::vector<bool>& is_too_wide);
+
+    /// Is the bisector a plane? Pre: the form has a face.
+    bool is_flat(FormId form) const { return is_flat_[form]; }
+    /// Somewhere in the face, or among its loops: a unit normal.
+    Vec3 middle(FaceId face) const;
+    /// What a fit is told of an edge's left (side 0) or right, where there is a form.
+    SpaceSite site(EdgeId e, unsigned side) const;
+
+private:
+    RadialPatch patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const;
+    void add_around_cylinder(FaceId face);
+    void cut(FaceId face);
+    Sector sector(FaceId face, double from, double to) const;
+    bool change_around_cylinder(FaceId face, const std::vector<bool>& is_too_wide);
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    const FaceLoops& loops_;
+    const RadialCurves& curves_;
+    const CylinderTurns turns_;
+    IdVector<FaceId, RadialPatch> patches_;
+    IdVector<FaceId, std::vector<Sector>> sectors_;  // none over a sphere
+    IdVector<FaceId, bool> wide_;                    // over a sphere: has the patch been changed?
+    IdVector<FormId, char> is_flat_;
+};
+
+}  // namespace vcell::radial

@@ -1,0 +1,284 @@
+#include "face_surfaces.hpp"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "../../primitives/objects/message.hpp"
+#include "conic_trim.hpp"
+#include "face_cut.hpp"
+
+namespace vcell::radial {
+
+namespace {
+
+using Rectangle = std::array<Range, 2>;
+
+constexpr Rectangle no_rectangle{empty_range, empty_range};
+
+void extend_by_rectangle(Rectangle& box, const Rectangle& other) {
+    for (int i = 0; i < 2; ++i) box[i] = {std::min(box[i][0], other[i][0]), std::max(box[i][1], other[i][1])};
+}
+
+// A face thinner than the spacing of doubles still needs a domain that has two ends.
+void widen(Rectangle& box) {
+    for (Range& range : box)
+        if (range[0] == range[1])
+            range[1] = std::nextafter(range[1], std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+
+FaceSurfaces::FaceSurfaces(const RadialDiagram& of, FaceLoops& loops, FacePatches& patches,
+                           RadialCurves& curves, EdgeFits& fits)
+    : problem_(of.problem),
+      diagram_(of.diagram),
+      loops_(loops),
+      patches_(patches),
+      curves_(curves),
+      fits_(fits),
+      trims_(loops, patches, curves),
+      surfaces_(diagram_.dcel.face_count()),
+      roundings_(diagram_.dcel.face_count(), 0) {
+    if (!problem_.is_sphere) cuts_.resize(diagram_.dcel.face_count());
+}
+
+void FaceSurfaces::make() {
+    std::vector<FaceId> all;
+    all.reserve(surfaces_.size());
+    for (const FaceId face : diagram_.face_forms.ids())
+        if (diagram_.face_forms[face].valid()) all.push_back(face);
+    std::vector<EdgeId> to_fit;
+    for (const EdgeId e : diagram_.edges.ids())
+        if (fits_.is_asked_for(e)) to_fit.push_back(e);
+    fits_.grant(to_fit.size());
+    if (problem_.is_sphere && !to_fit.empty())
+        for (const FaceId face : all)
+            if (!holds_vertices(face)) change_patch(face);
+    for (const EdgeId e : to_fit) fits_.fit(e);
+    if (fits_.refine())
+        for (const EdgeId e : to_fit) fits_.fit(e);
+    for (std::vector<FaceId> changed = made(all); !changed.empty();) {
+        to_fit.clear();
+        for (const FaceId face : changed)
+            loops_.around(face, [&](EdgeId e, bool) {
+                if (fits_.is_asked_for(e)) to_fit.push_back(e);
+            });
+        sort_unique(to_fit);
+        for (const EdgeId e : to_fit) fits_.fit(e);
+        if (!problem_.is_sphere) {
+            changed = made(all);  // seams are numbered through
+            continue;
+        }
+        for (const EdgeId e : to_fit)
+            for (const unsigned side : {0u, 1u}) changed.push_back(diagram_.face(e, side));
+        sort_unique(changed);
+        changed = made(changed);
+    }
+    for (const EdgeId e : diagram_.edges.ids()) fits_.require_proof(e);
+    halve_for_trims();
+}
+
+// Makes the surfaces of some faces. Those that have got another patch instead are left.
+std::vector<FaceId> FaceSurfaces::made(const std::vector<FaceId>& faces) {
+    std::vector<FaceId> changed;
+    seams_ = 0;
+    for (const FaceId face : faces) {
+        if (make_surface(face)) continue;
+        change_patch(face);
+        changed.push_back(face);
+    }
+    return changed;
+}
+
+// After a patch with a weight that is not positive.
+void FaceSurfaces::change_patch(FaceId face) {
+    if (patches_.change(face, cuts_.empty() ? std::vector<bool>() : cuts_[face].is_too_wide)) return;
+    throw_undecided(face);
+}
+
+void FaceSurfaces::throw_undecided(FaceId face) const {
+    loops_.around(face, [&](EdgeId e, bool) { fits_.require_proof(e); });
+    const Site site = problem_.sites[diagram_.face_forms[face]].front();
+    throw UndecidedError("object " + to_string(site) + ": no patches hold its face in the direction " +
+                         to_text(Vec3(problem_.frame.rotation.transpose() * patches_.middle(face))));
+}
+
+TrimmedPatch& FaceSurfaces::whole(FaceId face) {
+    std::vector<TrimmedPatch>& patches = surfaces_[face];
+    if (patches.empty()) append_new(patches);
+    return patches.front();
+}
+
+bool FaceSurfaces::make_surface(FaceId face) {
+    return patches_.is_cut(face) ? make_cut(face) : make_whole(face);
+}
+
+// ---- Faces with one patch ---------------------------------------------------------------------------
+
+bool FaceSurfaces::make_whole(FaceId face) {
+    if (lacks_digits(face)) return false;
+    const RadialPatch& patch = patches_[face];
+    TrimmedPatch& result = whole(face);
+    result.loops = trims_.loops(face);
+    const Rectangle box = bounds(face);
+    std::optional<RationalPatch> surface = patch.patch(box[0], box[1], problem_.frame, roundings_[face]);
+    if (!surface) return false;
+    if (roundings_[face] > enough_digits()) roundings_[face] = rounding_along(patch, box, result.loops);
+    result.surface = std::move(*surface);
+    return true;
+}
+
+// The rectangle of a face's trims. Of the loops' the largest is the outer one's, which contains the others
+// and comes first from here on.
+FaceSurfaces::Rectangle FaceSurfaces::bounds(FaceId face) {
+    std::vector<std::vector<TrimCurve>>& loops = whole(face).loops;
+    Rectangle outer = no_rectangle;
+    const auto extent = [](const Rectangle& r) { return r[0][1] - r[0][0] + (r[1][1] - r[1][0]); };
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+        Rectangle box = no_rectangle;
+        for (const TrimCurve& trim : loops[i]) extend_by_trim(box, patches_[face], trim);
+        if (i > 0 && !(extent(box) > extent(outer))) continue;
+        outer = box;
+        std::swap(loops[0], loops[i]);
+        loops_.put_first(face, i);
+    }
+    widen(outer);
+    return outer;
+}
+
+void FaceSurfaces::extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim) {
+    const auto& p = trim.curve.points;
+    if (trim.curve.degree != 2) return extend_by_rectangle(box, curve_bounds(trim.curve));
+    for (std::size_t i = 0; i + 2 < p.size(); i += 2) {
+        const double weight = p[i + 1].z() / std::sqrt(p[i].z() * p[i + 2].z());
+        if (!(weight >= least_weight)) {
+            const EdgeId e{*trim.edge};
+            bent_.push_back(e);
+            for (const ConicSpan& span : curves_.conics(e)) extend_by_span(box, patch, span);
+            return;
+        }
+        for (int k = 0; k < 2; ++k) extend(box[k], p[i][k], p[i + 1][k], p[i + 2][k], weight);
+    }
+}
+
+// Trims for a patch that does not even hold the vertices are not worth fitting.
+bool FaceSurfaces::holds_vertices(FaceId face) const {
+    const RadialPatch& patch = patches_[face];
+    Rectangle box = no_rectangle;
+    loops_.around(face, [&](EdgeId e, bool) {
+        if (!curves_.has_ends(e)) return;
+        const Vec2 p = patch.parameters(Vec3(curves_.from(e).head<3>()));
+        extend_by_rectangle(box, {{{p.x(), p.x()}, {p.y(), p.y()}}});
+    });
+    double rounding;
+    return box[0][0] > box[0][1] || patch.patch(box[0], box[1], problem_.frame, rounding);
+}
+
+// Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims in
+// doubles may be anything.
+bool FaceSurfaces::lacks_digits(FaceId face) const {
+    if (patches_[face].kind() != RadialPatch::Kind::Stereographic) return false;
+    bool lacks = false;
+    loops_.around(face, [&](EdgeId e, bool) {
+        lacks = lacks || (curves_.is_spline(e) && !(fits_.error(e) <= 2 * fits_.tolerance()));
+    });
+    return lacks;
+}
+
+// Patches that are rounded by less than enough_digits() need no such close look.
+double FaceSurfaces::rounding_along(const RadialPatch& patch, const Rectangle& box,
+                                    const std::vector<std::vector<TrimCurve>>& loops) const {
+    double most = 0;
+    for (const std::vector<TrimCurve>& loop : loops)
+        for (const TrimCurve& trim : loop)
+            if (trim.edge)
+                most = std::max(
+                    most, patch.rounding_along(trim.curve, box[0], box[1], problem_.frame, enough_digits()));
+    return most;
+}
+
+// Trims that turn too far have their conics halved, and all trims of these are made again.
+void FaceSurfaces::halve_for_trims() {
+    sort_unique(bent_);
+    for (const EdgeId e : bent_) {
+        const std::array patches{&patches_[diagram_.face(e, 0)], &patches_[diagram_.face(e, 1)]};
+        std::vector<ConicSpan> halved;
+        for (const ConicSpan& span : curves_.conics(e)) add_halves(span, patches, halved);
+        curves_.set_conics(e, [&](std::vector<ConicSpan>& spans) {
+            spans.insert(spans.end(), halved.begin(), halved.end());
+        });
+        for (const unsigned side : {0u, 1u}) {
+            const FaceId face = diagram_.face(e, side);
+            for (std::vector<TrimCurve>& loop : whole(face).loops)
+                for (TrimCurve& trim : loop)
+                    if (trim.edge == e.value) trims_.set(patches_[face], e, trim.reversed, trim);
+        }
+    }
+}
+
+// ---- Faces in sectors -------------------------------------------------------------------------------
+
+bool FaceSurfaces::make_cut(FaceId face) {
+    constexpr int most_failures = 3;
+    const std::span<const Sector> sectors = patches_.sectors(face);
+    Cut& cut = cuts_[face];
+    std::vector<double> reaches;
+    for (const Sector& s : sectors) reaches.push_back(s.reach());
+    surfaces_[face].clear();
+    roundings_[face] = 0;
+    cut.is_too_wide.assign(sectors.size(), false);
+    const std::uint32_t first_seam = seams_;
+    std::optional<std::vector<CutPart>> parts = cut_face(trims_.runs(face), reaches, seams_);
+    if (!parts) {  // elsewhere the seams may be clear of its edges
+        loops_.around(face, [&](EdgeId e, bool) { fits_.require_proof(e); });
+        if (++cut.failures > most_failures) throw_undecided(face);
+        cut.is_too_wide.assign(sectors.size(), true);
+        return false;
+    }
+    match_seams(face, *parts, first_seam);
+    for (CutPart& part : *parts) {
+        Rectangle box = no_rectangle;
+        for (const TrimCurve& trim : part.loops.front()) extend_by_rectangle(box, curve_bounds(trim.curve));
+        widen(box);
+        const RadialPatch& patch = sectors[part.sector].patch;
+        double rounding = 0;
+        auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);
+        if (!surface) {
+            cut.is_too_wide[part.sector] = true;
+            continue;
+        }
+        if (rounding > enough_digits()) rounding = rounding_along(patch, box, part.loops);
+        roundings_[face] = std::max(roundings_[face], rounding);
+        surfaces_[face].push_back({std::move(*surface), std::move(part.loops)});
+    }
+    return std::ranges::find(cut.is_too_wide, true) == cut.is_too_wide.end();
+}
+
+// A generator's conic has v as a rational parameter for either sign of d, so where the signs differ on the
+// two sides of a seam one v is a quotient of linear functions of the other: a straight piece with a weight.
+void FaceSurfaces::match_seams(FaceId face, std::vector<CutPart>& parts, std::uint32_t first_seam) const {
+    struct Side {
+        RationalCurve2* curve = nullptr;
+        const RadialPatch* patch = nullptr;
+    };
+    std::vector<std::array<Side, 2>> sides(seams_ - first_seam);  // u > 0, u < 0
+    for (CutPart& part : parts)
+        for (std::vector<TrimCurve>& loop : part.loops)
+            for (TrimCurve& trim : loop)
+                if (trim.seam)
+                    sides[*trim.seam - first_seam][trim.curve.points[0].x() < 0] = {
+                        &trim.curve, &patches_.sectors(face)[part.sector].patch};
+    for (const auto& [left, right] : sides) {
+        if (left.patch->along() == right.patch->along()) continue;
+        const Vec2 half_way = 0.5 * (left.curve->points[0] + left.curve->points[1]).head<2>();
+        const double v = right.patch->parameters((*left.patch)(half_way)).y();
+        auto& points = right.curve->points;
+        points[1].z() = (v - points[0].y()) / (points[1].y() - v);
+    }
+}
+
+}  // namespace vcell::radial

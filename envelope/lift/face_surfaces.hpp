@@ -1,0 +1,77 @@
+/// The faces over a sphere or a cylinder base as trimmed patches. Whether a patch holds its face is known
+/// from the trims, and splines' trims are fitted to the patches: where a patch does not, the face gets
+/// another one, and its splines are fitted again.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "based_diagram.hpp"
+#include "edge_fits.hpp"
+#include "face_loops.hpp"
+#include "face_patches.hpp"
+#include "face_trims.hpp"
+#include "joined_spans.hpp"
+#include "radial_curves.hpp"
+
+namespace vcell::radial {
+
+class FaceSurfaces {
+public:
+    FaceSurfaces(const RadialDiagram& of, FaceLoops& loops, FacePatches& patches, RadialCurves& curves,
+                 EdgeFits& fits);
+
+    /// Fits the curves that depend on patches, and makes all surfaces. Throws UndecidedError, with sites and
+    /// place, where a curve is not proved to be the edge or no patches hold a face.
+    void make();
+
+    /// After make().
+    std::vector<TrimmedPatch>& of(FaceId face) { return surfaces_[face]; }
+    /// A bound on how far rounded control points move the patches beside an edge.
+    double rounding(EdgeId e) const {
+        return std::max(roundings_[diagram_.face(e, 0)], roundings_[diagram_.face(e, 1)]);
+    }
+
+private:
+    using Rectangle = std::array<Range, 2>;
+
+    // What became of a face in sectors.
+    struct Cut {
+        std::vector<bool> is_too_wide;  // of each sector
+        int failures = 0;
+    };
+
+    TrimmedPatch& whole(FaceId face);
+    std::vector<FaceId> made(const std::vector<FaceId>& faces);
+    void change_patch(FaceId face);
+    [[noreturn]] void throw_undecided(FaceId face) const;
+    bool make_surface(FaceId face);
+    bool make_whole(FaceId face);
+    bool make_cut(FaceId face);
+    void match_seams(FaceId face, std::vector<CutPart>& parts, std::uint32_t first_seam) const;
+    Rectangle bounds(FaceId face);
+    void extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim);
+    bool holds_vertices(FaceId face) const;
+    bool lacks_digits(FaceId face) const;
+    double enough_digits() const { return fits_.tolerance() / 16; }
+    double rounding_along(const RadialPatch& patch, const Rectangle& box,
+                          const std::vector<std::vector<TrimCurve>>& loops) const;
+    void halve_for_trims();
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    FaceLoops& loops_;
+    FacePatches& patches_;
+    RadialCurves& curves_;
+    EdgeFits& fits_;
+    const FaceTrims trims_;
+    IdVector<FaceId, std::vector<TrimmedPatch>> surfaces_;
+    IdVector<FaceId, double> roundings_;  // of their control points
+    IdVector<FaceId, Cut> cuts_;          // over a cylinder
+    std::vector<EdgeId> bent_;            // conics with a trim that turns so far that a weight is too small
+    std::uint32_t seams_ = 0;
+};
+
+}  // namespace vcell::radial

@@ -1,0 +1,46 @@
+/// The trims of faces over a sphere or a cylinder base: the edges' curves in the parameters of patches.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "based_diagram.hpp"
+#include "face_cut.hpp"
+#include "face_loops.hpp"
+#include "face_patches.hpp"
+#include "radial_curves.hpp"
+
+namespace vcell::radial {
+
+class FaceTrims {
+public:
+    FaceTrims(const FaceLoops& loops, const FacePatches& patches, const RadialCurves& curves)
+        : loops_(loops), patches_(patches), curves_(curves) {}
+
+    /// Of a face that is not cut, in the order of its loops.
+    std::vector<std::vector<TrimCurve>> loops(FaceId face) const;
+    /// Of a face that is cut: its loops as runs of spans within one sector.
+    std::vector<std::vector<BoundaryRun>> runs(FaceId face) const;
+    /// Makes the trim of an edge on a patch, in the direction of its loop.
+    void set(const RadialPatch& patch, EdgeId e, bool reversed, TrimCurve& trim) const;
+
+private:
+    /// Of an edge's spans, counted in the direction of a loop.
+    struct Part {
+        EdgeId e;
+        bool reversed;
+        std::size_t first, last;
+    };
+
+    void set_part(const RadialPatch& patch, const Part& part, RationalCurve2& curve) const;
+    void set_line(const RadialPatch& patch, EdgeId e, bool reversed, RationalCurve2& curve) const;
+    void set_spline(const Part& part, RationalCurve2& curve) const;
+    void set_conic(const RadialPatch& patch, const Part& part, RationalCurve2& curve) const;
+    std::uint32_t sector_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const;
+
+    const FaceLoops& loops_;
+    const FacePatches& patches_;
+    const RadialCurves& curves_;
+};
+
+}  // namespace vcell::radial

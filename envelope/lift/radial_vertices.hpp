@@ -1,0 +1,49 @@
+/// A diagram's vertices in space, over a sphere or a cylinder base.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "based_diagram.hpp"
+#include "edge_equations.hpp"
+#include "space_arc.hpp"
+
+namespace vcell::radial {
+
+/// The wall at an end of a cylinder's stretch.
+SpaceSite end_wall(const RadialBaseProblem& problem, std::uint32_t side);
+
+class RadialVertices {
+public:
+    RadialVertices(const RadialDiagram& of, EdgeEquations& equations);
+
+    /// (p, t), canonical.
+    const Eigen::Vector4d& operator[](VertexId v) const { return vertices_[v].point; }
+    Vec3 point(VertexId v) const { return vertices_[v].point.head<3>(); }
+    /// A bound on the distance from the true vertex.
+    double error(VertexId v) const { return vertices_[v].error; }
+    /// Of an edge: none where it is closed.
+    std::optional<SpaceEnd> end(VertexId v) const {
+        if (!v.valid()) return std::nullopt;
+        return SpaceEnd{point(v), error(v)};
+    }
+    /// The greatest t.
+    double reach() const;
+
+private:
+    struct Vertex {
+        Eigen::Vector4d point;
+        double error;
+    };
+
+    Vertex lifted(VertexId v, EdgeEquations& equations) const;
+    double chart_error(const MinimizationDiagram::Vertex& v, double t) const;
+    std::optional<SpaceEnd> settled(VertexId v, const SpaceEnd& near) const;
+
+    const RadialBaseProblem& problem_;
+    const MinimizationDiagram& diagram_;
+    double origin_;  // how far the frame's is from the world's
+    IdVector<VertexId, Vertex> vertices_;
+};
+
+}  // namespace vcell::radial

@@ -1,0 +1,119 @@
+/// The conics over a sphere base: edges between balls, planes and sides of the box.
+///
+/// Where one of these is met at the distance t from the base's centre in p, t Q = W times a positive factor
+/// (primitives/forms/radial_form.hpp) is linear in the four-dimensional (p, t):
+///
+///     b.p + b0 t = k
+///
+/// Two of these hyperplanes and the cone |p| = t make a conic, as over a cylinder base (axial_conic.hpp).
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "../../core/numbers/sign.hpp"
+#include "../../primitives/bases/radial_base.hpp"
+#include "../cell.hpp"
+#include "conic_error.hpp"
+
+namespace vcell::radial {
+
+/// The equation above. `square` is b.b - b0^2.
+template <class Vector, class T>
+struct Functional {
+    Vector b;
+    T b0, square, k;
+};
+
+/// Is it a side of the box?
+inline bool is_wall(const RadialBaseProblem& problem, FormId f) {
+    return !problem.sites[f].front().is_object();
+}
+
+/// A form's hyperplane, its normal of length 1.
+///
+/// Where a bisector runs out to infinity, a point's direction tells its distance badly, and rounding in the
+/// chart moves curves off their bisectors by far more than rounding in space. So points (p, t) are moved to
+/// where their hyperplanes say, by the least that does.
+class Hyperplane {
+public:
+    Hyperplane(const RadialBaseProblem& problem, FormId f);
+
+    const Functional<Vec3, double>& functional() const { return functional_; }
+    const DistancePlane& plane() const { return plane_; }
+    const Eigen::Vector4d& normal() const { return plane_.normal; }
+    /// Of a homogeneous point of that weight.
+    double residual(const Eigen::Vector4d& x, double weight) const {
+        return plane_.normal.dot(x) - weight * plane_.k;
+    }
+    /// Which a point must have to lie on it.
+    double weight(const Eigen::Vector4d& x) const { return plane_.normal.dot(x) / plane_.k; }
+    /// Of u, with 1 / t = gradient.u + a constant.
+    Vec3 gradient() const { return plane_.normal.head<3>() / plane_.k; }
+    double steepness() const { return 1 / std::abs(plane_.k); }
+
+private:
+    Functional<Vec3, double> functional_;
+    DistancePlane plane_;
+};
+
+/// The hyperplanes of a problem's circular forms, each made when it is asked for first.
+class Hyperplanes {
+public:
+    /// Over a cylinder base there are none to ask for.
+    explicit Hyperplanes(const RadialBaseProblem& problem)
+        : problem_(problem), planes_(problem.is_sphere ? problem.objects.size() : 0) {}
+
+    const Hyperplane& operator[](FormId f) {
+        const std::optional<Hyperplane>& plane = planes_[f];
+        return plane ? *plane : make(f);
+    }
+    std::array<const Hyperplane*, 2> operator()(FormId f, FormId g) { return {&(*this)[f], &(*this)[g]}; }
+
+private:
+    [[gnu::noinline]] const Hyperplane& make(FormId f) { return planes_[f].emplace(problem_, f); }
+
+    const RadialBaseProblem& problem_;
+    IdVector<FormId, std::optional<Hyperplane>> planes_;
+};
+
+/// x, homogeneous of that weight, moved to the common points of both; where they are all but parallel, to
+/// those of the first.
+Eigen::Vector4d moved(const Eigen::Vector4d& x, double weight,
+                      const std::array<const Hyperplane*, 2>& planes);
+/// x, of weight 1, moved to the common points of both and to the cone |p| = t, so that a conic's control
+/// point lies on its sites.
+Eigen::Vector4d moved_on_cone(const Eigen::Vector4d& x, const std::array<const Hyperplane*, 2>& planes);
+/// x moved to three hyperplanes and the cone: a step of Newton's method. May fail with numbers that are not
+/// finite.
+Eigen::Vector4d moved_to_meet(const Eigen::Vector4d& x, const std::array<const Hyperplane*, 3>& planes);
+
+/// What two forms' equations leave on each other: a plane through 0. The difference of forms that are nearly
+/// alike has all its digits.
+DistancePlane difference_plane(const RadialBaseProblem& problem, FormId f, FormId g);
+
+/// The kind of the conic on which two forms agree, decided exactly.
+///
+/// In homogeneous coordinates the cone |n| = W lifts to the curve by p = n / Q; the plane {Q_f = Q_g} of its
+/// points meets infinity, Q_f = 0, in a line, and that line meets the cone in two points, in one, or in none
+/// as the Gram determinant of (b_f, b0_f) and (b_g, b0_g) in the cone's metric is positive, zero or negative.
+class SphereConicKind {
+public:
+    using Approximate = Functional<Vec3, double>;
+
+    /// `decisions` counts its signs.
+    SphereConicKind(const RadialBaseProblem& problem, Decisions& decisions)
+        : problem_(problem), decisions_(decisions) {}
+
+    /// p and q: the forms' functionals.
+    CurveKind operator()(FormId f, FormId g, const Approximate& p, const Approximate& q);
+
+private:
+    bool are_parallel(FormId f, FormId g, const Vec3& p, const Vec3& q);
+    Sign gram_sign(FormId f, FormId g, const Approximate& p, const Approximate& q);
+
+    const RadialBaseProblem& problem_;
+    Decisions& decisions_;
+};
+
+}  // namespace vcell::radial
