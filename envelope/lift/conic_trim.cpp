@@ -60,8 +60,7 @@ void add_even(const ConicSpan& span, std::vector<ConicSpan>& spans, int halvings
 }
 
 // Halved until the weights are large enough.
-void extend_by_span(std::array<Range, 2>& box, const RadialPatch& patch, const ConicSpan& span,
-                    int halvings) {
+void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span, int halvings) {
     const TrimSpan trim(patch, span);
     const double weight = trim.weight();
     if (weight < least_weight && halvings > 0) {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "conic_span.hpp"
-#include "joined_spans.hpp"
 #include "radial_patch.hpp"
+#include "trim_bounds.hpp"
 
 namespace vcell::radial {
 
@@ -46,7 +46,6 @@ void add_halves(const ConicSpan& span, std::span<const RadialPatch* const> patch
 void add_even(const ConicSpan& span, std::vector<ConicSpan>& spans, int halvings = 40);
 
 /// Extends a rectangle of parameters by a span's trim.
-void extend_by_span(std::array<Range, 2>& box, const RadialPatch& patch, const ConicSpan& span,
-                    int halvings = 40);
+void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span, int halvings = 40);
 
 }  // namespace vcell::radial

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 
-#include "../../primitives/objects/message.hpp"
 #include "conic_trim.hpp"
 #include "joined_spans.hpp"
 
@@ -80,14 +78,8 @@ bool EdgeFits::refine() {
 void EdgeFits::require_proof(EdgeId e) const {
     if (!curves_.is_spline(e) || error(e) <= most_error()) return;
     const SpaceFitError& error = curves_.fit_error(e);
-    throw unproved(e, "no curve is proved to be the one between them",
-                   of_.problem.frame.to_world(error.unproved.value_or(error.worst)));
-}
-
-UndecidedError EdgeFits::unproved(EdgeId e, const char* what, const Vec3& place) const {
-    const auto [left, right] = of_.sites(e);
-    return UndecidedError("objects " + to_string(left) + ", " + to_string(right) + ": " + what + " around " +
-                          to_text(Vec3(of_.problem.unit * place)));
+    throw of_.unproved(e, "no curve is proved to be the one between them",
+                       of_.problem.frame.to_world(error.unproved.value_or(error.worst)));
 }
 
 }  // namespace vcell::radial

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "../../core/errors.hpp"
 #include "based_diagram.hpp"
 #include "face_patches.hpp"
 #include "radial_curves.hpp"
@@ -38,8 +37,6 @@ public:
 
     /// A spline that is not proved to follow its arc is none.
     void require_proof(EdgeId e) const;
-    /// place: in the scene as decided.
-    UndecidedError unproved(EdgeId e, const char* what, const Vec3& place) const;
 
 private:
     void fit_axial_conic(EdgeId e);

@@ -8,15 +8,15 @@ namespace vcell {
 
 class FaceLoops {
 public:
-    /// Of faces with a form. Over curved bases no loop is known to be the outer one.
-    explicit FaceLoops(const MinimizationDiagram& diagram)
+    /// Of faces with a form, the outer one first or, over curved bases where none is known to be it, last.
+    explicit FaceLoops(const MinimizationDiagram& diagram, bool is_outer_first = false)
         : diagram_(diagram), loops_(diagram.dcel.face_count()) {
         for (const FaceId face : diagram.face_forms.ids()) {
             if (!diagram.face_forms[face].valid()) continue;
-            const std::vector<CcbId>& inner = diagram.dcel.inner_ccbs(face);
-            loops_[face].assign(inner.begin(), inner.end());
-            if (const CcbId outer = diagram.dcel.outer_ccb(face); outer.valid())
-                loops_[face].push_back(outer);
+            const CcbId outer = diagram.dcel.outer_ccb(face);
+            if (outer.valid() && is_outer_first) loops_[face].push_back(outer);
+            for (const CcbId inner : diagram.dcel.inner_ccbs(face)) loops_[face].push_back(inner);
+            if (outer.valid() && !is_outer_first) loops_[face].push_back(outer);
         }
     }
 

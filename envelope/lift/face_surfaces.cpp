@@ -1,7 +1,6 @@
 #include "face_surfaces.hpp"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,25 +11,6 @@
 #include "face_cut.hpp"
 
 namespace vcell::radial {
-
-namespace {
-
-using Rectangle = std::array<Range, 2>;
-
-constexpr Rectangle no_rectangle{empty_range, empty_range};
-
-void extend_by_rectangle(Rectangle& box, const Rectangle& other) {
-    for (int i = 0; i < 2; ++i) box[i] = {std::min(box[i][0], other[i][0]), std::max(box[i][1], other[i][1])};
-}
-
-// A face thinner than the spacing of doubles still needs a domain that has two ends.
-void widen(Rectangle& box) {
-    for (Range& range : box)
-        if (range[0] == range[1])
-            range[1] = std::nextafter(range[1], std::numeric_limits<double>::infinity());
-}
-
-}  // namespace
 
 FaceSurfaces::FaceSurfaces(const RadialDiagram& of, FaceLoops& loops, FacePatches& patches,
                            RadialCurves& curves, EdgeFits& fits)
@@ -134,7 +114,7 @@ bool FaceSurfaces::make_whole(FaceId face) {
 
 // The rectangle of a face's trims. Of the loops' the largest is the outer one's, which contains the others
 // and comes first from here on.
-FaceSurfaces::Rectangle FaceSurfaces::bounds(FaceId face) {
+Rectangle FaceSurfaces::bounds(FaceId face) {
     std::vector<std::vector<TrimCurve>>& loops = whole(face).loops;
     Rectangle outer = no_rectangle;
     const auto extent = [](const Rectangle& r) { return r[0][1] - r[0][0] + (r[1][1] - r[1][0]); };
@@ -152,17 +132,15 @@ FaceSurfaces::Rectangle FaceSurfaces::bounds(FaceId face) {
 
 void FaceSurfaces::extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim) {
     const auto& p = trim.curve.points;
-    if (trim.curve.degree != 2) return extend_by_rectangle(box, curve_bounds(trim.curve));
-    for (std::size_t i = 0; i + 2 < p.size(); i += 2) {
+    for (std::size_t i = 0; trim.curve.degree == 2 && i + 2 < p.size(); i += 2) {
         const double weight = p[i + 1].z() / std::sqrt(p[i].z() * p[i + 2].z());
-        if (!(weight >= least_weight)) {
-            const EdgeId e{*trim.edge};
-            bent_.push_back(e);
-            for (const ConicSpan& span : curves_.conics(e)) extend_by_span(box, patch, span);
-            return;
-        }
-        for (int k = 0; k < 2; ++k) extend(box[k], p[i][k], p[i + 1][k], p[i + 2][k], weight);
+        if (weight >= least_weight) continue;
+        const EdgeId e{*trim.edge};
+        bent_.push_back(e);
+        for (const ConicSpan& span : curves_.conics(e)) extend_by_span(box, patch, span);
+        return;
     }
+    extend_by_rectangle(box, curve_bounds(trim.curve));
 }
 
 // Trims for a patch that does not even hold the vertices are not worth fitting.
@@ -241,9 +219,7 @@ bool FaceSurfaces::make_cut(FaceId face) {
     }
     match_seams(face, *parts, first_seam);
     for (CutPart& part : *parts) {
-        Rectangle box = no_rectangle;
-        for (const TrimCurve& trim : part.loops.front()) extend_by_rectangle(box, curve_bounds(trim.curve));
-        widen(box);
+        const Rectangle box = loop_domain(part.loops.front());
         const RadialPatch& patch = sectors[part.sector].patch;
         double rounding = 0;
         auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);

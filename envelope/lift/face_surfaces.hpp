@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -13,8 +12,8 @@
 #include "face_loops.hpp"
 #include "face_patches.hpp"
 #include "face_trims.hpp"
-#include "joined_spans.hpp"
 #include "radial_curves.hpp"
+#include "trim_bounds.hpp"
 
 namespace vcell::radial {
 
@@ -35,8 +34,6 @@ public:
     }
 
 private:
-    using Rectangle = std::array<Range, 2>;
-
     // What became of a face in sectors.
     struct Cut {
         std::vector<bool> is_too_wide;  // of each sector

@@ -15,7 +15,7 @@ namespace vcell {
 /// the diagram's arcs, and an edge's space curve is its arc with a third coordinate, on the same knots and
 /// weights. Over a cylinder a patch is exact too, of degree (1,2) in parameters of its own
 /// (cylinder_patch.hpp); edges beside it are exact conics with rational cubic trims where the other side is
-/// linear or the rim, and otherwise splines within `tolerance` (length) of the true arc (spline_fit.hpp).
+/// linear or the rim, and otherwise splines within `tolerance` (length) of the true arc (space_spline.hpp).
 /// Vertex i, edge i and face i + 1 of the diagram (face 0 is the unbounded one) become vertex, edge
 /// and face i of the cell.
 /// Measures are left out (CellOptions::measure) without `with_measures`.

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "../../core/errors.hpp"
 #include "../../core/numbers/exact.hpp"
 #include "../../primitives/bisectors/height_conics.hpp"
-#include "../../primitives/objects/message.hpp"
+#include "based_diagram.hpp"
 
 namespace vcell {
 
@@ -74,6 +73,15 @@ SpaceSite space_site(const CircularForm& f) {
     const double width = 0.5 * f.w, behind = (f.e + 2 * c.dot(rest) - rest.squaredNorm()) / width;
     const Vector2d center = c - rest;
     return {Sphere{{center.x(), center.y(), 0.5 * (width + behind)}, 0.5 * (width - behind)}, false, {}};
+}
+
+// The joined Bezier pieces of one degree: control(span, k) gives the k-th point of a piece.
+template <class Curve, class Control>
+void join(std::span<const MixedSpan> spans, int degree, Control control, Curve& curve) {
+    begin_joined(curve, degree, spans.size());
+    curve.points.push_back(control(spans.front(), 0));
+    for (const MixedSpan& span : spans)
+        for (int k = 1; k <= degree; ++k) curve.points.push_back(control(span, k));
 }
 
 // The conic in which a plane cuts a cylinder's bisector, in the coordinates of one face's patch.
@@ -272,7 +280,7 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
     };
     if (planes.size() == 1) return section(0);
     const unsigned side = diagram_.is_circular(edge.left) ? 1 : 0;
-    const CylinderHeight& height = frames_[diagram_.dcel.face(Dcel::half_edge(e, side))].height();
+    const CylinderHeight& height = frames_[diagram_.face(e, side)].height();
     std::array<bool, 2> leaves{};
     const auto visit = [&](const Vector2d& p, double error) {
         const CylinderHeight::Jet jet = height(p);
@@ -286,7 +294,7 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
             leaves[i] = leaves[i] || !residual.contains(0);
         }
     };
-    if (const VertexId start = diagram_.dcel.origin(Dcel::half_edge(e)); start.valid())
+    if (const VertexId start = diagram_.start(e); start.valid())
         visit(diagram_.vertices[start].point, diagram_.vertices[start].error);
     for (const MinimizationDiagram::ArcPiece& piece : diagram_.pieces(e)) visit(piece.end, piece.error);
     if (leaves[0] == leaves[1]) return std::nullopt;
@@ -295,7 +303,7 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
 
 bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const std::optional<SectionPlane> plane = plane_of(problem, e);
-    const VertexId start = diagram_.dcel.origin(Dcel::half_edge(e));
+    const VertexId start = diagram_.start(e);
     if (!plane || !start.valid()) return false;
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     std::array<std::optional<Section>, 2> sections;
@@ -304,11 +312,11 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
         const FormId f = side == 0 ? edge.left : edge.right;
         if ((side == 1 && edge.on_rim()) || diagram_.is_circular(f)) continue;
         form = f;
-        const FaceId face = diagram_.dcel.face(Dcel::half_edge(e, static_cast<unsigned>(side)));
+        const FaceId face = diagram_.face(e, static_cast<unsigned>(side));
         sections[side] = Section(problem.family.cylinder(form), frames_[face], *plane);
     }
     const MinimizationDiagram::Vertex& from = diagram_.vertices[start];
-    const MinimizationDiagram::Vertex& to = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
+    const MinimizationDiagram::Vertex& to = diagram_.vertices[diagram_.end(e)];
     Arc& arc = arcs_[e];
     arc.kind = sections[sections[0] ? 0 : 1]->through_apex()
                    ? CurveKind::Line
@@ -325,14 +333,13 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
 
 ArcSide MixedArcs::arc_side(EdgeId e, FormId f, unsigned side) const {
     if (diagram_.is_circular(f)) return {&diagram_.forms[f], nullptr};
-    return {nullptr, &frames_[diagram_.dcel.face(Dcel::half_edge(e, side))]};
+    return {nullptr, &frames_[diagram_.face(e, side)]};
 }
 
 // The true arc ends in the true vertices, up to which the curve that was compared may be continued.
 void MixedArcs::add_end_errors(EdgeId e) {
     FitError end;
-    for (const VertexId v :
-         {diagram_.dcel.origin(Dcel::half_edge(e)), diagram_.dcel.target(Dcel::half_edge(e))}) {
+    for (const VertexId v : {diagram_.start(e), diagram_.end(e)}) {
         if (!v.valid()) continue;
         const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
         end.chart = std::max(end.chart, at.error);
@@ -352,7 +359,7 @@ SpaceSite MixedArcs::space_site_beside(const PlaneBaseProblem& problem, EdgeId e
         return site;
     }
     const CylinderForm& form = problem.family.cylinder(f);
-    const CylinderFrame& frame = frames_[diagram_.dcel.face(Dcel::half_edge(e, side))];
+    const CylinderFrame& frame = frames_[diagram_.face(e, side)];
     return {Cylinder{{form.px, form.py, form.pz}, {form.ax, form.ay, form.az}, form.rho},
             false,
             {{.patch = frame.coordinates()}}};
@@ -367,18 +374,16 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
     };
     const SpaceArc arc{
         {space_site_beside(problem, e, edge.left, 0), space_site_beside(problem, e, edge.right, 1)},
-        end(diagram_.dcel.origin(Dcel::half_edge(e))),
-        end(diagram_.dcel.target(Dcel::half_edge(e))),
+        end(diagram_.start(e)),
+        end(diagram_.end(e)),
         diagram_.pieces(e)};
     constexpr std::size_t most_of_edge = 500;
     effort_.spans += most_of_edge;
     std::vector<SpaceSpan> fitted;
     const SpaceFitError error = fit_spline_over_plane(arc, tolerance, fitted, effort_);
     if (error.unproved)
-        throw UndecidedError("objects " + to_string(problem.sites[edge.left].front()) + ", " +
-                             to_string(problem.sites[edge.right].front()) +
-                             ": no curve is proved to be the one between them around " +
-                             to_text(Vec3(problem.unit * problem.frame.to_world(*error.unproved))));
+        throw PlaneDiagram{problem, diagram_}.unproved(e, "no curve is proved to be the one between them",
+                                                       problem.frame.to_world(*error.unproved));
     const std::size_t first = spans_.size();
     for (const SpaceSpan& from : fitted) {
         MixedSpan span;
@@ -395,13 +400,41 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
     // Trims of a face begin where others end, which are conics: their ends are computed alike, to the digit.
     for (const int side : {0, 1}) {
         if (!arc.start || diagram_.is_circular(side == 0 ? edge.left : edge.right)) continue;
-        const CylinderFrame& frame =
-            frames_[diagram_.dcel.face(Dcel::half_edge(e, static_cast<unsigned>(side)))];
+        const CylinderFrame& frame = frames_[diagram_.face(e, static_cast<unsigned>(side))];
         spans_[first].trims[side].points[0] << frame.parameters(arc.start->point.head<2>()), 1;
         spans_.back().trims[side].points[5] << frame.parameters(arc.end->point.head<2>()), 1;
     }
     arcs_[e].error = {error.curve, std::max(error.curve, error.trims)};
     add_end_errors(e);
+}
+
+void MixedArcs::set_curve(EdgeId e, const BaseFrame& frame, RationalCurve3& curve, Range& heights) const {
+    for (const MixedSpan& s : spans(e)) {
+        std::array<double, MixedSpan::largest_degree + 1> z;
+        for (int k = 0; k <= s.degree; ++k) z[k] = s.points[k].z();
+        if (s.degree == 2)
+            extend(heights, z[0], z[1], z[2], s.points[1].w() / std::sqrt(s.points[0].w() * s.points[2].w()));
+        else
+            extend_by_polynomial(heights, {z.data(), static_cast<std::size_t>(s.degree) + 1});
+    }
+    const auto in_world = [&](const MixedSpan& s, int k) {
+        const Vec3 world = frame.to_world(s.points[k].head<3>());
+        return Eigen::Vector4d(world.x(), world.y(), world.z(), s.points[k].w());
+    };
+    join(spans(e), spans(e).front().degree, in_world, curve);
+}
+
+void MixedArcs::set_trim(EdgeId e, bool reversed, RationalCurve2& curve) const {
+    const auto in_chart = [](const MixedSpan& s, int k) {
+        const Eigen::Vector4d& p = s.points[k];
+        return Vector3d(p.x(), p.y(), p.w());
+    };
+    const auto in_patch = [&](const MixedSpan& s, int k) { return s.trims[reversed].points[k]; };
+    if (const int degree = spans(e).front().trims[reversed].degree; degree > 0)
+        join(spans(e), degree, in_patch, curve);
+    else
+        join(spans(e), spans(e).front().degree, in_chart, curve);
+    if (reversed) std::reverse(curve.points.begin(), curve.points.end());
 }
 
 }  // namespace vcell

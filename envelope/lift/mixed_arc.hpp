@@ -24,6 +24,7 @@
 
 #include "../../core/numbers/exact.hpp"
 #include "../cell.hpp"
+#include "joined_spans.hpp"
 #include "mixed_span.hpp"
 #include "section_error.hpp"
 #include "space_spline.hpp"
@@ -49,6 +50,10 @@ public:
         return {spans_.data() + offsets_[e.value], spans_.data() + offsets_[e.value + 1]};
     }
     CurveKind kind(EdgeId e) const { return arcs_[e].kind; }
+    /// Makes the curve in world coordinates; extends `heights` by its heights.
+    void set_curve(EdgeId e, const BaseFrame& frame, RationalCurve3& curve, Range& heights) const;
+    /// Makes the trim on the left or, reversed, on the right, in the direction of the loop.
+    void set_trim(EdgeId e, bool reversed, RationalCurve2& curve) const;
     /// Bounds on the distance from the true arc, its ends' errors included.
     const FitError& error(EdgeId e) const { return arcs_[e].error; }
     /// Pre: the face's form is a cylinder's.

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "../../primitives/forms/axial_ties.hpp"
 #include "../../primitives/objects/message.hpp"
-#include "../measures/measures.hpp"
 #include "../measures/radial_measures.hpp"
 #include "based_diagram.hpp"
+#include "cell_assembly.hpp"
 #include "edge_equations.hpp"
 #include "edge_errors.hpp"
 #include "edge_fits.hpp"
 #include "face_loops.hpp"
 #include "face_patches.hpp"
 #include "face_surfaces.hpp"
-#include "joined_spans.hpp"
 #include "radial_curves.hpp"
 #include "radial_patch.hpp"
 #include "radial_vertices.hpp"
@@ -30,12 +30,13 @@ using Eigen::Vector4d;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
-class RadialLifter {
+class RadialLift {
 public:
-    RadialLifter(const RadialDiagram& of, double tolerance)
+    RadialLift(const RadialDiagram& of, double tolerance)
         : of_(of),
           problem_(of.problem),
           diagram_(of.diagram),
+          origin_(of.problem.frame.origin.norm()),
           equations_(of),
           vertices_(of, equations_),
           curves_(with_sphere_arcs(radial::RadialCurves(of, vertices_, equations_))),
@@ -43,21 +44,50 @@ public:
           patches_(of, loops_, curves_),
           fits_(of, patches_, curves_, tolerance),
           surfaces_(of, loops_, patches_, curves_, fits_),
-          errors_(of, equations_, curves_, patches_) {}
-
-    LiftedCell lift(bool with_measures) {
+          errors_(of, equations_, curves_, patches_) {
         surfaces_.make();
-        add_vertices();
-        add_faces();
-        add_edges();
-        if (with_measures)
-            measure(problem_, diagram_, positions_, cell_);
-        else
-            rank_neighbors(cell_);
-        cell_.report.decisions = diagram_.decisions;
-        cell_.report.decisions += equations_.decisions();
-        cell_.report.decisions += decisions_;
-        return {std::move(cell_), std::move(positions_)};
+    }
+
+    const RadialDiagram& of() const { return of_; }
+    Decisions decisions() const {
+        Decisions sum = equations_.decisions();
+        return sum += decisions_;
+    }
+
+    LiftedVertex vertex(VertexId v) const {
+        return {vertices_.point(v), vertices_[v].w() - problem_.radius, vertices_.error(v)};
+    }
+    std::string_view bisector(FormId form) const { return bisector_name(problem_, form); }
+    void set_patches(FaceId face, std::vector<TrimmedPatch>& patches) {
+        patches = std::move(surfaces_.of(face));
+    }
+    CurveKind kind(EdgeId e) const { return equations_.kind(e); }
+
+    // The trims are compared with the space curve on patches as computed, whose control points are rounded;
+    // and all of it is moved back, as for vertices.
+    LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) {
+        curves_.to_world(e, problem_.frame, curve);
+        double square = origin_ * origin_;
+        for (const Vector4d& p : curve.points) square = std::max(square, p.head<3>().squaredNorm());
+        const double far = std::sqrt(square), rounding = 16 * u * (far + origin_);
+        const auto [off, trims] = errors_(e, ends, rounding);
+        if (surfaces_.rounding(e) > fits_.most_error())
+            throw of_.unproved(e, "rounding leaves few digits of their faces",
+                               curve.points.front().head<3>());
+        // Nothing of the cell is farther away than its box, which holds the base.
+        const double most = 4 * far;
+        return {std::min(most, off + rounding),
+                std::min(most, std::max(off, trims) + surfaces_.rounding(e) + rounding)};
+    }
+
+    void finish(Cell& cell) {
+        if (problem_.generator_ties.empty()) return;
+        for (const EdgeId e : diagram_.edges.ids())
+            if (curves_.is_line(e) && !diagram_.edges[e].on_rim()) add_generator_ties(e, cell);
+    }
+
+    void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
+        vcell::measure(problem_, diagram_, positions, cell);
     }
 
 private:
@@ -66,73 +96,10 @@ private:
         return curves;
     }
 
-    void add_vertices() {
-        cell_.vertices.reserve(diagram_.vertices.size());
-        for (const VertexId v : diagram_.vertices.ids()) {
-            CellVertex& vertex = append_new(cell_.vertices);
-            vertex.point = problem_.frame.to_world(vertices_.point(v));
-            vertex.radius = vertices_[v].w() - problem_.radius;
-            vertex.error = vertices_.error(v);
-            for (const FormId f : diagram_.label(v))
-                for (const Site site : problem_.sites[f]) vertex.sites.push_back(site);
-            for (const std::uint32_t side : diagram_.sides(v))
-                vertex.sites.push_back(rim_site(problem_, side));
-            sort_unique(vertex.sites);
-        }
-    }
-
-    void add_faces() {
-        cell_.faces.reserve(diagram_.face_forms.size());
-        for (const FaceId id : diagram_.face_forms.ids()) {
-            const FormId form = diagram_.face_forms[id];
-            if (!form.valid()) continue;
-            CellFace& face = append_new(cell_.faces);
-            face.site = of_.main_site(form);
-            face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
-            face.bisector = bisector_name(problem_, form);
-            face.patches = std::move(surfaces_.of(id));
-        }
-    }
-
-    void add_edges() {
-        cell_.edges.reserve(diagram_.edges.size());
-        positions_.reserve(diagram_.edges.size());
-        for (const EdgeId e : diagram_.edges.ids()) {
-            CellEdge& edge = append_new(cell_.edges);
-            edge.sites = of_.sites(e);
-            for (const FormId f : diagram_.label(e))
-                for (const Site site : problem_.sites[f])
-                    if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
-            sort_unique(edge.extra_sites);
-            if (curves_.is_line(e) && !diagram_.edges[e].on_rim()) add_generator_ties(e, edge);
-            if (curves_.has_ends(e)) edge.vertices = {diagram_.start(e).value, diagram_.end(e).value};
-            edge.kind = equations_.kind(e);
-            curves_.to_world(e, problem_.frame, edge.curve);
-            set_error(e, edge);
-        }
-    }
-
-    // The trims are compared with the space curve on patches as computed, whose control points are rounded;
-    // and all of it is moved back, as for vertices.
-    void set_error(EdgeId e, CellEdge& edge) {
-        const double origin = problem_.frame.origin.norm();
-        double square = origin * origin, ends = 0;
-        for (const Vector4d& p : edge.curve.points) square = std::max(square, p.head<3>().squaredNorm());
-        const double far = std::sqrt(square), rounding = 16 * u * (far + origin);
-        for (const std::uint32_t v : edge.vertices) ends = std::max(ends, cell_.vertices[v].error);
-        const auto [off, trims] = errors_(e, ends, rounding);
-        // Nothing of the cell is farther away than its box, which holds the base.
-        const double most = 4 * far;
-        if (surfaces_.rounding(e) > fits_.most_error())
-            throw fits_.unproved(e, "rounding leaves few digits of their faces",
-                                 edge.curve.points.front().head<3>());
-        positions_.push_back(std::min(most, off + rounding));
-        edge.error = std::min(most, std::max(off, trims) + surfaces_.rounding(e) + rounding);
-    }
-
     // Two forms change places over one generator as the angle grows, and back over the other they have in
     // common.
-    void add_generator_ties(EdgeId e, CellEdge& edge) {
+    void add_generator_ties(EdgeId e, Cell& cell) {
+        CellEdge& edge = cell.edges[e.value];
         const Vector4d &from = curves_.from(e), &to = curves_.to(e);
         const bool is_upward = from.y() < to.y();
         const FormId left = diagram_.edges[e].left, right = diagram_.edges[e].right;
@@ -142,7 +109,7 @@ private:
             is_decided = is_decided && tie.is_decided;
             edge.extra_sites.push_back(tie.site);
             for (const VertexId v : {diagram_.start(e), diagram_.end(e)}) {
-                auto& sites = cell_.vertices[v.value].sites;
+                auto& sites = cell.vertices[v.value].sites;
                 sites.push_back(tie.site);
                 sort_unique(sites);
             }
@@ -153,15 +120,16 @@ private:
         std::string sites = to_string(edge.sites[0]) + ", " + to_string(edge.sites[1]);
         for (const Site site : edge.extra_sites) sites += ", " + to_string(site);
         const Vector4d middle = 0.5 * (from + to);
-        cell_.report.warnings.push_back("objects " + sites + ": taken to meet in one line through " +
-                                        to_text(problem_.unit * problem_.frame.to_world(middle.head<3>())) +
-                                        ", not told apart within " +
-                                        to_text(problem_.unit * narrow_tie * middle.w()));
+        cell.report.warnings.push_back("objects " + sites + ": taken to meet in one line through " +
+                                       to_text(problem_.unit * problem_.frame.to_world(middle.head<3>())) +
+                                       ", not told apart within " +
+                                       to_text(problem_.unit * narrow_tie * middle.w()));
     }
 
     const RadialDiagram of_;
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
+    const double origin_;  // how far the frame's is from the world's
     Decisions decisions_;
     radial::EdgeEquations equations_;
     const radial::RadialVertices vertices_;
@@ -171,15 +139,14 @@ private:
     radial::EdgeFits fits_;
     radial::FaceSurfaces surfaces_;
     radial::EdgeErrors errors_;
-    Cell cell_;
-    IdVector<EdgeId, double> positions_;  // bounds on the distance of space curves from the true ones
 };
 
 }  // namespace
 
 LiftedCell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
                 bool with_measures) {
-    return RadialLifter({problem, diagram}, tolerance).lift(with_measures);
+    RadialLift lift({problem, diagram}, tolerance);
+    return CellAssembly(lift)(with_measures);
 }
 
 }  // namespace vcell
