@@ -8,6 +8,7 @@
 #include "../core/platform.hpp"
 #include "../primitives/bases/plane_base.hpp"
 #include "../primitives/bases/radial_base.hpp"
+#include "../primitives/charts/radial_foot.hpp"
 #include "../primitives/objects/decided_scene.hpp"
 #include "recursion/form_locator.hpp"
 
@@ -127,8 +128,7 @@ public:
         const Vec3 p = problem_.frame.to_canonical(world / problem_.unit);
         if (!problem_.is_sphere && (p.y() < problem_.stretch[0] || p.y() > problem_.stretch[1]))
             return std::nullopt;
-        Vec3 across = p;
-        if (!problem_.is_sphere) across.y() = 0;
+        const Vec3 across(p.x(), RadialFoot(problem_.is_sphere).across(p.y()), p.z());
         PointAnswer answer;
         if (across.isZero(0)) {
             answer.inside = true;
@@ -183,19 +183,21 @@ private:
 }  // namespace
 
 struct PointQuery::Bases {
-    std::variant<std::monostate, OverPlane, OverCurved> base;
+    template <class Base, class Problem>
+    Bases(std::in_place_type_t<Base> over, Problem&& problem) : base(over, std::forward<Problem>(problem)) {}
+
+    std::variant<OverPlane, OverCurved> base;
 };
 
 PointQuery::PointQuery(const Scene& scene)
     : bases_(in_ieee_arithmetic("PointQuery", [&] {
           validate(scene);
           const DecidedScene decided = decide(scene);
-          auto bases = std::make_unique<Bases>();
           if (std::holds_alternative<Plane>(scene.base))
-              bases->base.emplace<OverPlane>(plane_base_problem(decided.scene, decided.unit));
-          else
-              bases->base.emplace<OverCurved>(radial_base_problem(decided.scene, decided.unit));
-          return bases;
+              return std::make_unique<Bases>(std::in_place_type<OverPlane>,
+                                             plane_base_problem(decided.scene, decided.unit));
+          return std::make_unique<Bases>(std::in_place_type<OverCurved>,
+                                         radial_base_problem(decided.scene, decided.unit));
       })) {}
 
 PointQuery::PointQuery(PointQuery&&) noexcept = default;
@@ -203,13 +205,12 @@ PointQuery& PointQuery::operator=(PointQuery&&) noexcept = default;
 PointQuery::~PointQuery() = default;
 
 std::optional<PointAnswer> PointQuery::operator()(const Vec3& world) {
-    if (auto* plane = std::get_if<OverPlane>(&bases_->base)) return (*plane)(world);
-    return std::get<OverCurved>(bases_->base)(world);
+    return std::visit([&](auto& base) { return base(world); }, bases_->base);
 }
 
 const std::vector<std::string>& PointQuery::warnings() const {
-    if (const auto* plane = std::get_if<OverPlane>(&bases_->base)) return plane->problem().warnings;
-    return std::get<OverCurved>(bases_->base).problem().warnings;
+    return std::visit(
+        [](const auto& base) -> const auto& { return base.problem().warnings; }, bases_->base);
 }
 
 }  // namespace vcell

@@ -49,7 +49,7 @@ AxialConic EdgeEquations::axial_conic(EdgeId e) const {
 }
 
 std::array<DistancePlane, 2> EdgeEquations::planes(EdgeId e) {
-    if (!problem_.is_sphere) return axial_conic(e).planes();
+    if (!diagram_.is_circular(diagram_.edges[e].left)) return axial_conic(e).planes();
     const auto [left, right] = hyperplanes(e);
     return {left->plane(), right->plane()};
 }

@@ -24,19 +24,19 @@ EdgeErrors::Bounds EdgeErrors::operator()(EdgeId e, double ends, double rounding
 double EdgeErrors::conic_error(EdgeId e, const std::array<DistancePlane, 2>& planes) const {
     // The difference of forms that are nearly alike has all its digits, and tells the edge.
     constexpr double nearly_alike = 1 - 0x1p-33;
-    const RadialBaseProblem& problem = of_.problem;
-    if (!problem.is_sphere || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
-        return conic_distance(curves_.conics(e), planes, problem.is_sphere);
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
-    return conic_distance(curves_.conics(e), {planes[0], difference_plane(problem, edge.left, edge.right)},
-                          problem.is_sphere);
+    const bool is_sphere = !curves_.is_axial_conic(e);
+    if (!is_sphere || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
+        return conic_distance(curves_.conics(e), planes, is_sphere);
+    return conic_distance(curves_.conics(e),
+                          {planes[0], difference_plane(of_.problem, edge.left, edge.right)}, is_sphere);
 }
 
 // How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The edge's
 // planes are found where there are none yet.
 double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) {
-    const bool is_sphere = of_.problem.is_sphere;
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
+    const bool is_sphere = of_.diagram.is_circular(edge.left);  // over a cylinder no form is circular
     double most = off;
     if (curves_.is_line(e) && (is_sphere || !equations_.axial(e))) return most;
     std::vector<ConicSpan> segment;

@@ -44,7 +44,7 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
       is_flat_(problem_.objects.size()) {
     const std::size_t count = diagram_.dcel.face_count();
     patches_.reserve(count);
-    if (!problem_.is_sphere) sectors_.resize(count);
+    sectors_.resize(count);
     for (const FaceId face : diagram_.face_forms.ids()) {
         const FormId form = diagram_.face_forms[face];
         if (!form.valid()) {

@@ -31,12 +31,10 @@ public:
 
     /// Of a face that is not cut.
     const RadialPatch& operator[](FaceId face) const { return patches_[face]; }
-    bool is_cut(FaceId face) const { return !sectors_.empty() && !sectors_[face].empty(); }
+    bool is_cut(FaceId face) const { return !sectors_[face].empty(); }
     const CylinderTurns& turns() const { return turns_; }
     /// Once around; none of a face that is not cut.
-    std::span<const Sector> sectors(FaceId face) const {
-        return sectors_.empty() ? std::span<const Sector>() : std::span(sectors_[face]);
-    }
+    std::span<const Sector> sectors(FaceId face) const { return sectors_[face]; }
     /// In which a point of a face's boundary lies, which rises there with the face on its left or falls.
     std::uint32_t sector_of(FaceId face, const Vec3& p, bool rises) const;
 
@@ -64,8 +62,8 @@ private:
     const RadialCurves& curves_;
     const CylinderTurns turns_;
     IdVector<FaceId, RadialPatch> patches_;
-    IdVector<FaceId, std::vector<Sector>> sectors_;  // none over a sphere
-    IdVector<FaceId, bool> wide_;                    // over a sphere: has the patch been changed?
+    IdVector<FaceId, std::vector<Sector>> sectors_;
+    IdVector<FaceId, bool> wide_;  // over a sphere: has the patch been changed?
     IdVector<FormId, char> is_flat_;
 };
 

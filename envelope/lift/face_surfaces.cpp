@@ -22,9 +22,7 @@ FaceSurfaces::FaceSurfaces(const RadialDiagram& of, FaceLoops& loops, FacePatche
       fits_(fits),
       trims_(loops, patches, curves),
       surfaces_(diagram_.dcel.face_count()),
-      roundings_(diagram_.dcel.face_count(), 0) {
-    if (!problem_.is_sphere) cuts_.resize(diagram_.dcel.face_count());
-}
+      roundings_(diagram_.dcel.face_count(), 0) {}
 
 void FaceSurfaces::make() {
     std::vector<FaceId> all;
@@ -76,7 +74,7 @@ std::vector<FaceId> FaceSurfaces::made(const std::vector<FaceId>& faces) {
 
 // After a patch with a weight that is not positive.
 void FaceSurfaces::change_patch(FaceId face) {
-    if (patches_.change(face, cuts_.empty() ? std::vector<bool>() : cuts_[face].is_too_wide)) return;
+    if (patches_.change(face, cuts_[face].is_too_wide)) return;
     throw_undecided(face);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "based_diagram.hpp"
@@ -66,7 +67,7 @@ private:
     const FaceTrims trims_;
     IdVector<FaceId, std::vector<TrimmedPatch>> surfaces_;
     IdVector<FaceId, double> roundings_;  // of their control points
-    IdVector<FaceId, Cut> cuts_;          // over a cylinder
+    std::map<FaceId, Cut> cuts_;          // of faces whose patches were not kept
     std::vector<EdgeId> bent_;            // conics with a trim that turns so far that a weight is too small
     std::uint32_t seams_ = 0;
 };

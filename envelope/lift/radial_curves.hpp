@@ -32,6 +32,10 @@ public:
     const RadialVertices& vertices() const { return vertices_; }
     bool is_line(EdgeId e) const { return equations_.is_line(e); }
     bool is_spline(EdgeId e) const { return equations_.is_spline(e); }
+    /// A conic over a cylinder base: there no form is circular.
+    bool is_axial_conic(EdgeId e) const {
+        return !is_line(e) && !is_spline(e) && !diagram_.is_circular(diagram_.edges[e].left);
+    }
     /// Between two vertices, or closed?
     bool has_ends(EdgeId e) const { return diagram_.start(e).valid(); }
     /// Pre: has_ends().

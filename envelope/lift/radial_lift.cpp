@@ -92,7 +92,7 @@ public:
 
 private:
     radial::RadialCurves with_sphere_arcs(radial::RadialCurves curves) {
-        if (problem_.is_sphere) add_sphere_arcs(of_, equations_, curves, decisions_);
+        add_sphere_arcs(of_, equations_, curves, decisions_);
         return curves;
     }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../../primitives/charts/radial_foot.hpp"
 #include "space_spline.hpp"
 
 namespace vcell::radial {
@@ -36,11 +37,11 @@ RadialVertices::Vertex RadialVertices::lifted(VertexId v, EdgeEquations& equatio
     if (error <= 64 * u * (t + origin_)) return {x, error};
     const std::span<const FormId> forms = diagram_.label(v);
     const auto is_circular = [&](FormId f) { return diagram_.is_circular(f); };
-    if (!problem_.is_sphere || !std::ranges::all_of(forms.first(3), is_circular)) {
+    if (forms.size() < 3 || !std::ranges::all_of(forms.first(3), is_circular)) {
         const auto end = settled(v, {p, error});
         if (!end) return {x, error};
         const Vec3& q = end->point;
-        const double distance = problem_.is_sphere ? q.norm() : std::hypot(q.x(), q.z());
+        const double distance = RadialFoot(problem_.is_sphere).distance(q);
         return {{q.x(), q.y(), q.z(), distance}, end->error + 16 * u * (t + std::abs(p.y()) + origin_)};
     }
     const Vector4d moved = moved_to_meet(x, {&equations.hyperplane(forms[0]), &equations.hyperplane(forms[1]),

@@ -125,7 +125,7 @@ void add_sphere_arcs(const RadialDiagram& of, EdgeEquations& equations, RadialCu
     const MinimizationDiagram& diagram = of.diagram;
     std::vector<EdgeId> in_chart;
     for (const EdgeId e : diagram.edges.ids()) {
-        if (curves.is_line(e) || curves.is_spline(e)) continue;
+        if (curves.is_line(e) || curves.is_spline(e) || curves.is_axial_conic(e)) continue;
         bool is_added = curves.has_ends(e) && diagram.start(e) != diagram.end(e);
         if (is_added)
             curves.set_conics(e, [&](std::vector<ConicSpan>& spans) {

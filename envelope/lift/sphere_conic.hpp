@@ -60,9 +60,9 @@ private:
 /// The hyperplanes of a problem's circular forms, each made when it is asked for first.
 class Hyperplanes {
 public:
-    /// Over a cylinder base there are none to ask for.
+    /// Over a cylinder base there are none.
     explicit Hyperplanes(const RadialBaseProblem& problem)
-        : problem_(problem), planes_(problem.is_sphere ? problem.objects.size() : 0) {}
+        : problem_(problem), planes_(problem.family.forms.size()) {}
 
     const Hyperplane& operator[](FormId f) {
         const std::optional<Hyperplane>& plane = planes_[f];

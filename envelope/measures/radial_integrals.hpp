@@ -50,6 +50,7 @@
 #include <variant>
 
 #include "../../primitives/bases/radial_base.hpp"
+#include "../../primitives/charts/radial_foot.hpp"
 #include "mixed_integrals.hpp"
 #include "span_integrals.hpp"
 
@@ -213,10 +214,10 @@ void add_conic(const std::array<Eigen::Vector4d, 3>& points, const RadialFace& l
 /// Of a segment between flat bisectors over a sphere base.
 void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const RadialFace& right,
                  RadialIntegrals& sum);
-/// Of any curve (control points (p, w)) that is nearly on both bisectors. No right side: a rim.
-/// Error: truncation estimated from two rules (integrate_estimated()), but for the length of a conic (a line
-/// included), where it is proven; rounding to first order, doubled.
-void add_span(std::span<const Eigen::Vector4d> points, bool is_conic, bool is_sphere, const RadialFace& left,
+/// Of any curve (control points (p, w)) that is nearly on both bisectors, seen from its points' feet. No
+/// right side: a rim. Error: truncation estimated from two rules (integrate_estimated()), but for the length
+/// of a conic (a line included), where it is proven; rounding to first order, doubled.
+void add_span(std::span<const Eigen::Vector4d> points, bool is_conic, RadialFoot foot, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum);
 
 }  // namespace vcell

@@ -149,13 +149,13 @@ private:
             points_.push_back({canonical.x(), canonical.y(), canonical.z(), p.w()});
         }
         const std::uint32_t left = face(e, 0), right = face(e, 1);
+        const RadialFoot foot(problem_.is_sphere);
         const RadialFace* right_face = right != no_face ? &faces_[right] : nullptr;
         RadialIntegrals sum;
         for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
             const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
             if (!is_smooth(e)) {
-                add_span(span, edge.kind != CurveKind::Spline, problem_.is_sphere, faces_[left], right_face,
-                         sum);
+                add_span(span, edge.kind != CurveKind::Spline, foot, faces_[left], right_face, sum);
             } else if (curve.degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {

@@ -379,7 +379,7 @@ TEST_CASE("radial measures: a line along the ray has the rounding of all of its 
                                 Eigen::Vector4d(3 * x + aside * z, 0.5, 3 * z - aside * x, 1)};
         const RadialFace side = radial_integrals::FlatFace(Plane{{0, 0.5, 0}, {0, 1, 0}}, {0, 0.5, 0});
         RadialIntegrals sum;
-        add_span(points, true, false, side, nullptr, sum);
+        add_span(points, true, RadialFoot(false), side, nullptr, sum);
         const auto wide = [](double a, double b) { return static_cast<long double>(a) * b; };
         const auto twice = wide(z, points[1].x()) - wide(x, points[1].z());
         CAPTURE(aside);
