@@ -160,13 +160,18 @@ std::optional<std::vector<CutPart>> cut_face(const std::vector<std::vector<Bound
 std::array<std::array<double, 2>, 2> curve_bounds(const RationalCurve2& curve) {
     std::array<Range, 2> box{empty_range, empty_range};
     const std::span<const Vector3d> p = curve.points;
+    if (curve.degree == 1) {
+        for (const Vector3d& q : p)
+            for (int i = 0; i < 2; ++i) box[i] = {std::min(box[i][0], q[i]), std::max(box[i][1], q[i])};
+        return box;
+    }
     for (std::size_t first = 0; first + 1 < p.size(); first += curve.degree) {
+        if (curve.degree == 2) {
+            const double weight = p[first + 1][2] / std::sqrt(p[first][2] * p[first + 2][2]);
+            for (int i = 0; i < 2; ++i) extend(box[i], p[first][i], p[first + 1][i], p[first + 2][i], weight);
+            continue;
+        }
         for (int i = 0; i < 2; ++i) {
-            if (curve.degree == 2) {
-                extend(box[i], p[first][i], p[first + 1][i], p[first + 2][i],
-                       p[first + 1][2] / std::sqrt(p[first][2] * p[first + 2][2]));
-                continue;
-            }
             std::array<double, 6> row;
             for (int k = 0; k <= curve.degree; ++k) row[k] = p[first + k][i];
             if (curve.degree == 3) {

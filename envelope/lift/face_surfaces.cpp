@@ -129,16 +129,18 @@ Rectangle FaceSurfaces::bounds(FaceId face) {
 }
 
 void FaceSurfaces::extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim) {
+    if (trim.curve.degree != 2) return extend_by_rectangle(box, curve_bounds(trim.curve));
     const auto& p = trim.curve.points;
-    for (std::size_t i = 0; trim.curve.degree == 2 && i + 2 < p.size(); i += 2) {
+    for (std::size_t i = 0; i + 2 < p.size(); i += 2) {
         const double weight = p[i + 1].z() / std::sqrt(p[i].z() * p[i + 2].z());
-        if (weight >= least_weight) continue;
-        const EdgeId e{*trim.edge};
-        bent_.push_back(e);
-        for (const ConicSpan& span : curves_.conics(e)) extend_by_span(box, patch, span);
-        return;
+        if (!(weight >= least_weight)) {
+            const EdgeId e{*trim.edge};
+            bent_.push_back(e);
+            for (const ConicSpan& span : curves_.conics(e)) extend_by_span(box, patch, span);
+            return;
+        }
+        for (int k = 0; k < 2; ++k) extend(box[k], p[i][k], p[i + 1][k], p[i + 2][k], weight);
     }
-    extend_by_rectangle(box, curve_bounds(trim.curve));
 }
 
 // Trims for a patch that does not even hold the vertices are not worth fitting.
