@@ -14,8 +14,8 @@
 
 namespace vcell {
 
-/// Of a side of the base region: the side of the box that cuts the base there, or an end of a cylinder's
-/// stretch (its chart's rims are sides 0 and 2).
+/// What bounds the base at a side of its region: the side of the box that cuts it there, or an end of a
+/// cylinder's stretch (its chart's rims are sides 0 and 2).
 inline Site rim_site(const PlaneBaseProblem& problem, std::uint32_t side) {
     return problem.region[side].site;
 }
@@ -42,9 +42,9 @@ struct BasedDiagram {
     const Problem& problem;
     const MinimizationDiagram& diagram;
 
-    /// Of several sites with one height the first.
+    /// The first of the sites that have the form's height.
     Site main_site(FormId f) const { return problem.sites[f].front(); }
-    /// On an edge's left and right.
+    /// The sites that an edge has on its left and right.
     std::array<Site, 2> sites(EdgeId e) const {
         const MinimizationDiagram::Edge& edge = diagram.edges[e];
         return {main_site(edge.left), edge.on_rim() ? rim_site(problem, edge.side) : main_site(edge.right)};

@@ -42,7 +42,7 @@ public:
         double width() const { return to - from; }
     };
     Extent extent(FaceId face) const;
-    /// Of the points of a face's boundary between two angles; of all of them where there are none.
+    /// The mean y of a face's boundary points between two angles; of all its points where none lie there.
     double mean_height(FaceId face, double from, double to) const;
     /// Where the sides of `count` sectors keep furthest from the face's vertices.
     double clear_angle(FaceId face, std::size_t count) const;

@@ -20,18 +20,18 @@ public:
     bool is_line(EdgeId e) const { return kinds_[e] == CurveKind::Line; }
     bool is_spline(EdgeId e) const { return kinds_[e] == CurveKind::Spline; }
 
-    /// Of circular forms over a sphere.
+    /// Forms have hyperplanes if they are circular, over a sphere.
     const Hyperplane& hyperplane(FormId f) { return hyperplanes_[f]; }
     std::array<const Hyperplane*, 2> hyperplanes(EdgeId e) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         return {&hyperplanes_[edge.left], &hyperplanes_[edge.right]};
     }
-    /// Over a cylinder; none where a site has no such equation.
+    /// The equations of an edge's sites over a cylinder; none where a site has no such equation.
     std::optional<std::array<AxialEquation, 2>> axial(EdgeId e) const;
     /// Pre: a conic over a cylinder.
     AxialConic axial_conic(EdgeId e) const;
 
-    /// Of a conic, left and right.
+    /// The hyperplanes, left and right, of an edge that is a conic.
     std::array<DistancePlane, 2> planes(EdgeId e);
 
     /// The signs taken for the kinds.

@@ -21,8 +21,8 @@ public:
         : of_(of), equations_(equations), curves_(curves), patches_(patches) {}
 
     struct Bounds {
-        double curve;  ///< on the distance from the true edge
-        double trims;  ///< of the patches' points at the trims from the curve at the same parameter
+        double curve;  ///< bounds the distance from the true edge
+        double trims;  ///< bounds how far the patches' points at the trims are from the curve
     };
     /// ends: a bound on the errors of an edge's vertices; rounding: of its points, and of their motion.
     Bounds operator()(EdgeId e, double ends, double rounding);

@@ -30,7 +30,7 @@ public:
     double tolerance() const { return tolerance_; }
     /// Beyond this a bound says as good as nothing.
     double most_error() const { return 256 * tolerance_; }
-    /// Of a spline: of its curve and trims.
+    /// What is proved of a spline, its curve and trims together.
     double error(EdgeId e) const { return curves_.fit_error(e).curve + curves_.fit_error(e).trims; }
 
     /// A spline that is not proved to follow its arc is none.

@@ -8,7 +8,8 @@ namespace vcell {
 
 class FaceLoops {
 public:
-    /// Of faces with a form, the outer one first or, over curved bases where none is known to be it, last.
+    /// Lists the loops of faces with a form, the outer one first; or last, as over curved bases, where none
+    /// is known to be the outer one.
     explicit FaceLoops(const MinimizationDiagram& diagram, bool is_outer_first = false)
         : diagram_(diagram), loops_(diagram.dcel.face_count()) {
         for (const FaceId face : diagram.face_forms.ids()) {

@@ -29,22 +29,23 @@ class FacePatches {
 public:
     FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves);
 
-    /// Of a face that is not cut.
+    /// The patch of a face that is not cut.
     const RadialPatch& operator[](FaceId face) const { return patches_[face]; }
     bool is_cut(FaceId face) const { return !sectors_[face].empty(); }
     const CylinderTurns& turns() const { return turns_; }
-    /// Once around; none of a face that is not cut.
+    /// The sectors of a face that is cut, once around.
     std::span<const Sector> sectors(FaceId face) const { return sectors_[face]; }
-    /// In which a point of a face's boundary lies, which rises there with the face on its left or falls.
+    /// The sector in which a point of a face's boundary lies, which rises there with the face on its left or
+    /// falls.
     std::uint32_t sector_of(FaceId face, const Vec3& p, bool rises) const;
 
-    /// Other patches for a face, where a weight is not positive: of a face that is cut in the sectors that
-    /// are too wide. False where there are none.
+    /// Gives a face other patches, as a weight is not positive: narrower ones in the sectors that are too
+    /// wide if it is cut. False where there are none.
     bool change(FaceId face, const std::vector<bool>& is_too_wide);
 
     /// Is the bisector a plane? Pre: the form has a face.
     bool is_flat(FormId form) const { return is_flat_[form]; }
-    /// Somewhere in the face, or among its loops: a unit normal.
+    /// A unit normal somewhere in the face, or among its loops.
     Vec3 middle(FaceId face) const;
     /// What a fit is told of an edge's left (side 0) or right, where there is a form.
     SpaceSite site(EdgeId e, unsigned side) const;

@@ -72,7 +72,7 @@ std::vector<FaceId> FaceSurfaces::made(const std::vector<FaceId>& faces) {
     return changed;
 }
 
-// After a patch with a weight that is not positive.
+// A patch with a weight that is not positive does not hold its face.
 void FaceSurfaces::change_patch(FaceId face) {
     if (patches_.change(face, cuts_[face].is_too_wide)) return;
     throw_undecided(face);

@@ -27,7 +27,7 @@ public:
     /// place, where a curve is not proved to be the edge or no patches hold a face.
     void make();
 
-    /// After make().
+    /// The patches that make() has made.
     std::vector<TrimmedPatch>& of(FaceId face) { return surfaces_[face]; }
     /// A bound on how far rounded control points move the patches beside an edge.
     double rounding(EdgeId e) const {

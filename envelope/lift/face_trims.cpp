@@ -11,7 +11,7 @@ namespace vcell::radial {
 
 namespace {
 
-// Of n spans those from `first` to before `last`, on the knots of the whole.
+// Begins a curve of the spans from `first` to before `last` of n, on the knots of the whole.
 void begin_part(RationalCurve2& curve, int degree, std::size_t n, std::size_t first, std::size_t last) {
     begin_joined(curve, degree, n);
     if (last - first == n) return;
@@ -88,7 +88,7 @@ void FaceTrims::set_line(const RadialPatch& patch, EdgeId e, bool reversed, Rati
         const Vec2 p = patch.parameters(Vec3(x->head<3>()));
         curve.points.push_back({p.x(), p.y(), 1});
     }
-    // Over one generator: a point near the axis tells its direction badly.
+    // The line lies over one generator, whose direction a point near the axis tells badly.
     if (patch.kind() == RadialPatch::Kind::AboutBase) {
         const bool ends_farther = curves_.to(e).w() > curves_.from(e).w();
         curve.points[ends_farther ? 0 : 1].x() = curve.points[ends_farther ? 1 : 0].x();
@@ -116,7 +116,7 @@ void FaceTrims::set_conic(const RadialPatch& patch, const Part& part, RationalCu
     const bool is_axial = patch.kind() == RadialPatch::Kind::AboutBase;
     begin_part(curve, is_axial ? 3 : 2, spans.size(), first, last);
     double scale = 1;
-    // Of the first point after others only the weight is new.
+    // A span's first point is the last one's; only its weight is new.
     const auto add = [&](std::span<const Eigen::Vector3d> points) {
         scale = (curve.points.empty() ? 1 : curve.points.back().z()) / points.front().z();
         for (const Eigen::Vector3d& p : points.subspan(curve.points.empty() ? 0 : 1))

@@ -17,15 +17,15 @@ public:
     FaceTrims(const FaceLoops& loops, const FacePatches& patches, const RadialCurves& curves)
         : loops_(loops), patches_(patches), curves_(curves) {}
 
-    /// Of a face that is not cut, in the order of its loops.
+    /// The trims of a face that is not cut, in the order of its loops.
     std::vector<std::vector<TrimCurve>> loops(FaceId face) const;
-    /// Of a face that is cut: its loops as runs of spans within one sector.
+    /// The loops of a face that is cut, as runs of spans within one sector.
     std::vector<std::vector<BoundaryRun>> runs(FaceId face) const;
     /// Makes the trim of an edge on a patch, in the direction of its loop.
     void set(const RadialPatch& patch, EdgeId e, bool reversed, TrimCurve& trim) const;
 
 private:
-    /// Of an edge's spans, counted in the direction of a loop.
+    /// Some of an edge's spans, counted in the direction of a loop.
     struct Part {
         EdgeId e;
         bool reversed;

@@ -17,7 +17,7 @@ namespace vcell::radial {
 
 class RadialCurves {
 public:
-    /// Without conics and splines.
+    /// Knows the lines only; conics and splines are set later.
     RadialCurves(const RadialDiagram& of, const RadialVertices& vertices, const EdgeEquations& equations)
         : diagram_(of.diagram), vertices_(vertices), equations_(equations) {
         const std::size_t edges = diagram_.edges.size();
@@ -42,11 +42,11 @@ public:
     const Eigen::Vector4d& from(EdgeId e) const { return vertices_[diagram_.start(e)]; }
     const Eigen::Vector4d& to(EdgeId e) const { return vertices_[diagram_.end(e)]; }
 
-    /// Of a conic, in the direction of half-edge 2e.
+    /// A conic's spans in the direction of half-edge 2e.
     std::span<const ConicSpan> conics(EdgeId e) const {
         return {conics_.data() + slices_[e].first, conics_.data() + slices_[e].last};
     }
-    /// Of a spline, likewise.
+    /// A spline's spans, likewise.
     const std::vector<SpaceSpan>& splines(EdgeId e) const { return splines_[e]; }
     const SpaceFitError& fit_error(EdgeId e) const { return errors_[e]; }
     /// The number of spans.

@@ -66,7 +66,7 @@ double RadialVertices::chart_error(const MinimizationDiagram::Vertex& v, double 
     return t * (turn + stretch) + along + 16 * u * (t + std::abs(v.point.y()) + origin_);
 }
 
-// As met by the first three of its sites and ends.
+// Where the first three of the vertex's ends and sites are met.
 std::optional<SpaceEnd> RadialVertices::settled(VertexId v, const SpaceEnd& near) const {
     std::array<SpaceSite, 3> sites;
     std::size_t count = 0;

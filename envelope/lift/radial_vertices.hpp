@@ -22,7 +22,7 @@ public:
     Vec3 point(VertexId v) const { return vertices_[v].point.head<3>(); }
     /// A bound on the distance from the true vertex.
     double error(VertexId v) const { return vertices_[v].error; }
-    /// Of an edge: none where it is closed.
+    /// What a fit is told of an edge's end: none where the edge is closed.
     std::optional<SpaceEnd> end(VertexId v) const {
         if (!v.valid()) return std::nullopt;
         return SpaceEnd{point(v), error(v)};

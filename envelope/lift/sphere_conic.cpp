@@ -112,7 +112,7 @@ Vector4d moved(const Vector4d& x, double weight, const std::array<const Hyperpla
 
 Vector4d moved_on_cone(const Vector4d& x, const std::array<const Hyperplane*, 2>& planes) {
     const Vector4d y = moved(x, 1, planes);
-    // On along the line in both hyperplanes that changes |p| - t most.
+    // Then it goes along the line in both hyperplanes that changes |p| - t most.
     const double length = y.head<3>().norm();
     const Vector4d slope(y.x() / length, y.y() / length, y.z() / length, -1);
     const Vector4d along = moved(slope, 0, planes);

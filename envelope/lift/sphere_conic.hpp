@@ -42,13 +42,13 @@ public:
     const Functional<Vec3, double>& functional() const { return functional_; }
     const DistancePlane& plane() const { return plane_; }
     const Eigen::Vector4d& normal() const { return plane_.normal; }
-    /// Of a homogeneous point of that weight.
+    /// How far off a homogeneous point of that weight is.
     double residual(const Eigen::Vector4d& x, double weight) const {
         return plane_.normal.dot(x) - weight * plane_.k;
     }
-    /// Which a point must have to lie on it.
+    /// The weight that a point must have to lie on it.
     double weight(const Eigen::Vector4d& x) const { return plane_.normal.dot(x) / plane_.k; }
-    /// Of u, with 1 / t = gradient.u + a constant.
+    /// The gradient of 1 / t, which is linear in the direction u.
     Vec3 gradient() const { return plane_.normal.head<3>() / plane_.k; }
     double steepness() const { return 1 / std::abs(plane_.k); }
 
@@ -60,7 +60,7 @@ private:
 /// The hyperplanes of a problem's circular forms, each made when it is asked for first.
 class Hyperplanes {
 public:
-    /// Over a cylinder base there are none.
+    /// Over a cylinder base no form is circular, and there are none.
     explicit Hyperplanes(const RadialBaseProblem& problem)
         : problem_(problem), planes_(problem.family.forms.size()) {}
 
