@@ -22,11 +22,13 @@ ControlPoint homogeneous(ControlPoint p) {
     return p;
 }
 
+// Room for the rows of patches of degree 4 inside.
+using Row = SmallVector<Eigen::Vector4d, 5>;
+
 // De Casteljau's triangle, homogeneous, in place: value at t and derivative with respect to t.
-template <class Vector>
-std::array<Vector, 2> de_casteljau(std::vector<Vector>& p, double t) {
+std::array<Eigen::Vector4d, 2> de_casteljau(Row& p, double t) {
     const std::size_t degree = p.size() - 1;
-    Vector derivative = Vector::Zero();
+    Eigen::Vector4d derivative = Eigen::Vector4d::Zero();
     for (std::size_t level = degree; level > 0; --level) {
         if (level == 1) derivative = static_cast<double>(degree) * (p[1] - p[0]);
         for (std::size_t i = 0; i < level; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
@@ -34,19 +36,17 @@ std::array<Vector, 2> de_casteljau(std::vector<Vector>& p, double t) {
     return {p[0], derivative};
 }
 
-// Homogeneous value and partial derivatives with respect to the unit square's parameters.
-std::array<Eigen::Vector4d, 3> evaluate_homogeneous(const RationalPatch& patch, double s, double t) {
-    std::vector<Eigen::Vector4d> along_u, along_u_dv, row;
+// For each control point along u, the homogeneous value and derivative of its row along v.
+std::array<Row, 2> evaluate_rows(const RationalPatch& patch, double t) {
+    std::array<Row, 2> along_u;
     for (int i = 0; i <= patch.degree_u; ++i) {
-        row.clear();
+        Row row;
         for (int j = 0; j <= patch.degree_v; ++j) row.push_back(homogeneous(patch.point(i, j)));
         const auto [value, dv] = de_casteljau(row, t);
-        along_u.push_back(value);
-        along_u_dv.push_back(dv);
+        along_u[0].push_back(value);
+        along_u[1].push_back(dv);
     }
-    const auto [value, du] = de_casteljau(along_u, s);
-    const auto [dv, mixed] = de_casteljau(along_u_dv, s);
-    return {value, du, dv};
+    return along_u;
 }
 
 double to_unit(double x, const std::array<double, 2>& domain) {
@@ -68,7 +68,7 @@ auto RationalCurve<Dim>::evaluate_with_derivative(double t) const -> std::array<
     const auto last = knots.end() - degree - 1;
     auto it = std::upper_bound(knots.begin() + degree, last, t);
     const std::size_t k = static_cast<std::size_t>(it - knots.begin()) - 1;
-    std::vector<ControlPoint> d;
+    SmallVector<ControlPoint, 5> d;
     for (int i = 0; i <= degree; ++i) d.push_back(homogeneous(points[k - degree + i]));
     ControlPoint derivative = ControlPoint::Zero();
     for (int level = 1; level <= degree; ++level) {
@@ -86,12 +86,16 @@ template struct RationalCurve<2>;
 template struct RationalCurve<3>;
 
 Eigen::Vector3d RationalPatch::evaluate(double u, double v) const {
-    const Eigen::Vector4d p = evaluate_homogeneous(*this, to_unit(u, domain_u), to_unit(v, domain_v))[0];
+    Row along_u = evaluate_rows(*this, to_unit(v, domain_v))[0];
+    const Eigen::Vector4d p = de_casteljau(along_u, to_unit(u, domain_u))[0];
     return p.head<3>() / p(3);
 }
 
 std::array<Eigen::Vector3d, 2> RationalPatch::partials(double u, double v) const {
-    const auto [p, du, dv] = evaluate_homogeneous(*this, to_unit(u, domain_u), to_unit(v, domain_v));
+    auto [along_u, along_u_dv] = evaluate_rows(*this, to_unit(v, domain_v));
+    const double s = to_unit(u, domain_u);
+    const auto [p, du] = de_casteljau(along_u, s);
+    const Eigen::Vector4d dv = de_casteljau(along_u_dv, s)[0];
     return {dehomogenize<3>(p, du)[1] / (domain_u[1] - domain_u[0]),
             dehomogenize<3>(p, dv)[1] / (domain_v[1] - domain_v[0])};
 }

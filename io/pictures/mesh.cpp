@@ -218,9 +218,10 @@ private:
     void sample_lines() {
         mesh_.points.clear();
         for (const CellVertex& v : cell_.vertices) mesh_.points.push_back(v.point);
-        sampled_.assign(lines_.size(), {});
+        sampled_.resize(lines_.size());
         for (std::size_t i = 0; i < lines_.size(); ++i) {
-            sampled_[i].parameters = parameters(i);
+            if (sampled_[i].parameters.empty()) sampled_[i].parameters = parameters(i);
+            sampled_[i].points.clear();
             if (i < cell_.edges.size()) sample_edge(i);
             // Each point of the edges belongs to a triangle of its own.
             if (mesh_.points.size() > most_triangles_) throw TooFine();
@@ -312,6 +313,7 @@ private:
         for (std::size_t e = 0; e < coarse.size(); ++e)
             if (coarse[e]) {
                 lines_[e].pieces = std::max(2 * lines_[e].pieces, sampled_[e].points.size());
+                sampled_[e].parameters.clear();
                 any = true;
             }
         return any;

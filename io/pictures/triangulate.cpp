@@ -167,12 +167,18 @@ public:
             for (std::uint32_t k = 0; k < 3; ++k) todo.push_back({t, k});
         };
         for (std::uint32_t t = 0; t < triangles_.size(); ++t) add_all(t);
+        is_short_.assign(triangles_.size(), {});
         while (!todo.empty() && points_.size() < most_points) {
             const auto [t, k] = todo.front();
             todo.pop_front();
-            if (across_[t][k] == none) continue;
+            const std::uint32_t twin = across_[t][k];
+            if (twin == none || is_short_[t][k]) continue;
             const Point &a = points_[triangles_[t][k]], &b = points_[triangles_[t][(k + 1) % 3]];
-            if (a == b || !split(a, b)) continue;
+            if (a == b || !split(a, b)) {
+                // Its other triangle asks about it, too.
+                is_short_[t][k] = is_short_[twin / 3][twin % 3] = true;
+                continue;
+            }
             halve(t, k);
             changed_.clear();
             legalize();
@@ -211,6 +217,13 @@ private:
         const auto t2 = static_cast<std::uint32_t>(triangles_.size()), s2 = t2 + 1;
         triangles_.resize(triangles_.size() + 2);
         across_.resize(across_.size() + 2);
+        is_short_.resize(triangles_.size());
+        const bool is_short_bc = is_short_[t][(k + 1) % 3], is_short_ca = is_short_[t][(k + 2) % 3],
+                   is_short_ad = is_short_[s][(l + 1) % 3], is_short_db = is_short_[s][(l + 2) % 3];
+        is_short_[t] = {false, false, is_short_ca};
+        is_short_[t2] = {false, is_short_bc, false};
+        is_short_[s] = {false, is_short_ad, false};
+        is_short_[s2] = {false, false, is_short_db};
         triangles_[t] = {a, m, c};
         triangles_[t2] = {m, b, c};
         triangles_[s] = {m, a, d};
@@ -267,6 +280,11 @@ private:
         const std::uint32_t ad = across_[s][(l + 1) % 3], db = across_[s][(l + 2) % 3];
         triangles_[t] = {a, d, c};
         triangles_[s] = {d, b, c};
+        if (!is_short_.empty()) {
+            const std::array before{is_short_[t], is_short_[s]};
+            is_short_[t] = {before[1][(l + 1) % 3], false, before[0][(k + 2) % 3]};
+            is_short_[s] = {before[1][(l + 2) % 3], before[0][(k + 1) % 3], false};
+        }
         connect(t, 1, s, 2);
         connect_outer(t, 0, ad);
         connect_outer(t, 2, ca);
@@ -280,6 +298,7 @@ private:
     std::vector<Point> points_;
     std::vector<Triangle> triangles_;
     std::vector<std::array<std::uint32_t, 3>> across_;  // neighbour * 3 + its side; none on the polygon
+    std::vector<std::array<bool, 3>> is_short_;         // sides that need not be halved, while refining
     std::vector<Side> suspects_;                        // sides that may not be Delaunay
     std::vector<std::uint32_t> changed_;                // triangles touched by flips
     std::array<std::uint32_t, 4> cut_{};                // triangles of the last halving
