@@ -202,8 +202,19 @@ LinearFunction combination(const Exact& a, const LinearFunction& f, const Exact&
 }  // namespace
 
 void QuadraticForm::add_twice_product(const Exact& c, const LinearFunction& f, const LinearFunction& g) {
+    // Most functions of a scene lack most coordinates: products with zero are not made.
     for (std::size_t i = 0; i < size_; ++i)
-        for (std::size_t j = 0; j < size_; ++j) entries_[i * size_ + j] += c * (f[i] * g[j] + f[j] * g[i]);
+        for (std::size_t j = i; j < size_; ++j) {
+            const bool has_ij = !vcell::is_zero(f[i]) && !vcell::is_zero(g[j]),
+                       has_ji = !vcell::is_zero(f[j]) && !vcell::is_zero(g[i]);
+            if (!has_ij && !has_ji) continue;
+            Exact& entry = entries_[i * size_ + j];
+            if (has_ij && has_ji)
+                entry += c * (f[i] * g[j] + f[j] * g[i]);
+            else
+                entry += c * (has_ij ? f[i] * g[j] : f[j] * g[i]);
+            if (i != j) entries_[j * size_ + i] = entry;
+        }
 }
 
 Exact QuadraticForm::polar(const LinearFunction& x, const LinearFunction& y) const {
