@@ -48,8 +48,10 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     std::vector<Spread> spreads;
     for (const FormId f : candidates) {
         const HeightJet<Interval> all = heights_.jet(f, X, Y);
-        spreads.push_back({f, {}, heights_.value(f, mx, my), all.gx, all.gy, all.v, {}});
+        spreads.push_back({f, {}, {}, all.gx, all.gy, all.v, {}});
     }
+    drop_out_of_range(spreads);
+    for (Spread& s : spreads) s.v = heights_.value(s.form, mx, my);
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
         return a.range.lower() > b.range.upper() || (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) -
                                                      (a.gy - b.gy).magnitude() * Interval(ry))

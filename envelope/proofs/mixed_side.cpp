@@ -229,8 +229,10 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     std::vector<Item> items;
     for (const FormId f : candidates) {
         const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
-        items.push_back({f, heights_.value(f, middle[0], middle[1]), line.along(all), all.v, {}});
+        items.push_back({f, {}, line.along(all), all.v, {}});
     }
+    drop_out_of_range(items);
+    for (Item& i : items) i.v = heights_.value(i.form, middle[0], middle[1]);
     const auto top = [&](const Item& i) {
         return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r);
     };

@@ -64,6 +64,14 @@ void drop_above_best(Items& items, Top&& top, Above&& certainly_above) {
     if (items.size() <= most_compared_in_pairs) drop_dominated(items, certainly_above);
 }
 
+// Leaves out what one of the items is below with all of its range, before more is asked about them.
+template <class Items>
+void drop_out_of_range(Items& items) {
+    double top = infinity;
+    for (const auto& i : items) top = std::min(top, i.range.upper());
+    std::erase_if(items, [&](const auto& i) { return i.range.lower() > top; });
+}
+
 // Those of the candidates that may attain the minimum of values enclosed by `value`.
 template <class Value>
 std::vector<FormId> possibly_lowest(std::span<const FormId> candidates, Value&& value) {
