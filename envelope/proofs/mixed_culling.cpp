@@ -46,6 +46,7 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     const Interval X(box[0], box[1]), Y(box[2], box[3]), mx(X.mid()), my(Y.mid());
     const double rx = X.radius(), ry = Y.radius();
     std::vector<Spread> spreads;
+    spreads.reserve(candidates.size());
     for (const FormId f : candidates) {
         const HeightJet<Interval> all = heights_.jet(f, X, Y);
         spreads.push_back({f, {}, {}, all.gx, all.gy, all.v, {}});

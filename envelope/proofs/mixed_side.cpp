@@ -224,12 +224,12 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     struct Item {
         FormId form;
         Interval v, slope, range;
-        Wide sharp;
     };
     std::vector<Item> items;
+    items.reserve(candidates.size());
     for (const FormId f : candidates) {
         const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
-        items.push_back({f, {}, line.along(all), all.v, {}});
+        items.push_back({f, {}, line.along(all), all.v});
     }
     drop_out_of_range(items);
     for (Item& i : items) i.v = heights_.value(i.form, middle[0], middle[1]);
@@ -253,13 +253,18 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
             items.pop_back();
     }
     if (items.size() > 1 && out.least_slope == 0 && s1 - s0 < sharp_width * extent) {
-        const std::size_t before = items.size();
-        for (Item& i : items) i.sharp = line.sharp_height(heights_, i.form, m);
-        drop_dominated(items, [&](const Item& a, const Item& b) {
-            return ((a.sharp - b.sharp).enclosure() - Interval((a.slope - b.slope).magnitude()) * Interval(r))
+        struct SharpItem : Item {
+            Wide height;
+        };
+        std::vector<SharpItem> sharp;
+        for (const Item& i : items) sharp.push_back({i, line.sharp_height(heights_, i.form, m)});
+        drop_dominated(sharp, [&](const SharpItem& a, const SharpItem& b) {
+            return ((a.height - b.height).enclosure() -
+                    Interval((a.slope - b.slope).magnitude()) * Interval(r))
                        .lower() > 0;
         });
-        decisions_.by_multiprecision += before - items.size();
+        decisions_.by_multiprecision += items.size() - sharp.size();
+        items.assign(sharp.begin(), sharp.end());
     }
     for (const Item& i : items) out.forms.push_back(i.form);
     return out;
