@@ -1,6 +1,8 @@
 /// Disjoint sets, merged and asked for (union-find, with paths halved).
 #pragma once
 
+#include "platform.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
