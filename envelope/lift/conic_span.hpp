@@ -15,7 +15,7 @@ struct ConicSpan {
     Eigen::Vector4d from, middle, to;
     double weight;
 
-    /// Of its control polygon.
+    /// The control polygon is no shorter than the curve: this bounds its length.
     double length() const {
         const Eigen::Vector4d corner = middle / weight;
         return (corner - from).norm() + (to - corner).norm();

@@ -22,7 +22,7 @@ void TrimSpan::settle_weights(const Vec3& axis, const ConicSpan& s) {
                  (at_start ? from_other : to_other);
 }
 
-// The same cancellation is in u = t + z, a weight's numerator there.
+// u = t + z is the numerator of a weight here, and cancels as the difference above does.
 void TrimSpan::settle_parameters(const RadialPatch& patch, const ConicSpan& s) {
     const auto& [x, y, z] = patch.axes();
     const auto across = [&](const Vector4d& p) { return Vector2d(x.dot(p.head<3>()), y.dot(p.head<3>())); };

@@ -69,7 +69,7 @@ public:
         if (chord.is_all || is_blurred_part) {
             const auto tight = pieces_.enclosure(
                 pieces_.box_between(chord.from, chord.to, *piece, chord.slack, effort.cells));
-            // As in step 4, nothing but the last span reaches the edge's end.
+            // Nothing but the last span may reach the edge's end, or step 4 would end there early.
             const bool holds_end = (chord.end - tight[0]).minCoeff() >= -chord.slack &&
                                    (tight[1] - chord.end).minCoeff() >= -chord.slack;
             if (!holds_end || chord.from.is_terminal || chord.to.is_terminal) return tight;

@@ -211,12 +211,12 @@ struct RadialIntegrals {
 /// points as bring it to some 2^-40 of the integrand's size; rounding to first order, doubled.
 void add_conic(const std::array<Eigen::Vector4d, 3>& points, const RadialFace& left, const RadialFace& right,
                RadialIntegrals& sum);
-/// Of a segment between flat bisectors over a sphere base.
+/// Adds the integrals along a segment between flat bisectors over a sphere base.
 void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const RadialFace& right,
                  RadialIntegrals& sum);
-/// Of any curve (control points (p, w)) that is nearly on both bisectors, seen from its points' feet. No
-/// right side: a rim. Error: truncation estimated from two rules (integrate_estimated()), but for the length
-/// of a conic (a line included), where it is proven; rounding to first order, doubled.
+/// Adds those along any curve (control points (p, w)) that is nearly on both bisectors, seen from its points'
+/// feet. No right side: a rim. Error: truncation estimated from two rules (integrate_estimated()), but for
+/// the length of a conic (a line included), where it is proven; rounding to first order, doubled.
 void add_span(std::span<const Eigen::Vector4d> points, bool is_conic, RadialFoot foot, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum);
 

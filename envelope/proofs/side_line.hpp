@@ -54,7 +54,7 @@ struct MixedAnalysis::Line {
         const IntervalPoint p = at(Interval(s));
         return heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]);
     }
-    // The same where doubles would cancel.
+    // difference() at one point, with 320 bits: where heights are all but equal doubles cancel.
     Interval sharp_difference(const Heights& heights, FormId f, FormId g, double s) const {
         return (sharp_height(heights, f, s) - sharp_height(heights, g, s)).enclosure();
     }

@@ -230,7 +230,8 @@ private:
             swallowed_.push_back(face);
         return true;
     }
-    // Of a face whose boundary the challenger does not cross: does the circle where both tie not lie within?
+    // Does the challenger win or lose all of a face whose boundary it does not cross? It does unless the
+    // circle where both tie lies within the face.
     bool is_within(const Linear& form, Index face) {
         const Linear& rival = forms_[face];
         ++decisions_.by_double;

@@ -63,11 +63,13 @@ bool RadialBaseProblem::cross_equally(FormId f, FormId g) const {
     const auto* first = std::get_if<Cylinder>(&objects[f]);
     const auto* second = std::get_if<Cylinder>(&objects[g]);
     if (first == nullptr || second == nullptr) return false;
-    // What doubles see at once, as rounding is far below this part of the terms.
+    // Doubles see at once that axes pass each other by more than this part of the terms, far above their
+    // rounding.
+    constexpr double certainly_apart = 0x1p-30;
     const Vec3 between = second->point - first->point, normal = first->axis.cross(second->axis);
     const double size =
         first->axis.norm() * second->axis.norm() * (first->point.norm() + second->point.norm());
-    if (!(std::abs(between.dot(normal)) <= 0x1p-30 * size)) return false;
+    if (!(std::abs(between.dot(normal)) <= certainly_apart * size)) return false;
     return equal_crossing(family, f, g).has_value();
 }
 

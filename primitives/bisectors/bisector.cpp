@@ -142,7 +142,9 @@ struct Frame {
 
     explicit Frame(const Vec3& axis, const Vec3& towards = Vec3::Zero()) : z(axis.normalized()) {
         x = towards - z * z.dot(towards);
-        if (x.norm() <= 0x1p-40 * towards.norm() || x.isZero(0)) x = z.unitOrthogonal();
+        // Any direction across the axis will do: this one must only have digits left after the subtraction.
+        constexpr double least_part = 0x1p-40;
+        if (x.norm() <= least_part * towards.norm() || x.isZero(0)) x = z.unitOrthogonal();
         x.normalize();
         y = z.cross(x);
     }

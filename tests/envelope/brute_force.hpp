@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "../../envelope/diagram/minimization_diagram.hpp"
+#include "complaints.hpp"
 
 namespace vcell::oracle {
 
@@ -110,7 +111,7 @@ inline std::optional<Point<Real>> point_circle(const Quadric<Rational>& g) {
 }
 
 /// The diagram's forms, and what they are at a point.
-class BruteForce {
+class BruteForce : protected Complaints {
 public:
     BruteForce(const MinimizationDiagram& diagram, const FormFamily& family)
         : d_(diagram), family_(family), dcel_(diagram.dcel) {
@@ -134,10 +135,6 @@ protected:
     static inline const Real kTie{"1e-60"};
     // Sampled points this close to an edge, relative to the region's size, are not asked about.
     static constexpr Fast kSkip = 1e-9L;
-
-    void complain(const std::string& what) {
-        if (complaints_.size() < kEnough) complaints_.push_back(what);
-    }
 
     void find_origin() {
         const std::size_t n = d_.region.sides.size();
@@ -226,10 +223,6 @@ protected:
     std::vector<Form<Rational>> forms_;
     std::vector<Form<Real>> real_forms_;
     std::vector<Form<Fast>> fast_forms_;
-    std::vector<std::string> complaints_;
-
-private:
-    static constexpr std::size_t kEnough = 20;  // complaints
 };
 
 }  // namespace vcell::oracle

@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "complaints.hpp"
 #include "mixed_heights.hpp"
 
 namespace vcell::mixed {
 
-class StructureOracle {
+class StructureOracle : protected Complaints {
 public:
     StructureOracle(const Scene& scene, const MinimizationDiagram& diagram)
         : d_(diagram), dcel_(diagram.dcel), region_(scene.region) {
@@ -38,15 +39,6 @@ protected:
     // the engine assumes it, and far less than distinct values ever are by accident.
     static inline const Real kTie{"1e-58"};
 
-    void complain(const std::string& what) {
-        if (complaints_.size() < kEnough) complaints_.push_back(what);
-    }
-    template <class Ids>
-    static std::string name(const Ids& ids) {
-        std::string s = "{";
-        for (const auto& id : ids) s += (s.size() > 1 ? " " : "") + to_string(id);
-        return s + "}";
-    }
     static std::string text(Fast v) { return std::to_string(static_cast<double>(v)); }
     static std::string place(const Point<Fast>& p) { return "(" + text(p.x) + ", " + text(p.y) + ")"; }
     static Point<Fast> fast(const Point<Real>& p) { return {p.x.convert_to<Fast>(), p.y.convert_to<Fast>()}; }
@@ -177,10 +169,6 @@ protected:
     std::vector<Point<Fast>> corners_;
     Point<Fast> low_{HUGE_VALL, HUGE_VALL}, high_{-HUGE_VALL, -HUGE_VALL};
     Fast size_ = 0;
-    std::vector<std::string> complaints_;
-
-private:
-    static constexpr std::size_t kEnough = 20;  // complaints
 };
 
 }  // namespace vcell::mixed

@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "complaints.hpp"
 #include "surroundings.hpp"
 
 namespace vcell::radial {
 
-class StructureOracle {
+class StructureOracle : protected Complaints {
 public:
     StructureOracle(const Scene& scene, const RadialBaseProblem& problem, const MinimizationDiagram& diagram)
         : problem_(problem), around_(scene, problem), d_(diagram), dcel_(diagram.dcel) {}
@@ -21,15 +22,6 @@ public:
     const Surroundings& surroundings() const { return around_; }
 
 protected:
-    void complain(const std::string& what) {
-        if (complaints_.size() < enough) complaints_.push_back(what);
-    }
-    template <class Ids>
-    static std::string name(const Ids& ids) {
-        std::string s = "{";
-        for (const auto& id : ids) s += (s.size() > 1 ? " " : "") + to_string(id);
-        return s + "}";
-    }
     static std::string text(Fast v) { return std::to_string(static_cast<double>(v)); }
     static std::string place(Fast x, Fast y) { return "(" + text(x) + ", " + text(y) + ")"; }
     bool is_over_sphere() const { return problem_.is_sphere; }
@@ -145,10 +137,6 @@ protected:
     Surroundings around_;
     const MinimizationDiagram& d_;
     const Dcel& dcel_;
-    std::vector<std::string> complaints_;
-
-private:
-    static constexpr std::size_t enough = 10;  // complaints
 };
 
 }  // namespace vcell::radial

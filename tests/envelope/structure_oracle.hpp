@@ -15,13 +15,6 @@ public:
 
 protected:
     template <class Ids>
-    static std::string name(const Ids& ids) {
-        std::string s = "{";
-        for (const auto& id : ids) s += (s.size() > 1 ? " " : "") + to_string(id);
-        return s + "}";
-    }
-
-    template <class Ids>
     static bool ascending(const Ids& ids) {
         return std::ranges::adjacent_find(ids, [](auto a, auto b) { return !(a < b); }) == ids.end();
     }
