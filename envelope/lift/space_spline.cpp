@@ -29,6 +29,11 @@ public:
 
     static SpaceSpan span(const Points& points, const Trims& trims) { return {points, trims.part}; }
     Vector4d end_of(const Piece& piece) const { return pieces_.lifted(piece.end); }
+    bool holds(const Piece& piece, const Vector4d& X, double slack) const {
+        const Vec2 q = pieces_.chart_point(X, piece);
+        const auto& [x0, x1, y0, y1] = piece.box;
+        return q.x() >= x0 - slack && q.x() <= x1 + slack && q.y() >= y0 - slack && q.y() <= y1 + slack;
+    }
     Trims place_trims(Points& points, double tolerance) const {
         return space_fit::place_trims(arc_, tolerance, points);
     }

@@ -101,6 +101,10 @@ public:
 
     static Points span(const Points& points, const Trims&) { return points; }
     Vector4d end_of(const Piece& piece) const { return sites_.middle(component_.joints[piece + 1]); }
+    bool holds(const Piece& piece, const Vector4d& X, double slack) const {
+        const CurveTube& tube = component_.tubes[piece];
+        return std::abs(parameter(tube, X) - tube.parameter().mid()) <= tube.parameter().radius() + slack;
+    }
     static Trims place_trims(const Points&, double) { return {}; }
     static auto prove_trims(const TubeProof&, const Points&, const Trims&, const SpanPolynomials&,
                             const Residuals&) {

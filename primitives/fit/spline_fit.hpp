@@ -145,7 +145,8 @@ inline Node piece_end(const ArcEquations& equations, const Vector4d& X) {
 //     Piece                            a part of the arc
 //     Span, span(points, trims)        what is kept of a span
 //     Vector4d end_of(piece)           about the arc's point where the piece ends
-//     Trims, place_trims(points, tolerance)
+//     bool holds(piece, X, slack)      may this point of the two sites' bisector be the piece's, to the
+//     slack? Trims, place_trims(points, tolerance)
 //                                      puts what follows the curve below it; crosses_seam(): the span must be
 //                                      divided first
 //     prove_trims(proof, points, trims, polynomials, residuals)
@@ -236,7 +237,7 @@ private:
         const bool is_all = from.X == start_.X && to.X == end_.X;
         const bool is_chord = is_short && divides && (is_all || is_blurred(equations_, from.X, length));
         if (spline.is_near() && !spline.trims.crosses_seam() && divides && !is_chord) {
-            const std::vector<Node> inner = divide(from, to, spline);
+            const std::vector<Node> inner = divide(from, to, spline, pieces);
             for (std::size_t i = 0; i < inner.size(); ++i) {
                 const Node &start = i == 0 ? from : inner[i - 1], &end = inner[i];
                 const std::size_t first = ends_before(end.X, to.X - from.X, pieces);
@@ -259,7 +260,8 @@ private:
         if (is_short && accept(chord(from, to, piece), to)) return;
         if (divides) {
             const auto middle = guide_.half_way(from, to, piece, spline.points, spline.trims, tolerance_);
-            if (middle && !(is_short && is_blurred(equations_, middle->X, length))) {
+            const bool is_on_piece = middle && (!piece || guide_.holds(*piece, middle->X, tolerance_));
+            if (is_on_piece && !(is_short && is_blurred(equations_, middle->X, length))) {
                 --halvings;
                 fit(from, *middle, pieces, deeper - 1, halvings, error);
                 fit(*middle, to, pieces, deeper - 1, halvings, error);
@@ -276,8 +278,10 @@ private:
         return std::isinf(error_.curve) || std::isinf(error_.trims) || effort_.spans == 0;
     }
 
-    // Points of the arc between parts that will do, as errors fall with the sixth power of the length.
-    std::vector<Node> divide(const Node& from, const Node& to, const Fit& spline) const {
+    // Points of the arc between parts that will do, as errors fall with the sixth power of the length. Next
+    // to a hairpin Newton's method may find its other strand, which the pieces do not hold.
+    std::vector<Node> divide(const Node& from, const Node& to, const Fit& spline,
+                             std::span<const Piece> pieces) const {
         constexpr double most_parts = 4, reserve = 1.5;
         const int parts = static_cast<int>(std::clamp(
             std::ceil(std::pow(reserve * spline.expected / tolerance_, 1.0 / 6)), 2.0, most_parts));
@@ -285,11 +289,16 @@ private:
         const Node* last = &from;
         for (int k = 1; k < parts; ++k) {
             const auto found = equations_.find(point(spline.points, static_cast<double>(k) / parts));
-            if (!found || !is_between(*last, *found, to)) return {};
+            if (!found || !is_between(*last, *found, to) || !may_hold(pieces, *found)) return {};
             inner.push_back(*found);
             last = &inner.back();
         }
         return inner;
+    }
+
+    bool may_hold(std::span<const Piece> pieces, const Node& n) const {
+        return pieces.empty() ||
+               std::ranges::any_of(pieces, [&](const Piece& p) { return guide_.holds(p, n.X, tolerance_); });
     }
 
     // How many of the pieces end before a point as seen along the chord, all but the last one at most.

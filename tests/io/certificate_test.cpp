@@ -123,7 +123,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
     for (const char* name :
          {"twins_over_plane", "twins_over_tilted_plane", "twins_around_ball", "steep_cone", "near_node",
           "ball_on_line", "plane_on_base", "needle_in_tube", "base_line_in_side", "ends_at_a_tube",
-          "ball_at_the_base", "points_and_ball_at_the_base", "twin_lines_over_plane", "tip_beside_side"}) {
+          "ball_at_the_base", "points_and_ball_at_the_base", "twin_lines_over_plane", "tip_beside_side",
+          "hairpin"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));

@@ -305,6 +305,10 @@ TEST_CASE("errors: hostile nodes: what rounding blurs takes no halvings from the
     }
 }
 
+TEST_CASE("errors: hostile hairpins: what divides an edge lies on it, not on its other strand") {
+    CHECK(largest_edge_error(hostile("hairpin")) < 1e-3);
+}
+
 TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state rounding") {
     // Seen from the base its twin's bisector is steep: the other heights tell a vertex.
     for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11),
