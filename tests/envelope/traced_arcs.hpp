@@ -234,6 +234,10 @@ inline std::optional<Traced> trace(const Case& c, double unit, std::mt19937_64& 
             low = low.cwiseMin(result.line[i]);
             high = high.cwiseMax(result.line[i]);
         }
+        // Between its points the arc turns by less than what the trace allows.
+        const Vec2 bulge = Vec2::Constant(0.25 * step);
+        low -= bulge;
+        high += bulge;
         const Vec2 slope = chart.slope(result.line[(from + to) / 2]);
         piece.direction = slope.cwiseProduct(chart.scale()).normalized();
         piece.end = chart.wrapped(result.line[to]).cwiseProduct(chart.scale());
