@@ -18,8 +18,9 @@ inline double upper_bound(const Interval& x) { return x.upper(); }
 inline double lower_bound(const Wide& x) { return x.enclosure().lower(); }
 inline double upper_bound(const Wide& x) { return x.enclosure().upper(); }
 
-/// Three of the conditions whose gradients at p are farthest from dependent: the longest one, then each that
-/// adds most to those before. Fewer where no third one adds anything.
+/// Three of the conditions that tell best where their common point near p is: the one with the longest
+/// gradient for what its excess is known to, then each that adds most to those before. Fewer where no third
+/// one adds anything.
 std::vector<Condition> independent(const Space<Interval>& space, std::span<const Condition> conditions,
                                    const Vec3& p);
 

@@ -16,12 +16,19 @@ std::vector<Condition> independent(const Space<Interval>& space, std::span<const
                                    const Vec3& p) {
     const Vector<Interval> at = to_vector<Interval>(p);
     std::vector<Vec3> rest;
-    for (const Condition& c : conditions) rest.push_back(middle(space.gradient(c, at)));
+    // A condition holds the point as well as its excess is known, which of a side of the box is better than
+    // of a tube.
+    std::vector<double> blur;
+    const double least = 0x1p-54 * p.cwiseAbs().maxCoeff() + 0x1p-500;
+    for (const Condition& c : conditions) {
+        rest.push_back(middle(space.gradient(c, at)));
+        blur.push_back(space.excess(c, at).radius() + least);
+    }
     std::vector<Condition> chosen;
     for (int k = 0; k < 3; ++k) {
         std::size_t best = 0;
         for (std::size_t i = 1; i < rest.size(); ++i)
-            if (rest[i].squaredNorm() > rest[best].squaredNorm()) best = i;
+            if (rest[i].norm() * blur[best] > rest[best].norm() * blur[i]) best = i;
         const double length = rest[best].norm();
         // Gradients are known to some 2^-50: what is left of one that is shorter has no direction.
         if (!(length > 0x1p-46)) break;

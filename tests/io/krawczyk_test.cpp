@@ -51,6 +51,24 @@ TEST_CASE("enclose_nearby: holds the point that three sites fix, from wherever i
     }
 }
 
+TEST_CASE("independent: of sites that tie it takes those that tell best where the point is") {
+    // Two tubes and two sides of the box meet: the sides are known exactly, the tubes to several roundings.
+    Scene scene;
+    scene.base = Plane{Vec3::Zero(), Vec3::UnitZ()};
+    scene.objects = {Cylinder{{0, 0, 1}, {1, 0, 0}, 0.25}, Cylinder{{0, 0, 1}, {0, 1, 0}, 0.25}};
+    scene.box = {{-1, -1, 0}, {1, 1, 2}};
+    const Space<Interval> space(scene);
+    const Vec3 p(-1, 1, 0.775);
+    const std::vector<Condition> all{
+        {Site::object(0)}, {Site::object(1)}, {Site::box_side(0)}, {Site::box_side(3)}};
+    const std::vector<Condition> chosen = independent(space, all, p);
+    REQUIRE(chosen.size() == 3);
+    CHECK(std::ranges::count_if(chosen, [](const Condition& c) { return !c.site.is_object(); }) == 2);
+    const auto box = enclose(space, {chosen[0], chosen[1], chosen[2]}, p, 0.1, 4);
+    REQUIRE(box);
+    CHECK(box->distance(p).upper() < 4e-15);
+}
+
 TEST_CASE("enclose_nearby: finds no point where there is none") {
     // Three balls in a line have no point in common with the plane but where they are met, far away.
     Scene scene;
