@@ -85,7 +85,7 @@ private:
     /// The errors that volume, area and shadow beside a span may have where they are estimated: a part of
     /// what the edge's error may change, and for the volume as much as the blur that it is judged with.
     std::array<double, 3> enough_for_estimates(std::size_t e, const Span& span) const {
-        constexpr double of_slack = 0x1p-5, of_blur = 8;
+        constexpr double of_slack = 0x1p-5, of_blur = 32;
         const auto& c = span.coefficients;
         const double w = c[0][3].mid();
         double half_chord = 0;  // about
@@ -108,13 +108,14 @@ private:
     /// Faces on both sides whose integrands need no start, and the length, at one go. Returns the length.
     template <class F>
     Interval add_both(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span,
-                      const F& f) {
+                      const F& f, std::size_t& ellipse) {
         std::array<Interval, 7> sum{};
         const std::array<double, 7> enough{enough_[0], enough_[1], enough_[1], enough_[0],
                                            enough_[1], enough_[1], enough_[2]};
         // In one variable parts cost little; an edge that comes close to an apex or an axis needs many.
-        Effort effort{16 * effort_};
+        Effort effort{16 * effort_, 0, ellipse};
         const bool is_complete = integrate<7>(f, -1, 1, enough, sum, effort);
+        ellipse = effort.ellipse;
         sums_.is_complete &= is_complete;
         for (std::size_t k = 0; k < 2; ++k)
             if (shadows[k]) add(uses_[e][k], sum[3 * k], sum[3 * k + 1], sum[3 * k + 2]);
@@ -123,7 +124,7 @@ private:
     }
 
     Interval add_direct(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
-        return add_both(e, shadows, span, [&]<class T>(const T& s) {
+        const auto along = [&]<class T>(const T& s) {
             const Place<T> p = span.at(s);
             std::array<T, 7> values{};
             for (std::size_t k = 0; k < 2; ++k) {
@@ -135,7 +136,8 @@ private:
             }
             values[6] = speed(p);
             return values;
-        });
+        };
+        return add_both(e, shadows, span, along, ellipse_);
     }
 
     Interval add_conic(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
@@ -147,7 +149,8 @@ private:
             integrands[k] = conic.integrand(*shadows[k]);
             if (!integrands[k]) return add_direct(e, shadows, span);
         }
-        return add_both(e, shadows, span, AlongConic{conic, integrands});
+        std::size_t ellipse = first_ellipse;
+        return add_both(e, shadows, span, AlongConic{conic, integrands}, ellipse);
     }
 
     /// None: it takes rules.
@@ -186,46 +189,59 @@ private:
     };
 
     void add_fan(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
-        std::array<Interval, 3> sum{};
-        Effort effort{effort_};
-        if (prove_all_) {
-            const auto density = [&]<class T>(const T& s, const T& sigma) {
-                const Densities<T> d = FanSection<T>(fan, span.at(s)).at(sigma);
-                return std::array<T, 3>{d.volume, d.area, d.shadow};
-            };
-            sums_.is_complete &=
-                integrate<3>(density, {-1, 0}, {1, 1}, {enough_[0], enough_[1], enough_[1]}, sum, effort);
-        } else {
-            const auto section = [&](const Approximate& s) {
-                return [section = FanSection<Approximate>(fan, span.at(s))](const Approximate& sigma) {
-                    const Densities<Approximate> d = section.at(sigma);
-                    return std::array<Approximate, 3>{d.volume, d.area, d.shadow};
-                };
-            };
-            const bool is_complete =
-                estimate<3>(section, {-1, 0}, {1, 1}, enough_for_estimates(e, span), sum, effort);
-            sums_.is_complete &= is_complete;
-            sums_.is_proved = false;
-            // Where the rules never came near each other their difference tells little: beside a pole both
-            // miss most of it.
-            constexpr double poor = 0x1p-16, wider = 16;
-            if (!is_complete)
-                for (Interval& x : sum) x = Interval::ball(x.mid(), wider * x.radius());
-            const bool is_poor = std::ranges::any_of(
-                sum, [&](const Interval& x) { return !(x.radius() <= poor * x.magnitude()); });
-            if (!is_complete && is_poor) sum.fill(Interval(-HUGE_VAL, HUGE_VAL));
-        }
-        // Shadows tell how often faces stand over the base.
+        // Shadows take one variable. They tell how often faces stand over the base.
         std::array<Interval, 1> shadow{};
-        Effort more{16 * effort_};
+        Effort more{16 * effort_, 0, ellipse_of_shadows_};
         const bool is_told = integrate<1>(
             [&]<class T>(const T& s) { return std::array<T, 1>{FanSection<T>(fan, span.at(s)).shadow()}; },
             -1, 1, {enough_of_shadows_}, shadow, more);
-        if (is_told)
-            sum[2] = shadow[0];
-        else
-            sums_.are_shadows_proved &= prove_all_;
-        add(use, sum[0], sum[1], sum[2]);
+        ellipse_of_shadows_ = more.ellipse;
+        std::array<Interval, 2> sum{};
+        if (prove_all_) {
+            const auto density = [&]<class T>(const T& s, const T& sigma) {
+                const Densities<T> d = FanSection<T>(fan, span.at(s)).at(sigma);
+                return std::array<T, 2>{d.volume, d.area};
+            };
+            Effort effort{effort_};
+            sums_.is_complete &=
+                integrate<2>(density, {-1, 0}, {1, 1}, {enough_[0], enough_[1]}, sum, effort);
+        } else {
+            const auto [volume, area, of_shadow] = enough_for_estimates(e, span);
+            sum = estimated<2>({volume, area}, [&](const Approximate& s) {
+                return [section = FanSection<Approximate>(fan, span.at(s))](const Approximate& sigma) {
+                    const Densities<Approximate> d = section.at(sigma);
+                    return std::array<Approximate, 2>{d.volume, d.area};
+                };
+            });
+            if (!is_told) {
+                sums_.are_shadows_proved = false;
+                shadow = estimated<1>({of_shadow}, [&](const Approximate& s) {
+                    return [all = FanSection<Approximate>(fan, span.at(s)).shadow()](const Approximate&) {
+                        return std::array<Approximate, 1>{all};
+                    };
+                });
+            }
+        }
+        add(use, sum[0], sum[1], shadow[0]);
+    }
+
+    /// Over a span and the way to it.
+    template <std::size_t N, class F>
+    std::array<Interval, N> estimated(const std::array<double, N>& enough, const F& section) {
+        std::array<Interval, N> sum{};
+        Effort effort{effort_};
+        const bool is_complete = estimate<N>(section, {-1, 0}, {1, 1}, enough, sum, effort);
+        sums_.is_complete &= is_complete;
+        sums_.is_proved = false;
+        // Where the rules never came near each other their difference tells little: beside a pole both
+        // miss most of it.
+        constexpr double poor = 0x1p-16, wider = 16;
+        if (!is_complete)
+            for (Interval& x : sum) x = Interval::ball(x.mid(), wider * x.radius());
+        const bool is_poor = std::ranges::any_of(
+            sum, [&](const Interval& x) { return !(x.radius() <= poor * x.magnitude()); });
+        if (!is_complete && is_poor) sum.fill(Interval(-HUGE_VAL, HUGE_VAL));
+        return sum;
     }
 
     void add(const EdgeUse& use, Interval volume, Interval area, Interval shadow) {
@@ -243,14 +259,16 @@ private:
 
     /// The greatest all along a span. Over wide intervals bounds may be far too large: parts tell then.
     double steepest(const EdgeUse& use, const Span& span) const {
-        const double whole = steepness(use, span, MidRad::ball(0, 1));
-        if (whole <= 4 * steepness(use, span, 0.0)) return whole;
-        constexpr int parts = 8;
-        double most = 0;
-        for (int k = 0; k < parts; ++k) {
-            const double part =
-                steepness(use, span, MidRad::ball((2 * k + 1 - parts) / double(parts), 1.0 / parts));
-            if (!(part <= most)) most = part;
+        constexpr int most_parts = 8;
+        const double enough = 4 * steepness(use, span, 0.0);
+        double most = HUGE_VAL;
+        for (int parts = 1; parts <= most_parts && !(most <= enough); parts *= 2) {
+            most = 0;
+            for (int k = 0; k < parts && most < HUGE_VAL; ++k) {
+                const double part =
+                    steepness(use, span, MidRad::ball((2 * k + 1 - parts) / double(parts), 1.0 / parts));
+                if (!(part <= most)) most = part;
+            }
         }
         return most;
     }
@@ -340,6 +358,7 @@ private:
     bool prove_all_;
     std::array<double, 3> enough_;
     double enough_of_shadows_;
+    std::size_t ellipse_ = first_ellipse, ellipse_of_shadows_ = first_ellipse;  // that were enough last
     std::vector<std::optional<Shadow>> shadows_;
     Integrals sums_;
 };

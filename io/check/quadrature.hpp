@@ -105,10 +105,15 @@ inline Disc around(std::size_t ellipse, double middle, double half) {
     return {middle, half * (0.5 * (rho + 1 / rho)) * (1 + 0x1p-48) + std::abs(middle) * 0x1p-52};
 }
 
+/// The first ellipse seldom holds no pole, and bounds cost as much as several nodes.
+inline constexpr std::size_t first_ellipse = 1;
+
 /// How far integrals are pursued.
 struct Effort {
     int parts;  ///< into which an interval or a rectangle is cut at most
     int parts_used = 0;
+    /// Looked at first, in one variable: the one that was enough last, for neighbours are much alike.
+    std::size_t ellipse = first_ellipse;
 };
 
 /// A finite bound of an expression in quotients and roots proves that it is analytic where it holds.
@@ -237,14 +242,13 @@ void add_enclosed(const F& f, double middle, const MidRad& half_width, const Gau
 template <std::size_t N, class F>
 bool integrate(const F& f, double a, double b, const std::array<double, N>& enough,
                std::array<Interval, N>& sum, Effort& effort) {
-    // The first ellipse seldom holds no pole, and bounds cost as much as several nodes.
-    constexpr std::size_t first_ellipse = 1, first_rule = 1, frequent_rule = 2;
+    constexpr std::size_t first_rule = 1, frequent_rule = 2;
     // Rounding may be so many times larger than what a rule leaves out.
     constexpr double poor = 1024;
     const double middle = 0.5 * (a + b), half = Interval::up(0.5 * (b - a));
     const MidRad half_width = 0.5 * (MidRad(b) - a);
     ++effort.parts_used;
-    std::size_t first = first_ellipse;
+    std::size_t first = std::exchange(effort.ellipse, first_ellipse);
     if constexpr (requires { f.is_singular(Disc()); })
         while (first < ellipses.size() && f.is_singular(around(first, middle, half))) ++first;
     std::array<double, N> missing, most, rounding;
@@ -267,6 +271,8 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
         std::size_t r = first_rule;
         while (r < node_counts.size() && !(factors[r] <= factor)) ++r;
         if (r == node_counts.size()) continue;
+        // With few nodes a larger one may be enough.
+        effort.ellipse = r <= frequent_rule && k > first_ellipse ? k - 1 : k;
         bool is_plain = true;
         for (std::size_t i = 0; i < N; ++i) is_plain = is_plain && rounding[i] <= most[i];
         if (is_plain || detail::is_rounding_below(f, middle, half, most, rounding))
@@ -343,74 +349,79 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
 
 namespace detail {
 
-inline constexpr std::size_t estimating_rule = 1;  // of ten nodes
-inline constexpr std::size_t nodes_of_estimates = node_counts[estimating_rule];
-
-/// What takes values at a rule's nodes to the coefficients of Legendre's polynomials of the two highest
-/// degrees that the nodes tell apart.
-struct LastCoefficients {
-    std::array<std::array<double, GaussRule::most>, 2> of_nodes{};
-    std::array<std::array<Approximate, GaussRule::most / Approximate::lanes>, 2> of_packs{};
-};
-inline const LastCoefficients& last_coefficients() {
-    static const LastCoefficients table = [] {
-        const GaussRule& rule = gauss(estimating_rule);
-        LastCoefficients result;
+/// A rule that estimates of itself what it leaves out.
+struct EstimatingRule {
+    explicit EstimatingRule(const GaussRule& gauss) : rule(gauss) {
         for (const std::size_t k : {0, 1}) {
             const unsigned degree = static_cast<unsigned>(rule.count - 2 + k);
             for (std::size_t i = 0; i < rule.count; ++i)
-                result.of_nodes[k][i] = (degree + 0.5) * rule.nodes[i].weight.mid() *
-                                        std::legendre(degree, rule.nodes[i].at.mid());
+                of_nodes[k][i] = (degree + 0.5) * rule.nodes[i].weight.mid() *
+                                 std::legendre(degree, rule.nodes[i].at.mid());
             for (std::size_t p = 0; p < rule.packs; ++p)
-                result.of_packs[k][p] = Approximate::of(
-                    [&](std::size_t i) { return result.of_nodes[k][p * Approximate::lanes + i]; });
+                of_packs[k][p] =
+                    Approximate::of([&](std::size_t i) { return of_nodes[k][p * Approximate::lanes + i]; });
         }
-        return result;
-    }();
-    return table;
+    }
+
+    const GaussRule rule;
+    /// What takes values at the nodes to the coefficients of Legendre's polynomials of the two highest
+    /// degrees that the nodes tell apart.
+    std::array<std::array<double, GaussRule::most>, 2> of_nodes{};
+    std::array<std::array<Approximate, GaussRule::most / Approximate::lanes>, 2> of_packs{};
+};
+/// Along an edge's span, of which there are many, and across it.
+inline constexpr std::size_t nodes_along = 8, nodes_across = 20;
+inline const EstimatingRule& rule_along() {
+    static const EstimatingRule rule(gauss_rule<nodes_along>());
+    return rule;
+}
+inline const EstimatingRule& rule_across() {
+    static const EstimatingRule rule(gauss_rule<nodes_across>());
+    return rule;
 }
 
 }  // namespace detail
 
-/// The same integral where a proof would take too long, by the product of rules with ten nodes. An estimate,
-/// if a generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with those of
-/// degrees 8 and 9 at p of the integrand's size the rule, which knows all up to 19, leaves out about p^2
-/// [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they do not fall p. f takes
-/// several s at once and returns a function of t. False: the effort is spent, and it is a poor one.
+/// The same integral where a proof would take too long, by the product of two rules. An estimate, if a
+/// generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with those of degrees
+/// n - 2 and n - 1 at p of the integrand's size a rule with n nodes, which knows all up to 2 n - 1, leaves
+/// out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they do not fall
+/// p. f takes several s at once and returns a function of t. False: the effort is spent, and it is a poor
+/// one.
 template <std::size_t N, class F>
 bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
               const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
     constexpr double rounding = 0x1p-46, falling = 0x1p-8;
+    constexpr std::size_t inner_nodes = detail::nodes_across;
     ++effort.parts_used;
     const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])},
         half{0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])};
     const double quarter = half[0] * half[1];
-    const GaussRule& rule = gauss(detail::estimating_rule);
-    const detail::LastCoefficients& last = detail::last_coefficients();
+    const detail::EstimatingRule &outer = detail::rule_along(), &inner = detail::rule_across();
     // The two last coefficients along the one variable, at each node of the other.
-    std::array<std::array<std::array<Approximate, detail::nodes_of_estimates>, N>, 2> first{};
+    std::array<std::array<std::array<Approximate, inner_nodes>, N>, 2> first{};
     std::array<Approximate, N> totals{}, sizes{}, tails{};
-    for (std::size_t m = 0; m < rule.packs; ++m) {
-        const auto section = f(Approximate(middle[0]) + half[0] * rule.places[m]);
-        std::array<std::array<Approximate, N>, 2> second{};
-        std::array<Approximate, N> terms{}, sizes_of_terms{};
-        for (std::size_t n = 0; n < rule.count; ++n) {
-            const auto value = section(Approximate(middle[1] + half[1] * rule.nodes[n].at.mid()));
-            const double weight = rule.nodes[n].weight.mid();
-            for (std::size_t i = 0; i < N; ++i) {
-                const Approximate term = weight * value[i];
-                terms[i] += term;
-                sizes_of_terms[i] += abs(term);
+    for (std::size_t m = 0; m < outer.rule.packs; ++m) {
+        const auto section = f(Approximate(middle[0]) + half[0] * outer.rule.places[m]);
+        std::array<std::array<Approximate, N>, inner_nodes> values;
+        for (std::size_t n = 0; n < inner_nodes; ++n)
+            values[n] = section(Approximate(middle[1] + half[1] * inner.rule.nodes[n].at.mid()));
+        for (std::size_t i = 0; i < N; ++i) {
+            Approximate terms, sizes_of_terms;
+            std::array<Approximate, 2> second;
+            for (std::size_t n = 0; n < inner_nodes; ++n) {
+                const Approximate& value = values[n][i];
+                const Approximate term = inner.rule.nodes[n].weight.mid() * value;
+                terms += term;
+                sizes_of_terms += abs(term);
                 for (const std::size_t k : {0, 1}) {
-                    first[k][i][n] += last.of_packs[k][m] * value[i];
-                    second[k][i] += last.of_nodes[k][n] * value[i];
+                    first[k][i][n] += outer.of_packs[k][m] * value;
+                    second[k] += inner.of_nodes[k][n] * value;
                 }
             }
-        }
-        for (std::size_t i = 0; i < N; ++i) {
-            totals[i] += rule.weights[m] * terms[i];
-            sizes[i] += rule.weights[m] * sizes_of_terms[i];
-            tails[i] += rule.weights[m] * max(abs(second[0][i]), abs(second[1][i]));
+            totals[i] += outer.rule.weights[m] * terms;
+            sizes[i] += outer.rule.weights[m] * sizes_of_terms;
+            tails[i] += outer.rule.weights[m] * max(abs(second[0]), abs(second[1]));
         }
     }
     std::array<double, N> total, size;
@@ -419,8 +430,8 @@ bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
         total[i] = totals[i].sum();
         size[i] = sizes[i].sum();
         tail[1][i] = 2 * tails[i].sum();
-        for (std::size_t n = 0; n < rule.count; ++n)
-            tail[0][i] += 2 * rule.nodes[n].weight.mid() *
+        for (std::size_t n = 0; n < inner_nodes; ++n)
+            tail[0][i] += 2 * inner.rule.nodes[n].weight.mid() *
                           std::max(std::abs(first[0][i][n].sum()), std::abs(first[1][i][n].sum()));
     }
     bool is_enough = true;
