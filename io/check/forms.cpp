@@ -34,15 +34,19 @@ constexpr Triangle inverses = [] {
 /// they are exact, and their inverses rounded once.
 double rounding_of_binomials(int m, int n) { return std::max(m, n) <= 56 ? 0x1p-50 : 0x1p-43; }
 
-/// Convolution in both variables, of polynomials of degrees (M, N) and (P, Q).
+/// Convolution of polynomials of degrees (M, N) and (P, Q). What is known to the compiler stays in registers.
 template <int M, int N, int P, int Q>
 void add_convolution(double sign, const double* a, const double* b, double* r) {
+    constexpr int width = N + Q + 1;
+    std::array<double, static_cast<std::size_t>((M + P + 1) * width)> sum{};
     for (int i = 0; i <= M; ++i)
         for (int k = 0; k <= P; ++k)
             for (int j = 0; j <= N; ++j) {
-                const double x = sign * a[i * (N + 1) + j];
-                for (int l = 0; l <= Q; ++l) r[(i + k) * (N + Q + 1) + j + l] += x * b[k * (Q + 1) + l];
+                const double x = a[i * (N + 1) + j];
+                double* const row = &sum[static_cast<std::size_t>((i + k) * width + j)];
+                for (int l = 0; l <= Q; ++l) row[l] += x * b[k * (Q + 1) + l];
             }
+    for (double& x : sum) *r++ += sign * x;
 }
 
 }  // namespace
@@ -87,25 +91,36 @@ void Form::add_product(double sign, const Form& a, const Form& b) {
     assert(m_ == a.m_ + b.m_ && n_ == a.n_ + b.n_);
     const double terms = (std::min(a.m_, b.m_) + 1) * (std::min(a.n_, b.n_) + 1);
     const double size = a.norm(), other = &a == &b ? size : b.norm(), before = norm();
-    const auto all = [&](int m, int n) { return a.m_ == m && b.m_ == m && a.n_ == n && b.n_ == n; };
-    if (all(2, 2))
-        add_convolution<2, 2, 2, 2>(sign, a.c_.data(), b.c_.data(), c_.data());
-    else if (all(2, 0))
-        add_convolution<2, 0, 2, 0>(sign, a.c_.data(), b.c_.data(), c_.data());
-    else if (a.m_ == 8 && a.n_ == 0 && b.m_ == 2)
-        add_convolution<8, 0, 2, 0>(sign, a.c_.data(), b.c_.data(), c_.data());
-    else if (a.m_ == 2 && a.n_ == 0 && b.m_ == 8)
-        add_convolution<8, 0, 2, 0>(sign, b.c_.data(), a.c_.data(), c_.data());
+    const auto are = [&](int m, int n, int p, int q) {
+        return a.m_ == m && a.n_ == n && b.m_ == p && b.n_ == q;
+    };
+    const double *x = a.c_.data(), *y = b.c_.data();
+    double* const sum = c_.data();
+    // In one variable rows are told apart no more than columns.
+    if (are(2, 2, 2, 2))
+        add_convolution<2, 2, 2, 2>(sign, x, y, sum);
+    else if (are(4, 4, 4, 4))
+        add_convolution<4, 4, 4, 4>(sign, x, y, sum);
+    else if (are(2, 0, 2, 0))
+        add_convolution<0, 2, 0, 2>(sign, x, y, sum);
+    else if (are(5, 0, 5, 0))
+        add_convolution<0, 5, 0, 5>(sign, x, y, sum);
+    else if (are(10, 0, 10, 0))
+        add_convolution<0, 10, 0, 10>(sign, x, y, sum);
+    else if (are(8, 0, 2, 0))
+        add_convolution<0, 8, 0, 2>(sign, x, y, sum);
+    else if (are(2, 0, 8, 0))
+        add_convolution<0, 8, 0, 2>(sign, y, x, sum);
     else
         for (int i = 0; i <= a.m_; ++i)
             for (int k = 0; k <= b.m_; ++k) {
-                double* const row = c_.data() + (i + k) * (n_ + 1);
+                double* const row = sum + (i + k) * (n_ + 1);
                 for (int j = 0; j <= a.n_; ++j) {
-                    const double x = sign * a.at(i, j);
-                    for (int l = 0; l <= b.n_; ++l) row[j + l] += x * b.at(k, l);
+                    const double factor = sign * a.at(i, j);
+                    for (int l = 0; l <= b.n_; ++l) row[j + l] += factor * b.at(k, l);
                 }
             }
-    norm_ = -1;
+    norm_ = (before + size * other) * (1 + 0x1p-40);
     add_error(terms * 0x1p-53 * (size * other + before) + a.error_ * other + b.error_ * (size + a.error_));
 }
 

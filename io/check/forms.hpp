@@ -27,7 +27,7 @@ class Form {
 public:
     Form() = default;
     /// Zero.
-    Form(int m, int n) : m_(m), n_(n) { c_.resize(static_cast<std::size_t>((m + 1) * (n + 1))); }
+    Form(int m, int n) : m_(m), n_(n), norm_(0) { c_.resize(static_cast<std::size_t>((m + 1) * (n + 1))); }
 
     /// In one variable: Bernstein coefficients times their binomials, and a bound on the former's errors.
     Form(std::span<const double> scaled, double error)

@@ -353,9 +353,6 @@ TEST_CASE("forms: products and ranges enclose the values") {
     using namespace check;
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
-    Form a(2, 1), b(1, 2);
-    for (int i = 0; i <= 2; ++i)
-        for (int j = 0; j <= 1; ++j) a.set(i, j, unit(rng)), b.set(j, i, unit(rng));
     const auto value = [](const Form& f, double s, double t) {
         double sum = 0;
         for (int i = 0; i <= f.degree_s(); ++i)
@@ -364,14 +361,38 @@ TEST_CASE("forms: products and ranges enclose the values") {
                        std::pow(1 - t, f.degree_t() - j);
         return sum;
     };
-    const Form product = a * b, squared = square(a);
-    for (int k = 0; k < 100; ++k) {
-        const double s = 0.5 + 0.5 * unit(rng), t = 0.5 + 0.5 * unit(rng);
-        const double x = value(a, s, t), y = value(b, s, t);
-        CHECK(std::abs(value(product, s, t) - x * y) < 1e-14);
-        CHECK(std::abs(value(squared, s, t) - x * x) < 1e-14);
-        CHECK(product.range().lower() <= x * y);
-        CHECK(product.range().upper() >= x * y);
+    const auto form = [&](int m, int n) {
+        Form f(m, n);
+        for (int i = 0; i <= m; ++i)
+            for (int j = 0; j <= n; ++j) f.set(i, j, unit(rng));
+        return f;
+    };
+    // Those of which the compiler knows the degrees, and one of which it does not.
+    constexpr std::array<std::array<int, 4>, 8> degrees{{{2, 1, 1, 2},
+                                                         {2, 2, 2, 2},
+                                                         {4, 4, 4, 4},
+                                                         {2, 0, 2, 0},
+                                                         {5, 0, 5, 0},
+                                                         {10, 0, 10, 0},
+                                                         {8, 0, 2, 0},
+                                                         {2, 0, 8, 0}}};
+    for (const auto& [m, n, p, q] : degrees) {
+        CAPTURE(m);
+        const Form a = form(m, n), b = form(p, q), product = a * b, squared = square(a);
+        Form sum = form(m + p, n + q);
+        const Form before = sum;
+        sum.add_product(-1, a, b);
+        // What is kept of its size is no less than it is.
+        CHECK(sum.norm() >= Form::combination<1>({{{1.0, &sum}}}).norm() * (1 - 1e-12));
+        for (int k = 0; k < 100; ++k) {
+            const double s = 0.5 + 0.5 * unit(rng), t = 0.5 + 0.5 * unit(rng);
+            const double x = value(a, s, t), y = value(b, s, t);
+            CHECK(std::abs(value(product, s, t) - x * y) < 1e-14);
+            CHECK(std::abs(value(squared, s, t) - x * x) < 1e-14);
+            CHECK(std::abs(value(sum, s, t) - (value(before, s, t) - x * y)) < 1e-14);
+            CHECK(product.range().lower() <= x * y);
+            CHECK(product.range().upper() >= x * y);
+        }
     }
 }
 
