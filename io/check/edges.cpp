@@ -346,18 +346,20 @@ private:
     /// Drops rivals that are farther all along a span.
     void drop_farther(const Part& part, std::vector<Condition>& rivals) const {
         const Vector<Interval>& box = part.net.box();
+        // Hardly more than the curve itself may be off: else a finer look is worth while.
+        constexpr double hardly = 16;
+        const double most = hardly * distance_;
         std::erase_if(rivals, [&](const Condition& c) {
-            if (c.site.kind == Site::Kind::BoxSide)
-                return space().inside_side(c.site.index, box).lower() >= 0;
+            if (c.site.kind == Site::Kind::BoxSide) {
+                const double least = space().inside_side(c.site.index, box).lower();
+                return least >= 0 || is_little(c, least, growth_of(c, {}), most);
+            }
             if (!part.spheres || !c.site.is_object()) return false;
             const auto least = part.spheres->least(c.site);
             if (!least) return false;
             if (*least >= 0) return true;
             const auto excess = part.spheres->excess(c);
-            // Hardly more than the curve itself may be off: else a finer look is worth while.
-            constexpr double hardly = 16;
             if (!excess) return false;
-            const double most = hardly * distance_;
             const auto growth = part.spheres->growth(c.site, std::max(0.0, -excess->lower()), most);
             return is_little(c, excess->lower(), growth ? *growth : this->growth(c, box), most);
         });
