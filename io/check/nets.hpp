@@ -19,7 +19,7 @@ struct Span {
     using Point = std::array<MidRad, Dim + 1>;
 
     double begin = 0, end = 1;
-    SmallVector<Point, 4> points;
+    SmallVector<Point, 6> points;
 
     int degree() const { return static_cast<int>(points.size()) - 1; }
     Form form(int coordinate) const {

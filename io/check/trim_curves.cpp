@@ -46,14 +46,14 @@ std::array<Span<Dim>, 2> halves(const Span<Dim>& span) {
 
 /// Chebyshev's places between 0 and 1 for polynomials of one degree. A polynomial is nowhere larger than the
 /// largest value there times Lebesgue's constant where they are one more than its degree [Trefethen13,
-/// Thm. 15.2]. That grows: from some degree on there are N, four times as many, and it is no larger than the
+/// Thm. 15.2]. That grows: where there are N, twice as many as the degree, it is no larger than the
 /// largest value there by cos(degree pi / (2 N)) [EhlichZeller64].
 struct Places {
     static constexpr int most_degree = 31, most_with_few = 12;
-    static constexpr std::size_t most_packs = (4 * most_degree + Lanes::lanes - 1) / Lanes::lanes;
+    static constexpr std::size_t most_packs = (2 * most_degree + Lanes::lanes - 1) / Lanes::lanes;
 
-    explicit Places(int degree) {
-        const std::size_t last = static_cast<std::size_t>(degree <= most_with_few ? degree : 4 * degree - 1);
+    Places(int degree, bool are_many) {
+        const std::size_t last = static_cast<std::size_t>(are_many ? 2 * degree - 1 : degree);
         packs = last / Lanes::lanes + 1;
         for (std::size_t k = 0; k < packs; ++k) {
             at[k] = Lanes::of([&](std::size_t lane) {
@@ -63,15 +63,16 @@ struct Places {
             });
             rest[k] = 1.0 - at[k];
         }
-        factor = 1.01 * (degree <= most_with_few ? 2 / std::numbers::pi * std::log(degree + 1.0) + 1
-                                                 : 1 / std::cos(std::numbers::pi / 8));
+        factor = 1.01 * (are_many ? 1 / std::cos(std::numbers::pi / 4)
+                                  : 2 / std::numbers::pi * std::log(degree + 1.0) + 1);
     }
 
     /// Few degrees occur in a cell, and cosines take time.
+    template <bool AreMany>
     static const Places& of(int degree) {
         using Known = const Places& (*)();
         static constexpr auto known = []<int... N>(std::integer_sequence<int, N...>) {
-            return std::array<Known, sizeof...(N)>{known_of<N>...};
+            return std::array<Known, sizeof...(N)>{known_of<N, AreMany>...};
         }
         (std::make_integer_sequence<int, most_degree + 1>());
         return known[static_cast<std::size_t>(degree)]();
@@ -82,9 +83,9 @@ struct Places {
     double factor;
 
 private:
-    template <int Degree>
+    template <int Degree, bool AreMany>
     static const Places& known_of() {
-        static const Places places(Degree);
+        static const Places places(Degree, AreMany);
         return places;
     }
 };
@@ -153,21 +154,22 @@ public:
         return result;
     }
 
-    /// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients. Infinite where the
-    /// curve runs beside the patch, or degrees are none of the usual ones.
+    /// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients, or about twice as
+    /// many. Infinite where the curve runs far beside the patch, degrees are none of the usual ones, or so
+    /// low that many places tell no more.
     ///
     /// With s = a / w, b = w - a and so for t, S's homogeneous coordinates are sums of N_ij times products of
     /// binomials and powers of a, b that are not negative, and add up to w^(m + n). Coefficients of a and b
     /// may be negative, with magnitudes that add up to more: so many roundings are relative to the largest N
     /// times powers of those.
-    double gap_at_places(const Pair& pair) const {
+    double gap_at_places(const Pair& pair, bool are_many) const {
         const int m = net_->degree_s(), n = net_->degree_t(), d = pair.trim.degree(), e = pair.edge.degree();
         if (m > 2 || n > 2 || d > kMostDegree || e > kMostDegree) return HUGE_VAL;
         const int degree = (m + n) * d + e;
-        if (degree > Places::most_degree) return HUGE_VAL;
+        if (degree > Places::most_degree || (are_many && degree <= Places::most_with_few)) return HUGE_VAL;
         // The trimming curve's places in the patch.
         std::array<Coefficients, 2> a{}, b{};
-        double off = 0, least_weight = HUGE_VAL, most_shares = 0;
+        double off = 0, aside = 0, least_weight = HUGE_VAL, most_shares = 0;
         for (const int axis : {0, 1}) {
             const auto k = static_cast<std::size_t>(axis);
             const MidRad scale = MidRad(1.0) / extent(axis);
@@ -181,17 +183,14 @@ public:
                 most_shares =
                     std::max(most_shares, std::abs(x.mid()) + std::abs(y.mid()) + x.radius() + y.radius());
             }
-            // Beside the patch by rounding is on its side.
-            const double aside = -std::min(least_of(a[k], d), least_of(b[k], d));
-            if (!(aside <= 0x1p-44 * least_weight)) return HUGE_VAL;
-            off += 2 * aside;
+            aside = std::max(aside, -std::min(least_of(a[k], d), least_of(b[k], d)));
         }
         const Sizes& of_net = net_->sizes();
         Sizes of_edge;
         for (const auto& p : pair.edge.points) of_edge.meet(p);
         if (!(least_weight > 0) || !(of_net.least_weight > 0) || !(of_edge.least_weight > 0)) return HUGE_VAL;
 
-        const Places& places = Places::of(degree);
+        const Places& places = are_many ? Places::of<true>(degree) : Places::of<false>(degree);
         using Two = std::integral_constant<int, 2>;
         using Five = std::integral_constant<int, 5>;
         const bool is_usual = m == 2 && n == 2;
@@ -226,8 +225,10 @@ public:
             const double x = places.factor * (most[k].greatest() + 1.01 * own);
             sum += x * x;
         }
-        const double scale =
-            (of_net.least_weight * least_power - weight_error) * of_edge.least_weight * (1 - 0x1p-40);
+        // Beside the patch shares are negative: on its side, as far away as that, the weight is known.
+        const double change = (m + n) * (2 * aside / least_weight) * size[3] * power;
+        const double scale = (of_net.least_weight * least_power - change - weight_error) *
+                             of_edge.least_weight * (1 - 0x1p-40);
         if (!(scale > 0)) return HUGE_VAL;
         return std::sqrt(sum) / scale * (1 + 0x1p-40);
     }
@@ -498,7 +499,7 @@ private:
 }  // namespace
 
 double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, const Subject& subject,
-                    const CheckOptions& options, Certificate& certificate) {
+                    const CheckOptions& options, Certificate& certificate, double negligible) {
     const Trim& trim = patch.loops[place.loop][place.curve];
     const auto where = [&] {
         return fmt::format("{}[{}]", loop_path(patch.face, patch.index, place.loop), place.curve);
@@ -526,7 +527,8 @@ double certify_trim(const Patch& patch, const Net& net, const TrimPlace& place, 
             pairs.pop_back();
         }
         const Pair& pair = *next;
-        double gap = judge.gap_at_places(pair);
+        double gap = judge.gap_at_places(pair, false);
+        if (gap > std::max(most, negligible)) gap = std::min(gap, judge.gap_at_places(pair, true));
         if (!(gap <= error + kRounding * patch.control_size)) gap = judge.gap(pair);
         if (count >= kFewHalves && !(gap <= error + kRounding * patch.control_size)) {
             const Vec2 uv = evaluate(trim.pieces, std::midpoint(pair.trim.begin, pair.trim.end));
