@@ -44,6 +44,8 @@ private:
         own_.clear();
         own_.push_back({face.site});
         for (const Site& s : face.extra_sites) own_.push_back({s});
+        // Where both are as near and the same way off they touch, the one within the other.
+        is_apart_ = face.site.is_object() && gap(scene_.objects[face.site.index]) > 0;
         width_ = std::max(tie_width(face.site), kRounding * patch.control_size);
         stated_ = 0;
         for (const auto& loop : patch.loops)
@@ -74,8 +76,9 @@ private:
                 const Trim& trim = patch.loops[l][t];
                 if (!trim.curve->edge) continue;
                 const TrimPlace place{l, t};
-                const double gap = certify_trim(patch, net, place, subject_, options_, certificate_);
                 const EdgeBound& edge = edge_bounds_[*trim.curve->edge];
+                const double gap =
+                    certify_trim(patch, net, place, subject_, options_, certificate_, 0.25 * edge.excess);
                 proved = proved && gap < HUGE_VAL && edge.growth > 0;
                 most = std::max({most, gap, (edge.excess + 2 * gap) / edge.growth});
             }
@@ -124,7 +127,7 @@ private:
                                         near.distance.value_or(HUGE_VAL));
                 return std::nullopt;
             }
-            for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
+            for (Tile& half : tile.halves(tile.longer_axis_of_sides())) tiles.push_back(std::move(half));
         }
         return most;
     }
@@ -208,23 +211,29 @@ private:
                 const Interval m(-margin, margin);
                 const Vector<Interval> around{box[0] + m, box[1] + m, box[2] + m};
                 const double slope = sqrt(square(space().gradient(own_[0], around))).lower();
-                return slope > 0 ? slope : slope_between_balls(around, size + 2 * margin);
+                return slope > 0 ? slope : slope_between_round(around, size + 2 * margin);
             },
             size);
     }
-    /// The least length of the gradient where the excess is at most `size`, between a base ball and another:
-    /// at the distances s and s + d + e from their centres, which are L apart, its square is (L^2 - (d +
-    /// e)^2) / (s (s + d + e)). Far out gradients are short and turn within a box, and this does not look at
-    /// directions.
-    double slope_between_balls(const Vector<Interval>& box, double size) const {
-        const auto* base = std::get_if<Sphere>(&scene_.base);
-        const Sphere* own =
-            own_[0].site.is_object() ? std::get_if<Sphere>(&scene_.objects[own_[0].site.index]) : nullptr;
-        if (!base || !own) return 0;
-        const auto from = [&](const Vec3& center) { return sqrt(square(box - to_vector<Interval>(center))); };
-        const Interval length = square(to_vector<Interval>(own->center) - to_vector<Interval>(base->center)),
-                       change = Interval(own->radius) - base->radius + Interval(-size, size);
-        const Interval squared = (length - square(change)) / (from(base->center) * from(own->center));
+    /// The least length of the gradient where the excess is at most `size`, between a base ball and a ball or
+    /// a tube: at the distances s and s + d + e from the centre and the other's, or its axis, which are L
+    /// apart, and x along the axis from the centre, its square is (L^2 + x^2 - (d + e)^2) / (s (s + d + e)).
+    /// Far out gradients are short and turn within a box, and this does not look at directions.
+    double slope_between_round(const Vector<Interval>& box, double size) const {
+        using Kind = Surface<Interval>::Kind;
+        const Surface<Interval>& base = space().base();
+        if (base.kind != Kind::sphere || !own_[0].site.is_object()) return 0;
+        const Surface<Interval> own = space().object(own_[0].site.index);
+        if (own.kind == Kind::plane) return 0;
+        Vector<Interval> way = own.point - base.point;
+        Interval along = 0.0;
+        if (own.kind == Kind::cylinder) {
+            way = cross(way, own.direction);
+            along = dot(own.direction, box - base.point);
+        }
+        const auto from = [&](const Surface<Interval>& s) { return s.distance(box) + s.radius; };
+        const Interval change = own.radius - base.radius + Interval(-size, size);
+        const Interval squared = (square(way) + square(along) - square(change)) / (from(base) * from(own));
         return squared.lower() > 0 ? sqrt(Interval(squared.lower())).lower() : 0;
     }
     /// The same of the gradient's least length within a margin.
@@ -262,6 +271,31 @@ private:
 
     // --- Nothing nearer -----------------------------------------------------------------------------
 
+    /// A lower bound of how far an object is from the base; of little use unless one of them is a ball, and
+    /// the other none but a plane, a ball or a tube.
+    double gap(const Object& object) const {
+        const auto from = [&](const Object& o, const Sphere& ball, bool is_base) {
+            const Slope s = slope_within(o, ball.center, 0, is_base);
+            return s.distance - s.rounding - (1 + kRough) * ball.radius;
+        };
+        if (const auto* ball = std::get_if<Sphere>(&object)) return from(scene_.base, *ball, true);
+        const auto* base = std::get_if<Sphere>(&scene_.base);
+        return base ? from(object, *base, false) : -HUGE_VAL;
+    }
+    /// An upper bound of the excess, where it is negative, at places from which the base and the object are
+    /// the same way. One is a ball: its centre is on that way, and behind it the other's surface, so that the
+    /// excess is their distance and the object's diameter, taken away. Infinite where the object is not away
+    /// from the base: the one may hold the other then.
+    double excess_behind(std::uint32_t i) const {
+        const Object& object = scene_.objects[i];
+        const double away = gap(object);
+        if (!(away > 0)) return HUGE_VAL;
+        const auto* ball = std::get_if<Sphere>(&object);
+        const auto* tube = std::get_if<Cylinder>(&object);
+        const double radius = ball ? ball->radius : tube ? tube->radius : 0;
+        return -(away + 2 * radius) * (1 - kRough);
+    }
+
     bool exclude_others(const std::string& where, const Patch& patch, const Tile& whole) {
         auto found = rivals(whole.net);
         if (found.empty()) return true;
@@ -296,7 +330,7 @@ private:
                     HUGE_VAL);
                 return false;
             }
-            for (Tile& half : tile.halves()) tiles.push_back(std::move(half));
+            for (Tile& half : tile.halves(tile.longer_axis())) tiles.push_back(std::move(half));
         }
         return true;
     }
@@ -408,10 +442,8 @@ private:
             const double rounding = rival.rounding + (c.site.is_object() ? base_.rounding : 0);
             const double steepest = rival.direction.norm() + rival.turn + kRough;
             if (rival.distance - rounding >= (1 + kRough) * steepest * radius_) return true;
-            // Within the tile g + a and h + b, |a| and |b| bounded by their turns, are not parallel.
-            const Vec3 &g = own_.direction, &h = rival.direction;
-            const double change = g.norm() * rival.turn + h.norm() * own_.turn + own_.turn * rival.turn;
-            if (g.cross(h).norm() > (1 + kRough) * change + 4 * kRough) return true;
+            if (is_nowhere_parallel(c, rival, rival.distance - rounding - (1 + kRough) * steepest * radius_))
+                return true;
             const bool balls = are_balls(c);
             if (balls && are_balls_apart(c)) return true;
             return (balls || is_small_) && is_farther(c);
@@ -427,6 +459,28 @@ private:
             const Slope s = slope_within(scene_.objects[c.site.index], center_, radius_, false);
             return {s.distance - base_.distance, s.rounding, s.direction - base_.direction,
                     s.turn + base_.turn};
+        }
+
+        /// Is the rival's gradient nowhere parallel to the own one on the bisector within the tile, where its
+        /// excess, which is no less than `least`, is negative?
+        ///
+        /// An object's gradient is n - u, with unit vectors n and u. A line meets the unit sphere in two
+        /// points: n - u is parallel to another object's n' - u where n = u or n = n', and to the gradient m
+        /// of a side where n = u or n is u reflected in the plane across m.
+        bool is_nowhere_parallel(const Condition& c, const Slope& rival, double least) const {
+            const bool is_object = c.site.is_object(), is_own_object = faces_.own_[0].site.is_object();
+            const Vec3 &g = rival.direction, &h = own_.direction, &u = base_.direction;
+            if (!is_object && !is_own_object) return g.cross(h).norm() > 4 * kRough;
+            const auto differ = [](const Vec3& way, double turn) {
+                return way.norm() > (1 + kRough) * turn + 4 * kRough;
+            };
+            if (is_own_object && !faces_.is_apart_ && !differ(h, own_.turn)) return false;
+            if (is_object && !differ(g, rival.turn) && !(least > faces_.excess_behind(c.site.index)))
+                return false;
+            // What the one gradient needs to be, less what it is.
+            if (is_object && is_own_object) return differ(g - h, rival.turn + own_.turn - 2 * base_.turn);
+            const auto reflected = [&](const Vec3& m) { return -2 * m.dot(u) * m; };
+            return is_object ? differ(g - reflected(h), rival.turn) : differ(h - reflected(g), own_.turn);
         }
 
         /// Own and rival: their excesses and gradients may differ by little, but the difference is known
@@ -525,6 +579,7 @@ private:
 
     std::span<const EdgeBound> edge_bounds_;
     std::vector<Condition> own_;
+    bool is_apart_ = false;                      // the base and the own object are surely two bodies
     std::optional<TouchingSpheres> spheres_;     // about the patch
     mutable std::vector<Condition> conditions_;  // of rivals
     double margin_ = 0;                          // how far the patch is from its bisector

@@ -61,14 +61,32 @@ struct Tile {
         return false;
     }
 
-    std::array<Tile, 2> halves() const {
-        // Across the longer way; any choice will do.
+    /// Which way is longer, between the corners: across that halves are made, but any choice will do.
+    int longer_axis() const {
         const Vec3 origin = net.about(0, 0), end = net.about(1, 1);
         const Vec3 along = net.about(1, 0), across = net.about(0, 1);
-        const int axis =
-            (along - origin).norm() + (end - across).norm() >= (across - origin).norm() + (end - along).norm()
-                ? 0
-                : 1;
+        return (along - origin).norm() + (end - across).norm() >=
+                       (across - origin).norm() + (end - along).norm()
+                   ? 0
+                   : 1;
+    }
+    /// The same along the control points of the sides: corners of what bends around a tube may be near each
+    /// other.
+    int longer_axis_of_sides() const {
+        const auto point = [&](int i, int j) {
+            const Net::Point& p = net.at(i, j);
+            return Vec3(Vec3(p[0].mid(), p[1].mid(), p[2].mid()) / p[3].mid());
+        };
+        const int m = net.degree_s(), n = net.degree_t();
+        double along = 0, across = 0;
+        for (int i = 0; i < m; ++i)
+            for (const int j : {0, n}) along += (point(i + 1, j) - point(i, j)).norm();
+        for (int j = 0; j < n; ++j)
+            for (const int i : {0, m}) across += (point(i, j + 1) - point(i, j)).norm();
+        return along >= across ? 0 : 1;
+    }
+
+    std::array<Tile, 2> halves(int axis) const {
         auto nets = net.halves(axis);
         std::array<Tile, 2> h{Tile{std::move(nets[0]), lo, hi, rivals, excess, depth + 1, is_inside},
                               Tile{std::move(nets[1]), lo, hi, rivals, excess, depth + 1, is_inside}};
