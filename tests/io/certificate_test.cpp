@@ -349,6 +349,22 @@ TEST_CASE("certify: one more ball is found if it takes a part of the boundary, a
     CHECK(left > 20);
 }
 
+TEST_CASE("check: a tube and a ball around a ball are told in few tiles and few parts of integrals") {
+    const Cell cell = voronoi_cell(scene_named("ball_tube_plane"));
+    // Sixteen tiles for each patch, times two to the effort. Where edges are left open patches are not named.
+    std::size_t patches = 0;
+    for (const Element& e : certify(cell, {.effort = 2}).elements) {
+        if (e.where.find(".patches[") == std::string::npos) continue;
+        CAPTURE(e.where);
+        CAPTURE(e.what);
+        CHECK(e.verdict == Verdict::proved);
+        ++patches;
+    }
+    CHECK(patches > 0);
+    // Two parts for each span.
+    CHECK(certify(cell, {.effort = 5}).holds());
+}
+
 TEST_CASE("forms: products and ranges enclose the values") {
     using namespace check;
     std::mt19937_64 rng(test_seed());
