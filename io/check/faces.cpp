@@ -69,7 +69,7 @@ private:
     /// curve or its edge is not proved. The excess of the site across the edge may be negative there, but no
     /// more than on the trimming curve, and it grows towards the base.
     std::optional<double> check_boundary(const Patch& patch, const Net& net) {
-        double most = 0;
+        double most = 0, widest = 0;
         bool proved = true;
         for (std::size_t l = 0; l < patch.loops.size(); ++l)
             for (std::size_t t = 0; t < patch.loops[l].size(); ++t) {
@@ -77,8 +77,9 @@ private:
                 if (!trim.curve->edge) continue;
                 const TrimPlace place{l, t};
                 const EdgeBound& edge = edge_bounds_[*trim.curve->edge];
-                const double gap =
-                    certify_trim(patch, net, place, subject_, options_, certificate_, 0.25 * edge.excess);
+                const double gap = certify_trim(patch, net, place, subject_, options_, certificate_,
+                                                std::max(widest, 0.25 * edge.excess));
+                widest = std::max(widest, gap);
                 proved = proved && gap < HUGE_VAL && edge.growth > 0;
                 most = std::max({most, gap, (edge.excess + 2 * gap) / edge.growth});
             }

@@ -67,10 +67,13 @@ private:
             for (std::size_t k = 0; k < uses_[e].size(); ++k) {
                 const auto& shadow = shadows_[uses_[e][k].face];
                 if (!shadow) continue;
-                if (const auto* fan = std::get_if<Fan>(&*shadow))
-                    add_fan(e, uses_[e][k], *fan, span);
-                else if (k < 2)
+                const auto* fan = std::get_if<Fan>(&*shadow);
+                if (fan) add_fan(e, uses_[e][k], *fan, span);
+                // Of a fan its shadow alone, and with others beside a spline, which takes time to evaluate.
+                if (k < 2 && (!fan || span.degree() > 2))
                     direct[k] = &*shadow;
+                else if (fan)
+                    add_shadow(e, uses_[e][k], *fan, span);
             }
             const bool is_direct = direct[0] || direct[1];
             const Interval length = !is_direct           ? length_of(span)
@@ -110,15 +113,23 @@ private:
     Interval add_both(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span,
                       const F& f, std::size_t& ellipse) {
         std::array<Interval, 7> sum{};
-        const std::array<double, 7> enough{enough_[0], enough_[1], enough_[1], enough_[0],
-                                           enough_[1], enough_[1], enough_[2]};
+        const auto of_shadow = [&](std::size_t k) {
+            return shadows[k] && std::holds_alternative<Fan>(*shadows[k]) ? enough_of_shadows_ : enough_[1];
+        };
+        const std::array<double, 7> enough{enough_[0], enough_[1],   of_shadow(0), enough_[0],
+                                           enough_[1], of_shadow(1), enough_[2]};
         // In one variable parts cost little; an edge that comes close to an apex or an axis needs many.
         Effort effort{16 * effort_, 0, ellipse};
         const bool is_complete = integrate<7>(f, -1, 1, enough, sum, effort);
         ellipse = effort.ellipse;
         sums_.is_complete &= is_complete;
-        for (std::size_t k = 0; k < 2; ++k)
-            if (shadows[k]) add(uses_[e][k], sum[3 * k], sum[3 * k + 1], sum[3 * k + 2]);
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (!shadows[k]) continue;
+            if (const auto* fan = std::get_if<Fan>(shadows[k]); fan && !is_complete)
+                add_shadow(e, uses_[e][k], *fan, span);
+            else
+                add(uses_[e][k], sum[3 * k], sum[3 * k + 1], sum[3 * k + 2]);
+        }
         // The length may be within reach where faces are not.
         return is_complete ? sum[6] : length_of(span);
     }
@@ -188,14 +199,8 @@ private:
         bool is_singular(const Disc& s) const { return conic.is_speed_singular(s); }
     };
 
+    /// What takes two variables.
     void add_fan(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
-        // Shadows take one variable. They tell how often faces stand over the base.
-        std::array<Interval, 1> shadow{};
-        Effort more{16 * effort_, 0, ellipse_of_shadows_};
-        const bool is_told = integrate<1>(
-            [&]<class T>(const T& s) { return std::array<T, 1>{FanSection<T>(fan, span.at(s)).shadow()}; },
-            -1, 1, {enough_of_shadows_}, shadow, more);
-        ellipse_of_shadows_ = more.ellipse;
         std::array<Interval, 2> sum{};
         if (prove_all_) {
             const auto density = [&]<class T>(const T& s, const T& sigma) {
@@ -213,16 +218,26 @@ private:
                     return std::array<Approximate, 2>{d.volume, d.area};
                 };
             });
-            if (!is_told) {
-                sums_.are_shadows_proved = false;
-                shadow = estimated<1>({of_shadow}, [&](const Approximate& s) {
-                    return [all = FanSection<Approximate>(fan, span.at(s)).shadow()](const Approximate&) {
-                        return std::array<Approximate, 1>{all};
-                    };
-                });
-            }
         }
-        add(use, sum[0], sum[1], shadow[0]);
+        add(use, sum[0], sum[1], 0.0);
+    }
+
+    /// Shadows take one variable. They tell how often faces stand over the base.
+    void add_shadow(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
+        std::array<Interval, 1> shadow{};
+        Effort effort{16 * effort_};
+        const bool is_told = integrate<1>(
+            [&]<class T>(const T& s) { return std::array<T, 1>{FanSection<T>(fan, span.at(s)).shadow()}; },
+            -1, 1, {enough_of_shadows_}, shadow, effort);
+        if (!is_told && !prove_all_) {
+            sums_.are_shadows_proved = false;
+            shadow = estimated<1>({enough_for_estimates(e, span)[2]}, [&](const Approximate& s) {
+                return [all = FanSection<Approximate>(fan, span.at(s)).shadow()](const Approximate&) {
+                    return std::array<Approximate, 1>{all};
+                };
+            });
+        }
+        add(use, 0.0, 0.0, shadow[0]);
     }
 
     /// Over a span and the way to it.
@@ -358,7 +373,7 @@ private:
     bool prove_all_;
     std::array<double, 3> enough_;
     double enough_of_shadows_;
-    std::size_t ellipse_ = first_ellipse, ellipse_of_shadows_ = first_ellipse;  // that were enough last
+    std::size_t ellipse_ = first_ellipse;  // that was enough last
     std::vector<std::optional<Shadow>> shadows_;
     Integrals sums_;
 };

@@ -184,8 +184,8 @@ Densities<T> along(const Tapered& h, const Place<T>& p) {
 }
 
 template <class T>
-Densities<T> along(const Fan&, const Place<T>&) {
-    return {};
+Densities<T> along(const Fan& fan, const Place<T>& p) {
+    return {T(0.0), T(0.0), FanSection<T>(fan, p).shadow(), T(0.0)};
 }
 
 template <class T>

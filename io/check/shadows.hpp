@@ -110,7 +110,7 @@ using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, Rule
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
                              std::span<const Triad<double>> corners);
 
-/// Pre: no Fan.
+/// Of a Fan its shadow alone.
 template <class T>
 Densities<T> densities(const Shadow& shadow, const Place<T>& p);
 /// The area of the face for that of the base at its distance, of a Fan too.
