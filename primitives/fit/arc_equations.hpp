@@ -248,7 +248,7 @@ public:
         if (!is_round_)
             return span.linear(axis_, -kappa_, -(axis_.dot(m) + delta_)).largest() +
                    (rounding + blur_) * (span.size() + reach_ + span.foot.norm());
-        const double bound = QuinticNodes::get().largest(quadric(span)) + rounding * squared_size(span);
+        const double bound = quadric_bound(span);
         return bound / least_sum(span, bound);
     }
 
@@ -302,27 +302,43 @@ private:
                      apart = (b - a).norm() + rounding * (left.size(X) + right.size(X));
         return (tilt + 2 * (apart + tilt * h) / h) / h;
     }
-    // With S = d + t + delta, G S = Q:
+    // With S = d + kappa t + delta, G S = Q:
     //     Q_b - Q_a = (G_b - G_a) (S_b + G_a) + 2 G_a (delta_b - delta_a).
+    // The difference of the polynomials has differences of points, axes and radii as factors. What rounding
+    // has changed about each object counts as it does at a point; axes are unit vectors but for some 8 u of
+    // their squares.
     double difference_residual(const SpanPolynomials& span) const {
-        const QuinticNodes& nodes = QuinticNodes::get();
-        const Bernstein<10> a = left().quadric(span), b = right().quadric(span);
-        const double of_a = rounding * left().squared_size(span),
-                     of_b = rounding * right().squared_size(span);
-        const double G = left().residual(span), sum = right().least_sum(span, nodes.largest(b) + of_b) - G;
+        const Equation &a = left(), &b = right();
+        const double G = a.residual(span), sum = b.least_sum(span, b.quadric_bound(span)) - G;
         if (!(sum > 0)) return infinity;
-        return (nodes.largest(b - a) + of_a + of_b + 2 * G * std::abs(right().delta_ - left().delta_)) / sum;
+        const Vec3 m = 0.5 * ((a.point_ - span.foot) + (b.point_ - span.foot)), way = b.point_ - a.point_;
+        const double grown = b.delta_ - a.delta_, deltas = a.delta_ + b.delta_,
+                     size = span.size() + a.reach_ + b.reach_;
+        Bernstein<10> Q =
+            raised<10>(span.linear(-2 * way, -2 * a.kappa_ * grown, 2 * way.dot(m) - grown * deltas));
+        double rounded = rounding * size * (way.norm() + std::abs(grown));
+        if (a.axis_ != Vec3::Zero()) {
+            const Vec3 axis = a.axis_.dot(b.axis_) < 0 ? Vec3(-a.axis_) : a.axis_, tilt = b.axis_ - axis,
+                       axes = axis + b.axis_;
+            // The difference and the sum of the ways along the axes, from points half of `way` from m.
+            const Bernstein<5> D = span.linear(tilt, 0, -(tilt.dot(m) + 0.5 * axes.dot(way))),
+                               S = span.linear(axes, 0, -(axes.dot(m) + 0.5 * tilt.dot(way)));
+            Q = Q - D * S;
+            rounded +=
+                rounding * square(size) * tilt.norm() + 4 * u * (square(D.largest()) + square(S.largest()));
+        }
+        return (QuinticNodes::get().largest(Q) + rounded + 2 * G * std::abs(grown)) / sum +
+               rounding * (2 * span.size() + a.reach_ + b.reach_);
     }
 
-    // d^2 - (kappa t + delta)^2 along a span, and what bounds its terms.
-    Bernstein<10> quadric(const SpanPolynomials& span) const {
+    // Bounds |d^2 - (kappa t + delta)^2| along a span.
+    double quadric_bound(const SpanPolynomials& span) const {
         const Vec3 m = point_ - span.foot;
         Bernstein<10> Q = span.square + raised<10>(span.linear(-2 * m, -2 * kappa_ * delta_,
                                                                m.squaredNorm() - square(delta_)));
-        if (axis_ != Vec3::Zero()) Q = Q - square(span.linear(axis_, 0, -axis_.dot(m)));
-        return Q;
+        if (axis_ != Vec3::Zero()) Q = Q - vcell::square(span.linear(axis_, 0, -axis_.dot(m)));
+        return QuinticNodes::get().largest(Q) + rounding * square(span.size() + reach_);
     }
-    double squared_size(const SpanPolynomials& span) const { return square(span.size() + reach_); }
     // Bounds d + kappa t + delta from below where d^2 is within `bound` of (kappa t + delta)^2; 0 if it
     // cannot tell.
     double least_sum(const SpanPolynomials& span, double bound) const {

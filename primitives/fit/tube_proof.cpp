@@ -4,9 +4,13 @@ namespace vcell::space_fit {
 
 bool is_blurred(const ArcEquations& equations, const Vector4d& X, double length) {
     const Solver solver(equations.frame(X).matrix(), {});
+    return !(solver.is_regular() && 64 * solver.distance(blurs(equations, X)) <= length);
+}
+
+std::array<double, 4> blurs(const ArcEquations& equations, const Vector4d& X) {
     std::array<double, 4> e{};
     for (int i = 0; i < 3; ++i) e[i] = rounding * equations[i].size(X);
-    return !(solver.is_regular() && 64 * solver.distance(e) <= length);
+    return e;
 }
 
 bool TubeProof::is_final(const Tube& whole, double most, int halvings) {
@@ -57,6 +61,7 @@ Tube TubeProof::curve_tube(const Points& points, const Residuals& residuals, Ter
     Tube tube{
         distance + beyond, 0, solver.distance(residuals_at(start)), solver.distance(residuals_at(end)), 0,
         solver.q};
+    tube.curve_blur = solver.distance(blurs(equations_, D.center));
     // Step 4: a third of the room each for a, the value at the end and the curvature.
     if (std::max(tube.start, tube.end) <= D.room / 3) {
         std::array<double, 4> curvatures{};

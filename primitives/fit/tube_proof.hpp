@@ -40,10 +40,11 @@ struct Tube {
     double link = 0;              // points of the curve so close to an end are on the same arc
     double q = 0;                 // the largest of step 2
     double blur = 0;              // of the trims' error, what bounds rounding
+    double curve_blur = 0;        // of the curve's
 
     // Parts would be no better where rounding is what counts.
     bool is_within(double tolerance) const {
-        return curve <= tolerance && trims <= std::max(tolerance, 4 * blur);
+        return curve <= std::max(tolerance, 2 * curve_blur) && trims <= std::max(tolerance, 4 * blur);
     }
     double error() const { return std::max(curve, trims); }
     bool is_proved() const { return error() < infinity; }
@@ -96,6 +97,9 @@ struct Terminals {
 // Does rounding blur the arc so much at X that no span of this length, or a shorter one, can be proved?
 bool is_blurred(const ArcEquations& equations, const Vector4d& X, double length);
 
+// What rounding changes about the three equations at X.
+std::array<double, 4> blurs(const ArcEquations& equations, const Vector4d& X);
+
 class TubeProof {
 public:
     // slack: of the arc's ends. end: the arc's.
@@ -130,9 +134,14 @@ public:
         if (!a.is_proved() || !a.is_within(most)) return whole;
         const Tube b = certify(halves[1], residuals, most, {false, terminals.to}, halvings - 1, trims_error);
         if (!b.is_proved() || !joins(a, b)) return whole;
-        return {
-            std::max(a.curve, b.curve), std::max(a.trims, b.trims), a.start, b.end, std::min(a.link, b.link),
-            std::max(a.q, b.q),         std::max(a.blur, b.blur)};
+        return {std::max(a.curve, b.curve),
+                std::max(a.trims, b.trims),
+                a.start,
+                b.end,
+                std::min(a.link, b.link),
+                std::max(a.q, b.q),
+                std::max(a.blur, b.blur),
+                std::max(a.curve_blur, b.curve_blur)};
     }
 
 private:

@@ -21,4 +21,14 @@ double rounded_sqrt(const Exact& value) {
     return x;
 }
 
+// sqrt(h^2 + r) = h + r / (2 h) - r^2 / (8 h^3) ..., of which the third term is below 2^-107 h, and r / (2 h) is
+// rounded twice.
+Exact length(const ExactVector& n) {
+    const Exact value = dot(n, n);
+    const long half = value.exponent() >> 1;  // of a root, which may be beyond the doubles' range
+    const Exact square = value.scaled(-2 * half);
+    const double high = rounded_sqrt(square), low = nearest(square - Exact(high) * high) / (2 * high);
+    return (Exact(high) + low).scaled(half);
+}
+
 }  // namespace vcell
