@@ -152,7 +152,7 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     drop_isolated_vertices(cell);
     cell.report.moved = std::max(problem.moved, decided.moved);
     cell.scene = std::move(decided.scene);
-    add_scene_motion(lifted, cell.report.moved, decided.moved);
+    add_scene_motion(lifted, cell.report.moved, std::max(problem.moved_apart, decided.moved));
     // Over a plane all parameters of patches are lengths. Elsewhere some are, and stay in the decided scene's
     // unit.
     scale(cell, decided.unit, std::is_same_v<decltype(problem), PlaneBaseProblem>);

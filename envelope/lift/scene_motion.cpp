@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../../core/small_vector.hpp"
+#include "../../primitives/bases/base_problem.hpp"
 
 namespace vcell {
 
@@ -30,7 +31,9 @@ struct Direction {
     Vec3 axis = Vec3::Zero();  // a tube's, a unit vector
     double rounding = 4 * u;   // of g
     bool is_ball = false, is_tube = false;
+    bool turns = false;            // with the base, or gives way to a tie
     const Vec3* center = nullptr;  // of a ball
+    Vec3 normal = Vec3::Zero();    // a plane's, of a length in [1/2, 2)
 
     // Per length, but for the factor in Row::variation(): nothing of a plane.
     double turn() const { return 1 / distance; }
@@ -46,7 +49,9 @@ Vec3 unit_direction(const Object& object) {
 Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     Direction d;
     if (const auto* plane = std::get_if<Plane>(&object)) {
-        d.g = unit.dot(p - plane->point) < 0 ? Vec3(-unit) : unit;
+        const double side = unit.dot(p - plane->point) < 0 ? -1 : 1;
+        d.g = side * unit;
+        d.normal = side * scaled_axis(plane->normal);
         return d;
     }
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
@@ -90,6 +95,12 @@ struct Row {
 Row difference(const Direction& b, const Direction& a) {
     Row row{b.g - a.g, std::min(a.distance, b.distance), a.turn() + b.turn()};
     row.rounding = a.rounding + b.rounding;
+    if (const Vec3 way = b.normal - a.normal; !a.normal.isZero() && way.norm() < 0.125 * a.normal.norm()) {
+        // n_b / |n_b| - n_a / |n_a|, of which nothing cancels but in n_b - n_a.
+        const double length = a.normal.norm(), other = b.normal.norm();
+        row.value = (way - way.dot(a.normal + b.normal) / (length + other) / length * a.normal) / other;
+        row.rounding = 32 * u * way.norm() / other;
+    }
     if (!(a.is_ball && b.is_ball) && !(a.is_tube && b.is_tube)) return row;
     if (a.is_ball && row.nearest > 0) {
         // m_b / |m_b| - m_a / |m_a|, of which nothing cancels but in m_b - m_a, the centres' difference.
@@ -109,8 +120,8 @@ Row difference(const Direction& b, const Direction& a) {
     return row;
 }
 
-// The row of two objects' difference, in which the base takes no part; between balls its equation has the
-// shift given.
+// The row of two objects' difference, in which the base takes no part. Where they are no tubes that turn with
+// the base its equation has the shift given, at most.
 Row difference(const Row& b, const Row& a, double shift) {
     if (!a.has_object || !b.has_object)
         return {b.value - a.value,      std::min(a.nearest, b.nearest),
@@ -118,17 +129,18 @@ Row difference(const Row& b, const Row& a, double shift) {
                 a.shift + b.shift,      false,
                 a.rounding + b.rounding};
     Row row = difference(b.object, a.object);
-    row.shift = a.object.is_ball && b.object.is_ball ? shift : std::max(a.shift, b.shift);
+    row.shift = std::max(a.shift, b.shift);
+    if (!(a.object.turns || b.object.turns)) row.shift = std::min(shift, row.shift);
     return row;
 }
 
 class Motion {
 public:
-    Motion(LiftedCell& lifted, double moved, double balls_moved)
+    Motion(LiftedCell& lifted, double moved, double moved_apart)
         : cell_(lifted.cell),
           positions_(lifted.positions),
           moved_(moved),
-          between_balls_(2 * balls_moved / moved),
+          between_objects_(2 * moved_apart / moved),
           most_(cell_.scene.box.diagonal()),
           room_(std::sqrt(moved * most_)),
           equations_(cell_.vertices.size()) {
@@ -209,6 +221,7 @@ private:
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);
         row.object = object;
+        row.object.turns = object.is_tube && std::holds_alternative<Cylinder>(cell_.scene.base);
         row.has_object = true;
         return row;
     }
@@ -226,8 +239,8 @@ private:
                     const std::array<const Row*, 3> r{&rows[i], &rows[j], &rows[k]};
                     best = std::min(best, of_rows(r, v.error));
                     for (int m = 0; m < 3; ++m) {
-                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, between_balls_),
-                                  c = difference(*r[(m + 2) % 3], a, between_balls_);
+                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, between_objects_),
+                                  c = difference(*r[(m + 2) % 3], a, between_objects_);
                         best = std::min(best, of_rows({&a, &b, &c}, v.error));
                     }
                 }
@@ -300,7 +313,7 @@ private:
         // alike.
         double change = across(a, b, radius + room_);
         if (change <= room_) return change;
-        const Row apart = difference(b, a, between_balls_);
+        const Row apart = difference(b, a, between_objects_);
         for (double reach = room_; reach < most_; reach = 2 * change) {
             change = across(a, apart, radius + reach);
             if (change <= reach) return change;
@@ -334,7 +347,7 @@ private:
     Cell& cell_;
     const IdVector<EdgeId, double>& positions_;
     const double moved_;
-    const double between_balls_;  // the shift of two balls' difference
+    const double between_objects_;  // the shift of their differences
     const double most_;
     const double room_;  // for the motion of a piece, as a first guess
     Vec3 base_unit_;
@@ -345,8 +358,8 @@ private:
 
 }  // namespace
 
-void add_scene_motion(LiftedCell& lifted, double moved, double balls_moved) {
-    if (moved > 0) Motion(lifted, moved, balls_moved).run();
+void add_scene_motion(LiftedCell& lifted, double moved, double moved_apart) {
+    if (moved > 0) Motion(lifted, moved, moved_apart).run();
 }
 
 }  // namespace vcell

@@ -4,10 +4,10 @@
 /// At a vertex three equations d_i(p) - d_0(p) = 0 hold, of objects with the base, or that of a side of the
 /// box. Their gradients are the rows g_i - g_0 of a matrix M, g the unit vectors from the feet, or the side's
 /// normal; two rows may be taken for their difference g_i - g_j, which hardly turns where objects are nearly
-/// alike, and whose equation does not change between balls: they stay what they are to each other. A ball
-/// next to the base ball is such a difference, too. Where objects move by m at most, other equations change
-/// by 2 m, so that the vertex moves by 2 m times the sum of the lengths of the columns of M^-1 to first
-/// order; by twice that, if rows turn so little on the way that M^-1 times their change is 1/4 at most
+/// alike, and whose equation changes by what objects move against each other alone, mostly next to nothing. A
+/// ball next to the base ball is such a difference, too. Where objects move by m at most, other equations
+/// change by 2 m, so that the vertex moves by 2 m times the sum of the lengths of the columns of M^-1 to
+/// first order; by twice that, if rows turn so little on the way that M^-1 times their change is 1/4 at most
 /// [Deuflhard04, Thm. 2.1, Newton-Kantorovich]. Where no three rows allow that, bisectors touch: the sites'
 /// distances still agree within what they did and 2 m, but the place along the bisectors is not told
 /// (CellVertex::is_touching). An edge is moved across by two rows, likewise, with bounds of what they are all
@@ -19,8 +19,8 @@
 
 namespace vcell {
 
-/// Adds to the errors of vertices and edges what a motion by `moved` (a length) may do, of balls by
-/// `balls_moved` to each other; the diagonal of the box at most.
-void add_scene_motion(LiftedCell& lifted, double moved, double balls_moved);
+/// Adds to the errors of vertices and edges what a motion by `moved` (a length) may do, where objects move by
+/// `moved_apart` against each other (but tubes around a tube); the diagonal of the box at most.
+void add_scene_motion(LiftedCell& lifted, double moved, double moved_apart);
 
 }  // namespace vcell

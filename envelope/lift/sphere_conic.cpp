@@ -43,7 +43,7 @@ Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem
     const ExactVector n(plane.normal);
     const Exact k = dot(n, ExactVector(plane.point)), square = dot(n, n);
     if (is_wall(problem, f)) return {n, 0.0, square, k};
-    const Exact length(rounded_sqrt(square));
+    const Exact length = length_of(n);
     return {n, length, 0.0, k + length * Exact(problem.radius)};
 }
 

@@ -8,12 +8,6 @@
 
 namespace vcell {
 
-double nearest(const Exact& value) {
-    const Interval around = value.enclosure();
-    if (around.lower() == around.upper()) return around.lower();
-    return value + value < Exact(around.lower()) + around.upper() ? around.lower() : around.upper();
-}
-
 std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame) {
     std::array<BoxSide, 6> sides;
     for (std::uint32_t s = 0; s < 6; ++s) {
@@ -27,17 +21,17 @@ std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame) {
     return sides;
 }
 
-// With the rounded length L distances from the plane are |n| / L times as long.
+// With the length L as it is kept distances from the plane are |n| / L times as long.
 double moved_by_length(const Plane& plane, const Box& box) {
     const Vec3 normal = scaled_axis(plane.normal);
     const ExactVector n(normal);
     const Exact square = dot(n, n);
-    const double length = rounded_sqrt(square);
-    const Exact excess = Exact(length) * length - square;
+    const Exact length = length_of(n), excess = length * length - square;
     if (excess.sign() == Sign::Zero) return 0;
     const double part = std::abs(nearest(excess)) / nearest(square);  // twice that of the length
-    const double farthest = (box.max - box.min).norm() +
-                            std::abs(normal.dot(0.5 * box.min + 0.5 * box.max - plane.point)) / length;
+    const double farthest =
+        (box.max - box.min).norm() +
+        std::abs(normal.dot(0.5 * box.min + 0.5 * box.max - plane.point)) / nearest(length);
     return part * farthest;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../../core/numbers/exact.hpp"
+#include "../objects/exact_space.hpp"
 #include "../objects/objects.hpp"
 #include "../objects/scene.hpp"
 #include "plane_base.hpp"
@@ -24,9 +25,6 @@ inline constexpr double frame_rounding = 0x1p-51;
 /// A double's relative error bound only holds above the subnormals; forms stay well clear of them.
 inline constexpr double smallest_coefficient = 1e-250;
 
-/// The double nearest to an exact number.
-double nearest(const Exact& value);
-
 /// m.p <= k inside, canonical coordinates; m is a unit vector, rounded.
 struct BoxSide {
     Vec3 m;
@@ -35,8 +33,8 @@ struct BoxSide {
 };
 std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame);
 
-/// How far planes within the box have moved as their |n| are rounded, or a bound: that scales distances from
-/// them.
+/// How far planes within the box have moved as their |n| are told by two doubles, or a bound: that scales
+/// distances from them.
 double moved_by_length(const Plane& plane, const Box& box);
 double moved_by_lengths(const Scene& scene);
 

@@ -487,6 +487,7 @@ private:
         problem.frame = motion_;
         problem.unit = unit_;
         problem.moved = moved() + rounded;
+        problem.moved_apart = moved_by_lengths(scene_);
         problem.is_sphere = false;
         problem.radius = base_.radius;
         problem.stretch = stretch_;

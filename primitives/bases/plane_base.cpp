@@ -85,7 +85,7 @@ using LinearForm = std::array<Exact, 4>;
 // n.p + d with the region on the positive side.
 struct HalfSpaceOverBase {
     ExactVector n;
-    Exact d, length;  // |n|, rounded
+    Exact d, length;  // |n| as length_of() has it
 };
 
 // Height of the plane n.p + d = 0 seen from its positive side: C = nx x + ny y + d, 2 beta = |n| - nz,
@@ -127,7 +127,9 @@ public:
         PlaneBaseProblem problem;
         problem.frame = frame_->motion();
         problem.unit = unit_;
-        problem.moved = std::max(frame_->moved(), moved_by_lengths(scene_));
+        const double by_lengths = moved_by_lengths(scene_);
+        problem.moved = std::max(frame_->moved(), by_lengths);
+        problem.moved_apart = planes_turn_ ? problem.moved : by_lengths;
         problem.region = sides_;
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
         for (std::size_t i = 0; i < sides_.size(); ++i)
@@ -226,12 +228,11 @@ private:
 
     void add(std::uint32_t i, const Plane& plane) {
         const ExactVector normal(plane.normal);
-        const Exact square = dot(normal, normal);
-        const double length = rounded_sqrt(square);
-        HalfSpaceOverBase h{frame_->turned(plane.normal), {}, frame_->norm() * length};
+        HalfSpaceOverBase h{frame_->turned(plane.normal), {}, frame_->norm() * length_of(normal)};
         // A plane parallel to the base stays parallel to it.
         const bool is_level = cross(normal, ExactVector(base_.normal)).is_zero();
         if (is_level && !frame_->is_exact()) {
+            planes_turn_ = true;
             const bool up = h.n.z.sign() == Sign::Positive;
             h.n = {Exact(), Exact(), up ? h.length : -h.length};
         }
@@ -428,7 +429,7 @@ private:
     // One form for every distinct height, in the order of their first sites: objects, then box sides.
     void make_forms() {
         const std::vector<std::uint32_t> first_ball = first_equal(balls_);
-        // Planes that are multiples of each other are one plane, though |n| may round differently.
+        // Planes that are multiples of each other are one plane, though their |n| may be told differently.
         const std::vector<std::uint32_t> first_plane = first_equal(planes_);
         std::vector<LinearForm> linear;
         std::vector<Site> linear_sites;
@@ -530,6 +531,7 @@ private:
     std::vector<HalfSpaceOverBase> placed_planes_;  // the same in canonical coordinates
     std::vector<LinearForm> plane_forms_;
     std::vector<std::uint32_t> plane_objects_;
+    bool planes_turn_ = false;  // with the base
     std::vector<std::uint32_t> behind_;
     std::vector<CylinderForm> cylinders_;
     std::vector<std::uint32_t> cylinder_objects_;

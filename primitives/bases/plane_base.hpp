@@ -9,9 +9,9 @@
 ///
 /// with beta <= 0: never met. Cylinders are CylinderForms (primitives/forms/cylinder_form.hpp), never met
 /// where the axis is parallel to the base and the cylinder nowhere above it. All others are CircularForms
-/// with w = 2 beta. |n| is rounded once, correctly; where the difference |n| - s nz would cancel, C and 2
-/// beta are both multiplied by |n| + s nz, which leaves w = nx^2 + ny^2 and the height a relative error of
-/// one rounding.
+/// with w = 2 beta. |n| is told by two doubles (length_of()); where the difference |n| - s nz would cancel, C
+/// and 2 beta are both multiplied by |n| + s nz, which leaves w = nx^2 + ny^2 and the height a relative error
+/// of one rounding.
 #pragma once
 
 #include <Eigen/Core>
@@ -61,6 +61,9 @@ struct PlaneBaseProblem {
     /// A bound on the distance that anything of the scene within the box has moved, in its unit: the base and
     /// the sides of the box with the motion, planes by the rounding of |n|, which scales distances from them.
     double moved = 0;
+    /// A bound on how far planes have moved against each other, balls and tubes: by the rounding of |n|
+    /// alone, where no plane turns with the base.
+    double moved_apart = 0;
     double unit = 1;  ///< of the scene's lengths, for messages
     /// How the axis of each of family.cylinders lies to the base, in the scene as it is: forms are exact
     /// about a base that may have turned a little.

@@ -10,7 +10,7 @@
 ///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) +
 ///     (m.a)(a.n),  A = a.n
 ///
-/// |n'| is rounded once, correctly. C > 0 all over the base: objects may overlap the base's body (clearance
+/// |n'| is told by two doubles. C > 0 all over the base: objects may overlap the base's body (clearance
 /// is then negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
 ///
 /// Over a sphere everything but a cylinder is a CircularForm in the stereographic chart; its pole is put
@@ -97,6 +97,8 @@ struct RadialBaseProblem {
     std::vector<GeneratorTie> generator_ties;
     /// As in PlaneBaseProblem.
     double unit = 1, moved = 0;
+    /// How far planes have moved against each other, and balls, by the rounding of |n|.
+    double moved_apart = 0;
     std::vector<std::string> warnings;
 
     /// Unit outward normal at a chart point. On a cylinder x may be any number of [-1, 3].

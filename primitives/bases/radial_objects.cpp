@@ -12,8 +12,7 @@ namespace vcell {
 
 HalfSpace::HalfSpace(const Vec3& point, const Vec3& normal)
     : n(normal), d(-dot(ExactVector(normal), ExactVector(point))) {
-    const ExactVector exact(n);
-    length = rounded_sqrt(dot(exact, exact));
+    length = length_of(ExactVector(n));
 }
 
 const char* cuts_or_touches(Sign clearance) { return clearance == Sign::Zero ? "touches" : "cuts"; }
@@ -42,7 +41,7 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
     }
     std::vector<std::array<Exact, 4>> rays;
     for (const HalfSpace& h : planes.items) rays.push_back({h.n.x(), h.n.y(), h.n.z(), h.d});
-    // Planes that are multiples of each other are one plane, though |n| may round differently.
+    // Planes that are multiples of each other are one plane, though their |n| may be told differently.
     const std::vector<std::uint32_t> first_plane = first_equal(rays);
     for (std::size_t i = 0; i < planes.size(); ++i)
         if (first_plane[i] < i) merge(planes.objects[i], planes.objects[first_plane[i]]);

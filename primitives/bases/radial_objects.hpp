@@ -21,8 +21,7 @@ namespace vcell {
 /// n.p + d > 0 on the base's side.
 struct HalfSpace {
     Vec3 n;
-    Exact d;
-    double length;  ///< |n|, rounded correctly
+    Exact d, length;  ///< |n| as length_of() has it
 
     /// One of the plane's two.
     HalfSpace(const Vec3& point, const Vec3& normal);

@@ -304,7 +304,7 @@ private:
         const Exact value = h(center), reach = Exact(frame_.radius) * frame_.radius * dot(n, n);
         const Sign clearance = (value * value - reach).sign();
         if (clearance != Sign::Positive) {
-            const Vec3 place = frame_.center - h.n * (nearest(value) / h.length / h.length);
+            const Vec3 place = frame_.center - h.n * (nearest(value) / nearest(h.length) / nearest(h.length));
             objects_.fail(Kind::TouchesBase, i,
                           std::string(cuts_or_touches(clearance)) + " the base at " + to_text(unit_ * place));
         }
@@ -377,7 +377,7 @@ private:
             if (!objects_.is_kept(objects_.planes.objects[i])) continue;
             const HalfSpace& h = objects_.planes.items[i];
             const double scale = 1 / nearest(frame_.height(h).w);
-            nearness.linear.push_back({-scale * h.n, scale * h.length});
+            nearness.linear.push_back({-scale * h.n, scale * nearest(h.length)});
         }
         for (std::uint32_t s = 0; s < 6; ++s) {
             if (side_twin_[s] != none) continue;
@@ -458,7 +458,7 @@ private:
         found.add_twins(objects_);
         problem.frame.origin = frame_.center;
         problem.unit = unit_;
-        problem.moved = moved_by_lengths(scene_);
+        problem.moved = problem.moved_apart = moved_by_lengths(scene_);
         problem.is_sphere = true;
         problem.radius = frame_.radius;
         problem.chart = frame_.rotation.matrix / frame_.rotation.norm;

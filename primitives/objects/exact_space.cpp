@@ -5,6 +5,12 @@
 
 namespace vcell {
 
+double nearest(const Exact& value) {
+    const Interval around = value.enclosure();
+    if (around.lower() == around.upper()) return around.lower();
+    return value + value < Exact(around.lower()) + around.upper() ? around.lower() : around.upper();
+}
+
 double rounded_sqrt(const Exact& value) {
     const Interval square = value.enclosure();
     const bool is_in_range = square.lower() > 0x1p-1000 && square.upper() < 0x1p1000;
@@ -21,9 +27,9 @@ double rounded_sqrt(const Exact& value) {
     return x;
 }
 
-// sqrt(h^2 + r) = h + r / (2 h) - r^2 / (8 h^3) ..., of which the third term is below 2^-107 h, and r / (2 h) is
-// rounded twice.
-Exact length(const ExactVector& n) {
+// sqrt(h^2 + r) = h + r / (2 h) - r^2 / (8 h^3) ..., of which the third term is below 2^-107 h, and r / (2 h)
+// is rounded twice.
+Exact length_of(const ExactVector& n) {
     const Exact value = dot(n, n);
     const long half = value.exponent() >> 1;  // of a root, which may be beyond the doubles' range
     const Exact square = value.scaled(-2 * half);

@@ -31,12 +31,15 @@ inline ExactVector cross(const ExactVector& p, const ExactVector& q) {
     return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
 }
 
+/// The double nearest to an exact number.
+double nearest(const Exact& value);
+
 /// The double nearest to sqrt(value). Pre: value > 0, its root in the range of doubles.
 double rounded_sqrt(const Exact& value);
 
 /// |n| within a part of 2^-105, a sum of two doubles: what planes keep of each other is that much better than
 /// doubles tell, also where they are next to parallel. A length that is a double is exact. Planes whose |n|^2
 /// agree, or differ by a power of four, have lengths that do. Pre: n is not zero.
-Exact length(const ExactVector& n);
+Exact length_of(const ExactVector& n);
 
 }  // namespace vcell
