@@ -100,9 +100,10 @@ private:
     /// are parallel in the box.
     ///
     /// Both excesses fall in proportion to each other, to zero, along the path that takes the shortest way:
-    /// with their gradients g and h it is |e h - f g| / |g x h| long for some place in the box.
+    /// with their gradients g and h it is |e h - f g| / |g x h| long for some place in the box. Where f - e
+    /// is known as closely as h - g it is as long as |e (h - g) - (f - e) g| / |g x (h - g)|.
     std::optional<Reach> distance(const Vector<Interval>& box, const std::array<Interval, 2>& excesses,
-                                  double size) const {
+                                  double size, const std::optional<Interval>& apart = std::nullopt) const {
         return reach(
             [&](double margin) -> std::optional<Reach> {
                 const Interval m(-margin, margin);
@@ -117,7 +118,8 @@ private:
                 // which the greater is below the sum of squares.
                 const double slope = sqrt(sine / sum).lower();
                 const auto& [e, f] = excesses;
-                const Interval way = sqrt(square(e * h - f * g) / sine);
+                const Vector<Interval> across = apart ? e * difference - *apart * g : e * h - f * g;
+                const Interval way = sqrt(square(across) / sine);
                 return Reach{std::min((Interval(size) / slope).upper(), way.upper()), slope,
                              std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
             },
@@ -168,6 +170,9 @@ private:
         const ExcessAlong along(space(), part.net);
         Distances result = *distances([&](const Condition& c) { return std::optional(along.excess(c)); });
         result.found = distance(part.net.box(), result.excesses, result.size);
+        if (result.found && result.found->distance <= error_) return result;
+        if (const auto apart = along.excess_difference(conditions_[1], conditions_[0]))
+            result.found = distance(part.net.box(), result.excesses, result.size, apart);
         return result;
     }
     /// Are both sides of the box that meet at a right angle?

@@ -72,6 +72,66 @@ Interval ExcessAlong::excess(const Condition& c) const {
     return inner(space_.gradient(c, origin), position_, space_.excess(c, origin), weight_).range() / w_;
 }
 
+std::optional<Interval> ExcessAlong::excess_difference(const Condition& c, const Condition& d) const {
+    if (!space_.are_alike(c, d)) return std::nullopt;
+    return space_.object(c.site.index).kind == Kind::plane ? difference_of_planes(c, d)
+                                                           : difference_of_round(c, d);
+}
+
+/// With unit normals m and n, points a and b of the planes: (m - n) (p - a) + n (b - a).
+std::optional<Interval> ExcessAlong::difference_of_planes(const Condition& c, const Condition& d) const {
+    const Vector<Interval> box = net_.box();
+    if (!space_.near_normals(c, d, box)) return std::nullopt;
+    const Vector<Interval>&a = space_.object(c.site.index).point, &b = space_.object(d.site.index).point;
+    const Vector<Interval> turn = space_.gradient_difference(c, d, box),
+                           n = space_.object_gradient(d.site.index, box),
+                           origin = to_vector<Interval>(net_.origin());
+    const Interval at_origin = dot(turn, origin - a) + dot(n, b - a);
+    return inner(turn, position_, at_origin, weight_).range() / w_;
+}
+
+/// A - B of squared distances A / w^2 and B / w^2, where nothing cancels but in differences of points a, b
+/// and of axes e, f. With x = p - a: |x|^2 - |p - b|^2 = (b - a) (2 p - a - b), and of what is along the axes
+/// the difference of squares is ((e - f) x + f (b - a)) ((e + f) x - f (b - a)).
+std::optional<Form> ExcessAlong::squared_difference(const Condition& c, const Condition& d) const {
+    const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index);
+    const Vector<Interval> origin = to_vector<Interval>(net_.origin()), x = origin - first.point,
+                           way = second.point - first.point;
+    Form result =
+        inner(Interval(2.0) * way, position_, dot(way, x + (origin - second.point)), weight_) * weight_;
+    if (first.kind == Kind::sphere) return result;
+    const auto axes = space_.near_axes(c, d);
+    if (!axes) return std::nullopt;
+    const auto& [turn, f] = *axes;
+    const Vector<Interval> both = turn + Interval(2.0) * f;
+    const Interval shift = dot(f, way);
+    result.add_product(-1, inner(turn, position_, dot(turn, x) + shift, weight_),
+                       inner(both, position_, dot(both, x) - shift, weight_));
+    return result;
+}
+
+/// Squared distances A / w^2 = s^2 and B / w^2 = t^2, D the difference of the radii, e the second's excess: s
+/// - t - D times (s + t + D) is (A - B) / w^2 - 2 D (r + radius + e) - D^2. Over a base plane r is
+/// polynomial.
+std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, const Condition& d) const {
+    const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index);
+    const Interval grown = first.radius - second.radius;
+    const bool are_equal = grown.lower() == 0 && grown.upper() == 0;
+    if (!are_equal && space_.base().kind != Kind::plane) return std::nullopt;
+    const Interval distances = sqrt(squared_distance(first).range()) + sqrt(squared_distance(second).range()),
+                   sum = distances / w_ + grown;
+    if (!(sum.lower() > 0)) return std::nullopt;
+    std::optional<Form> g = squared_difference(c, d);
+    if (!g) return std::nullopt;
+    Interval rest(0.0);
+    if (!are_equal) {
+        const Form reach = Form::combination<2>({{{1.0, &base_}, {second.radius, &weight_}}});
+        *g = *g - (2 * grown) * (reach * weight_) - square(grown) * square(weight_);
+        rest = 2 * (grown * object_excess(second));
+    }
+    return (g->range() / square(w_) - rest) / sum;
+}
+
 Interval ExcessAlong::object_excess(const Surface& object) const {
     if (space_.base().kind == Kind::plane) return above_plane(object);
     return object.kind == Kind::plane ? of_plane(object) : of_round(object);

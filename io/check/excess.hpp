@@ -17,6 +17,8 @@ public:
 
     /// Encloses the excess everywhere on the net.
     Interval excess(const Condition& condition) const;
+    /// The excess of c less that of d, of two objects of one kind: as small as they are apart.
+    std::optional<Interval> excess_difference(const Condition& c, const Condition& d) const;
 
 private:
     using Surface = check::Surface<Interval>;
@@ -25,6 +27,9 @@ private:
     Form signed_distance(const Surface& plane) const;
     Form squared_distance(const Surface& round) const;
     Interval object_excess(const Surface& object) const;
+    std::optional<Interval> difference_of_planes(const Condition& c, const Condition& d) const;
+    std::optional<Form> squared_difference(const Condition& c, const Condition& d) const;
+    std::optional<Interval> difference_of_round(const Condition& c, const Condition& d) const;
     Interval above_plane(const Surface& object) const;
     Interval of_plane(const Surface& object) const;
     Interval of_round(const Surface& object) const;

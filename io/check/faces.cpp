@@ -445,9 +445,9 @@ private:
             if (rival.distance - rounding >= (1 + kRough) * steepest * radius_) return true;
             if (is_nowhere_parallel(c, rival, rival.distance - rounding - (1 + kRough) * steepest * radius_))
                 return true;
-            const bool balls = are_balls(c);
-            if (balls && are_balls_apart(c)) return true;
-            return (balls || is_small_) && is_farther(c);
+            const bool alike = faces_.space().are_alike(c, faces_.own_[0]);
+            if (alike && are_apart(c)) return true;
+            return (alike && is_farther(c, true)) || (is_small_ && is_farther(c, false));
         }
 
     private:
@@ -484,34 +484,27 @@ private:
             return is_object ? differ(g - reflected(h), rival.turn) : differ(h - reflected(g), own_.turn);
         }
 
-        /// Own and rival: their excesses and gradients may differ by little, but the difference is known
+        /// Own and rival are of one kind: their gradients may differ by little, but the difference is known
         /// well.
-        bool are_balls(const Condition& c) const {
-            const auto is_ball = [&](const Condition& x) {
-                return x.site.is_object() && std::holds_alternative<Sphere>(scene_.objects[x.site.index]);
-            };
-            return is_ball(c) && is_ball(faces_.own_[0]);
-        }
-        bool are_balls_apart(const Condition& c) const {
+        bool are_apart(const Condition& c) const {
             const Vector<Interval> around = box_about(center_, radius_);
             return square(cross(faces_.space().gradient(c, around),
                                 faces_.space().gradient_difference(faces_.own_[0], c, around)))
                        .lower() > 0;
         }
 
-        /// Where bisectors touch, the excess changes slowly on the patch. Of two balls the difference of the
-        /// excesses does, and the patch's own is below the width on all of it.
-        bool is_farther(const Condition& c) const {
+        /// Where bisectors touch, the excess changes slowly on the patch. Of objects of one kind the
+        /// difference of the excesses does, and the patch's own is below the width on all of it.
+        bool is_farther(const Condition& c, bool alike) const {
             const Space<Interval>& space = faces_.space();
             const Condition& own = faces_.own_[0];
-            const bool balls = are_balls(c);
             const Vector<Interval> gradient =
-                balls ? space.gradient_difference(c, own, box_) : space.gradient(c, box_);
+                alike ? space.gradient_difference(c, own, box_) : space.gradient(c, box_);
             const Changes& known = changes();
             const Interval change =
                 magnitude(dot(gradient, known.slopes[0])) + magnitude(dot(gradient, known.slopes[1]));
             Interval excess = space.excess(c, known.corner);
-            if (balls) excess = excess - space.excess(own, known.corner) - Interval(faces_.width_);
+            if (alike) excess = excess - space.excess(own, known.corner) - Interval(faces_.width_);
             return (excess - change).lower() >= -faces_.tie_width(c.site);
         }
 

@@ -33,6 +33,29 @@ struct Enclosure {
     T distance(const Vec3& p) const { return sqrt(square((center - to_vector<T>(p)) + offset)); }
 };
 
+/// Equations with gradients that are all but equal: one less another has the same zeros, and a gradient that
+/// doubles hold. What they are in doubles themselves has no inverse.
+struct AllButEqualRows {
+    std::array<int, 3> less{0, 1, 2};  ///< of which row is subtracted; its own: of none
+
+    template <class T>
+    void choose(const std::array<Vector<T>, 3>& gradients) {
+        constexpr double near = 0x1p-40;
+        for (int r = 1; r < 3; ++r) {
+            less[r] = r;
+            for (int k = 0; k < r && less[r] == r; ++k)
+                if (upper_bound(square(gradients[r] - gradients[k])) <
+                    near * lower_bound(square(gradients[r])))
+                    less[r] = k;
+        }
+    }
+    template <class V>
+    void subtract(std::array<V, 3>& rows) const {
+        for (int r = 2; r > 0; --r)
+            if (less[r] != r) rows[r] = rows[r] - rows[less[r]];
+    }
+};
+
 /// A box with exactly one point where all three excesses are zero, or nothing if there is no proof of one
 /// within about `reach` of the start. Krawczyk's operator K(D) = -Y f(m) + (I - Y J(m + D)) D: K(D) in the
 /// interior of D proves that m + D holds one zero, and m + K(D) holds it, too [Neumaier90, Theorem 5.1.8].
@@ -53,6 +76,7 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
     const double size = start.cwiseAbs().maxCoeff(), least = 0x1p-80 * size;
     double last = HUGE_VAL;  // width
     std::optional<Enclosure<T>> found;
+    AllButEqualRows rows;
     for (int round = 0; round < rounds; ++round) {
         // Any matrix serves as Y. That of the present m, or of a small box around it, keeps the contraction
         // quadratic up to a double's digits.
@@ -60,6 +84,8 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
         std::array<Vector<T>, 3> jacobian;
         if (found) d = found->offset;
         for (int r = 0; r < 3; ++r) jacobian[r] = space.gradient(conditions[r], found ? m + d : m);
+        rows.choose(jacobian);
+        rows.subtract(jacobian);
         Eigen::Matrix3d j;
         for (int r = 0; r < 3; ++r)
             for (int k = 0; k < 3; ++k) j(r, k) = number(jacobian[r][k]);
@@ -68,6 +94,7 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
         Vector<T> f, newton;
         double step = 0;
         for (int r = 0; r < 3; ++r) f[r] = space.excess(conditions[r], m);
+        rows.subtract(f);
         for (int r = 0; r < 3; ++r) {
             newton[r] = -y(r, f);
             step = std::max(step, upper_bound(magnitude(newton[r])));
@@ -77,6 +104,7 @@ std::optional<Enclosure<T>> enclose(const Space<T>& space, const std::array<Cond
             if (!(half <= reach)) return std::nullopt;
             d.fill(T(-half, half));
             for (int r = 0; r < 3; ++r) jacobian[r] = space.gradient(conditions[r], m + d);
+            rows.subtract(jacobian);
         }
         Vector<T> k;
         bool inside = true;

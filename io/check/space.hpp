@@ -200,21 +200,46 @@ public:
         const Vector<T> m = inwards(c.site.index);
         return c.at_rim ? m - dot(m, base_.direction) * base_.direction : m;
     }
-    /// The gradient of c's excess less that of d's. Of two balls with centres a and b, |p - a| = s and |p -
-    /// b| = t, it is (b - a - ((s - t) / t) (p - b)) / s with s - t = (b - a) (2 p - a - b) / (s + t): as
-    /// small as b - a is, also over a box of points.
+    /// The gradient of c's excess less that of d's. Of two objects of one kind that are much alike it is as
+    /// small as they are apart, also over a box of points: their unit vectors are subtracted as difference()
+    /// does.
     Vector<T> gradient_difference(const Condition& c, const Condition& d, const Vector<T>& p) const {
-        const auto ball = [&](const Condition& e) {
-            return e.site.is_object() ? std::get_if<Sphere>(&scene_.objects[e.site.index]) : nullptr;
+        const Vector<T> plain = gradient(c, p) - gradient(d, p);
+        const auto apart = unit_difference(c, d, p);
+        return apart ? intersection(plain, *apart) : plain;
+    }
+    /// Are they objects of one kind?
+    bool are_alike(const Condition& c, const Condition& d) const {
+        return c.site.is_object() && d.site.is_object() &&
+               scene_.objects[c.site.index].index() == scene_.objects[d.site.index].index();
+    }
+    /// The normals of two planes, towards the side that p is on, where they are much alike.
+    std::optional<std::array<Vector<T>, 2>> near_normals(const Condition& c, const Condition& d,
+                                                         const Vector<T>& p) const {
+        std::array<Vector<T>, 2> normals;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Condition& e = k == 0 ? c : d;
+            const auto* plane =
+                e.site.is_object() ? std::get_if<Plane>(&scene_.objects[e.site.index]) : nullptr;
+            if (!plane) return std::nullopt;
+            const T distance = with(e.site.index, [&](const Surface<T>& s) { return s.distance(p); });
+            if (!(distance.lower() > 0) && !(distance.upper() < 0)) return std::nullopt;
+            normals[k] = to_vector<T>(distance.lower() > 0 ? plane->normal : Vec3(-plane->normal));
+        }
+        if (!are_near(normals[0], normals[1])) return std::nullopt;
+        return normals;
+    }
+    /// Of two tubes whose axes are much alike: how the first's differs from the second's, and that one, both
+    /// in the first's direction.
+    std::optional<std::array<Vector<T>, 2>> near_axes(const Condition& c, const Condition& d) const {
+        const auto axis = [&](const Condition& e) {
+            return to_vector<T>(std::get<Cylinder>(scene_.objects[e.site.index]).axis);
         };
-        const Sphere *first = ball(c), *second = ball(d);
-        if (!first || !second) return gradient(c, p) - gradient(d, p);
-        const Vector<T> a = to_vector<T>(first->center), b = to_vector<T>(second->center), way = b - a;
-        const Vector<T> from_a = p - a, from_b = p - b;
-        const T s = sqrt(square(from_a)), t = sqrt(square(from_b));
-        const Vector<T> n = check::direction(from_b, t);
-        const T difference = dot(way, from_a + from_b) / (s + t);
-        return T(1.0) / s * (way - difference * n);
+        const Vector<T> e = axis(c), own = axis(d), unit = object(d.site.index).direction;
+        const bool is_opposite = dot(e, own).upper() < 0;
+        const Vector<T> f = is_opposite ? negative(own) : own;
+        if (!are_near(e, f)) return std::nullopt;
+        return std::array{difference(e, f, e - f), is_opposite ? negative(unit) : unit};
     }
     /// Of an object's distance.
     Vector<T> object_gradient(std::uint32_t i, const Vector<T>& p) const {
@@ -258,6 +283,43 @@ private:
         }
     }
     static Vector<T> negative(const Vector<T>& v) { return {-v[0], -v[1], -v[2]}; }
+    static Vector<T> intersection(const Vector<T>& a, const Vector<T>& b) {
+        const auto both = [&](std::size_t k) {
+            return T(std::max(a[k].lower(), b[k].lower()), std::min(a[k].upper(), b[k].upper()));
+        };
+        return {both(0), both(1), both(2)};
+    }
+    static bool are_near(const Vector<T>& a, const Vector<T>& b) {
+        constexpr double much = 0x1p-6;  // only what is gained depends on this
+        return (square(a - b) - T(much) * square(a)).upper() < 0;
+    }
+    /// a / |a| - b / |b| = (a - b - ((s - t) / t) b) / s with the lengths s and t, s - t = (a - b) (a + b) /
+    /// (s + t). `way`: a - b.
+    static Vector<T> difference(const Vector<T>& a, const Vector<T>& b, const Vector<T>& way) {
+        const T s = sqrt(square(a)), t = sqrt(square(b));
+        return T(1.0) / s * (way - dot(way, a + b) / (s + t) * check::direction(b, t));
+    }
+    /// What gradients of distances differ by. From tubes with points a and b and unit axes e and f the ways v
+    /// = p - a - (e (p - a)) e differ by b - a - (e (p - a)) (e - f) - ((p - a) (e - f) + (b - a) f) f.
+    std::optional<Vector<T>> unit_difference(const Condition& c, const Condition& d,
+                                             const Vector<T>& p) const {
+        if (!are_alike(c, d)) return std::nullopt;
+        if (const auto normals = near_normals(c, d, p)) {
+            const auto& [a, b] = *normals;
+            return difference(a, b, a - b);
+        }
+        const Surface<T> first = object(c.site.index), second = object(d.site.index);
+        const Vector<T> way = second.point - first.point, from = p - first.point;
+        if (first.kind == Surface<T>::Kind::sphere) return difference(from, p - second.point, way);
+        if (first.kind == Surface<T>::Kind::plane) return std::nullopt;
+        const auto axes = near_axes(c, d);
+        if (!axes) return std::nullopt;
+        const auto& [turn, f] = *axes;
+        const T along = dot(first.direction, from);
+        const Vector<T> to = p - second.point;
+        return difference(from - along * first.direction, to - dot(f, to) * f,
+                          way - along * turn - (dot(from, turn) + dot(way, f)) * f);
+    }
 
     /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle.
     /// Very small radii count as larger (docs/files.md).

@@ -15,26 +15,45 @@ namespace vcell::check {
 std::vector<Condition> independent(const Space<Interval>& space, std::span<const Condition> conditions,
                                    const Vec3& p) {
     const Vector<Interval> at = to_vector<Interval>(p);
-    std::vector<Vec3> rest;
-    // A condition holds the point as well as its excess is known, which of a side of the box is better than
-    // of a tube.
-    std::vector<double> blur;
+    // What the gradients chosen so far leave of each, the length of what that is left of, and how well the
+    // condition holds the point: as well as its excess is known, which of a side of the box is better than of
+    // a tube.
+    struct Rest {
+        Vec3 g;
+        double blur;
+        double size = 1;
+
+        double weight() const { return g.norm() / blur; }
+    };
+    std::vector<Rest> rest;
     const double least = 0x1p-54 * p.cwiseAbs().maxCoeff() + 0x1p-500;
-    for (const Condition& c : conditions) {
-        rest.push_back(middle(space.gradient(c, at)));
-        blur.push_back(space.excess(c, at).radius() + least);
-    }
+    for (const Condition& c : conditions)
+        rest.push_back({middle(space.gradient(c, at)), space.excess(c, at).radius() + least});
     std::vector<Condition> chosen;
+    std::vector<Vec3> axes;
+    const auto leave = [](Vec3& g, const Vec3& axis) { g -= axis.dot(g) * axis; };
     for (int k = 0; k < 3; ++k) {
         std::size_t best = 0;
         for (std::size_t i = 1; i < rest.size(); ++i)
-            if (rest[i].norm() * blur[best] > rest[best].norm() * blur[i]) best = i;
-        const double length = rest[best].norm();
+            if (rest[i].weight() > rest[best].weight()) best = i;
+        const double length = rest[best].g.norm();
         // Gradients are known to some 2^-50: what is left of one that is shorter has no direction.
-        if (!(length > 0x1p-46)) break;
+        if (!(length > 0x1p-46 * rest[best].size)) break;
         chosen.push_back(conditions[best]);
-        const Vec3 axis = rest[best] / length;
-        for (Vec3& g : rest) g -= axis.dot(g) * axis;
+        axes.push_back(rest[best].g / length);
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            leave(rest[i].g, axes.back());
+            // The difference from the one chosen leaves the same, and may be known much better.
+            constexpr double alike = 0x1p-20, known = 0x1p-44;
+            const Vector<Interval> difference = space.gradient_difference(conditions[i], chosen.back(), at);
+            Vec3 g = middle(difference);
+            const double size = g.norm();
+            if (i == best || !(size < alike * rest[i].size) || !(radius(difference) <= known * size))
+                continue;
+            for (const Vec3& axis : axes) leave(g, axis);
+            rest[i].g = g;
+            rest[i].size = size;
+        }
     }
     return chosen;
 }

@@ -18,10 +18,13 @@ using Kind = BisectorKind;
 
 struct ExactPlane {
     ExactVector n;
-    Exact d, square, length;  // n.p + d = 0; |n|^2, and |n| as length_of() has it
+    Exact d, square, length;  // n.p + d = 0; |n|^2 and its root, rounded once
 
     explicit ExactPlane(const Plane& plane)
-        : n(plane.normal), d(-dot(n, ExactVector(plane.point))), square(dot(n, n)), length(length_of(n)) {}
+        : n(plane.normal),
+          d(-dot(n, ExactVector(plane.point))),
+          square(dot(n, n)),
+          length(rounded_sqrt(square)) {}
     Exact at(const ExactVector& p) const { return dot(n, p) + d; }
 };
 

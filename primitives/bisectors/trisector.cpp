@@ -457,7 +457,7 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
         const auto* plane = std::get_if<Plane>(objects[k]);
         if (plane == nullptr) continue;
         const ExactVector n(plane->normal);
-        const Exact d = -dot(n, ExactVector(plane->point)), length = length_of(n);
+        const Exact d = -dot(n, ExactVector(plane->point)), length = rounded_sqrt(dot(n, n));
         if (k == 0) sides[k] = 1;
         if (round_base) sides[k] = (dot(n, rounds[0].surface.point) + d).sign() == Sign::Negative ? -1 : 1;
         planes.emplace_back();

@@ -94,6 +94,7 @@ const Cell& good(const std::string& name) {
         {"balls", balls},
         {"lattice", lattice},
         {"needle", needle},
+        {"twin planes", [] { return read_scene(test_data("hostile/twin_planes_over_tilted_plane.json")); }},
         {"tube lattice", tube_lattice},
         {"hexagonal tubes", hexagonal_tubes},
         {"atom", [] { return example("atom_1crn"); }},
@@ -691,6 +692,17 @@ TEST_CASE("damage: points, curves and patches moved") {
          [](Cell& c) {
              const auto v = inner_vertex(c);
              c.vertices[v].point += 30 * c.vertices[v].error * bad_direction(c, v);
+             return std::size_t{v};
+         }},
+        {"twin planes", "a vertex of planes 1e-14 apart moved along both", "vertices[#]",
+         [](Cell& c) {
+             const auto v = first(c.vertices, [](const CellVertex& vertex) {
+                 return vertex.sites.size() == 3 && vertex.sites[0] == Site::object(1) &&
+                        vertex.sites[1] == Site::object(3) && !vertex.sites[2].is_object();
+             });
+             Vec3& p = c.vertices[v].point;
+             const Vec3 bisector = gradient(c.scene.objects[1], p) - gradient(c.scene.base, p);
+             p += 1e-3 * bisector.cross(Vec3::Unit(c.vertices[v].sites[2].index / 2)).normalized();
              return std::size_t{v};
          }},
         {"atom", "a patch for another ball", "faces[#].patches[0]",

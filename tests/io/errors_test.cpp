@@ -322,6 +322,21 @@ TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state r
     }
 }
 
+TEST_CASE("errors: hostile twins: of planes 1e-14 apart vertices and edges state rounding") {
+    const Cell cell = hostile("twin_planes_over_tilted_plane");
+    for (const CellVertex& v : cell.vertices) CHECK(v.error < 1e-12);
+    for (const CellEdge& e : cell.edges) CHECK(e.error < 1e-12);
+}
+
+TEST_CASE(
+    "errors: hostile twins: an edge between tubes 3e-6 apart has few spans, and errs as rounding tells it") {
+    const Cell cell = hostile("twin_tubes_over_plane");
+    for (const CellEdge& e : cell.edges) {
+        CHECK(e.error < 1e-5);
+        CHECK(e.curve.points.size() < 500);
+    }
+}
+
 TEST_CASE(
     "errors: hostile motion: what a scene moved by moves edges beside a twin of the base ball by as little") {
     CHECK(largest_edge_error(hostile("planes_beside_twin")) < 1e-7);
