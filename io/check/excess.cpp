@@ -118,11 +118,11 @@ std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, con
     const Interval grown = first.radius - second.radius;
     const bool are_equal = grown.lower() == 0 && grown.upper() == 0;
     if (!are_equal && space_.base().kind != Kind::plane) return std::nullopt;
+    std::optional<Form> g = squared_difference(c, d);
+    if (!g) return std::nullopt;
     const Interval distances = sqrt(squared_distance(first).range()) + sqrt(squared_distance(second).range()),
                    sum = distances / w_ + grown;
     if (!(sum.lower() > 0)) return std::nullopt;
-    std::optional<Form> g = squared_difference(c, d);
-    if (!g) return std::nullopt;
     Interval rest(0.0);
     if (!are_equal) {
         const Form reach = Form::combination<2>({{{1.0, &base_}, {second.radius, &weight_}}});

@@ -7,6 +7,7 @@
 /// most twice the way.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -208,10 +209,24 @@ public:
         const auto apart = unit_difference(c, d, p);
         return apart ? intersection(plain, *apart) : plain;
     }
-    /// Are they objects of one kind?
+    /// Are they two balls, or two planes or tubes that are next to each other? Only what is gained depends on
+    /// the answer, and what that costs.
     bool are_alike(const Condition& c, const Condition& d) const {
-        return c.site.is_object() && d.site.is_object() &&
-               scene_.objects[c.site.index].index() == scene_.objects[d.site.index].index();
+        if (!c.site.is_object() || !d.site.is_object()) return false;
+        const Object &a = scene_.objects[c.site.index], &b = scene_.objects[d.site.index];
+        if (a.index() != b.index()) return false;
+        if (std::holds_alternative<Sphere>(a)) return true;
+        const double far = much * scene_.box.diagonal();
+        if (const auto* plane = std::get_if<Plane>(&a)) {
+            const auto& other = std::get<Plane>(b);
+            const Vec3 n = plane->normal.stableNormalized();
+            return n.cross(other.normal.stableNormalized()).norm() < much &&
+                   std::abs(n.dot(other.point - plane->point)) < far;
+        }
+        const auto &tube = std::get<Cylinder>(a), &other = std::get<Cylinder>(b);
+        const Vec3 axis = tube.axis.stableNormalized();
+        return axis.cross(other.axis.stableNormalized()).norm() < much &&
+               axis.cross(other.point - tube.point).norm() < far;
     }
     /// The normals of two planes, towards the side that p is on, where they are much alike.
     std::optional<std::array<Vector<T>, 2>> near_normals(const Condition& c, const Condition& d,
@@ -270,6 +285,8 @@ public:
     const std::array<T, 2>& stretch() const { return stretch_; }
 
 private:
+    static constexpr double much = 0x1p-6;  // of what objects next to each other differ by
+
     template <class F>
     auto with(std::uint32_t i, F f) const {
         if constexpr (std::is_same_v<T, Interval>) {
@@ -290,7 +307,6 @@ private:
         return {both(0), both(1), both(2)};
     }
     static bool are_near(const Vector<T>& a, const Vector<T>& b) {
-        constexpr double much = 0x1p-6;  // only what is gained depends on this
         return (square(a - b) - T(much) * square(a)).upper() < 0;
     }
     /// a / |a| - b / |b| = (a - b - ((s - t) / t) b) / s with the lengths s and t, s - t = (a - b) (a + b) /

@@ -188,9 +188,10 @@ TEST_CASE("radial base: what a side of the box mirrors to the base has the side'
     CHECK(problem.warnings.front().find("object 4 beyond side box:-y") != std::string::npos);
 }
 
-TEST_CASE("radial base: a huge ball that has a rounded plane's very height is merged with it") {
-    // |n| = sqrt(3) is rounded down to l. A ball (c, delta) with 2 c / C = -n / D and 2 delta / C = l / D,
-    // that is C = |c|^2 - delta^2 = 4 D^2 / (3 - l^2), is as near as the plane everywhere.
+TEST_CASE(
+    "radial base: a huge ball that has the height of a plane with a rounded normal is told from the plane") {
+    // |n| = sqrt(3) would be rounded down to l. A ball (c, delta) with 2 c / C = -n / D and 2 delta / C = l /
+    // D, that is C = |c|^2 - delta^2 = 4 D^2 / (3 - l^2), would be as near as the plane everywhere.
     const double l = std::sqrt(3.0), D = (Exact(3.0) - Exact(l) * l).enclosure().mid();
     REQUIRE(Exact(D) == Exact(3.0) - Exact(l) * l);
     // Scaled by 2^52: c = -2 n, delta = 2 l, D = 3 - l^2, about 3e-16.
@@ -199,8 +200,9 @@ TEST_CASE("radial base: a huge ball that has a rounded plane's very height is me
                                                         Sphere{2 * scale * Vec3::Ones(), 2 * scale * l},
                                                         Plane{{-1, 0, 0}, {1, 0, 0}}});
     const RadialBaseProblem problem = problem_of(scene);
-    CHECK(sites_of(problem, FormId{0}) == std::vector{Site::object(0), Site::object(1)});
-    CHECK(problem.sites.size() == 2 + 6);
+    CHECK(sites_of(problem, FormId{0}) == std::vector{Site::object(0)});
+    CHECK(sites_of(problem, FormId{1}) == std::vector{Site::object(1)});
+    CHECK(problem.sites.size() == 3 + 6);
 }
 
 TEST_CASE("radial base: cylinders of one radius that cross are told from those that all but cross") {
