@@ -19,10 +19,12 @@
 
 #include <algorithm>
 #include <array>
+#include <variant>
 
 #include "../../core/numbers/sign.hpp"
 #include "../../primitives/forms/form_family.hpp"
 #include "../../primitives/forms/radial_form.hpp"
+#include "root_range.hpp"
 
 namespace vcell {
 
@@ -32,37 +34,109 @@ struct RadialJet {
     T v, x, y, xx, xy, yy;
 };
 
-/// The unit normals over a box of the chart, with their derivatives.
+/// Linear functions of the unit normals around a cylinder, v.u = v_x sin phi + v_z cos phi, over a stretch of
+/// the half-angle coordinate x: with phi' = m,
 ///
-/// Half-angle coordinates: a box that reaches over x = 1 has the hull of both sides (normals are continuously
-/// differentiable there, so that the mean value theorem holds).
+///     (v.u)' = m g,   (v.u)'' = -m (m v.u + X g),   g = v_x cos phi - v_z sin phi,
+///
+/// X = x m counted from the middle of each half. v.u and g are monotone but where the other vanishes, which
+/// on a stretch of at most half a turn is once at most: their ranges are those of their ends and of +-|v|.
+/// Over x = 1 the second derivative is the hull of both sides' (first ones are continuous there).
 template <class T>
-class RadialNormals {
+class NormalsAround {
+public:
+    NormalsAround() = default;
+    explicit NormalsAround(const T& x)
+        : is_point_(x.lower() == x.upper()), is_wide_(x.upper() - x.lower() > 2) {
+        ends_[0] = end(T(x.lower(), x.lower()));
+        ends_[1] = is_point_ ? ends_[0] : end(T(x.upper(), x.upper()));
+        const T one(1.0), two(2.0);
+        const auto half = [&](const T& t) {
+            const T m = two / (one + square(t));
+            return std::array<T, 2>{m, t * m};
+        };
+        const auto [m, X] = half(x.lower() >= 1 ? x - two : T(x.lower(), std::min(x.upper(), one.upper())));
+        m_ = m;
+        X_ = X;
+        if (x.lower() >= 1 || x.upper() <= 1) return;
+        const auto [back_m, back_X] = half(T(one.lower(), x.upper()) - two);
+        m_ = hull(m, back_m);
+        X_ = hull(X, back_X);
+    }
+
+    template <int order>
+    RadialJet<T> along(const std::array<T, 3>& v) const {
+        const std::array<T, 2> at_first = at(ends_[0], v), at_last = is_point_ ? at_first : at(ends_[1], v);
+        RadialJet<T> j;
+        j.v = range(at_first[0], at_last[0], at_first[1], at_last[1], v);
+        if constexpr (order > 0) {
+            const T g = range(at_first[1], at_last[1], -at_first[0], -at_last[0], v);
+            j.x = m_ * g;
+            j.y = T(0.0);
+            if constexpr (order > 1) {
+                j.xx = -(m_ * (m_ * j.v + X_ * g));
+                j.xy = j.yy = T(0.0);
+            }
+        }
+        return j;
+    }
+
+private:
+    struct End {
+        T sine, cosine;
+    };
+    static End end(const T& x) {
+        const T one(1.0), two(2.0);
+        const bool is_back = x.upper() > 1;
+        const T t = is_back ? x - two : x, m = two / (one + square(t)), X = t * m, Z = m - one;
+        return is_back ? End{-X, -Z} : End{X, Z};
+    }
+    // v.u and g
+    static std::array<T, 2> at(const End& e, const std::array<T, 3>& v) {
+        return {v[0] * e.sine + v[2] * e.cosine, v[0] * e.cosine - v[2] * e.sine};
+    }
+    // From both ends' values and derivatives by phi.
+    T range(const T& first, const T& last, const T& slope_first, const T& slope_last,
+            const std::array<T, 3>& v) const {
+        if (is_point_) return first;
+        const T ends = hull(first, last);
+        const bool rises = slope_first.sign() == Sign::Positive, falls = slope_first.sign() == Sign::Negative,
+                   has_risen = slope_last.sign() == Sign::Positive,
+                   has_fallen = slope_last.sign() == Sign::Negative;
+        if (!is_wide_ && ((rises && has_risen) || (falls && has_fallen))) return ends;
+        // The slope at one end tells what extremum there may be where that at the other has no known sign;
+        // where neither has, both ends are next to extrema.
+        const T size = sqrt(square(v[0]) + square(v[2]));
+        if (!is_wide_ && (rises || has_fallen || (!falls && !has_risen && ends.lower() > 0)))
+            return hull(ends, size);
+        if (!is_wide_ && (falls || has_risen || ends.upper() < 0)) return hull(ends, -size);
+        return hull(hull(ends, size), -size);
+    }
+
+    std::array<End, 2> ends_;
+    T m_, X_;
+    bool is_point_ = true, is_wide_ = false;
+};
+
+/// The unit normals of a sphere over a box of the stereographic chart, with their derivatives.
+template <class T>
+class NormalsOfSphere {
 public:
     using Jets = std::array<RadialJet<T>, 3>;
 
-    RadialNormals() = default;
-    RadialNormals(RadialChart chart, const T& x, const T& y)
-        : chart_(chart),
-          u_(normals(x, y)),
-          y_(y),
-          middle_y_(y.mid()),
-          is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
+    NormalsOfSphere() = default;
+    NormalsOfSphere(const T& x, const T& y)
+        : u_(normals(x, y)), is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
         if (is_point_) return;
-        const T mx = x.mid();
-        middle_ = normals(mx, middle_y_);
+        const T mx = x.mid(), my = y.mid();
+        middle_ = normals(mx, my);
         dx_ = x - mx;
-        dy_ = y - middle_y_;
-        if (chart == RadialChart::HalfAngle) return;
+        dy_ = y - my;
         // Mean value forms, and what follows from the sharper numbers.
         const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v,
                                      refined(u_[2], middle_[2]).v};
-        u_ = stereographic(sharp[0], sharp[1], sharp[2] + T(1.0));
+        u_ = jets(sharp[0], sharp[1], sharp[2] + T(1.0));
     }
-
-    const T& y() const { return y_; }
-    /// A number in y.
-    const T& middle_y() const { return middle_y_; }
 
     /// The jet of v.u.
     template <int order>
@@ -72,46 +146,20 @@ public:
     }
 
 private:
-    Jets normals(const T& x, const T& y) const {
-        const T one(1.0), two(2.0);
-        if (chart_ == RadialChart::Stereographic) {
-            const T m = two / (one + square(x) + square(y));
-            return stereographic(x * m, y * m, m);
-        }
-        if (x.upper() <= 1) return half(x, false);
-        if (x.lower() >= 1) return half(x - two, true);
-        Jets front = half(T(x.lower(), one.upper()), false);
-        const Jets back = half(T(one.lower(), x.upper()) - two, true);
-        for (const int i : {0, 2})
-            for (T RadialJet<T>::*part : {&RadialJet<T>::v, &RadialJet<T>::x, &RadialJet<T>::xx})
-                front[i].*part = hull(front[i].*part, back[i].*part);
-        return front;
+    static Jets normals(const T& x, const T& y) {
+        const T m = T(2.0) / (T(1.0) + square(x) + square(y));
+        return jets(x * m, y * m, m);
     }
-
-    static Jets stereographic(const T& X, const T& Y, const T& m) {
+    static Jets jets(const T& X, const T& Y, const T& m) {
         const T two(2.0), XX = square(X), YY = square(Y), XY = X * Y, three_m = T(3.0) * m;
         const T p = two * XX - m, q = two * YY - m;
         return {{{X, m - XX, -XY, X * (two * XX - three_m), Y * p, X * q},
                  {Y, -XY, m - YY, Y * p, X * q, Y * (two * YY - three_m)},
                  {m - T(1.0), -(X * m), -(Y * m), m * p, two * XY * m, m * q}}};
     }
-    // The front's numbers, or the back's, where x counts from the opposite direction and both components
-    // change signs.
-    static Jets half(const T& x, bool is_back) {
-        const T zero(0.0), m = T(2.0) / (T(1.0) + square(x)), X = x * m, XX = square(X), two_XX = T(2.0) * XX;
-        const auto turned = [&](const T& t) { return is_back ? -t : t; };
-        return {{{turned(X), turned(m - XX), zero, turned(X * (two_XX - T(3.0) * m)), zero, zero},
-                 {zero, zero, zero, zero, zero, zero},
-                 {turned(m - T(1.0)), turned(-(X * m)), zero, turned(m * (two_XX - m)), zero, zero}}};
-    }
 
     // With mean value forms for the value and the first derivatives.
     RadialJet<T> refined(RadialJet<T> j, const RadialJet<T>& middle) const {
-        if (chart_ == RadialChart::HalfAngle) {
-            j.x = intersection(j.x, middle.x + j.xx * dx_);
-            j.v = intersection(j.v, middle.v + j.x * dx_);
-            return j;
-        }
         j.x = intersection(j.x, middle.x + j.xx * dx_ + j.xy * dy_);
         j.y = intersection(j.y, middle.y + j.xy * dx_ + j.yy * dy_);
         j.v = intersection(j.v, middle.v + j.x * dx_ + j.y * dy_);
@@ -122,30 +170,56 @@ private:
     }
 
     template <int order>
-    RadialJet<T> sum(const std::array<T, 3>& v, const Jets& u) const {
-        const bool around = chart_ == RadialChart::HalfAngle;
+    static RadialJet<T> sum(const std::array<T, 3>& v, const Jets& u) {
         const auto dot = [&](T RadialJet<T>::*part) {
-            const T s = v[0] * (u[0].*part) + v[2] * (u[2].*part);
-            return around ? s : s + v[1] * (u[1].*part);
+            return v[0] * (u[0].*part) + v[2] * (u[2].*part) + v[1] * (u[1].*part);
         };
         RadialJet<T> j;
         j.v = dot(&RadialJet<T>::v);
         if constexpr (order > 0) {
             j.x = dot(&RadialJet<T>::x);
-            j.y = around ? T(0.0) : dot(&RadialJet<T>::y);
+            j.y = dot(&RadialJet<T>::y);
         }
         if constexpr (order > 1) {
             j.xx = dot(&RadialJet<T>::xx);
-            j.xy = around ? T(0.0) : dot(&RadialJet<T>::xy);
-            j.yy = around ? T(0.0) : dot(&RadialJet<T>::yy);
+            j.xy = dot(&RadialJet<T>::xy);
+            j.yy = dot(&RadialJet<T>::yy);
         }
         return j;
     }
 
-    RadialChart chart_ = RadialChart::Stereographic;
     Jets u_, middle_;
-    T y_, middle_y_, dx_, dy_;  // the last two: the box less its middle
+    T dx_, dy_;  // the box less its middle
     bool is_point_ = true;
+};
+
+/// The unit normals over a box of the chart.
+template <class T>
+class RadialNormals {
+public:
+    RadialNormals() = default;
+    RadialNormals(RadialChart chart, const T& x, const T& y) : y_(y), middle_y_(y.mid()) {
+        if (chart == RadialChart::HalfAngle)
+            normals_ = NormalsAround<T>(x);
+        else
+            normals_ = NormalsOfSphere<T>(x, y);
+    }
+
+    const T& y() const { return y_; }
+    /// A number in y.
+    const T& middle_y() const { return middle_y_; }
+
+    /// The jet of v.u; over a half-angle chart without v_y.
+    template <int order>
+    RadialJet<T> along(const std::array<T, 3>& v) const {
+        if (const auto* around = std::get_if<NormalsAround<T>>(&normals_))
+            return around->template along<order>(v);
+        return std::get_if<NormalsOfSphere<T>>(&normals_)->template along<order>(v);
+    }
+
+private:
+    std::variant<NormalsAround<T>, NormalsOfSphere<T>> normals_;
+    T y_, middle_y_;
 };
 
 /// The coefficients of a form in one number type.
@@ -248,30 +322,17 @@ public:
         // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All
         // of q, s and k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends
         // nothing is lost.
-        const T A2 = square(A.v), B_low = bottom(B.v), B_high = top(B.v), A2_low = bottom(A2),
-                A2_high = top(A2), C_low = bottom(C.v), C_high = top(C.v);
-        f.v = -hull(root(B_low, A2_low, C_high), root(B_high, A2_high, C_low));
+        const T A2 = square(A.v);
+        f.v = -root_range(B.v, A2, C.v);
         if constexpr (order > 0) {
-            const auto quotient = [&](const T& p, const T& p2, const T& q2) {  // p / sqrt(p2 + q2), p2 = p^2
-                const T norm = sqrt(p2 + q2);
-                return norm.sign() == Sign::Positive ? p / norm : T(-1.0, 1.0);
-            };
-            const auto extreme = [&](const T& p, bool upper, const T& near, const T& far) {
-                return quotient(p, square(p), (p.lower() > 0) == upper ? near : far);
-            };
-            const T AC_low = A2_low * C_low, AC_high = A2_high * C_high;
-            const T s = hull(extreme(B_low, false, AC_low, AC_high), extreme(B_high, true, AC_low, AC_high));
-            // k sqrt(C) = A' / sqrt(A'^2 + B^2) with A' = A sqrt(C).
-            const T root_C = sqrt(C.v), scaled = A.v * root_C, low = bottom(scaled), high = top(scaled),
-                    B2 = square(B.v), B2_low = bottom(B2), B2_high = top(B2);
-            const T k =
-                hull(extreme(low, false, B2_low, B2_high), extreme(high, true, B2_low, B2_high)) / root_C;
+            const T AC = A2 * C.v, B2 = square(B.v), root_C = sqrt(C.v), s = share(B.v, AC),
+                    k = share(A.v * root_C, B2) / root_C;
             const T slope = (T(1.0) + s) / C.v, half_f = T(0.5) * f.v;
             // Over a cylinder A is constant along the axis.
             f.x = -(slope * B.x + k * A.x);
             f.y = is_cylinder_ ? -(slope * (B.y + C.y * half_f)) : -(slope * B.y + k * A.y);
             if constexpr (order > 1) {
-                const T R = sqrt(hull(B2_low + AC_low, B2_high + AC_high));
+                const T R = sqrt(B2 + AC);
                 if (R.sign() != Sign::Positive) {
                     f.xx = f.xy = f.yy = T::whole();
                     return f;
@@ -293,8 +354,6 @@ public:
     }
 
 private:
-    static T bottom(const T& t) { return {t.lower(), t.lower()}; }
-    static T top(const T& t) { return {t.upper(), t.upper()}; }
     static RadialJet<T> unknown() {
         return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
     }
@@ -351,12 +410,6 @@ private:
         RadialJet<T> B = n.template along<order>(b_);
         B.v += b0_;
         return times<order>(B, k);
-    }
-
-    // The root q of numbers, without cancellation.
-    static T root(const T& B, const T& A2, const T& C) {
-        const T R = sqrt(square(B) + A2 * C);
-        return B.sign() == Sign::Negative && R.sign() == Sign::Positive ? A2 / (R - B) : (B + R) / C;
     }
 
     bool is_cylinder_, has_root_;

@@ -1,0 +1,100 @@
+// Ranges over boxes of the chart against values of their members in 320 bits.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "../../core/numbers/wide_interval.hpp"
+#include "../../envelope/proofs/radial_height.hpp"
+#include "../test_support.hpp"
+
+namespace vcell {
+namespace {
+
+class Samples {
+public:
+    double number(double lo, double hi) { return std::uniform_real_distribution(lo, hi)(rng_); }
+    bool coin() { return number(0, 1) < 0.5; }
+    // Of any sign and size, now and then zero.
+    double any(double exponents) {
+        const double x = std::ldexp(number(-1, 1), static_cast<int>(number(-exponents, exponents)));
+        return number(0, 1) < 0.03 ? 0 : x;
+    }
+    double size(double exponents) { return std::abs(any(exponents)); }
+    Interval from(double a, double b) { return {std::min(a, b), std::max(a, b)}; }
+    // One in three is a number.
+    Interval about(double x) {
+        const double width = std::ldexp(std::abs(x), static_cast<int>(number(-60, 1)));
+        return number(0, 3) < 1 ? Interval(x) : from(x, coin() ? x + width : x - width);
+    }
+    double member(const Interval& x) {
+        const double t = number(-0.2, 1.2);
+        return std::clamp(x.lower() + t * (x.upper() - x.lower()), x.lower(), x.upper());
+    }
+
+private:
+    std::mt19937_64 rng_{test_seed()};
+};
+
+bool holds(const Interval& range, const Wide& value) {
+    const Interval v = value.enclosure();
+    return range.lower() <= v.upper() && v.lower() <= range.upper();
+}
+
+TEST_CASE(
+    "radial heights: ranges of roots and shares hold those of their members, and of numbers are tight") {
+    Samples samples;
+    for (const double exponents : {3.0, 60.0, 400.0, 520.0})
+        for (int round = 0; round < 5000; ++round) {
+            const Interval B = samples.about(samples.any(exponents));
+            Interval A2 = samples.about(samples.size(exponents)), C = samples.about(samples.size(exponents));
+            A2 = {std::max(0.0, A2.lower()), A2.upper()};
+            if (!(C.lower() > 0)) continue;
+            CAPTURE(B.lower());
+            CAPTURE(A2.lower());
+            CAPTURE(C.lower());
+            const Interval q = root_range(B, A2, C), s = share(B, A2);
+            for (int k = 0; k < 4; ++k) {
+                const Wide b(samples.member(B)), a2(samples.member(A2)), c(samples.member(C));
+                CHECK(holds(q, larger_root(b, a2, c)));
+                CHECK(holds(s, share(b, a2)));
+            }
+            if (B.lower() != B.upper() || A2.lower() != A2.upper() || C.lower() != C.upper()) continue;
+            if (exponents > 60 || B.lower() == 0 || A2.lower() == 0) continue;
+            CHECK(q.radius() <= 0x1p-49 * q.upper());
+            CHECK(s.radius() <= 0x1p-49);
+        }
+}
+
+TEST_CASE("radial heights: linear functions of normals around a cylinder hold those of their members") {
+    Samples samples;
+    for (int round = 0; round < 5000; ++round) {
+        const double x0 = samples.number(-1, 3), width = std::pow(10, samples.number(-17, 0.7));
+        const Interval x = round % 8 == 0 ? Interval(x0) : Interval(x0, std::min(3.0, x0 + width));
+        std::array<Interval, 3> v{samples.number(-2, 2), 0.0, samples.number(-2, 2)};
+        const double m = samples.member(x);
+        const RadialNormals<Wide> at(RadialChart::HalfAngle, Wide(m), Wide(0.0));
+        if (round % 3 == 0) {
+            // An extremum in the box.
+            const Interval s = at.along<0>({Wide(1.0), Wide(0.0), Wide(0.0)}).v.enclosure(),
+                           c = at.along<0>({Wide(0.0), Wide(0.0), Wide(1.0)}).v.enclosure();
+            v = {s.mid(), 0.0, c.mid()};
+        }
+        CAPTURE(x.lower());
+        CAPTURE(x.upper());
+        CAPTURE(m);
+        const RadialJet<Interval> over =
+            RadialNormals<Interval>(RadialChart::HalfAngle, x, Interval(0.0)).along<2>(v);
+        const RadialJet<Wide> jet = at.along<2>({Wide(v[0].lower()), Wide(0.0), Wide(v[2].lower())});
+        CHECK(holds(over.v, jet.v));
+        CHECK(holds(over.x, jet.x));
+        CHECK(holds(over.xx, jet.xx));
+        // v.u changes by no more than 2 |v| for each unit of x, its derivative by no more than twice that.
+        const double most = 16 * (x.radius() + 0x1p-50);
+        CHECK(over.v.radius() <= most);
+        CHECK(over.x.radius() <= most);
+    }
+}
+
+}  // namespace
+}  // namespace vcell
