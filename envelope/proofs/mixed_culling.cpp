@@ -139,11 +139,13 @@ std::optional<double> MixedAnalysis::steepness_across(double along_x, double alo
 std::optional<bool> MixedAnalysis::asks_for_strips(const std::array<double, 4>& box) const {
     constexpr double strip_ratio = 8;
     if (spreads_.size() < 3 || spreads_.size() > most_divided) return std::nullopt;
+    const Interval X(box[0], box[1]), Y(box[2], box[3]);
+    SmallVector<Heights::PlainGradient, most_divided> gradients;
+    for (const Spread& s : spreads_) gradients.push_back(heights_.plain_gradient(s.form, X, Y));
     double x = 0, y = 0;
-    for (std::size_t i = 0; i < spreads_.size(); ++i)
+    for (std::size_t i = 0; i < gradients.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
-            const auto [gx, gy] = heights_.plain_gradient_difference(spreads_[i].form, spreads_[j].form,
-                                                                     {box[0], box[1]}, {box[2], box[3]});
+            const auto [gx, gy] = Heights::difference(gradients[i], gradients[j], X, Y);
             x += gx.magnitude() * (box[1] - box[0]);
             y += gy.magnitude() * (box[3] - box[2]);
         }

@@ -258,14 +258,17 @@ HeightJet<Interval> Heights::plain_jet(FormId f, Interval x, Interval y) const {
     return {j.v, j.x, j.y};
 }
 
-std::array<Interval, 2> Heights::plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
-    const Interval mx(x.mid()), my(y.mid());
-    const HeightJet<Interval> p = plain_jet(f, mx, my), q = plain_jet(g, mx, my);
-    const RadialNormals<Interval>& over = normals(x, y);
-    const RadialJet<Interval> a = radial_[f.value].plain_jet<2>(over),
-                              b = radial_[g.value].plain_jet<2>(over);
-    return refined_gradient({a.x - b.x, a.y - b.y}, {p.gx - q.gx, p.gy - q.gy},
-                            {a.xx - b.xx, a.xy - b.xy, a.yy - b.yy}, x - mx, y - my);
+Heights::PlainGradient Heights::plain_gradient(FormId f, Interval x, Interval y) const {
+    const HeightJet<Interval> middle = plain_jet(f, x.mid(), y.mid());
+    const RadialJet<Interval> over = radial_[f.value].plain_jet<2>(normals(x, y));
+    return {{over.x, over.y}, {middle.gx, middle.gy}, {over.xx, over.xy, over.yy}};
+}
+
+std::array<Interval, 2> Heights::difference(const PlainGradient& f, const PlainGradient& g, Interval x,
+                                            Interval y) {
+    return refined_gradient({f.over[0] - g.over[0], f.over[1] - g.over[1]},
+                            {f.middle[0] - g.middle[0], f.middle[1] - g.middle[1]}, f.curvature - g.curvature,
+                            x - Interval(x.mid()), y - Interval(y.mid()));
 }
 
 Sign Heights::compare(FormId f, FormId g, double x, double y, Decisions& decisions) const {

@@ -80,7 +80,18 @@ public:
     /// Of heights without the distances from tips. Pre: the base is curved.
     HeightJet<Interval> plain_jet(FormId f, Interval x, Interval y) const;
     Wide plain_value(FormId f, const Wide& x, const Wide& y) const;
-    std::array<Interval, 2> plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
+    std::array<Interval, 2> plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
+        return difference(plain_gradient(f, x, y), plain_gradient(g, x, y), x, y);
+    }
+    /// Of a height without the distances from tips, what tells gradient differences over a box.
+    struct PlainGradient {
+        std::array<Interval, 2> over, middle;
+        HeightCurvature<Interval> curvature;
+    };
+    PlainGradient plain_gradient(FormId f, Interval x, Interval y) const;
+    /// As plain_gradient_difference(), of both heights over the same box.
+    static std::array<Interval, 2> difference(const PlainGradient& f, const PlainGradient& g, Interval x,
+                                              Interval y);
 
     /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder.
