@@ -9,18 +9,21 @@ namespace vcell::check {
 
 namespace {
 
-/// Points of edges by which a face's integrand is chosen: ends and control points.
-std::vector<std::vector<Triad<double>>> corners_of_faces(const Cell& cell, const Frame& frame,
-                                                         const std::vector<std::vector<EdgeUse>>& uses) {
-    std::vector<std::vector<Triad<double>>> corners(cell.faces.size());
+std::vector<Outline> outlines(const Cell& cell, const Frame& frame,
+                              const std::vector<std::vector<EdgeUse>>& uses) {
+    std::vector<Outline> outlines(cell.faces.size());
     for (std::size_t e = 0; e < uses.size(); ++e) {
-        if (uses[e].empty()) continue;
-        for (const auto& control : cell.edges[e].curve.points) {
-            const Triad<double> p = frame.about(control.head<3>());
-            for (const EdgeUse& use : uses[e]) corners[use.face].push_back(p);
+        const RationalCurve3& curve = cell.edges[e].curve;
+        for (std::size_t k = 0; k < curve.points.size() && !uses[e].empty(); ++k) {
+            const Triad<double> p = frame.about(curve.points[k].head<3>());
+            const bool is_joint = k % static_cast<std::size_t>(curve.degree) == 0;  // of Bezier pieces
+            for (const EdgeUse& use : uses[e]) {
+                outlines[use.face].controls.push_back(p);
+                if (is_joint) outlines[use.face].points.push_back(p);
+            }
         }
     }
-    return corners;
+    return outlines;
 }
 
 template <class T>
@@ -39,9 +42,9 @@ public:
         sums_.faces.resize(cell.faces.size());
         sums_.slack.resize(cell.faces.size());
         sums_.lengths.resize(cell.edges.size());
-        const auto corners = corners_of_faces(cell, frame, uses);
+        const auto outlined = outlines(cell, frame, uses);
         for (std::size_t f = 0; f < cell.faces.size(); ++f) {
-            shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, corners[f]));
+            shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, outlined[f]));
             sums_.faces[f].is_known = shadows_.back().has_value();
         }
         // Shares of what may be missed: of each piece on either side, two units wide; of all together a

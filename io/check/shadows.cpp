@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <type_traits>
 
 #include "face_terms.hpp"
@@ -213,7 +214,7 @@ T steepness_of(const Other& other, const Place<T>& p) {
 namespace {
 
 std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
-                                    std::span<const Triad<double>> corners) {
+                                    std::span<const Triad<double>> points) {
     Equation equation{};
     equation.radius = frame.radius();
     if (site.kind == Site::Kind::BoxSide) {
@@ -263,9 +264,9 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
     equation.kind = Equation::Kind::plane;
     equation.c = normalized(near(frame.direction(plane.normal / plane.normal.cwiseAbs().maxCoeff())));
     equation.offset = -dot(equation.c, near(frame.point(plane.point)));
-    // The base lies on one side of it; told at the foot that is farthest away.
+    // The base lies on one side of it; told at the foot that is farthest away. Control points may lie beyond.
     double best = 0;
-    for (const auto& p : corners) {
+    for (const auto& p : points) {
         Triad<MidRad> foot{};
         if (std::holds_alternative<Plane>(scene.base)) foot = {p[0], p[1], 0.0};
         if (std::holds_alternative<Cylinder>(scene.base)) foot = {0.0, 0.0, p[2]};
@@ -388,9 +389,10 @@ Flat flat(const Equation& side, const Triad<double>& corner) {
 }  // namespace
 
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
-                             std::span<const Triad<double>> corners) {
+                             const Outline& outline) {
+    const std::vector<Triad<double>>& corners = outline.controls;
     if (corners.empty()) return std::nullopt;
-    const std::optional<Equation> equation = equation_of(scene, frame, site, corners);
+    const std::optional<Equation> equation = equation_of(scene, frame, site, outline.points);
     if (!equation) return std::nullopt;
     if (std::holds_alternative<Plane>(scene.base)) return over_plane(*equation, corners);
     if (std::holds_alternative<Sphere>(scene.base)) return about_sphere(*equation, frame.radius());

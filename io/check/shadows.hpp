@@ -15,8 +15,8 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <variant>
+#include <vector>
 
 #include "frame.hpp"
 
@@ -105,10 +105,15 @@ struct Fan {
 
 using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Tapered, Fan>;
 
-/// The integrand of a face over the base. `corners`: points of its edges, in the frame, by which a place to
-/// start from is chosen and the side of a plane. None: it cannot be told.
+/// Of a face's edges, in the frame: points on them, and control points, whose hull holds them.
+struct Outline {
+    std::vector<Triad<double>> points, controls;
+};
+
+/// The integrand of a face over the base. By the outline a place to start from is chosen and the side of a
+/// plane. None: it cannot be told.
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
-                             std::span<const Triad<double>> corners);
+                             const Outline& outline);
 
 /// Of a Fan its shadow alone.
 template <class T>

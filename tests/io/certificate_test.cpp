@@ -85,6 +85,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
     for (const char* name : {"near_twins",
                              "steep_face",
                              "uneven_weights",
+                             "control_point_below",
                              "leaning_tube",
                              "bundle_of_lines",
                              "scaled_ball",

@@ -152,7 +152,8 @@ TEST_CASE("conics: integrands multiplied out are those of their points") {
             std::vector<Triad<double>> corners;
             for (const auto& p : edge.curve.points) corners.push_back(middle_of(frame.point(p.head<3>())));
             for (const Site& site : edge.sites) {
-                const auto face = shadow(cell.scene, frame, site, corners);
+                const auto face =
+                    shadow(cell.scene, frame, site, {{corners.front(), corners.back()}, corners});
                 if (!face) continue;
                 for (const Span& span : spans(edge.curve, frame)) {
                     const Conic conic(span, about_sphere);
@@ -210,7 +211,7 @@ TEST_CASE(
                 polygon.emplace_back(q.x(), q.y(), height_of_tube(tube, q.x(), q.y()));
                 corners.push_back(middle_of(frame.point(polygon.back())));
             }
-            const auto face = shadow(scene, frame, Site::object(0), corners);
+            const auto face = shadow(scene, frame, Site::object(0), {corners, corners});
             REQUIRE(face);
             ruled += std::holds_alternative<RuledHeight>(*face);
             cones += std::holds_alternative<ConeHeight>(*face);
@@ -259,7 +260,7 @@ TEST_CASE("integrands of planes about a tube: are those in two variables") {
                     polygon.push_back(middle + a * side + b * up);
                     corners.push_back(middle_of(frame.point(polygon.back())));
                 }
-                const auto face = shadow(scene, frame, Site::object(0), corners);
+                const auto face = shadow(scene, frame, Site::object(0), {corners, corners});
                 REQUIRE(face);
                 const auto* tapered = std::get_if<Tapered>(&*face);
                 REQUIRE(tapered);
@@ -298,7 +299,7 @@ TEST_CASE("integrands of sides of the box about a tube: are those of polygons, a
                 corners.push_back(middle_of(frame.point(p)));
                 center += 0.25 * p;
             }
-            const auto face = shadow(scene, frame, Site::box_side(1), corners);
+            const auto face = shadow(scene, frame, Site::box_side(1), {corners, corners});
             REQUIRE(face);
             const auto* flat = std::get_if<Flat>(&*face);
             REQUIRE(flat);
