@@ -13,6 +13,14 @@ bool is_level(const CylinderNumbers<T>& f) {
     return f.az.sign() == Sign::Zero;
 }
 
+// The height 1 / q, where C q^2 - 2 beta q - A = 0. Pre: C > 0; beta > 0 where A = 0.
+Wide height_of(const Wide& C, const Wide& beta, const Wide& A, const Wide& root) {
+    return beta.sign() == Sign::Positive ? C / (root + beta) : (root - beta) / A;
+}
+Interval height_of(const Interval& C, const Interval& beta, const Interval& A, const Interval&) {
+    return Interval(1.0) / root_range(beta, A, C);
+}
+
 // A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead
 // of N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
 template <class T>
@@ -22,32 +30,28 @@ struct CylinderHeight {
     bool outside = true;  // certainly outside the trace on the base
 
     template <class Cylinder>
-    CylinderHeight(const Cylinder& f, const T& norm, const T& A, const T& x, const T& y) {
-        const T mx = x - T(f.px), my = y - T(f.py), pz(f.pz);
-        cx = f.az * my + f.ay * pz;
-        cy = -(f.az * mx) - f.ax * pz;
+    CylinderHeight(const Cylinder& f, const CylinderConstants<T>& constants, const T& x, const T& y) {
+        const T mx = x - T(f.px), my = y - T(f.py);
+        cx = f.az * my + constants.ay_pz;
+        cy = -(f.az * mx) - constants.ax_pz;
         cz = f.ay * mx - f.ax * my;
-        const T C = square(cx) + square(cy) + square(cz) - norm * square(T(f.rho));
-        const T beta = norm * (T(f.rho) + pz) + f.az * (f.ax * mx + f.ay * my - f.az * pz);
-        if (is_level(f)) {
-            outside = C.sign() == Sign::Positive && beta.sign() == Sign::Positive;
-            root = beta;
-            v = C / (2.0 * beta);
-        } else {
-            const T D = square(beta) + A * C;
-            outside = D.sign() == Sign::Positive && C.sign() == Sign::Positive;
-            if (outside) {
-                root = sqrt(D);
-                v = beta.sign() == Sign::Positive ? C / (root + beta) : (root - beta) / A;
-            }
+        const T C = square(cx) + square(cy) + square(cz) - constants.far;
+        const T beta = constants.lift + f.az * (f.ax * mx + f.ay * my);
+        outside = C.sign() == Sign::Positive && (!is_level(f) || beta.sign() == Sign::Positive);
+        const T D = square(beta) + constants.A * C;
+        outside = outside && D.sign() == Sign::Positive;
+        if (!outside) {
+            root = v = T::whole();
+            return;
         }
-        if (!outside) root = v = T::whole();
+        root = is_level(f) ? beta : sqrt(D);
+        v = height_of(C, beta, constants.A, root);
     }
 };
 
 template <class T, class Cylinder>
-HeightJet<T> cylinder_jet(const Cylinder& f, const T& norm, const T& A, const T& x, const T& y) {
-    const CylinderHeight<T> h(f, norm, A, x, y);
+HeightJet<T> cylinder_jet(const Cylinder& f, const CylinderConstants<T>& constants, const T& x, const T& y) {
+    const CylinderHeight<T> h(f, constants, x, y);
     if (!h.outside) return {T::whole(), T::whole(), T::whole()};
     // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
     return {h.v, (f.ay * h.cz - f.az * (h.cy + f.ax * h.v)) / h.root,
@@ -69,10 +73,9 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         prepared_.push_back(p);
     }
     for (const CylinderForm& f : family.cylinders) {
-        const auto prepare = [&](const Interval& ax, const Interval& ay, const Interval& az) {
+        const auto prepare = [&](const auto& cylinder) {
             Prepared p;
-            p.norm = square(ax) + square(ay) + square(az);
-            p.A = square(az);
+            p.cylinder = CylinderConstants<Interval>(cylinder);
             prepared_.push_back(p);
         };
         if (f.exact) {
@@ -80,9 +83,9 @@ Heights::Heights(const FormFamily& family) : family_(family) {
             auto& t = turned_[prepared_.size()];
             t = std::make_unique<CylinderNumbers<Interval>>(
                 converted<Interval>(*f.exact, [](const Exact& v) { return v.enclosure(); }));
-            prepare(t->ax, t->ay, t->az);
+            prepare(*t);
         } else {
-            prepare(f.ax, f.ay, f.az);
+            prepare(f);
         }
     }
     if (family.radial.empty()) return;
@@ -144,8 +147,8 @@ HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
         return {j.v, j.x, j.y};
     }
     const Prepared& p = prepared_[f.value];
-    if (const auto* c = turned(f)) return cylinder_jet(*c, p.norm, p.A, x, y);
-    if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p.norm, p.A, x, y);
+    if (const auto* c = turned(f)) return cylinder_jet(*c, p.cylinder, x, y);
+    if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p.cylinder, x, y);
     const CircularForm& form = family_.forms[f];
     const Interval dx = x - Interval(form.cx), dy = y - Interval(form.cy);
     return {value(f, x, y), (2 * form.k * dx + p.a) * p.inverse_w, (2 * form.k * dy + p.b) * p.inverse_w};
@@ -155,8 +158,8 @@ HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
 Interval Heights::value(FormId f, Interval x, Interval y) const {
     if (is_radial()) return radial_jet<0>(f, x, y).v;
     const Prepared& p = prepared_[f.value];
-    if (const auto* c = turned(f)) return CylinderHeight<Interval>(*c, p.norm, p.A, x, y).v;
-    if (!family_.is_circular(f)) return CylinderHeight<Interval>(family_.cylinder(f), p.norm, p.A, x, y).v;
+    if (const auto* c = turned(f)) return CylinderHeight<Interval>(*c, p.cylinder, x, y).v;
+    if (!family_.is_circular(f)) return CylinderHeight<Interval>(family_.cylinder(f), p.cylinder, x, y).v;
     const CircularForm& form = family_.forms[f];
     Interval sum = p.e;
     if (form.k != 0) sum += form.k * (square(x - Interval(form.cx)) + square(y - Interval(form.cy)));
@@ -177,15 +180,11 @@ const Heights::WidePrepared& Heights::wide(FormId f) const {
                            enclosure_of<Wide>(e.B) / W, enclosure_of<Wide>(e.C) / W};
     } else {
         const CylinderForm& c = family_.cylinder(f);
-        const auto prepare = [&](const Wide& ax, const Wide& ay, const Wide& az) {
-            p->coefficients = {square(ax) + square(ay) + square(az), square(az)};
-        };
-        if (c.exact) {
-            const auto& t = p->cylinder.emplace(converted<Wide>(*c.exact, enclosure_of<Wide>));
-            prepare(t.ax, t.ay, t.az);
-        } else {
-            prepare(c.ax, c.ay, c.az);
-        }
+        if (c.exact)
+            p->constants =
+                CylinderConstants<Wide>(p->cylinder.emplace(converted<Wide>(*c.exact, enclosure_of<Wide>)));
+        else
+            p->constants = CylinderConstants<Wide>(c);
     }
     return *p;
 }
@@ -195,9 +194,9 @@ HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
         const RadialJet<Wide> j = radial_jet<1>(f, x, y);
         return {j.v, j.x, j.y};
     }
-    const auto& [p, cylinder] = wide(f);
-    if (cylinder) return cylinder_jet(*cylinder, p[0], p[1], x, y);
-    if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), p[0], p[1], x, y);
+    const auto& [p, constants, cylinder] = wide(f);
+    if (cylinder) return cylinder_jet(*cylinder, constants, x, y);
+    if (!family_.is_circular(f)) return cylinder_jet(family_.cylinder(f), constants, x, y);
     const auto& [K, A, B, C] = p;
     const Wide two_K = Wide(2.0) * K;
     return {K * (square(x) + square(y)) + A * x + B * y + C, two_K * x + A, two_K * y + B};
@@ -205,9 +204,9 @@ HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
 
 Wide Heights::value(FormId f, const Wide& x, const Wide& y) const {
     if (is_radial()) return radial_jet<0>(f, x, y).v;
-    const auto& [p, cylinder] = wide(f);
-    if (cylinder) return CylinderHeight<Wide>(*cylinder, p[0], p[1], x, y).v;
-    if (!family_.is_circular(f)) return CylinderHeight<Wide>(family_.cylinder(f), p[0], p[1], x, y).v;
+    const auto& [p, constants, cylinder] = wide(f);
+    if (cylinder) return CylinderHeight<Wide>(*cylinder, constants, x, y).v;
+    if (!family_.is_circular(f)) return CylinderHeight<Wide>(family_.cylinder(f), constants, x, y).v;
     return p[0] * (square(x) + square(y)) + p[1] * x + p[2] * y + p[3];
 }
 
@@ -230,11 +229,11 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
                                                       form.ay, form.az, form.rho};
     const HeightJet<Interval> j = jet(f, x, y);
     const Interval &ax = c.ax, &ay = c.ay, &az = c.az, bx = az * ax, by = az * ay;
-    const Interval beta = p.norm * (c.rho + c.pz) + ((x - c.px) * ax + (y - c.py) * ay - c.pz * az) * az;
-    const Interval root = beta + p.A * j.v;
+    const Interval beta = p.cylinder.lift + ((x - c.px) * ax + (y - c.py) * ay) * az;
+    const Interval root = beta + p.cylinder.A * j.v;
     if (root.sign() != Sign::Positive) return {Interval::whole(), Interval::whole(), Interval::whole()};
     const auto second = [&](Interval C, Interval bu, Interval bv, Interval ru, Interval rv) {
-        return (C - two * (bu * rv + bv * ru) - two * p.A * ru * rv) / (two * root);
+        return (C - two * (bu * rv + bv * ru) - two * p.cylinder.A * ru * rv) / (two * root);
     };
     return {second(two * (square(ay) + square(az)), bx, bx, j.gx, j.gx),
             second(-two * ax * ay, bx, by, j.gx, j.gy),

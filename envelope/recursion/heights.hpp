@@ -50,6 +50,25 @@ inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& o
             narrowed(over[1], middle[1] + c.xy * dx + c.yy * dy)};
 }
 
+/// Of the height of a cylinder over a plane base (primitives/forms/cylinder_form.hpp): A = a_z^2, far = |a|^2
+/// rho^2, lift, the part of beta that does not depend on the place, and products of p_z.
+template <class T>
+struct CylinderConstants {
+    T A, far, lift, ax_pz, ay_pz;
+
+    CylinderConstants() = default;
+    template <class Cylinder>
+    explicit CylinderConstants(const Cylinder& f) {
+        const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho), level = square(ax) + square(ay);
+        A = square(az);
+        const T norm = level + A;
+        far = norm * square(rho);
+        lift = norm * rho + level * pz;
+        ax_pz = ax * pz;
+        ay_pz = ay * pz;
+    }
+};
+
 class Heights {
 public:
     /// The family must outlive this object.
@@ -100,16 +119,17 @@ public:
     Sign compare(FormId f, FormId g, const RationalPoint& p, Decisions& decisions) const;
 
 private:
-    // f of circular forms in intervals; of cylinders N = |a|^2 and A = a_z^2.
+    // f of circular forms in intervals, or what of a cylinder's does not depend on the place.
     struct Prepared {
         Interval a, b, e, inverse_w;
-        Interval norm, A;
+        CylinderConstants<Interval> cylinder;
     };
 
-    // The coefficients over their common denominator; K, A, B, C of circular forms, N and A of cylinders, and
-    // of those that doubles do not give exactly their numbers.
+    // K, A, B, C of circular forms over their common denominator; of cylinders what does not depend on the
+    // place, and of those that doubles do not give exactly their numbers.
     struct WidePrepared {
         std::array<Wide, 4> coefficients;
+        CylinderConstants<Wide> constants;
         std::optional<CylinderNumbers<Wide>> cylinder;
     };
     const WidePrepared& wide(FormId f) const;
