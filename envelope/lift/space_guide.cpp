@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "../../core/numbers/jet.hpp"
+#include "../../core/solver/newton/box.hpp"
 
 namespace vcell::space_fit {
 
@@ -14,6 +15,17 @@ bool holds(const std::array<double, 4>& box, const Vec2& q) {
 }
 
 }  // namespace
+
+Interval StripPart::mean_value(const Interval& value, const std::array<Interval, 2>& gradient,
+                               const Vec2& at) const {
+    const Interval gx = gradient[0], gy = gradient[1], dx(direction.x()), dy(direction.y()), x(at.x()),
+                   y(at.y());
+    const Interval by_sides =
+        value + gx * (Interval(box[0], box[1]) - x) + gy * (Interval(box[2], box[3]) - y);
+    const Interval by_strip = value + (gy * dx - gx * dy) * (across - (dx * y - dy * x)) +
+                              (gx * dx + gy * dy) * (along - (dx * x + dy * y));
+    return intersection(by_sides, by_strip).value_or(by_sides);
+}
 
 ArcGuide::Rays ArcGuide::rays(const SpaceChart::Part& part) const {
     const auto& [x0, x1, y0, y1] = part.box;
@@ -44,6 +56,24 @@ SpaceBox ArcGuide::enclosure(const std::array<double, 4>& box) const {
     return corners;
 }
 
+SpaceBox ArcGuide::enclosure(const StripPart& strip) const {
+    const SpaceBox corners = enclosure(strip.box);
+    SpaceBox tight{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
+    chart_.for_parts(strip.box, [&](const SpaceChart::Part& part) {
+        StripPart here = strip;
+        here.box = part.box;
+        const auto doubts = rays(part).doubts;
+        const auto left = over(here, part.is_back, 0, doubts[0]),
+                   right = over(here, part.is_back, 1, doubts[1]),
+                   both = intersection(left, right).value_or(left);
+        for (int i = 0; i < 4; ++i) {
+            tight[0][i] = std::min(tight[0][i], both[i].lower());
+            tight[1][i] = std::max(tight[1][i], both[i].upper());
+        }
+    });
+    return {tight[0].cwiseMax(corners[0]), tight[1].cwiseMin(corners[1])};
+}
+
 SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack) const {
     const double y = std::get<Plane>(arc_.sites[1].object).point.y();
     const Vec3 v = from.X.head<3>() / from.X[3], w = to.X.head<3>() / to.X[3];
@@ -63,33 +93,62 @@ SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack)
     return corners;
 }
 
+template <class T>
+T ArcGuide::distance_along(int k, const T& x, const T& y, bool is_back) const {
+    return equations_[k == 0 ? 1 : equations_.right].distance_along(chart_.foot(x, y),
+                                                                    chart_.normal(x, y, is_back));
+}
+
+std::array<Interval, 4> ArcGuide::over(const StripPart& strip, bool is_back, int k,
+                                       const Interval& doubt) const {
+    const auto point = [&](const auto& x, const auto& y) {
+        const auto f = chart_.foot(x, y), w = chart_.normal(x, y, is_back);
+        const auto t = distance_along(k, x, y, is_back);
+        return std::array{t * w[0] + f[0], t * w[1] + f[1], t * w[2] + f[2], t};
+    };
+    const auto& [x0, x1, y0, y1] = strip.box;
+    const Interval x(x0, x1), y(y0, y1);
+    using Coordinate = Jet<Interval, 2>;
+    const auto at = point(Interval(x.mid()), Interval(y.mid()));
+    const auto jets = point(Coordinate::variable(x, 0), Coordinate::variable(y, 1));
+    const auto w = chart_.normal(x, y, is_back);
+    std::array<Interval, 4> X;
+    for (int i = 0; i < 4; ++i)
+        X[i] = strip.mean_value(at[i], jets[i].gradient, {x.mid(), y.mid()}) + (i < 3 ? doubt * w[i] : doubt);
+    return X;
+}
+
 // Are the distances of both sites certainly different all over the part? Next to a node they differ by far
 // less than each of them changes over a small box: the mean value theorem tells their difference.
-bool ArcGuide::is_off_arc(const SpaceChart::Part& part) const {
-    const Rays over = rays(part);
+bool ArcGuide::is_off_arc(const StripPart& strip, bool is_back) const {
+    const Rays over = rays({strip.box, is_back});
     const auto& [a, b] = over.distances;
     if (a.upper() < b.lower() || b.upper() < a.lower()) return true;
     const auto difference = [&](const auto& x, const auto& y) {
-        const auto f = chart_.foot(x, y), w = chart_.normal(x, y, part.is_back);
-        return equations_[1].distance_along(f, w) - equations_[equations_.right].distance_along(f, w);
+        return distance_along(0, x, y, is_back) - distance_along(1, x, y, is_back);
     };
-    const auto& [x0, x1, y0, y1] = part.box;
-    const Interval x(x0, x1), y(y0, y1), at_x(x.mid()), at_y(y.mid());
+    const auto& [x0, x1, y0, y1] = strip.box;
+    const Interval x(x0, x1), y(y0, y1);
     using Height = Jet<Interval, 2>;
     const Height slopes = difference(Height::variable(x, 0), Height::variable(y, 1));
-    const Interval value = difference(at_x, at_y) + slopes.gradient[0] * (x - at_x) +
-                           slopes.gradient[1] * (y - at_y) + over.doubts[0] + over.doubts[1];
+    const Interval value = strip.mean_value(difference(Interval(x.mid()), Interval(y.mid())), slopes.gradient,
+                                            {x.mid(), y.mid()}) +
+                           over.doubts[0] + over.doubts[1];
     return !value.contains(0);
 }
 
-bool ArcGuide::is_off_arc(const std::array<double, 4>& box) const {
+bool ArcGuide::is_off_arc(const StripPart& strip) const {
     bool is_off = true;
-    chart_.for_parts(box, [&](const SpaceChart::Part& part) { is_off = is_off && is_off_arc(part); });
+    chart_.for_parts(strip.box, [&](const SpaceChart::Part& part) {
+        StripPart here = strip;
+        here.box = part.box;
+        is_off = is_off && is_off_arc(here, part.is_back);
+    });
     return is_off;
 }
 
-std::array<double, 4> ArcGuide::box_between(const Node& from, const Node& to, const Piece& piece,
-                                            double slack, std::size_t& cells_left) const {
+SpaceBox ArcGuide::enclosure_between(const Node& from, const Node& to, const Piece& piece, double slack,
+                                     std::size_t& cells_left) const {
     const Vec2 &d = piece.direction, n(-d.y(), d.x());
     const std::array ends{chart_point(from.X, piece), chart_point(to.X, piece)};
     double left = infinity, right = -infinity;
@@ -112,18 +171,24 @@ std::array<double, 4> ArcGuide::box_between(const Node& from, const Node& to, co
     const auto part = [&](double a, double b) {
         const Interval s(left, right), t(std::min(a, b), std::max(a, b));
         const Interval x = s * n.x() + t * d.x(), y = s * n.y() + t * d.y();
-        return std::array{std::max(piece.box[0], x.lower()), std::min(piece.box[1], x.upper()),
-                          std::max(piece.box[2], y.lower()), std::min(piece.box[3], y.upper())};
+        return StripPart{d,
+                         s,
+                         t,
+                         {std::max(piece.box[0], x.lower()), std::min(piece.box[1], x.upper()),
+                          std::max(piece.box[2], y.lower()), std::min(piece.box[3], y.upper())}};
     };
+    // Finer cells than this part of the strip's width tell little more.
+    constexpr double finest = 0.125;
     // From where on, between a and b, there may be an arc.
     int cells = 0;
     const auto cut = [&](const auto& self, double a, double b) -> double {
         constexpr int most_cells = 1000;
         if (cells_left > 0) --cells_left;
         const double middle = 0.5 * (a + b);
-        if (const auto box = part(a, b); box[0] > box[1] || box[2] > box[3] || is_off_arc(box)) return b;
-        if (++cells > most_cells || cells_left == 0 || !(std::abs(b - a) > right - left) || middle == a ||
-            middle == b)
+        const StripPart cell = part(a, b);
+        if (cell.box[0] > cell.box[1] || cell.box[2] > cell.box[3] || is_off_arc(cell)) return b;
+        if (++cells > most_cells || cells_left == 0 || !(std::abs(b - a) > finest * (right - left)) ||
+            middle == a || middle == b)
             return a;
         const double first = self(self, a, middle);
         return first == middle ? self(self, middle, b) : first;
@@ -136,7 +201,7 @@ std::array<double, 4> ArcGuide::box_between(const Node& from, const Node& to, co
     const double low = cut(cut, center - reach, center);
     cells = 0;
     const double high = cut(cut, center + reach, center);
-    return low < high ? part(low, high) : piece.box;
+    return low < high ? enclosure(part(low, high)) : enclosure(piece.box);
 }
 
 std::optional<Vec2> ArcGuide::meet(const Vec2& q, const Piece& piece) const {

@@ -14,6 +14,18 @@ namespace vcell::space_fit {
 
 using Piece = MinimizationDiagram::ArcPiece;
 
+// A part of the strip between two lines of the chart in a piece's direction: points s n + t d, d the
+// direction and n across it on its left, as far as they are in a box.
+struct StripPart {
+    Vec2 direction;
+    Interval across, along;  // s, t
+    std::array<double, 4> box;
+
+    // Encloses a function's value over the part, of which the box is one, by the mean value theorem: from its
+    // value in a point of the box and its gradient over it.
+    Interval mean_value(const Interval& value, const std::array<Interval, 2>& gradient, const Vec2& at) const;
+};
+
 class ArcGuide {
 public:
     ArcGuide(const SpaceChart& chart, const SpaceArc& arc, const ArcEquations& equations)
@@ -39,14 +51,15 @@ public:
 
     // Encloses the points (p, t) over a part of the arc, in a box of the chart.
     SpaceBox enclosure(const std::array<double, 4>& box) const;
+    SpaceBox enclosure(const StripPart& strip) const;
     // Encloses them over the lesser arc of a rim between two nodes: a rim has no pieces.
     SpaceBox rim_enclosure(const Node& from, const Node& to, double slack) const;
 
-    // Encloses the part of a piece between two nodes, in the chart: lines in the piece's direction bound a
+    // Encloses the part of a piece between two nodes: lines of the chart in the piece's direction bound a
     // strip, and from both ends of the strip what is certainly off the arc is cut off. slack: of the nodes.
     // `cells`: of the chart that may still be looked at.
-    std::array<double, 4> box_between(const Node& from, const Node& to, const Piece& piece, double slack,
-                                      std::size_t& cells) const;
+    SpaceBox enclosure_between(const Node& from, const Node& to, const Piece& piece, double slack,
+                               std::size_t& cells) const;
 
 private:
     // Over a part of the chart, with what rounding changes about each site's distance.
@@ -55,8 +68,14 @@ private:
         std::array<Interval, 2> distances, doubts;
     };
     Rays rays(const SpaceChart::Part& part) const;
-    bool is_off_arc(const SpaceChart::Part& part) const;
-    bool is_off_arc(const std::array<double, 4>& box) const;
+    // Over coordinates that are Intervals or Jets of them.
+    template <class T>
+    T distance_along(int k, const T& x, const T& y, bool is_back) const;
+    // Where the point over a part may be, by the distance of one site: nearer than rays() tell it where that
+    // changes fast along the strip, but slowly across it.
+    std::array<Interval, 4> over(const StripPart& strip, bool is_back, int k, const Interval& doubt) const;
+    bool is_off_arc(const StripPart& strip, bool is_back) const;
+    bool is_off_arc(const StripPart& strip) const;
     std::optional<Vec2> bisect(const Vec2& q, const Piece& piece) const;
     std::optional<Vec2> approach(Vec2 q, const Vec2& direction) const;
 

@@ -72,8 +72,8 @@ public:
         const bool is_blurred_part =
             is_blurred(equations_, chord.from.X, length) || is_blurred(equations_, chord.to.X, length);
         if (chord.is_all || is_blurred_part) {
-            const auto tight = pieces_.enclosure(
-                pieces_.box_between(chord.from, chord.to, *piece, chord.slack, effort.cells));
+            const auto tight =
+                pieces_.enclosure_between(chord.from, chord.to, *piece, chord.slack, effort.cells);
             // Nothing but the last span may reach the edge's end, or step 4 would end there early.
             const bool holds_end = (chord.end - tight[0]).minCoeff() >= -chord.slack &&
                                    (tight[1] - chord.end).minCoeff() >= -chord.slack;
