@@ -413,7 +413,7 @@ private:
         // The trims of a very short chord err by more than its own room: by what rounding makes it, times the
         // condition.
         constexpr double wider = 16;
-        for (Neighbourhood D(fit.points, slack_, tolerance_);; D.widen(wider)) {
+        for (Neighbourhood D(fit.points, slack_, tolerance_);; D.set_room(wider * D.room)) {
             fit.tube.trims = trims_error(fit.points, proof_.local(fit.points, D), fit.tube);
             if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_)) return fit;
         }

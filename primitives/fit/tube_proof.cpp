@@ -3,8 +3,19 @@
 namespace vcell::space_fit {
 
 bool is_blurred(const ArcEquations& equations, const Vector4d& X, double length) {
-    const Solver solver(equations.frame(X).matrix(), {});
-    return !(solver.is_regular() && 64 * solver.distance(blurs(equations, X)) <= length);
+    // Spans so much longer than the blur have room enough, and so much shorter ones are not worth it.
+    constexpr double longest = 64, shortest = 16;
+    // Of a room in which spans that are not much shorter can be proved.
+    constexpr double small_q = 0.4;
+    const Matrix4d M = equations.frame(X).matrix();
+    const Solver solver(M, {});
+    if (!solver.is_regular()) return true;
+    const double blur = solver.distance(blurs(equations, X));
+    if (longest * blur <= length) return false;
+    if (!(shortest * blur <= length)) return true;
+    std::array<double, 4> variations{};
+    for (int i = 0; i < 3; ++i) variations[i] = equations[i].variation(X, room_of_rounding * blur);
+    return !(Solver(M, variations).q <= small_q);
 }
 
 std::array<double, 4> blurs(const ArcEquations& equations, const Vector4d& X) {
@@ -38,6 +49,18 @@ LocalEquations TubeProof::local(const Points& points, const Neighbourhood& D) co
         here.variations[i] = equations_[i].variation(D.center, here.reach[i]);
     }
     return here;
+}
+
+std::optional<Neighbourhood> TubeProof::room_for_rounding(const Tube& tube,
+                                                          const LocalEquations& here) const {
+    if (tube.is_proved() ? tube.is_joint() : !(tube.q < 1)) return std::nullopt;
+    const Solver solver(here.frame.matrix(), {});
+    if (!solver.is_regular()) return std::nullopt;
+    const double room = room_of_rounding * solver.distance(blurs(equations_, here.D.center));
+    if (!(room > here.D.room)) return std::nullopt;
+    Neighbourhood wider = here.D;
+    wider.set_room(room);
+    return wider;
 }
 
 Tube TubeProof::curve_tube(const Points& points, const Residuals& residuals, Terminals terminals,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "arc_equations.hpp"
 
@@ -69,9 +70,9 @@ struct Neighbourhood {
                rounding * center.norm();
         radius = half + room;
     }
-    void widen(double factor) {
-        radius += (factor - 1) * room;
-        room *= factor;
+    void set_room(double wider) {
+        radius += wider - room;
+        room = wider;
     }
 };
 
@@ -93,6 +94,9 @@ struct LocalEquations {
 struct Terminals {
     bool from, to;
 };
+
+// A room of so many times what rounding changes about the place of an arc lets spans be linked.
+constexpr double room_of_rounding = 32;
 
 // Does rounding blur the arc so much at X that no span of this length, or a shorter one, can be proved?
 bool is_blurred(const ArcEquations& equations, const Vector4d& X, double length);
@@ -124,8 +128,15 @@ public:
     template <class TrimsError>
     Tube certify(const Points& points, const Residuals& residuals, double most, Terminals terminals,
                  int halvings, const TrimsError& trims_error) const {
-        const LocalEquations here = local(points);
+        LocalEquations here = local(points);
         Tube whole = curve_tube(points, residuals, terminals, here);
+        if (const auto room = room_for_rounding(whole, here)) {
+            const LocalEquations wider = local(points, *room);
+            if (const Tube other = curve_tube(points, residuals, terminals, wider); other.is_proved()) {
+                whole = other;
+                here = wider;
+            }
+        }
         if (whole.is_proved()) whole.trims = trims_error(points, here, whole);
         if (halvings == 0 || is_final(whole, most, halvings)) return whole;
         const std::array<Points, 2> halves = halved(points);
@@ -145,6 +156,8 @@ public:
     }
 
 private:
+    // A D in which what rounding makes of the distance can be linked, where that is what is in the way.
+    std::optional<Neighbourhood> room_for_rounding(const Tube& tube, const LocalEquations& here) const;
     // Steps 2 to 4 in one D.
     Tube curve_tube(const Points& points, const Residuals& residuals, Terminals terminals,
                     const LocalEquations& here) const;
