@@ -331,13 +331,16 @@ private:
                rounding * (2 * span.size() + a.reach_ + b.reach_);
     }
 
-    // Bounds |d^2 - (kappa t + delta)^2| along a span.
+    // Bounds |d^2 - (kappa t + delta)^2| along a span. What rounding has changed about the object, in its
+    // reach, counts times the distance from it, which may be far less, as all terms are about the span's
+    // foot.
     double quadric_bound(const SpanPolynomials& span) const {
         const Vec3 m = point_ - span.foot;
         Bernstein<10> Q = span.square + raised<10>(span.linear(-2 * m, -2 * kappa_ * delta_,
                                                                m.squaredNorm() - square(delta_)));
         if (axis_ != Vec3::Zero()) Q = Q - vcell::square(span.linear(axis_, 0, -axis_.dot(m)));
-        return QuinticNodes::get().largest(Q) + rounding * square(span.size() + reach_);
+        const double size = span.size() + m.norm() + std::abs(delta_);
+        return QuinticNodes::get().largest(Q) + rounding * size * std::max(size, reach_);
     }
     // Bounds d + kappa t + delta from below where d^2 is within `bound` of (kappa t + delta)^2; 0 if it
     // cannot tell.

@@ -309,6 +309,19 @@ TEST_CASE("errors: hostile hairpins: what divides an edge lies on it, not on its
     CHECK(largest_edge_error(hostile("hairpin")) < 1e-3);
 }
 
+TEST_CASE("errors: hostile chords: what rounding blurs is enclosed about as closely as it is long") {
+    CHECK(largest_edge_error(hostile("tubes_all_but_cross")) < 1e-4);
+    CHECK(largest_edge_error(hostile("hairpin")) < 3e-4);
+}
+
+TEST_CASE("errors: hostile rounding: a tube near the base is told by its distance, not by where it reaches") {
+    for (const CellEdge& e : hostile("hairpin").edges) CHECK(e.curve.points.size() < 1200);
+}
+
+TEST_CASE("errors: hostile rooms: spans that rounding blurs are proved where their surroundings are simple") {
+    CHECK(largest_edge_error(hostile("point_on_plane")) < 1e-6);
+}
+
 TEST_CASE("errors: hostile twins: of balls 1e-8 apart vertices and edges state rounding") {
     // Seen from the base its twin's bisector is steep: the other heights tell a vertex.
     for (const auto& [name, most] : {std::pair("twins_over_plane", 1e-11),
