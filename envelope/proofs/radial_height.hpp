@@ -47,7 +47,7 @@ class NormalsAround {
 public:
     NormalsAround() = default;
     explicit NormalsAround(const T& x)
-        : is_point_(x.lower() == x.upper()), is_wide_(x.upper() - x.lower() > 2) {
+        : is_point_(x.lower() == x.upper()), is_wide_(x.upper() - 2 > x.lower()) {
         ends_[0] = end(T(x.lower(), x.lower()));
         ends_[1] = is_point_ ? ends_[0] : end(T(x.upper(), x.upper()));
         const T one(1.0), two(2.0);
@@ -115,7 +115,8 @@ private:
 
     std::array<End, 2> ends_;
     T m_, X_;
-    bool is_point_ = true, is_wide_ = false;
+    bool is_point_ = true;
+    bool is_wide_ = false;  // more than half a turn; 2 is subtracted exactly from what is 1 at least
 };
 
 /// The unit normals of a sphere over a box of the stereographic chart, with their derivatives.

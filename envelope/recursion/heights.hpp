@@ -50,8 +50,9 @@ inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& o
             narrowed(over[1], middle[1] + c.xy * dx + c.yy * dy)};
 }
 
-/// Of the height of a cylinder over a plane base (primitives/forms/cylinder_form.hpp): A = a_z^2, far = |a|^2
-/// rho^2, lift, the part of beta that does not depend on the place, and products of p_z.
+/// A cylinder's height over a plane base (primitives/forms/cylinder_form.hpp) takes these numbers at every
+/// place: A = a_z^2, far = |a|^2 rho^2, lift, the part of beta that does not depend on the place, and
+/// products of p_z. They are computed once.
 template <class T>
 struct CylinderConstants {
     T A, far, lift, ax_pz, ay_pz;
@@ -102,7 +103,8 @@ public:
     std::array<Interval, 2> plain_gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
         return difference(plain_gradient(f, x, y), plain_gradient(g, x, y), x, y);
     }
-    /// Of a height without the distances from tips, what tells gradient differences over a box.
+    /// The gradient of a height without the distances from tips, as differences need it: many are made of
+    /// one.
     struct PlainGradient {
         std::array<Interval, 2> over, middle;
         HeightCurvature<Interval> curvature;

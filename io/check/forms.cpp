@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace vcell::check {
 
@@ -84,6 +85,22 @@ void Form::add_error(double error) {
     error_ = (error_ + error) * (1 + 0x1p-40) + std::numeric_limits<double>::min();
 }
 
+bool Form::add_usual_product(double sign, const Form& a, const Form& b) {
+    const auto adds = [&]<int M, int N, int P, int Q>(std::integer_sequence<int, M, N, P, Q>) {
+        if (a.m_ != M || a.n_ != N || b.m_ != P || b.n_ != Q) return false;
+        // In one variable rows are told apart no more than columns.
+        constexpr bool is_column = N == 0 && Q == 0;
+        add_convolution<is_column ? 0 : M, is_column ? M : N, is_column ? 0 : P, is_column ? P : Q>(
+            sign, a.c_.data(), b.c_.data(), c_.data());
+        return true;
+    };
+    const auto any = [&]<class... Degrees>(Degrees... degrees) { return (adds(degrees) || ...); };
+    using std::integer_sequence;
+    return any(integer_sequence<int, 2, 2, 2, 2>(), integer_sequence<int, 4, 4, 4, 4>(),
+               integer_sequence<int, 2, 0, 2, 0>(), integer_sequence<int, 5, 0, 5, 0>(),
+               integer_sequence<int, 10, 0, 10, 0>(), integer_sequence<int, 8, 0, 2, 0>());
+}
+
 // A sum of n products is off by at most n 2^-53 / (1 - n 2^-53) times the sum of their magnitudes [Higham02,
 // sec. 3.1], which in the Bernstein basis is a mean of products of magnitudes. What was there before is
 // rounded with each of them.
@@ -91,30 +108,10 @@ void Form::add_product(double sign, const Form& a, const Form& b) {
     assert(m_ == a.m_ + b.m_ && n_ == a.n_ + b.n_);
     const double terms = (std::min(a.m_, b.m_) + 1) * (std::min(a.n_, b.n_) + 1);
     const double size = a.norm(), other = &a == &b ? size : b.norm(), before = norm();
-    const auto are = [&](int m, int n, int p, int q) {
-        return a.m_ == m && a.n_ == n && b.m_ == p && b.n_ == q;
-    };
-    const double *x = a.c_.data(), *y = b.c_.data();
-    double* const sum = c_.data();
-    // In one variable rows are told apart no more than columns.
-    if (are(2, 2, 2, 2))
-        add_convolution<2, 2, 2, 2>(sign, x, y, sum);
-    else if (are(4, 4, 4, 4))
-        add_convolution<4, 4, 4, 4>(sign, x, y, sum);
-    else if (are(2, 0, 2, 0))
-        add_convolution<0, 2, 0, 2>(sign, x, y, sum);
-    else if (are(5, 0, 5, 0))
-        add_convolution<0, 5, 0, 5>(sign, x, y, sum);
-    else if (are(10, 0, 10, 0))
-        add_convolution<0, 10, 0, 10>(sign, x, y, sum);
-    else if (are(8, 0, 2, 0))
-        add_convolution<0, 8, 0, 2>(sign, x, y, sum);
-    else if (are(2, 0, 8, 0))
-        add_convolution<0, 8, 0, 2>(sign, y, x, sum);
-    else
+    if (!add_usual_product(sign, a, b) && !add_usual_product(sign, b, a))
         for (int i = 0; i <= a.m_; ++i)
             for (int k = 0; k <= b.m_; ++k) {
-                double* const row = sum + (i + k) * (n_ + 1);
+                double* const row = c_.data() + (i + k) * (n_ + 1);
                 for (int j = 0; j <= a.n_; ++j) {
                     const double factor = sign * a.at(i, j);
                     for (int l = 0; l <= b.n_; ++l) row[j + l] += factor * b.at(k, l);

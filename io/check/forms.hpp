@@ -60,6 +60,8 @@ public:
     static Form combination(const std::array<Term, N>& terms);
     /// Adds a product, or takes it away where `sign` is -1. Pre: degrees add up.
     void add_product(double sign, const Form& a, const Form& b);
+    /// Adds the product's coefficients where the degrees are among those that the compiler knows.
+    bool add_usual_product(double sign, const Form& a, const Form& b);
 
     /// What the polynomial's values lie in.
     Interval range() const;

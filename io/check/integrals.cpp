@@ -72,7 +72,8 @@ private:
                 if (!shadow) continue;
                 const auto* fan = std::get_if<Fan>(&*shadow);
                 if (fan) add_fan(e, uses_[e][k], *fan, span);
-                // Of a fan its shadow alone, and with others beside a spline, which takes time to evaluate.
+                // A fan gives its shadow here, in one go with the other face beside a spline: evaluating that
+                // is what takes time.
                 if (k < 2 && (!fan || span.degree() > 2))
                     direct[k] = &*shadow;
                 else if (fan)

@@ -382,12 +382,12 @@ inline const EstimatingRule& rule_across() {
 
 }  // namespace detail
 
-/// The same integral where a proof would take too long, by the product of two rules. An estimate, if a
-/// generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with those of degrees
-/// n - 2 and n - 1 at p of the integrand's size a rule with n nodes, which knows all up to 2 n - 1, leaves
-/// out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they do not fall
-/// p. f takes several s at once and returns a function of t. False: the effort is spent, and it is a poor
-/// one.
+/// estimate() takes the product of two rules where a proof of the integral would take too long. It is an
+/// estimate, if a generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with
+/// those of degrees n - 2 and n - 1 at p of the integrand's size a rule with n nodes, which knows all up to 2
+/// n - 1, leaves out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they
+/// do not fall p. f takes several s at once and returns a function of t. False: the effort is spent, and it
+/// is a poor one.
 template <std::size_t N, class F>
 bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
               const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {

@@ -105,7 +105,8 @@ struct Fan {
 
 using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Tapered, Fan>;
 
-/// Of a face's edges, in the frame: points on them, and control points, whose hull holds them.
+/// Where a face's edges run, in the frame: points on them, and control points, whose hull holds them. Control
+/// points may lie where the face cannot.
 struct Outline {
     std::vector<Triad<double>> points, controls;
 };
@@ -115,7 +116,7 @@ struct Outline {
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
                              const Outline& outline);
 
-/// Of a Fan its shadow alone.
+/// A Fan has no volume and area here, which take a second variable, but its shadow.
 template <class T>
 Densities<T> densities(const Shadow& shadow, const Place<T>& p);
 /// The area of the face for that of the base at its distance, of a Fan too.
