@@ -23,7 +23,9 @@ using std::sqrt;
 
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;
 
-PowerSpan power_span(const MixedSpan& span) { return PowerSpan({span.points.data(), span.degree + 1u}); }
+PowerSpan power_span(const MixedSpan& span) {
+    return PowerSpan({span.points.data(), span.degree + 1u}, span.points[0].head<3>());
+}
 
 // ---- Circular forms: the fields of measures.cpp -----------------------------------------------------
 
@@ -57,13 +59,15 @@ struct CircularIntegrand {
     }
     std::array<double, 3> sizes(const SpanPoint<double>& p) const {
         const Vector2d at(p.x, p.y), step(p.x1, p.y1);
-        const double q = (at - o).norm(), turn = (q + u * at.norm() / term_rounding) * step.norm();
+        // Of points, which turn with the step.
+        const double noise = u * at.norm() / term_rounding;
+        const double q = (at - o).norm(), turn = (q + noise) * step.norm();
         // f0 itself carries the roundings of large terms that cancel.
         const double height = std::abs(f0) + c * (o - center).squaredNorm() + g.norm() * o.norm();
         const double factor = c / 4 * q * q + g.norm() * q / 3 + height / 2;
         if (k == 0) return {factor * turn, 0.5 * turn, 0.5 * stretch * turn};
         const double d = (at - center).norm();
-        return {factor * turn, 0.5 * turn, std::hypot(1, 2 * d / w) * d * step.norm()};
+        return {factor * turn, 0.5 * turn, std::hypot(1, 2 * d / w) * (d + noise) * step.norm()};
     }
 };
 

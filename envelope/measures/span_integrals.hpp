@@ -46,13 +46,15 @@ class PowerSpan {
 public:
     static constexpr int largest_degree = 5;
 
-    /// Control points (x, y, z, w), w divided out.
-    explicit PowerSpan(std::span<const Eigen::Vector4d> points)
-        : degree_(static_cast<int>(points.size()) - 1) {
+    /// Control points (x, y, z, w), w divided out. Powers are those about `origin`: near the span derivatives
+    /// are known to roundings of its size, however far away it is.
+    explicit PowerSpan(std::span<const Eigen::Vector4d> points,
+                       const Eigen::Vector3d& origin = Eigen::Vector3d::Zero())
+        : degree_(static_cast<int>(points.size()) - 1), origin_(origin) {
         std::array<Eigen::Vector4d, largest_degree + 1> b;
         for (int k = 0; k <= degree_; ++k) {
             const Eigen::Vector4d& p = points[k];
-            b[k] << p.w() * p.head<3>(), p.w();
+            b[k] << p.w() * (p.head<3>() - origin), p.w();
         }
         // De Casteljau at the middle leaves the right half's points, whose k-th differences times a binomial
         // are the coefficients.
@@ -79,7 +81,7 @@ public:
 
     int degree() const { return degree_; }
 
-    /// Homogeneous: (w x, w y, w z, w), the first degree() + 1.
+    /// Homogeneous, about the origin: (w x, w y, w z, w), the first degree() + 1.
     std::array<Eigen::Vector4d, largest_degree + 1> control_points() const {
         // Powers about t = -1, whose differences are those of the control points but for a binomial.
         std::array<Eigen::Vector4d, largest_degree + 1> b = a_;
@@ -115,8 +117,11 @@ public:
         // From the span's middle on: of disks a quotient's numerator and weight would otherwise part as far
         // as the curve is from the origin.
         constexpr bool is_disk = !std::is_same_v<T, double>;
-        Eigen::Vector3d middle;
-        if constexpr (is_disk) middle = a_[0].head<3>() / a_[0].w();
+        Eigen::Vector3d middle, from = origin_;
+        if constexpr (is_disk) {
+            middle = a_[0].head<3>() / a_[0].w();
+            from += middle;
+        }
         const auto coefficient = [&](int k, int i) {
             if constexpr (is_disk)
                 if (i < 3) return a_[k][i] - middle[i] * a_[k].w();
@@ -135,14 +140,12 @@ public:
         const T w = T(1.0) / p[3];
         const T x = p[0] * w, y = p[1] * w, z = p[2] * w;
         const T x1 = (d[0] - x * d[3]) * w, y1 = (d[1] - y * d[3]) * w, z1 = (d[2] - z * d[3]) * w;
-        if constexpr (is_disk)
-            return {T(middle.x()) + x, T(middle.y()) + y, T(middle.z()) + z, x1, y1, z1};
-        else
-            return {x, y, z, x1, y1, z1};
+        return {T(from.x()) + x, T(from.y()) + y, T(from.z()) + z, x1, y1, z1};
     }
 
 private:
     int degree_;
+    Eigen::Vector3d origin_;
     std::array<Eigen::Vector4d, largest_degree + 1> a_;
 };
 

@@ -37,8 +37,8 @@ class Summation {
 public:
     Summation(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
               const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort,
-              bool prove_all)
-        : cell_(cell), frame_(frame), uses_(uses), bands_(bands), effort_(effort), prove_all_(prove_all) {
+              std::span<const std::optional<Precision>> proofs)
+        : cell_(cell), frame_(frame), uses_(uses), bands_(bands), effort_(effort), proofs_(proofs) {
         sums_.faces.resize(cell.faces.size());
         sums_.slack.resize(cell.faces.size());
         sums_.lengths.resize(cell.edges.size());
@@ -52,10 +52,10 @@ public:
         std::size_t pieces = 1;
         for (const CellEdge& edge : cell.edges)
             pieces += edge.curve.points.size() / static_cast<std::size_t>(edge.curve.degree);
-        const double share = 1 / (64.0 * static_cast<double>(pieces));
-        for (std::size_t i = 0; i < 3; ++i) enough_[i] = share * enough[i];
+        share_ = 1 / (64.0 * static_cast<double>(pieces));
+        for (std::size_t i = 0; i < 3; ++i) enough_[i] = share_ * enough[i];
         // Shadows of the whole base are about as large as the unit.
-        enough_of_shadows_ = 0x1p-24 * share;
+        enough_of_shadows_ = 0x1p-24 * share_;
     }
 
     Integrals run() {
@@ -106,9 +106,8 @@ private:
     Interval length_of(const Span& span) {
         std::array<Interval, 1> sum{};
         Effort effort{effort_};
-        sums_.is_complete &=
-            integrate<1>([&]<class T>(const T& s) { return std::array<T, 1>{speed(span.at(s))}; }, -1, 1,
-                         {enough_[2]}, sum, effort);
+        integrate<1>([&]<class T>(const T& s) { return std::array<T, 1>{speed(span.at(s))}; }, -1, 1,
+                     {enough_[2]}, sum, effort);
         return sum[0];
     }
 
@@ -126,7 +125,6 @@ private:
         Effort effort{16 * effort_, 0, ellipse};
         const bool is_complete = integrate<7>(f, -1, 1, enough, sum, effort);
         ellipse = effort.ellipse;
-        sums_.is_complete &= is_complete;
         for (std::size_t k = 0; k < 2; ++k) {
             if (!shadows[k]) continue;
             if (const auto* fan = std::get_if<Fan>(shadows[k]); fan && !is_complete)
@@ -206,15 +204,16 @@ private:
     /// What takes two variables.
     void add_fan(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
         std::array<Interval, 2> sum{};
-        if (prove_all_) {
+        if (const auto& precision = proofs_[use.face]) {
             const auto density = [&]<class T>(const T& s, const T& sigma) {
                 const Densities<T> d = FanSection<T>(fan, span.at(s)).at(sigma);
                 return std::array<T, 2>{d.volume, d.area};
             };
             Effort effort{effort_};
-            sums_.is_complete &=
-                integrate<2>(density, {-1, 0}, {1, 1}, {enough_[0], enough_[1]}, sum, effort);
+            integrate<2>(density, {-1, 0}, {1, 1}, {share_ * precision->volume, share_ * precision->area},
+                         sum, effort);
         } else {
+            sums_.faces[use.face].is_proved = false;
             const auto [volume, area, of_shadow] = enough_for_estimates(e, span);
             sum = estimated<2>({volume, area}, [&](const Approximate& s) {
                 return [section = FanSection<Approximate>(fan, span.at(s))](const Approximate& sigma) {
@@ -233,7 +232,7 @@ private:
         const bool is_told = integrate<1>(
             [&]<class T>(const T& s) { return std::array<T, 1>{FanSection<T>(fan, span.at(s)).shadow()}; },
             -1, 1, {enough_of_shadows_}, shadow, effort);
-        if (!is_told && !prove_all_) {
+        if (!is_told && !proofs_[use.face]) {
             sums_.are_shadows_proved = false;
             shadow = estimated<1>({enough_for_estimates(e, span)[2]}, [&](const Approximate& s) {
                 return [all = FanSection<Approximate>(fan, span.at(s)).shadow()](const Approximate&) {
@@ -250,8 +249,6 @@ private:
         std::array<Interval, N> sum{};
         Effort effort{effort_};
         const bool is_complete = estimate<N>(section, {-1, 0}, {1, 1}, enough, sum, effort);
-        sums_.is_complete &= is_complete;
-        sums_.is_proved = false;
         // Where the rules never came near each other their difference tells little: beside a pole both
         // miss most of it.
         constexpr double poor = 0x1p-16, wider = 16;
@@ -344,7 +341,7 @@ private:
                 return;
             }
             const MidRad share = MidRad(1.0) / chord;
-            sums_.is_complete &= integrate<1>(
+            integrate<1>(
                 [&]<class T>(const T& s) {
                     const Place<T> p = span.at(s);
                     const T dx = (p.dn[0] * p.w - p.n[0] * p.dw), dy = (p.dn[1] * p.w - p.n[1] * p.dw);
@@ -355,7 +352,7 @@ private:
             sums_.sides += sum[0];
             return;
         }
-        sums_.is_complete &= integrate<1>(
+        integrate<1>(
             [&]<class T>(const T& s) {
                 const Place<T> p = span.at(s);
                 const Triad<T> n = p.whole(), dn = p.whole_derivative();
@@ -374,7 +371,8 @@ private:
     const std::vector<std::vector<EdgeUse>>& uses_;
     const std::vector<EdgeBand>& bands_;
     int effort_;
-    bool prove_all_;
+    std::span<const std::optional<Precision>> proofs_;
+    double share_;
     std::array<double, 3> enough_;
     double enough_of_shadows_;
     std::size_t ellipse_ = first_ellipse;  // that was enough last
@@ -386,8 +384,8 @@ private:
 
 Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
                           const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort,
-                          bool prove_all) {
-    return Summation(cell, frame, uses, bands, enough, effort, prove_all).run();
+                          std::span<const std::optional<Precision>> proofs) {
+    return Summation(cell, frame, uses, bands, enough, effort, proofs).run();
 }
 
 }  // namespace vcell::check

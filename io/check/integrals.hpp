@@ -1,7 +1,10 @@
 /// What the edges of a cell enclose, by integrals along them: volumes, areas and shadows of faces, lengths.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "../../envelope/cell.hpp"
@@ -12,7 +15,13 @@ namespace vcell::check {
 struct FaceIntegrals {
     Interval volume, area;  ///< volume: from the plane, the centre or the axis on
     Interval shadow;  ///< area over a plane, solid angle about a sphere, angle times length on a cylinder
-    bool is_known = true;  ///< false: its side of a plane, or a start, could not be told
+    bool is_known = true;   ///< false: its side of a plane, or a start, could not be told
+    bool is_proved = true;  ///< false: what some rule leaves out of volume or area is estimated
+};
+
+/// What of a cell's volume and area need not be known better.
+struct Precision {
+    double volume, area;
 };
 
 /// A face or an edge lies as far from the true one as its edges' errors allow: what that may change.
@@ -28,9 +37,7 @@ struct Integrals {
     /// Of the cell's sides over the rim: walls under a plane's rim, discs and rings where a cylinder's
     /// stretch ends (from the axis on).
     Interval sides = 0.0;
-    bool is_complete = true;         ///< false: some integral's effort was spent
-    bool is_proved = true;           ///< false: what some rule leaves out is estimated
-    bool are_shadows_proved = true;  ///< false: of shadows, too
+    bool are_shadows_proved = true;  ///< false: what some rule leaves out of shadows is estimated
 };
 
 /// One side of an edge.
@@ -48,10 +55,10 @@ struct EdgeBand {
 
 /// In the frame's unit. `bands`: by edge. `enough`:
 /// volume, area and length that need not be known better, of the whole cell. Faces that need integrals in two
-/// variables (of tubes, and on cylinders) are estimated unless `prove_all`, which takes a hundred times as
-/// long. Pre: the structure holds.
+/// variables (of tubes, and on cylinders) are proved where `proofs`, by face, say how exactly, which takes a
+/// hundred times as long as to estimate them. Pre: the structure holds.
 Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
                           const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort,
-                          bool prove_all);
+                          std::span<const std::optional<Precision>> proofs);
 
 }  // namespace vcell::check

@@ -21,6 +21,8 @@ constexpr double kLargestExcess = 0x1p20;
 constexpr double kBlur = 8 * kRounding;
 /// Effort from which on integrals in two variables are proved too.
 constexpr int kEffortOfProofs = 14;
+/// Into which spans and the way to them are cut at most, where proofs are asked for.
+constexpr int kPartsOfProofs = 1 << 12;
 
 class MeasuresRoom : public Room {
 public:
@@ -70,14 +72,66 @@ private:
         // As exact as coordinates are.
         const std::array<double, 3> enough{0x1p-44 * power(size_, 3), 0x1p-44 * power(size_, 2),
                                            0x1p-44 * size_};
-        integrals_ =
-            integrate_faces(cell_, frame_, uses, bands, enough, 1 << std::clamp(options_.effort - 4, 0, 20),
-                            options_.effort >= kEffortOfProofs);
+        const Precision exact{enough[0], enough[1]};
+        std::vector<std::optional<Precision>> proofs(cell_.faces.size());
+        if (options_.effort >= kEffortOfProofs) std::ranges::fill(proofs, exact);
+        int parts = 1 << std::clamp(options_.effort - 4, 0, 20);
+        const auto integrate = [&] {
+            integrals_ = integrate_faces(cell_, frame_, uses, bands, enough, parts, proofs);
+        };
+        integrate();
+        while (asks_for_proofs(proofs, exact)) {
+            parts = std::max(parts, kPartsOfProofs);
+            integrate();
+        }
     }
 
-    /// As many times what rules estimate of their own errors those may be wrong by before they refute
-    /// anything.
-    static constexpr double kDoubt = 16;
+    /// Estimates do not refute: where one contradicts what is stated, proofs are asked for. Of the whole
+    /// cell's measures they need not be more exact than the contradiction.
+    bool asks_for_proofs(std::vector<std::optional<Precision>>& proofs, const Precision& exact) const {
+        bool asks = false;
+        const auto ask = [&](std::size_t f, const Precision& precision) {
+            if (integrals_.faces[f].is_proved) return;
+            proofs[f] = precision;
+            asks = true;
+        };
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
+            const CellFace& face = cell_.faces[f];
+            if (beyond(face.area, face.area_error, integrals_.faces[f].area, integrals_.slack[f].area, 2) > 0)
+                ask(f, exact);
+        }
+        const auto owned = owned_areas();
+        for (std::size_t i = 1; i < cell_.neighbors.size(); ++i) {
+            const auto more = owned.find(cell_.neighbors[i - 1]), less = owned.find(cell_.neighbors[i]);
+            if (more == owned.end() || less == owned.end() || !more->second.is_less(less->second)) continue;
+            for (const std::size_t f : more->second.faces) ask(f, exact);
+            for (const std::size_t f : less->second.faces) ask(f, exact);
+        }
+        const Totals t = totals();
+        if (asks || !t.is_known) return asks;
+        const Measures& m = cell_.measures;
+        const double volume = beyond(m.volume, m.volume_error, t.volume, integrals_.total.volume, 3),
+                     area = std::max(beyond(m.area, m.area_error, t.area, t.object_slack, 2),
+                                     beyond(m.box_area, m.box_area_error, t.box_area, t.box_slack, 2));
+        if (!(volume > 0 || area > 0)) return false;
+        const auto enough = [&](double off, double least, int dimension) {
+            constexpr double coarsest = 0x1p-24;
+            const double most = coarsest * power(size_, dimension);
+            return off > 0 ? std::clamp(off, least, most) : most;
+        };
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
+            ask(f, {enough(volume, exact.volume, 3), enough(area, exact.area, 2)});
+        return asks;
+    }
+
+    /// In the frame's unit, how far a number as stated with its bound is at least from what the enclosure and
+    /// the slack allow; 0 or less: it agrees, or is no number to ask about.
+    double beyond(double stated, double bound, Interval enclosure, double slack, int dimension) const {
+        if (!std::isfinite(stated) || !(bound >= 0)) return 0;
+        const double u = unit(dimension);
+        const Interval off = Interval(stated / u) - enclosure;
+        return std::max({0.0, off.lower(), -off.upper()}) - slack - bound / u;
+    }
 
     /// Judges a number with its bound, both as stated. `slack`: what the edges' errors may change;
     /// `dimension` of the length in its unit.
@@ -92,14 +146,11 @@ private:
         if (!std::isfinite(own))
             return certificate_.leave_open(where, "its integrals could not be enclosed with this effort",
                                            own);
-        const Interval off = Interval(value) - enclosure;
-        const double least = std::max({0.0, off.lower(), -off.upper()}) - slack,
-                     most = off.magnitude() + slack;
-        if (least > b) {
+        const double most = (Interval(value) - enclosure).magnitude() + slack;
+        if (const double off = beyond(stated, bound, enclosure, slack, dimension); off > 0) {
             const std::string what = fmt::format("is {} -+ {:.3g}, integration gives {} -+ {:.3g}", stated,
                                                  bound, enclosure.mid() * u, own * u);
-            if (is_proved || least > b + kDoubt * enclosure.radius())
-                return certificate_.refute(where, what, least * u);
+            if (is_proved) return certificate_.refute(where, what, (off + b) * u);
             return certificate_.leave_open(where, what + " by rules that estimate", most * u);
         }
         const double rounding = kRounding * power(size_, dimension) + slack;
@@ -147,31 +198,45 @@ private:
                 continue;
             }
             judge(face_path(f) + ".area", cell_.faces[f].area, cell_.faces[f].area_error, face.area,
-                  integrals_.slack[f].area, 2, integrals_.is_proved);
+                  integrals_.slack[f].area, 2, face.is_proved);
         }
+    }
+
+    /// Of all faces.
+    struct Totals {
+        Interval volume = 0.0, area = 0.0, box_area = 0.0, shadow = 0.0;
+        double object_slack = 0, box_slack = 0;
+        bool is_known = true, is_proved = true, touches_box = false;
+    };
+
+    Totals totals() const {
+        Totals t;
+        t.box_area = integrals_.sides;
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
+            const FaceIntegrals& face = integrals_.faces[f];
+            const bool is_object = cell_.faces[f].site.is_object();
+            t.is_known &= face.is_known;
+            t.is_proved &= face.is_proved;
+            t.touches_box |= !is_object;
+            t.volume += face.volume;
+            t.shadow += face.shadow;
+            (is_object ? t.area : t.box_area) += face.area;
+            (is_object ? t.object_slack : t.box_slack) += integrals_.slack[f].area;
+        }
+        for (std::size_t e = 0; e < rim_.size(); ++e) {
+            if (!rim_[e]) continue;
+            t.touches_box = true;
+            // Rims end where their neighbours' errors let them.
+            t.box_slack += edge_error(e) * (integrals_.lengths[e].upper() + 2 * size_);
+        }
+        if (geometry_.is_cylinder()) t.box_area -= 2.0 * (pi() * square(frame_.radius()));
+        return t;
     }
 
     void judge_measures() {
         const Measures& m = cell_.measures;
-        Interval volume = 0.0, area = 0.0, box_area = integrals_.sides, shadow = 0.0;
-        bool is_known = true, touches = false;
-        double object_slack = 0, box_slack = 0;
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
-            const FaceIntegrals& face = integrals_.faces[f];
-            is_known &= face.is_known;
-            volume += face.volume;
-            shadow += face.shadow;
-            (cell_.faces[f].site.is_object() ? area : box_area) += face.area;
-            (cell_.faces[f].site.is_object() ? object_slack : box_slack) += integrals_.slack[f].area;
-            touches |= !cell_.faces[f].site.is_object();
-        }
-        if (!is_known) return;  // left open with the face
-        double side_slack = 0;  // rims end where their neighbours' errors let them
-        for (std::size_t e = 0; e < rim_.size(); ++e) {
-            if (!rim_[e]) continue;
-            touches = true;
-            side_slack += edge_error(e) * (integrals_.lengths[e].upper() + 2 * size_);
-        }
+        const Totals t = totals();
+        if (!t.is_known) return;  // left open with the face
         Interval body = 0.0;
         Interval region =
             Interval::ball(geometry_.base_area() / unit(2), 0.25 * kRounding * size_ * size_);  // a plane's
@@ -185,20 +250,17 @@ private:
                                          frame_.length((stretch[1] - stretch[0]).upper()));
             body = pi() * square(r) * length;
             region = 2.0 * (pi() * r * length);
-            box_area -= 2.0 * (pi() * square(r));
         }
-        judge("measures.volume", m.volume, m.volume_error, volume, integrals_.total.volume, 3,
-              integrals_.is_proved);
-        judge("measures.area", m.area, m.area_error, area, object_slack, 2, integrals_.is_proved);
-        judge("measures.box_area", m.box_area, m.box_area_error, box_area, box_slack + side_slack, 2,
-              integrals_.is_proved);
+        judge("measures.volume", m.volume, m.volume_error, t.volume, integrals_.total.volume, 3, t.is_proved);
+        judge("measures.area", m.area, m.area_error, t.area, t.object_slack, 2, t.is_proved);
+        judge("measures.box_area", m.box_area, m.box_area_error, t.box_area, t.box_slack, 2, t.is_proved);
         judge("measures.body_volume", m.body_volume, m.body_volume_error, body, 0, 3);
         judge("measures.base_area", m.base_area, m.base_area_error, region, 0, 2);
-        if (m.touches_box != touches)
-            note("measures.touches_box", fmt::format("is {}, must be {}", m.touches_box, touches));
+        if (m.touches_box != t.touches_box)
+            note("measures.touches_box", fmt::format("is {}, must be {}", m.touches_box, t.touches_box));
         else
             certificate_.prove("measures.touches_box");
-        judge_shadow(shadow);
+        judge_shadow(t.shadow);
     }
 
     /// Edges are used once from either side, so that every base point that is on none lies under the same
@@ -217,7 +279,7 @@ private:
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             if (integrals_.faces[f].shadow.upper() >= -integrals_.slack[f].shadow) continue;
             constexpr const char* what = "its loops run the wrong way around its shadow on the base";
-            if (integrals_.is_proved)
+            if (integrals_.are_shadows_proved)
                 note(face_path(f), what);
             else
                 certificate_.leave_open(face_path(f), fmt::format("{}, by rules that estimate", what),
@@ -235,11 +297,19 @@ private:
         judge("measures.max_clearance", m.max_clearance, m.max_clearance_error, found.greatest, slack, 1);
     }
 
-    void judge_neighbors() {
-        struct Owned {
-            Interval area = 0.0;
-            double slack = 0;
-        };
+    /// What an object owns of the boundary.
+    struct Owned {
+        Interval area = 0.0;
+        double slack = 0;
+        std::vector<std::size_t> faces;
+
+        /// As far as areas are known. asks_for_proofs() has those proved that are not in their order.
+        bool is_less(const Owned& other) const {
+            return area.upper() + slack < other.area.lower() - other.slack;
+        }
+    };
+
+    std::map<std::uint32_t, Owned> owned_areas() const {
         std::map<std::uint32_t, Owned> owned;
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             const auto own = [&](const Site& site) {
@@ -247,10 +317,16 @@ private:
                 Owned& o = owned[site.index];
                 o.area += integrals_.faces[f].area;
                 o.slack += integrals_.slack[f].area + kRounding * size_ * size_;
+                o.faces.push_back(f);
             };
             own(cell_.faces[f].site);
             for (const Site& site : cell_.faces[f].extra_sites) own(site);
         }
+        return owned;
+    }
+
+    void judge_neighbors() {
+        const auto owned = owned_areas();
         std::size_t before = certificate_.count(Verdict::refuted);
         std::map<std::uint32_t, int> listed;
         for (std::size_t i = 0; i < cell_.neighbors.size(); ++i) {
@@ -261,8 +337,8 @@ private:
             } else if (listed[object]++) {
                 note(where, fmt::format("object {} is listed twice", object));
             } else if (i > 0 && owned.contains(cell_.neighbors[i - 1])) {
-                const Owned &more = owned[cell_.neighbors[i - 1]], &less = owned[object];
-                if (more.area.upper() + more.slack < less.area.lower() - less.slack)
+                const Owned &more = owned.at(cell_.neighbors[i - 1]), &less = owned.at(object);
+                if (more.is_less(less))
                     note(where, fmt::format("object {} owns more area than the one before it", object));
             }
         }
