@@ -22,31 +22,65 @@ ControlPoint homogeneous(ControlPoint p) {
     return p;
 }
 
-// Room for the rows of patches of degree 4 inside.
-using Row = SmallVector<Eigen::Vector4d, 5>;
+// Bernstein's polynomials of one degree at t, with their derivatives.
+struct Bernstein {
+    SmallVector<double, 5> values, derivatives;
 
-// De Casteljau's triangle, homogeneous, in place: value at t and derivative with respect to t.
-std::array<Eigen::Vector4d, 2> de_casteljau(Row& p, double t) {
-    const std::size_t degree = p.size() - 1;
-    Eigen::Vector4d derivative = Eigen::Vector4d::Zero();
-    for (std::size_t level = degree; level > 0; --level) {
-        if (level == 1) derivative = static_cast<double>(degree) * (p[1] - p[0]);
-        for (std::size_t i = 0; i < level; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
+    Bernstein(int degree, double t) {
+        values.push_back(1);
+        for (int level = 1; level <= degree; ++level) {
+            if (level == degree) set_derivatives(degree);
+            values.push_back(t * values[level - 1]);
+            for (int i = level - 1; i > 0; --i) values[i] = (1 - t) * values[i] + t * values[i - 1];
+            values[0] *= 1 - t;
+        }
     }
-    return {p[0], derivative};
+
+private:
+    // From the values of one degree less.
+    void set_derivatives(int degree) {
+        for (int i = 0; i <= degree; ++i)
+            derivatives.push_back(degree * ((i > 0 ? values[i - 1] : 0) - (i < degree ? values[i] : 0)));
+    }
+};
+
+Eigen::Vector4d homogeneous_sum(const RationalPatch& patch, const SmallVector<double, 5>& along_u,
+                                const SmallVector<double, 5>& along_v) {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int i = 0; i <= patch.degree_u; ++i)
+        for (int j = 0; j <= patch.degree_v; ++j) {
+            const Eigen::Vector4d& p = patch.point(i, j);
+            const double share = along_u[i] * along_v[j] * p.w();
+            sum.head<3>() += share * p.head<3>();
+            sum.w() += share;
+        }
+    return sum;
 }
 
-// For each control point along u, the homogeneous value and derivative of its row along v.
-std::array<Row, 2> evaluate_rows(const RationalPatch& patch, double t) {
-    std::array<Row, 2> along_u;
-    for (int i = 0; i <= patch.degree_u; ++i) {
-        Row row;
-        for (int j = 0; j <= patch.degree_v; ++j) row.push_back(homogeneous(patch.point(i, j)));
-        const auto [value, dv] = de_casteljau(row, t);
-        along_u[0].push_back(value);
-        along_u[1].push_back(dv);
+// De Boor's triangle on homogeneous points, and the derivative where it is asked for. t is clamped to the
+// domain.
+template <int Dim>
+Eigen::Matrix<double, Dim + 1, 1> homogeneous_at(const RationalCurve<Dim>& curve, double t,
+                                                 Eigen::Matrix<double, Dim + 1, 1>* derivative) {
+    const auto& [degree, knots, points] = curve;
+    assert(degree >= 1 && knots.size() == points.size() + degree + 1);
+    t = std::clamp(t, curve.domain_begin(), curve.domain_end());
+    // The span [knots[k], knots[k+1]) that holds t; the last non-empty one for the end of the domain.
+    const auto last = knots.end() - degree - 1;
+    auto it = std::upper_bound(knots.begin() + degree, last, t);
+    const std::size_t k = static_cast<std::size_t>(it - knots.begin()) - 1;
+    SmallVector<Eigen::Matrix<double, Dim + 1, 1>, 6> d;
+    for (int i = 0; i <= degree; ++i) d.push_back(homogeneous(points[k - degree + i]));
+    for (int level = 1; level <= degree; ++level) {
+        if (level == degree && derivative)
+            *derivative = (d[degree] - d[degree - 1]) * (degree / (knots[k + 1] - knots[k]));
+        for (int i = degree; i >= level; --i) {
+            const double left = knots[k - degree + i], right = knots[k + 1 + i - level];
+            const double s = (t - left) / (right - left);
+            d[i] = (1 - s) * d[i - 1] + s * d[i];
+        }
     }
-    return along_u;
+    return d[degree];
 }
 
 double to_unit(double x, const std::array<double, 2>& domain) {
@@ -57,45 +91,31 @@ double to_unit(double x, const std::array<double, 2>& domain) {
 
 template <int Dim>
 auto RationalCurve<Dim>::evaluate(double t) const -> Point {
-    return evaluate_with_derivative(t)[0];
+    const ControlPoint a = homogeneous_at<Dim>(*this, t, nullptr);
+    return a.template head<Dim>() / a(Dim);
 }
 
 template <int Dim>
 auto RationalCurve<Dim>::evaluate_with_derivative(double t) const -> std::array<Point, 2> {
-    assert(degree >= 1 && knots.size() == points.size() + degree + 1);
-    t = std::clamp(t, domain_begin(), domain_end());
-    // The span [knots[k], knots[k+1]) that holds t; the last non-empty one for the end of the domain.
-    const auto last = knots.end() - degree - 1;
-    auto it = std::upper_bound(knots.begin() + degree, last, t);
-    const std::size_t k = static_cast<std::size_t>(it - knots.begin()) - 1;
-    SmallVector<ControlPoint, 5> d;
-    for (int i = 0; i <= degree; ++i) d.push_back(homogeneous(points[k - degree + i]));
     ControlPoint derivative = ControlPoint::Zero();
-    for (int level = 1; level <= degree; ++level) {
-        if (level == degree) derivative = (d[degree] - d[degree - 1]) * (degree / (knots[k + 1] - knots[k]));
-        for (int i = degree; i >= level; --i) {
-            const double left = knots[k - degree + i], right = knots[k + 1 + i - level];
-            const double s = (t - left) / (right - left);
-            d[i] = (1 - s) * d[i - 1] + s * d[i];
-        }
-    }
-    return dehomogenize<Dim>(d[degree], derivative);
+    const ControlPoint a = homogeneous_at<Dim>(*this, t, &derivative);
+    return dehomogenize<Dim>(a, derivative);
 }
 
 template struct RationalCurve<2>;
 template struct RationalCurve<3>;
 
 Eigen::Vector3d RationalPatch::evaluate(double u, double v) const {
-    Row along_u = evaluate_rows(*this, to_unit(v, domain_v))[0];
-    const Eigen::Vector4d p = de_casteljau(along_u, to_unit(u, domain_u))[0];
-    return p.head<3>() / p(3);
+    const Eigen::Vector4d p = homogeneous_sum(*this, Bernstein(degree_u, to_unit(u, domain_u)).values,
+                                              Bernstein(degree_v, to_unit(v, domain_v)).values);
+    return p.head<3>() / p.w();
 }
 
 std::array<Eigen::Vector3d, 2> RationalPatch::partials(double u, double v) const {
-    auto [along_u, along_u_dv] = evaluate_rows(*this, to_unit(v, domain_v));
-    const double s = to_unit(u, domain_u);
-    const auto [p, du] = de_casteljau(along_u, s);
-    const Eigen::Vector4d dv = de_casteljau(along_u_dv, s)[0];
+    const Bernstein along_u(degree_u, to_unit(u, domain_u)), along_v(degree_v, to_unit(v, domain_v));
+    const Eigen::Vector4d p = homogeneous_sum(*this, along_u.values, along_v.values);
+    const Eigen::Vector4d du = homogeneous_sum(*this, along_u.derivatives, along_v.values);
+    const Eigen::Vector4d dv = homogeneous_sum(*this, along_u.values, along_v.derivatives);
     return {dehomogenize<3>(p, du)[1] / (domain_u[1] - domain_u[0]),
             dehomogenize<3>(p, dv)[1] / (domain_v[1] - domain_v[0])};
 }

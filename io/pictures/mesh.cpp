@@ -504,9 +504,13 @@ private:
 
 double cell_diagonal(const Cell& cell) {
     Eigen::AlignedBox3d box;
+    for (const CellVertex& v : cell.vertices) box.extend(v.point);
     for (const CellEdge& e : cell.edges) {
         constexpr int pieces = 16;
         const double begin = e.curve.domain_begin(), end = e.curve.domain_end();
+        // An edge lies among its control points.
+        const auto is_inside = [&](const Eigen::Vector4d& p) { return box.contains(p.head<3>()); };
+        if (std::ranges::all_of(e.curve.points, is_inside)) continue;
         for (int i = 0; i <= pieces; ++i) box.extend(e.curve.evaluate(begin + (end - begin) * i / pieces));
     }
     // Edges over the rim show how far a plane's region or a cylinder's stretch goes.
