@@ -17,6 +17,14 @@ namespace vcell::quadrature {
 inline constexpr int points = 16;              ///< of the rule where none is chosen
 inline constexpr double truncation = 4e-21;    ///< error bound over the integrand's bound M
 inline constexpr double required_reach = 2.5;  ///< half lengths
+/// How many times larger that ellipse has to be for rules with six, eight and ten points to err by at most
+/// `truncation` M.
+struct ShortRules {
+    double truncation, six, eight, ten;
+};
+inline constexpr ShortRules short_rules{1e-17, 6.15, 2.66, 1.63};
+/// For integrands that grow fast with the ellipse.
+inline constexpr ShortRules tight_rules{truncation, 11.8, 4.31, 2.37};
 /// A span may be halved so often: some forty times for each of many singular points, and into thousands of
 /// parts alike where a face is steep all along it.
 inline constexpr int most_halvings = 20000;

@@ -78,18 +78,20 @@ void add_span(const LocalHeight& f, const ArcSpan& span, BoundedSum& volume, Bou
     const quadrature::Part part(span);
     const double length = part.length;
     double v = 0, a = 0;
-    quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
-        const Vector2d q = p - f.o;
-        const double turn = cross(q, step);
-        v += f.factor(q) * turn;
-        a += turn;
-    });
+    constexpr double any = std::numeric_limits<double>::infinity();
+    const auto [times, missing] = quadrature::visit_nodes(part, any, quadrature::tight_rules,
+                                                          [&](const Vector2d& p, const Vector2d& step) {
+                                                              const Vector2d q = p - f.o;
+                                                              const double turn = cross(q, step);
+                                                              v += f.factor(q) * turn;
+                                                              a += turn;
+                                                          });
     reach += 0.5 * length;
     // The integrand is entire. On the ellipse of quadrature.hpp the arc's complex angle stays below
     // 2.4 * 0.8 < 2, so |q| <= reach + (sinh 2 + cosh 2 - 1) half lengths and the step is at most
     // (sinh 2 + cosh 2) half lengths.
-    const double complex_reach = reach + 3.2 * length;
-    const double truncation = quadrature::truncation * 2 * complex_reach * 3.7 * length;
+    const double complex_reach = reach + 3.2 * times * length;
+    const double truncation = missing * 2 * complex_reach * 3.7 * times * length;
     volume.add(v, reach * length * (term_rounding * f.factor_bound(reach) + f.f0_error) +
                       truncation * f.factor_bound(complex_reach));
     chart_area.add(0.5 * a, term_rounding * reach * length + truncation);
@@ -119,22 +121,24 @@ void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, 
         const double radius = room / (b + std::sqrt(b * b + a * room));
         return kappa > 0 ? std::min(radius, 1 / kappa) : radius;
     };
-    quadrature::visit_parts(span, reach, [&](const quadrature::Part& part, bool is_tame) {
+    quadrature::visit_parts(span, reach, [&](const quadrature::Part& part, double room) {
         double sum = 0;
-        quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
-            const Vector2d q = p - center;
-            const double s = 4 * q.squaredNorm() / (w * w);
-            sum += (s * s + 3 * s + 3) / (3 * ((1 + s) * std::sqrt(1 + s) + 1)) * cross(q, step);
-        });
+        const auto [times, missing] = quadrature::visit_nodes(
+            part, room, quadrature::short_rules, [&](const Vector2d& p, const Vector2d& step) {
+                const Vector2d q = p - center;
+                const double s = 4 * q.squaredNorm() / (w * w);
+                sum += (s * s + 3 * s + 3) / (3 * ((1 + s) * std::sqrt(1 + s) + 1)) * cross(q, step);
+            });
         const double length = part.length, distance = (part.half_way - center).norm();
         const double m = 1 + 4 * distance * distance / (w * w);
         const double divisor = 3 * std::max(0.7, 0.04 * m * std::sqrt(0.04 * m) - 1);
-        // |q| grows by at most 1.8 * 2.4 half lengths on the ellipse, the step is at most 2.8 half lengths.
-        const double truncation = quadrature::truncation * 2 * (4 * m * m + 2 * m + 1) / divisor *
-                                  (distance + 2.2 * length) * 1.4 * length;
+        // |q| grows by at most 1.8 * 2.4 half lengths on the ellipse, the step is at most 2.8 half lengths,
+        // of a part as many times longer as the rule asks for.
+        const double truncation = missing * 2 * (4 * m * m + 2 * m + 1) / divisor *
+                                  (distance + 2.2 * times * length) * 1.4 * times * length;
         const double far = distance + 0.5 * length;
         const double size = std::sqrt(1 + 4 * far * far / (w * w)) * far * length;
-        area.add(sum, term_rounding * size + (is_tame ? truncation : 2 * size));
+        area.add(sum, term_rounding * size + (room > 0 ? truncation : 2 * size));
     });
 }
 
@@ -157,16 +161,17 @@ void add_space_length(const CircularForm& f, const ArcSpan& span, BoundedSum& le
         const double radius = std::sqrt(1 + slope * slope) / (1.73 * bend);
         return kappa != 0 ? std::min(radius, 1 / std::abs(kappa)) : radius;
     };
-    quadrature::visit_parts(span, reach, [&](const quadrature::Part& part, bool is_tame) {
+    quadrature::visit_parts(span, reach, [&](const quadrature::Part& part, double room) {
         double sum = 0;
-        quadrature::visit_nodes(part, [&](const Vector2d& p, const Vector2d& step) {
-            const double rise = gradient(f, p).dot(step);
-            sum += std::sqrt(step.squaredNorm() + rise * rise);
-        });
+        const auto [times, missing] = quadrature::visit_nodes(
+            part, room, quadrature::short_rules, [&](const Vector2d& p, const Vector2d& step) {
+                const double rise = gradient(f, p).dot(step);
+                sum += std::sqrt(step.squaredNorm() + rise * rise);
+            });
         const double slope = gradient(f, part.half_way).dot(part.tangent);
         const double rounding = term_rounding * gradient_size(f, part) * part.length;
         const double truncation =
-            is_tame ? quadrature::truncation * 4 * std::sqrt(1 + slope * slope) * part.length : 2 * sum;
+            room > 0 ? missing * 4 * std::sqrt(1 + slope * slope) * times * part.length : 2 * sum;
         length.add(sum, term_rounding * sum + rounding + truncation);
     });
 }
