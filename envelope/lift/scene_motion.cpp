@@ -281,12 +281,12 @@ private:
         }
     };
 
-    double of_edge(const CellEdge& e, double position, bool is_rim) const {
+    double of_edge(const CellEdge& e, double position, bool is_rim) {
         const RationalCurve3& c = e.curve;
         const std::array terms{Term{e.sites[0]}, Term{e.sites[1], is_rim}};
         if (stays(terms[0]) && stays(terms[1])) return 0;
         double most = 0;
-        int halvings = most_halvings;
+        int halvings = most_halvings + spare_halvings_;
         Piece piece;
         piece.degree = c.degree;
         for (std::size_t i = 0; i + c.degree < c.points.size(); i += c.degree) {
@@ -296,6 +296,7 @@ private:
             }
             most = std::max(most, of_piece(terms, position, piece, halvings));
         }
+        spare_halvings_ = std::min(spare_halvings_, halvings);
         return most;
     }
 
@@ -343,6 +344,9 @@ private:
     }
 
     static constexpr int most_halvings = 1000;  // of an edge
+    // Of all edges that need more: along a tube that all but touches the base rows turn by as much as their
+    // own length in each of thousands of parts.
+    int spare_halvings_ = 20000;
 
     Cell& cell_;
     const IdVector<EdgeId, double>& positions_;
