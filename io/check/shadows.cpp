@@ -386,6 +386,21 @@ Flat flat(const Equation& side, const Triad<double>& corner) {
     return {n, c, dot(n, c) - side.offset, flux, dot(flux, c) + 0.5 * (across * side.offset)};
 }
 
+// The height on a base cylinder's axis at which a tube's integrals start: any is right. Where the axes are
+// all but as far apart as the tube's radius is from the base's, distances along some rays grow beyond all
+// bounds away from their common perpendicular, though the face is near by.
+double start_below_tube(const Equation& tube, double least, double most) {
+    constexpr double nearly = 0x1p-10;
+    const double middle = 0.5 * (least + most), x = tube.c[0].mid(), y = tube.c[1].mid(),
+                 dx = tube.d[0].mid(), dy = tube.d[1].mid(), lean = std::hypot(dx, dy),
+                 delta = std::abs(tube.delta.mid());
+    if (!(lean > 0)) return middle;
+    const double apart = std::abs(x * dy - y * dx) / lean,
+                 foot = tube.c[2].mid() - (x * dx + y * dy) / (lean * lean) * tube.d[2].mid();
+    const bool is_pinched = std::abs(apart - delta) <= nearly * delta;
+    return is_pinched && std::abs(foot - middle) <= most - least ? foot : middle;
+}
+
 }  // namespace
 
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
@@ -404,7 +419,10 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
     if (equation->kind == Equation::Kind::side) return flat(*equation, corners.front());
     const double start = 0.5 * (least + most);
     if (equation->kind == Equation::Kind::plane) return Tapered{*equation, start};
-    return Fan{Fan::Base::cylinder, *equation, {0.0, 0.0, start}};
+    const bool is_tube = equation->kind == Equation::Kind::tube;
+    return Fan{Fan::Base::cylinder,
+               *equation,
+               {0.0, 0.0, is_tube ? start_below_tube(*equation, least, most) : start}};
 }
 
 template <class T>
