@@ -34,9 +34,8 @@ double tube_area(double K, double E2, double first, double v) {
     return first == 0 ? tube_area(K, E2, v) : tube_area(K, E2, v) - tube_area(K, E2, first);
 }
 double tube_area_size(double K, double E2, double first, double v) {
-    const double most2 = std::max(first * first, v * v);
-    return first == 0 ? tube_area_size(K, E2, v)
-                      : (std::abs(v - first) + noise * std::abs(first)) * (K + most2) * sqrt(E2 + most2);
+    const double most2 = std::max(first * first, v * v), at_most = (K + most2) * sqrt(E2 + most2);
+    return first == 0 ? tube_area_size(K, E2, v) : (std::abs(v - first) + noise * std::abs(first)) * at_most;
 }
 
 // The integral of (K + x^2)^2 over 0 <= x <= v.
@@ -45,9 +44,9 @@ double tube_square(double K, double v) {
     return v * (K * K + v2 * (2 * K / 3 + 0.2 * v2));
 }
 double tube_square(double K, double first, double v) { return tube_square(K, v) - tube_square(K, first); }
-double tube_square_size(double K, double first, double v) {
-    const double most = K + std::max(first * first, v * v);
-    return (std::abs(v - first) + noise * std::abs(first)) * most * most;
+// That of the integral of K + x^2; times the greatest value of another factor it is one of the product.
+double tube_linear_size(double K, double first, double v) {
+    return (std::abs(v - first) + noise * std::abs(first)) * (K + std::max(first * first, v * v));
 }
 
 }  // namespace
@@ -56,13 +55,34 @@ namespace radial_integrals {
 
 // ---- Cylinders over a sphere ------------------------------------------------------------------------
 
-TubeFace::TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face) {
+// A quotient of exact numbers, to rounding. Pre: below != 0.
+static double quotient(const Exact& above, const Exact& below) {
+    return above.enclosure().mid() / below.enclosure().mid();
+}
+
+// K is known to rounding though the base's centre may be next to the object's surface.
+TubeFace::TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face) {
+    const auto& cylinder = std::get<Cylinder>(problem.objects[form]);
     axis = cylinder.axis.normalized();
     foot = cylinder.point - axis.dot(cylinder.point) * axis;
     length = foot.norm();
     delta = cylinder.radius - problem.radius;
-    K = (length - delta) * (length + delta);
+    const RadialForm& f = problem.family.radial_form(form);
+    K = quotient(f.c[0], f.a[0] * f.a[0] + f.a[1] * f.a[1] + f.a[2] * f.a[2]);
     first = face.start(axis.dot(face.near));
+}
+
+// E, which cos alpha would round: E^2 is the square of c - delta e, e the unit vector towards the base at
+// alpha = 0, and p = -r e. `p`: from the object's axis, across it.
+template <class V>
+static double edge_square(const TubeFace& f, const V& p, double r) {
+    const double part = f.delta / r;
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double x = f.foot[i] + part * p[i];
+        sum += x * x;
+    }
+    return sum;
 }
 
 double TubeFace::distance(const Ray& ray) const {
@@ -86,25 +106,37 @@ Share TubeFace::share(const Ray& ray) const {
     const double v = t * A, r = t + delta;
     for (int i = 0; i < 3; ++i) p[i] = p[i] - foot[i] - v * axis[i];
     const double angle = dot(axis, cross(p, dp)) / (r * r);
-    const double E2 = length * length + delta * delta + 2 * delta * dot(foot, p) / r;
+    const double E2 = edge_square(*this, p, r);
     const double half = r / (K + v * v);  // 1 / (2 q)
     const double linear = v * (K + v * v / 3) - first * (K + first * first / 3);
     const double volume = half * (half * tube_square(K, first, v) - delta * linear);
     return {volume / 3 * angle, 2 * half * half * tube_area(K, E2, first, v) * angle};
 }
 
+// Sizes are those of values, times the condition of their factors, and what rounding adds to v, E and the
+// angle, each by itself: products of roundings are next to nothing, though single ones may be larger than the
+// values. B and A are rounded by parts of their terms, which may be far larger than R. The stretch of dp
+// along u, whose terms may all but cancel, counts as the axis sees it.
 Share TubeFace::size(const Ray& ray) const {
     const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
-    const double t = distance(ray), condition = 1 + (length + std::abs(delta)) / R, r = t + delta;
-    const double step = t * ray.rate * (1 + t * (length / t + std::abs(A)) / R);
-    // Away from `first` by more, for the rounding of the place.
-    const double at = t * A, v = at + std::copysign(noise * t, at - first), half = r / (K + at * at),
-                 E = length + std::abs(delta), E2 = E * E;
-    const double linear =
-        (std::abs(v - first) + noise * std::abs(first)) * (K + std::max(first * first, v * v));
-    const double volume = half * (half * tube_square_size(K, first, v) + std::abs(delta) * linear) / 3;
-    return {volume * condition * step / r,
-            2 * half * half * tube_area_size(K, E2, first, v) * condition * step / r};
+    const double t = B < 0 ? (R - B) / (A * A) : K / (B + R), v = t * A, r = t + delta, C = K + v * v;
+    const double half = r / C, rounding = noise * t, r2 = r * r;
+    const double condition = 1 + (length + std::abs(delta)) / R + 4 * std::abs(v) * rounding / C;
+    const double across = dot(foot, ray.du) / t, along = A * dot(axis, ray.du);
+    const double stretch = t * t / R * std::abs(across + along),
+                 terms = t * t / R * (std::abs(across) + std::abs(along)),
+                 of_direction = noise * t / R * (length + std::abs(v)) * ray.rate;
+    const double twist = std::abs(dot(axis, cross({foot.x(), foot.y(), foot.z()}, ray.u))) + noise * length;
+    const double angle = (t + length) * (t * ray.rate + stretch) / r2,
+                 off_angle = angle * condition + (terms * condition + of_direction) * twist / r2;
+    Vector p;
+    for (int i = 0; i < 3; ++i) p[i] = t * ray.u[i] - foot[i] - v * axis[i];
+    const double E2 = edge_square(*this, p, r), E = length + std::abs(delta) * (1 + (t + length) / r);
+    const double linear = tube_linear_size(K, first, v), most = K + std::max(first * first, v * v);
+    const double volume = half * (half * most + std::abs(delta)) / 3, area = 2 * half * half;
+    return {volume * (linear * off_angle + rounding * C * angle),
+            area * (tube_area_size(K, E2, first, v) * off_angle +
+                    (rounding * C * sqrt(E2 + v * v) + linear * E) * angle)};
 }
 
 // ---- Over a cylinder, no root ------------------------------------------------------------------------
@@ -112,6 +144,7 @@ Share TubeFace::size(const Ray& ray) const {
 TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Around& face) : least(infinity) {
     const auto across = [](const Vec3& p) { return Vec3(p.x(), 0, p.z()); };
     const Object& object = problem.objects[form];
+    const RadialForm& f = problem.family.radial_form(form);
     is_round = false;
     slope = first = 0;
     start = face.near.y();
@@ -119,7 +152,7 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Arou
         const double delta = sphere->radius - problem.radius;
         b = across(sphere->center);
         b0 = delta;
-        K = (b.norm() - delta) * (b.norm() + delta);
+        K = quotient(4.0 * f.c[0] * f.c[2] - f.c[1] * f.c[1], 4.0 * f.c[2] * f.c[2]);
         start = sphere->center.y();
         first = face.start(face.near.y() - start);
         is_round = true;
@@ -130,7 +163,7 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Arou
         const double delta = cylinder->radius - problem.radius;
         b = across(cylinder->point);
         b0 = delta;
-        K = (b.norm() - delta) * (b.norm() + delta);
+        K = quotient(f.c[0], f.slope * f.slope);
         return;
     }
     const auto& plane = std::get<Plane>(object);
@@ -154,10 +187,16 @@ double TurnedFace::distance(const Ray& ray) const {
     return C / (2.0 * (b0 + dot(b, ray.u)));
 }
 
+// beta^2 + beta'^2: in these terms nothing cancels but in the two themselves.
+double TurnedFace::slope_square(const Ray& ray, double beta) const {
+    const double slope_of_beta = b.x() * ray.u[2] - b.z() * ray.u[0];
+    return beta * beta + slope_of_beta * slope_of_beta;
+}
+
 Share TurnedFace::share(const Ray& ray) const {
     const double along = dot(b, ray.u), beta = b0 + along, v = ray.y - start;
     const double element = -0.5 * turn(ray) / (beta * beta);
-    const double H2 = b0 * b0 + b.squaredNorm() + 2 * b0 * along;  // beta^2 + beta'^2
+    const double H2 = slope_square(ray, beta);
     if (is_round) return {0.25 * tube_square(K, first, v) * element, tube_area(K, H2, first, v) * element};
     const double sv = slope * v;
     const double volume = v * (K * K + sv * (K + sv / 3));
@@ -166,17 +205,21 @@ Share TurnedFace::share(const Ray& ray) const {
 }
 
 Share TurnedFace::size(const Ray& ray) const {
-    const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm();
-    const double element = 0.5 * ray.rate / (beta * beta) * (1 + reach / beta),
+    const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm(), H2 = slope_square(ray, beta);
+    const double element = 0.5 * ray.rate / (beta * beta), condition = 1 + reach / beta,
                  rounding = noise * std::abs(ray.y);
     if (is_round) {
-        const double at = ray.y - start, v = at + std::copysign(rounding, at - first);
-        return {0.25 * tube_square_size(K, first, v) * element,
-                tube_area_size(K, reach * reach, first, v) * element};
+        const double v = ray.y - start, C = K + v * v;
+        const double linear = tube_linear_size(K, first, v), most = K + std::max(first * first, v * v);
+        return {
+            0.25 * (linear * most * condition + rounding * C * C) * element,
+            (tube_area_size(K, H2, first, v) * condition + rounding * C * sqrt(H2 + v * v) + linear * reach) *
+                element};
     }
     const double v = std::abs(ray.y - start) + rounding;
     const double sv = std::abs(slope) * v;
-    return {0.25 * v * (K * K + sv * (K + sv)) * element, v * (K + sv) * std::hypot(reach, slope) * element};
+    return {0.25 * v * (K * K + sv * (K + sv)) * element * condition,
+            v * (K + sv) * (std::hypot(sqrt(H2), slope) * condition + reach) * element};
 }
 
 // ---- Sides of the box over a cylinder ---------------------------------------------------------------
@@ -204,17 +247,24 @@ Share FlatFace::size(const SpanPoint<double>& p) const {
 
 // ---- Skew cylinders over a cylinder -----------------------------------------------------------------
 
-SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, double y)
+SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face)
     : axis(cylinder.axis.normalized()),
       point(cylinder.point - axis.dot(cylinder.point) * axis),
       delta(cylinder.radius - problem.radius),
-      start(y),
+      start(face.near.y()),
       least(infinity) {
     // The foot of the common perpendicular on the base's axis: C is least there.
     const double square = axis.x() * axis.x() + axis.z() * axis.z(), foot = point.y() / square;
     const double apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
     if (foot >= problem.stretch[0] && foot <= problem.stretch[1] && apart > std::abs(delta))
         least = 0.5 * (apart - delta);
+    // Where the axes are |delta| apart, or nearly so, C all but vanishes at the foot. Next to one direction,
+    // in which A and B do so too, t grows beyond all bounds with the distance from the foot, and so does what
+    // stands between a face and any other height.
+    constexpr double touching_part = 0x1p-10;  // a matter of digits: integrals from any height are right
+    if (std::abs(apart - std::abs(delta)) <= touching_part * std::abs(delta) &&
+        std::abs(foot - start) <= face.extent)
+        start = foot;
 }
 
 // C q^2 - 2 B q - A^2 = 0 in one direction w: A is constant, B = B0 + d_y A y, C quadratic in y. With
@@ -277,23 +327,95 @@ static Share skew_rule(const SkewSlice& s, double middle, double half) {
     return {half * sum.volume, half * sum.area};
 }
 
-static Share skew_integral(const SkewSlice& s, double delta, double from, double to, int halvings) {
+// In parts that keep clear of singularities, as many as the budget allows: where it is less than zero
+// afterwards, the value means nothing.
+static Share tame_integral(const SkewSlice& s, double delta, double from, double to, int& budget) {
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
     const double r = room(s, skew_point(s, middle), delta, middle);
     // On an ellipse within 7 half lengths 8 points do what 16 do within 2.5 (quadrature.hpp).
     if (r >= 7 * std::abs(half)) return skew_rule<8>(s, middle, half);
-    if (r >= quadrature::required_reach * std::abs(half) || halvings == 0)
+    if (r >= quadrature::required_reach * std::abs(half))
         return skew_rule<quadrature::points>(s, middle, half);
-    const Share a = skew_integral(s, delta, from, middle, halvings - 1),
-                b = skew_integral(s, delta, middle, to, halvings - 1);
+    if (--budget < 0) return {0, 0};
+    const Share a = tame_integral(s, delta, from, middle, budget);
+    if (budget < 0) return a;
+    const Share b = tame_integral(s, delta, middle, to, budget);
     return {a.volume + b.volume, a.area + b.area};
 }
 
+// Where the surface is steep all along, or nearly singular, so that parts of that kind would be too many:
+// those are halved first of which two rules differ most, and what the rest leaves out is told from the rules.
+class SteepIntegral {
+public:
+    SteepIntegral(const SkewSlice& slice, double from, double to) : slice_(slice) {
+        const Share whole = skew_rule<quadrature::points>(slice, 0.5 * (from + to), 0.5 * (to - from));
+        scale_ = {1 / std::abs(whole.volume), 1 / std::abs(whole.area)};
+        push(from, to);
+        while (count_ < most_parts && parts_[0].weight > 0) {
+            std::pop_heap(parts_.begin(), parts_.begin() + count_);
+            const Part worst = parts_[--count_];
+            const double middle = 0.5 * (worst.from + worst.to);
+            push(worst.from, middle);
+            push(middle, worst.to);
+        }
+    }
+
+    Share value() const {
+        Share sum{0, 0};
+        for (int i = 0; i < count_; ++i) {
+            const Share& part = parts_[i].value;
+            sum.volume += part.volume;
+            sum.area += part.area;
+            sum.volume_rest += part.volume_rest;
+            sum.area_rest += part.area_rest;
+        }
+        return sum;
+    }
+
+private:
+    static constexpr int most_parts = 256;
+
+    struct Part {
+        double from, to;
+        Share value;
+        double weight;  // of what its rule leaves out; 0 where halving is of no more use
+
+        bool operator<(const Part& o) const { return weight < o.weight; }
+    };
+
+    // The rules converge geometrically, and 16 points have twice the degree of 8: ten times the square of
+    // the difference, as integrate_estimated() has it.
+    static double rest(double fine, double coarse) {
+        const double difference = std::abs(fine - coarse), size = std::abs(fine);
+        return difference < size ? std::min(difference, 10 * difference * (difference / size)) : difference;
+    }
+
+    void push(double from, double to) {
+        const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+        const Share coarse = skew_rule<8>(slice_, middle, half);
+        Share fine = skew_rule<quadrature::points>(slice_, middle, half);
+        fine.volume_rest = rest(fine.volume, coarse.volume);
+        fine.area_rest = rest(fine.area, coarse.area);
+        // Next to nothing of the whole.
+        constexpr double enough = std::numeric_limits<double>::epsilon() / most_parts;
+        const double weight = std::max(fine.volume_rest * scale_.volume, fine.area_rest * scale_.area);
+        parts_[count_++] = {from, to, fine, weight > enough ? weight : 0};
+        std::push_heap(parts_.begin(), parts_.begin() + count_);
+    }
+
+    const SkewSlice& slice_;
+    Share scale_{};
+    std::array<Part, most_parts> parts_;
+    int count_ = 0;
+};
+
 Share SkewFace::share(const Ray& ray) const {
-    constexpr int halvings = 40;
-    const Share s = skew_integral(SkewSlice(*this, ray), delta, start, ray.y, halvings);
-    const double angle = turn(ray);
-    return {-s.volume * angle, -s.area * angle};
+    const SkewSlice slice(*this, ray);
+    int budget = 64;
+    Share s = tame_integral(slice, delta, start, ray.y, budget);
+    if (budget < 0) s = SteepIntegral(slice, start, ray.y).value();
+    const double angle = turn(ray), size = std::abs(angle);
+    return {-s.volume * angle, -s.area * angle, s.volume_rest * size, s.area_rest * size};
 }
 
 Share SkewFace::size(const Ray& ray) const {
@@ -311,11 +433,11 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     using namespace radial_integrals;
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
     if (problem.is_sphere) {
-        if (cylinder != nullptr) return TubeFace(problem, *cylinder, face);
+        if (cylinder != nullptr) return TubeFace(problem, form, face);
         return RoundFace(problem, form);
     }
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
-    if (is_skew) return SkewFace(problem, *cylinder, face.near.y());
+    if (is_skew) return SkewFace(problem, *cylinder, face);
     if (problem.sites[form].front().kind == Site::Kind::BoxSide)
         return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
     return TurnedFace(problem, form, face);

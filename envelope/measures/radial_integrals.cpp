@@ -186,7 +186,12 @@ struct SpanIntegrand {
         const Share l = share(left), r = right != nullptr ? share(*right) : Share{0, 0};
         const double speed = sqrt(p.x1 * p.x1 + p.y1 * p.y1 + p.z1 * p.z1);
         const double end = right == nullptr ? 0.5 * (p.x * p.x + p.z * p.z) : 0;
-        if (sizes != nullptr) set_sizes(p, ray, speed, end * ray.rate, *sizes);
+        if (sizes != nullptr) {
+            set_sizes(p, ray, speed, end * ray.rate, *sizes);
+            // Errors are sizes times the rounding of a term: what shares are off by counts in full.
+            const std::array<double, 4> rests{l.volume_rest, l.area_rest, r.volume_rest, r.area_rest};
+            for (int k = 0; k < 4; ++k) (*sizes)[k] += rests[k] / term_rounding;
+        }
         return {l.volume, l.area, r.volume, r.area, speed, end * turn(ray)};
     }
 

@@ -72,9 +72,11 @@ struct Ray {
 /// d theta on a cylinder: x = sin, z = cos.
 inline double turn(const Ray& ray) { return ray.u[2] * ray.du[0] - ray.u[0] * ray.du[2]; }
 
-/// What a boundary element with the face on its left adds to the face's volume and area.
+/// What a boundary element with the face on its left adds to the face's volume and area, and estimates of
+/// what quadrature along the ray left out.
 struct Share {
     double volume, area;
+    double volume_rest = 0, area_rest = 0;
 };
 
 /// Spheres, planes and walls over a sphere.
@@ -120,7 +122,7 @@ struct TubeFace {
     double length, delta, K;  ///< length: |c|
     double first;             ///< along the axis, from the foot: integrals start there
 
-    TubeFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
+    TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
     double least_distance() const { return 0.5 * (length - delta); }
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
@@ -142,6 +144,9 @@ struct TurnedFace {
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
+
+private:
+    double slope_square(const Ray& ray, double beta) const;
 };
 
 /// Sides of the box over a cylinder: they are their own bisectors, and taken as they are. Rays that hardly
@@ -163,7 +168,7 @@ struct SkewFace {
     double delta, start;
     double least;
 
-    SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, double y);
+    SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
     double least_distance() const { return least; }
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;

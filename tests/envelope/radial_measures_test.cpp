@@ -415,6 +415,46 @@ TEST_CASE("radial measures: a line along the ray has the rounding of all of its 
     }
 }
 
+TEST_CASE("radial measures: along steep rays what the budget leaves out is estimated") {
+    // Seen from near where the line touches the base the bisector runs away along it.
+    Scene scene = over(Cylinder{Vec3::Zero(), Vec3::UnitY(), 0.5},
+                       {Cylinder{{0, 0.125, 0.5 * (1 + 1e-9)}, {0.6, 0.8, 0}, 0}}, cube(2));
+    const RadialBaseProblem problem = radial_base_problem(scene);
+    FormId line;
+    for (const FormId f : problem.objects.ids())
+        if (std::holds_alternative<Cylinder>(problem.objects[f])) line = f;
+    REQUIRE(line.valid());
+    const radial_integrals::SkewFace face(problem, std::get<Cylinder>(problem.objects[line]),
+                                          {{0.1, 0.375, 0.1}, 0.01});
+    const quadrature::Rule& rule = quadrature::rule();
+    double most = 0;
+    for (const double angle : {1e-2, 1e-3, 1e-4, 1e-5}) {
+        for (const double side : {-1.0, 1.0}) {
+            radial_integrals::Ray ray{{side * std::sin(angle), 0, std::cos(angle)},
+                                      {std::cos(angle), 0, -side * std::sin(angle)},
+                                      0.25,
+                                      1};
+            const radial_integrals::Share share = face.share(ray);
+            constexpr int parts = 20000;
+            const double half = 0.5 * (ray.y - face.start) / parts;
+            double volume = 0;
+            for (int k = 0; k < parts; ++k)
+                for (int i = 0; i < quadrature::points / 2; ++i)
+                    for (const double x : {-rule.x[i], rule.x[i]}) {
+                        radial_integrals::Ray other = ray;
+                        other.y = face.start + half * (2 * k + 1 + x);
+                        const double t = face.distance(other);
+                        volume -= half * rule.weight[i] * 0.5 * t * t;
+                    }
+            CAPTURE(angle);
+            CHECK(std::abs(share.volume - volume) <= share.volume_rest + 1e-12 * std::abs(volume));
+            CHECK(share.volume_rest <= 1e-9 * std::abs(volume));
+            most = std::max(most, share.area_rest);
+        }
+    }
+    CHECK(most > 0);
+}
+
 TEST_CASE("radial measures: faces as small as rounding are no larger than their boundary allows") {
     // Balls of a cubic lattice, each coordinate up to one unit in the last place off: where eight cells met
     // there are faces of that size. A flat face is no larger than a disk of its perimeter.

@@ -126,7 +126,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
          {"twins_over_plane", "twins_over_tilted_plane", "twins_around_ball", "steep_cone", "near_node",
           "ball_on_line", "plane_on_base", "needle_in_tube", "base_line_in_side", "ends_at_a_tube",
           "ball_at_the_base", "points_and_ball_at_the_base", "twin_lines_over_plane", "tip_beside_side",
-          "hairpin", "twin_planes_over_tilted_plane"}) {
+          "hairpin", "twin_planes_over_tilted_plane", "tube_touches_line", "point_touches_tube",
+          "plane_touches_line"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));

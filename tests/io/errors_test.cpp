@@ -288,6 +288,31 @@ TEST_CASE("errors: hostile steep faces: areas along a sharp bend have bounds") {
     for (const CellFace& face : hostile("tip_beside_region").faces) CHECK(face.area_error < 1e-10);
 }
 
+TEST_CASE("errors: hostile touching tubes: integrals begin where distances are bounded") {
+    // By adaptive quadrature of half the squared distance over angle and height, within 1e-9.
+    for (const auto& [name, volume] : {std::pair("line_touches_tube", 32.0913983207),
+                                       {"line_near_tube", 41.8363141079},
+                                       {"tube_touches_line", 8.3849848036}}) {
+        CAPTURE(name);
+        const Measures m = hostile(name).measures;
+        CHECK(std::abs(m.volume - volume) <= m.volume_error + 1e-9);
+        CHECK(m.volume_error < 1e-9);
+    }
+}
+
+TEST_CASE("errors: hostile needles: areas state what is rounded, not the sizes of all that is around") {
+    for (const char* name : {"point_touches_tube", "tube_touches_point"}) {
+        CAPTURE(name);
+        const Cell cell = hostile(name);
+        for (const CellFace& face : cell.faces) CHECK(face.area_error < 1e-4);
+        CHECK(cell.measures.volume_error < 1e-9);
+    }
+}
+
+TEST_CASE("errors: hostile contact: along an edge gradients may turn thousands of times by their length") {
+    CHECK(largest_edge_error(hostile("plane_touches_line")) < 1e-5);
+}
+
 TEST_CASE("errors: hostile twins: an edge between all but equal lines is proved in few spans") {
     const Cell cell = hostile("twin_lines_over_plane");
     CHECK(largest_edge_error(cell) < 1e-5);
