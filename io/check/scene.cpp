@@ -303,7 +303,9 @@ double SceneGeometry::brute_height(const Ray& ray) const {
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
         const Object& o = scene_.objects[i];
         if (!scene_.competes(i)) continue;
-        if (distance(o, ray.at(t)) >= t) continue;
+        // What rounding makes as near there may be met nowhere at all.
+        if (distance(o, ray.at(t)) >= t - site_rounding(Site::object(static_cast<std::uint32_t>(i))))
+            continue;
         double lo = ray.start, hi = t;
         for (double m = 0.5 * (lo + hi); lo < m && m < hi; m = 0.5 * (lo + hi))
             (distance(o, ray.at(m)) < m ? hi : lo) = m;

@@ -100,7 +100,8 @@ public:
     double excess(const Site& s, const Vec3& p, double r) const;
     /// Some object closer to p than reach, by more than rounding.
     std::optional<std::uint32_t> nearer(const Vec3& p, double reach) const;
-    /// Clearance of the cell along a ray, by brute force.
+    /// Clearance of the cell along a ray, by brute force. Objects count where they are nearer by more than
+    /// rounding.
     double brute_height(const Ray& ray) const;
     /// Who bounds the cell at clearance r.
     Site owner(const Ray& ray, double r) const;

@@ -122,12 +122,26 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
     }
     // Of two balls that are 1e-8 apart one is nearly as near as the other beside its edges, which is left
     // open; so are the length of a conic with a sharp turn, and edges of bisectors that are nearly parallel.
-    for (const char* name :
-         {"twins_over_plane", "twins_over_tilted_plane", "twins_around_ball", "steep_cone", "near_node",
-          "ball_on_line", "plane_on_base", "needle_in_tube", "base_line_in_side", "ends_at_a_tube",
-          "ball_at_the_base", "points_and_ball_at_the_base", "twin_lines_over_plane", "tip_beside_side",
-          "hairpin", "twin_planes_over_tilted_plane", "tube_touches_line", "point_touches_tube",
-          "plane_touches_line"}) {
+    for (const char* name : {"twins_over_plane",
+                             "twins_over_tilted_plane",
+                             "twins_around_ball",
+                             "steep_cone",
+                             "near_node",
+                             "ball_on_line",
+                             "plane_on_base",
+                             "needle_in_tube",
+                             "base_line_in_side",
+                             "ends_at_a_tube",
+                             "ball_at_the_base",
+                             "points_and_ball_at_the_base",
+                             "twin_lines_over_plane",
+                             "tip_beside_side",
+                             "hairpin",
+                             "twin_planes_over_tilted_plane",
+                             "tube_touches_line",
+                             "point_touches_tube",
+                             "plane_touches_line",
+                             "twin_of_base_in_roundings"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
