@@ -38,7 +38,8 @@
 /// the integral of f normal.(q x dq) / (d + 2) along the boundary.
 ///
 /// *Skew cylinders*: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The integrals over y are found by
-/// quadrature, in parts that keep clear of the singularities of t.
+/// quadrature, in parts that keep clear of the singularities of t; where these would be too many, in parts
+/// of which the worst are halved first, and what they leave out is estimated.
 ///
 /// Points of curves that are not exact are taken along their rays to each bisector. So an error of the curve
 /// changes a face's volume, but the sum of those on its two sides only to second order.
