@@ -11,6 +11,7 @@
 #include "core/errors.hpp"
 #include "envelope/cell.hpp"
 #include "envelope/cell_changes.hpp"
+#include "envelope/complete_measures.hpp"
 #include "envelope/point_query.hpp"
 #include "envelope/voronoi_cell.hpp"
 #include "primitives/bisectors/trisector.hpp"

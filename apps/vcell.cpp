@@ -16,6 +16,7 @@
 
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
+#include "../envelope/complete_measures.hpp"
 #include "../envelope/point_query.hpp"
 #include "../envelope/vertex_refinement.hpp"
 #include "../envelope/voronoi_cell.hpp"
@@ -172,13 +173,17 @@ Cell compute_cell(const Scene& scene) {
     return voronoi_cell(scene, options);
 }
 
-/// Warnings, and whether every question was decided.
-Status report(const Cell& cell) {
-    for (const std::string& w : cell.report.warnings) warn(w);
-    const auto assumed = cell.report.decisions.assumed;
+/// Whether every question was decided.
+Status report_assumed(std::uint64_t assumed) {
     if (assumed == 0) return done;
     warn(fmt::format("{} coincidences could not be decided and were taken for granted", assumed));
     return undecided;
+}
+
+/// Warnings, and whether every question was decided.
+Status report(const Cell& cell) {
+    for (const std::string& w : cell.report.warnings) warn(w);
+    return report_assumed(cell.report.decisions.assumed);
 }
 
 // ---- compute -------------------------------------------------------------------------------------
@@ -373,6 +378,8 @@ public:
     explicit Measure(CLI::App& app)
         : command_(*app.add_subcommand("measure", "volume, areas and clearances")) {
         scene_.add_to(command_);
+        command_.add_flag("--complete", complete_,
+                          "of all that is nearest to the base in the box, over base points outside it, too");
         command_.footer("Prints a header and one line, tab-separated.");
     }
 
@@ -380,6 +387,7 @@ public:
 
     Status run() const {
         const Scene scene = scene_.read();
+        if (complete_) return run_complete(scene);
         const Cell cell = scene_.about([&] { return compute_cell(scene); });
         const Measures& m = cell.measures;
         OutputFile out("-");
@@ -395,8 +403,19 @@ public:
     }
 
 private:
+    Status run_complete(const Scene& scene) const {
+        const CompleteMeasures m = scene_.about([&] { return complete_measures(scene); });
+        OutputFile out("-");
+        out.stream() << "volume\tvolume_error\tarea\tarea_error\tneighbors\n"
+                     << fmt::format("{}\t{}\t{}\t{}\t{}\n", m.volume, m.volume_error, m.area, m.area_error,
+                                    m.neighbors.size());
+        out.commit();
+        return report_assumed(m.assumed);
+    }
+
     CLI::App& command_;
     SceneArgument scene_;
+    bool complete_ = false;
 };
 
 // ---- check ---------------------------------------------------------------------------------------

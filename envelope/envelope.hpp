@@ -3,6 +3,7 @@
 
 #include "cell.hpp"
 #include "cell_changes.hpp"
+#include "complete_measures.hpp"
 #include "diagram/minimization_diagram.hpp"
 #include "point_query.hpp"
 #include "vertex_refinement.hpp"

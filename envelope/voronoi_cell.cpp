@@ -13,8 +13,7 @@
 #include "../primitives/bases/plane_base.hpp"
 #include "../primitives/bases/radial_base.hpp"
 #include "../primitives/objects/decided_scene.hpp"
-#include "diagram/minimization_diagram.hpp"
-#include "diagram/settled_vertices.hpp"
+#include "base_diagram.hpp"
 #include "lift/lift.hpp"
 #include "lift/radial_lift.hpp"
 #include "lift/scene_motion.hpp"
@@ -34,42 +33,6 @@ public:
 private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-// The base point over a chart point, canonical.
-Vec3 base_point(const PlaneBaseProblem&, const Vec2& p) { return {p.x(), p.y(), 0}; }
-Vec3 base_point(const RadialBaseProblem& problem, const Vec2& p) { return problem.point(p, problem.radius); }
-
-MinimizationDiagram diagram_of(const PlaneBaseProblem& problem, const EnvelopeOptions& options) {
-    ConvexRegion region;
-    for (const RegionSide& side : problem.region) region.sides.push_back({side.a, side.b, side.c});
-    MinimizationDiagram diagram = lower_envelope(problem.family, region, options);
-    settle_vertices(problem.family, diagram);
-    return diagram;
-}
-
-MinimizationDiagram diagram_of(const RadialBaseProblem& problem, const EnvelopeOptions& options) {
-    if (problem.is_sphere) {
-        MinimizationDiagram diagram = lower_envelope_on_sphere(problem.family, options);
-        settle_vertices(problem.family, diagram);
-        return diagram;
-    }
-    return lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1], options);
-}
-
-// "objects 1, 2, 5: <what> (x, y, z), not told apart within w".
-template <class Problem>
-std::string message(const Assumption& a, const char* what, const Problem& problem) {
-    std::string sites;
-    for (const FormId f : a.forms)
-        for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
-    const Vec3 p = problem.unit * problem.frame.to_world(base_point(problem, a.place));
-    // Over a plane the chart's coordinates are lengths.
-    const double width = std::is_same_v<Problem, PlaneBaseProblem> ? problem.unit * a.width : a.width;
-    char place[128];
-    std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(),
-                  width);
-    return "objects " + sites + ": " + what + " " + place;
-}
 
 // Where an element's numbers or bounds are none, digits or a budget were not enough.
 void require_numbers(const Cell& cell, bool is_measured) {
@@ -135,13 +98,7 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
 
     EnvelopeOptions envelope_options;
     if (options.progress) envelope_options.progress = [&](double fraction) { report("envelope", fraction); };
-    const MinimizationDiagram diagram = [&] {
-        try {
-            return diagram_of(problem, envelope_options);
-        } catch (const TieError& e) {
-            throw UndecidedError(message(e.tie, "seem to be equally near along a curve around", problem));
-        }
-    }();
+    const MinimizationDiagram diagram = diagram_of(problem, envelope_options);
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);

@@ -356,8 +356,11 @@ double axial_unit(const FormFamily& family, double y0, double y1) {
             double lowest = 0;
             for (std::uint32_t f = 0; f < family.size(); ++f)
                 lowest = std::min(lowest, heights.value(FormId{f}, Interval(x), Interval(y)).mid());
-            distances.push_back(-1 / lowest);
+            // Beside an axis that all but lies on a side of the box next to nothing is below the side.
+            if (constexpr double least_part = 0x1p-22; - 1 / lowest > least_part * (y1 - y0))
+                distances.push_back(-1 / lowest);
         }
+    if (distances.empty()) return 1;
     const auto median = distances.begin() + distances.size() / 2;
     std::ranges::nth_element(distances, median);
     return std::isfinite(*median) ? std::ldexp(4.0, std::ilogb(*median)) : 1;

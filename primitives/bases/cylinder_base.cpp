@@ -111,13 +111,14 @@ struct CylinderFrame {
 
 class CylinderProblem {
 public:
-    CylinderProblem(const Scene& scene, const Cylinder& base, double unit)
+    CylinderProblem(const Scene& scene, const Cylinder& base, double unit, const CylinderPart* part)
         : scene_(scene),
           base_(base),
           unit_(unit),
+          walls_(part != nullptr ? part->walls : scene.box),
           frame_(scene, base),
           motion_(frame_.rounded()),
-          stretch_(stretch()),
+          stretch_(part != nullptr ? part->stretch : stretch()),
           objects_(scene) {}
 
     RadialBaseProblem build() {
@@ -143,7 +144,7 @@ private:
         bool is_across_axis() const { return normal.x.sign() == Sign::Zero && normal.z.sign() == Sign::Zero; }
     };
     Side side(std::uint32_t s) const {
-        const WorldSide side(scene_.box, s);
+        const WorldSide side(walls_, s);
         return {Site::box_side(s), frame_.turned(ExactVector(side.normal())), side.distance(frame_.origin)};
     }
 
@@ -190,7 +191,7 @@ private:
         for (std::uint32_t s = 0; s < 6; ++s) {
             const Side side = this->side(s);
             if (!side.is_along_axis()) continue;
-            const WorldSide world(scene_.box, s);
+            const WorldSide world(walls_, s);
             Vec3 p = base_.point;
             p[world.axis] = 2 * world.bound - p[world.axis];
             // An image that is not given by doubles is no object's equal.
@@ -419,7 +420,7 @@ private:
                     form(f));
             }
         }
-        for (const BoxSide& canonical : canonical_box(scene_.box, motion_)) {
+        for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
             const Side side = this->side(canonical.index);
             if (!side.is_across_axis())
                 add(side.site, Plane{canonical.k * canonical.m, canonical.m}, form(side));
@@ -507,6 +508,7 @@ private:
     const Scene& scene_;
     const Cylinder& base_;
     const double unit_;
+    const Box walls_;  // the scene's box, or what takes its place
     const CylinderFrame frame_;
     const BaseFrame motion_;                         // rounded
     std::array<std::optional<Site>, 2> early_ends_;  // sides before which the stretch ends by end_radius()
@@ -521,8 +523,13 @@ double end_radius(const Cylinder& base, const Box& box) {
     return std::max(base.radius, least * box.diagonal());
 }
 
-RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit) {
-    return CylinderProblem(scene, base, unit).build();
+BaseFrame cylinder_frame(const Scene& scene, const Cylinder& base) {
+    return CylinderFrame(scene, base).rounded();
+}
+
+RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit,
+                                        const CylinderPart* part) {
+    return CylinderProblem(scene, base, unit, part).build();
 }
 
 }  // namespace vcell

@@ -1,12 +1,25 @@
 /// Cylinder bases: the scene in canonical position. See radial_base.hpp.
 #pragma once
 
+#include <array>
+
 #include "radial_base.hpp"
 
 namespace vcell {
 
-/// radial_base_problem() of a scene whose base is this cylinder.
-RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit);
+/// What takes the place of a scene's box and of the stretch in it: rays start on this part of the axis, whose
+/// circles may reach beyond the walls, and end there.
+struct CylinderPart {
+    Box walls;                      ///< the axis certainly runs inside, all along the stretch
+    std::array<double, 2> stretch;  ///< canonical
+};
+
+/// RadialBaseProblem::frame of a scene whose base is this cylinder.
+BaseFrame cylinder_frame(const Scene& scene, const Cylinder& base);
+
+/// radial_base_problem() of a scene whose base is this cylinder, or of a part of it.
+RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit,
+                                        const CylinderPart* part = nullptr);
 
 /// The radius of the circles that end the stretch of a base cylinder obliquely on the sides of the box: its
 /// own, or half a double's digits of the box's diagonal. A line that runs into a side has no clearance there,

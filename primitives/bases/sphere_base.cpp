@@ -253,8 +253,8 @@ public:
     SphereProblem(const Scene& scene, const Sphere& base, double unit)
         : scene_(scene), unit_(unit), frame_{base.center, base.radius, {}}, objects_(scene) {}
 
-    RadialBaseProblem build() {
-        check_box();
+    RadialBaseProblem build(BallInBox room) {
+        check_box(room == BallInBox::All ? frame_.radius : 0);
         objects_.balls.reserve(scene_.objects.size());
         powers_.reserve(scene_.objects.size());
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
@@ -268,10 +268,11 @@ public:
     }
 
 private:
-    void check_box() const {
+    // Is a ball of this radius about the base's centre in the box?
+    void check_box(double radius) const {
         for (std::uint32_t s = 0; s < 6; ++s) {
             const WorldSide side(scene_.box, s);
-            const double center = frame_.center[side.axis], radius = frame_.radius;
+            const double center = frame_.center[side.axis];
             const auto by_interval = (side.sign * (Interval(side.bound) - center) - radius).sign();
             const Sign room = by_interval ? *by_interval : (side.distance(frame_.center) - radius).sign();
             if (room == Sign::Negative)
@@ -480,8 +481,8 @@ private:
 
 }  // namespace
 
-RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit) {
-    return SphereProblem(scene, base, unit).build();
+RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit, BallInBox room) {
+    return SphereProblem(scene, base, unit).build(room);
 }
 
 }  // namespace vcell

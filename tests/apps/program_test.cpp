@@ -233,6 +233,21 @@ TEST_CASE("program: plain balls") {
     CHECK(w.run("measure " + example("three_spheres.json") + " --base 0").status == 2);
 }
 
+TEST_CASE("program: measure --complete measures what is nearest to a ball outside the box, too") {
+    Workplace w;
+    w.write("balls.xyzr", "-2 0 0 0.25\n0.5 0.5 0.25 0.125\n");
+    double sum = 0;
+    for (const char* base : {"0", "1"}) {
+        const Outcome o =
+            w.run(std::string("measure balls.xyzr --complete --box -1 -1 -1 1 1 1 --base ") + base);
+        CHECK(o.status == 0);
+        CHECK(o.out.starts_with("volume\tvolume_error\tarea\tarea_error\tneighbors\n"));
+        sum += std::stod(o.out.substr(o.out.find('\n') + 1));
+    }
+    CHECK(std::abs(sum - 8) < 1e-9);
+    CHECK(w.run("measure balls.xyzr --box -1 -1 -1 1 1 1 --base 0").status == 2);
+}
+
 TEST_CASE("program: balls keep their numbers in the file, whichever is the base") {
     Workplace w;
     w.write("row.xyzr", "0 0 0 1\n4 0 0 1\n8 0 0 1\n4 0 4 1\n4 0 4 1\n");

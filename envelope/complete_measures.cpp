@@ -1,0 +1,334 @@
+#include "complete_measures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "../core/errors.hpp"
+#include "../core/platform.hpp"
+#include "../primitives/bases/base_problem.hpp"
+#include "../primitives/bases/cylinder_base.hpp"
+#include "../primitives/bases/sphere_base.hpp"
+#include "../primitives/objects/decided_scene.hpp"
+#include "base_diagram.hpp"
+#include "lift/radial_lift.hpp"
+#include "voronoi_cell.hpp"
+
+namespace vcell {
+
+namespace {
+
+// Rays start this far from a side's plane at least, as a part of the box's diagonal. Nearer to it edges are
+// so small beside their distance from the origin that few digits are left to prove their curves; where those
+// are too few all the same, the next one is taken. What is left out counts in full.
+constexpr std::array<double, 3> least_rooms{0x1p-32, 0x1p-26, 0x1p-20};
+
+// Measures added and taken away.
+class Sum {
+public:
+    void add(const Cell& cell, int sign) {
+        if (!std::isfinite(cell.measures.volume + cell.measures.volume_error + cell.measures.area +
+                           cell.measures.area_error))
+            throw UndecidedError("the cell's measures: no bound on their error");
+        add(volume_, sign * cell.measures.volume, cell.measures.volume_error);
+        for (const CellFace& face : cell.faces) {
+            add_area(face.site, sign * face.area, face.area_error);
+            for (const Site site : face.extra_sites) add_area(site, sign * face.area, face.area_error);
+            if (face.site.is_object()) add(area_, sign * face.area, face.area_error);
+        }
+        is_estimated_ = is_estimated_ || cell.measures.is_estimated;
+        assumed_ += cell.report.decisions.assumed;
+    }
+    // Slabs of the box that no term contains. What faces they hold is not known; those that do not run along
+    // a slab have about its circumference times its width.
+    void leave_out(double width, double diagonal) {
+        if (width == 0) return;
+        volume_.error += width * 0.25 * std::numbers::pi * diagonal * diagonal;
+        const double area = width * std::numbers::pi * diagonal;
+        area_.error += area;
+        for (auto& [object, share] : shares_) share.error += area;
+        is_estimated_ = true;
+    }
+    CompleteMeasures result(double unit) const {
+        CompleteMeasures m;
+        const double square = unit * unit;
+        m.volume = unit * square * std::max(0.0, volume_.value);
+        m.volume_error = unit * square * volume_.bound();
+        m.area = square * std::max(0.0, area_.value);
+        m.area_error = square * area_.bound();
+        m.is_estimated = is_estimated_;
+        m.assumed = assumed_;
+        for (const auto& [object, share] : shares_)
+            if (share.value > share.bound())
+                m.neighbors.push_back({object, square * share.value, square * share.bound()});
+        std::ranges::stable_sort(m.neighbors, std::ranges::greater(), &CompleteMeasures::Neighbor::area);
+        return m;
+    }
+
+private:
+    struct Term {
+        double value = 0, error = 0, size = 0;
+        std::size_t terms = 0;
+
+        double bound() const {
+            return error + std::numeric_limits<double>::epsilon() * static_cast<double>(terms) * size;
+        }
+    };
+    static void add(Term& term, double value, double error) {
+        term.value += value;
+        term.error += error;
+        term.size += std::abs(value);
+        ++term.terms;
+    }
+    void add_area(const Site& site, double area, double error) {
+        if (site.is_object()) add(shares_[site.index], area, error);
+    }
+
+    Term volume_, area_;
+    std::map<std::uint32_t, Term> shares_;
+    bool is_estimated_ = false;
+    std::uint64_t assumed_ = 0;
+};
+
+constexpr int sign_of(unsigned subset) { return std::popcount(subset) % 2 == 0 ? 1 : -1; }
+
+// ---- Planes -----------------------------------------------------------------------------------------
+
+CompleteMeasures of_plane(Scene scene, const Plane& base) {
+    const Box box = scene.box;
+    if (!scene.tolerance) scene.tolerance = 1e-7 * box.diagonal();
+    // The farthest corner's distance along the normal, and more than its rounding.
+    const Vec3 n = base.normal.stableNormalized();
+    double reach = 0x1p-48 * (base.point.norm() + box.min.norm() + box.max.norm());
+    for (int axis = 0; axis < 3; ++axis) {
+        const double bound = n[axis] > 0 ? box.max[axis] : box.min[axis];
+        reach += n[axis] * (bound - base.point[axis]);
+    }
+    Sum sum;
+    if (!(reach > 0)) return sum.result(1);
+    reach *= 1 + 0x1p-10;
+    unsigned along = 0;
+    for (unsigned axis = 0; axis < 3; ++axis)
+        if (base.normal[axis] != 0) along |= 1u << axis;
+    for (unsigned before = 0; before < 8; ++before) {
+        if ((before & ~along) != 0) continue;
+        scene.box = box;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            if ((along & 1u << axis) == 0) continue;
+            const bool is_alone = (before & 1u << axis) != 0;
+            const double step = std::abs(n[axis]) * reach + least_rooms.front() * box.diagonal();
+            if (n[axis] > 0) {
+                if (is_alone) scene.box.max[axis] = box.min[axis];
+                scene.box.min[axis] = box.min[axis] - step;
+            } else {
+                if (is_alone) scene.box.min[axis] = box.max[axis];
+                scene.box.max[axis] = box.max[axis] + step;
+            }
+        }
+        try {
+            sum.add(voronoi_cell(scene), sign_of(before));
+        } catch (const InputError& e) {
+            if (e.kind != InputError::Kind::EmptyBox) throw;
+        }
+    }
+    return sum.result(1);
+}
+
+// ---- Balls and tubes --------------------------------------------------------------------------------
+
+// How points from which rays start lie to the sides of the box.
+struct Sides {
+    Box box;                     // the sides that they all but lie on moved outwards
+    std::array<bool, 6> beyond;  // on the outer side of this one
+    double moved = 0;            // by how much at most
+};
+
+// room(S): the box, with what is beyond the sides in S instead and with that and the box for the others that
+// rays start beyond. They start within `around`.
+Box room(const Sides& sides, unsigned subset, const Box& around) {
+    Box room = sides.box;
+    const double space = 0.25 * sides.box.diagonal();
+    for (unsigned s = 0; s < 6; ++s) {
+        if (!sides.beyond[s]) continue;
+        const unsigned axis = s / 2;
+        const bool is_alone = (subset & 1u << s) != 0;
+        if (s % 2 == 0) {
+            if (is_alone) room.max[axis] = sides.box.min[axis];
+            room.min[axis] = around.min[axis] - space;
+        } else {
+            if (is_alone) room.min[axis] = sides.box.max[axis];
+            room.max[axis] = around.max[axis] + space;
+        }
+    }
+    return room;
+}
+
+template <class Problem>  // make_problem(room) of these rays
+void add_rooms(Sum& sum, const Sides& sides, const Box& around, double tolerance, Problem make_problem) {
+    unsigned beyond = 0;
+    for (unsigned s = 0; s < 6; ++s)
+        if (sides.beyond[s]) beyond |= 1u << s;
+    for (unsigned subset = 0; subset < 64; ++subset) {
+        if ((subset & ~beyond) != 0) continue;
+        const RadialBaseProblem problem = make_problem(room(sides, subset, around));
+        sum.add(lift(problem, diagram_of(problem, {}), tolerance).cell, sign_of(subset));
+    }
+}
+
+double tolerance_of(const Scene& scene) { return scene.tolerance.value_or(1e-7 * scene.box.diagonal()); }
+
+CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit) {
+    const double least = least_rooms.front() * scene.box.diagonal();
+    Sides sides{scene.box, {}};
+    for (unsigned s = 0; s < 6; ++s) {
+        double& bound = (s % 2 == 0 ? sides.box.min : sides.box.max)[s / 2];
+        const double sign = s % 2 == 0 ? -1 : 1, center = base.center[s / 2];
+        sides.beyond[s] = sign * (center - bound) > least;
+        if (sides.beyond[s] || sign * (bound - center) > least) continue;
+        bound = center + sign * least;
+        sides.moved += 2 * least;
+    }
+    Sum sum;
+    add_rooms(sum, sides, {base.center, base.center}, tolerance_of(scene), [&](const Box& room) {
+        Scene part = scene;
+        part.box = room;
+        return sphere_base_problem(part, base, unit, BallInBox::Centre);
+    });
+    sum.leave_out(sides.moved, scene.box.diagonal());
+    return sum.result(unit);
+}
+
+class AroundCylinder {
+public:
+    AroundCylinder(const Scene& scene, const Cylinder& base, double unit)
+        : scene_(scene),
+          base_(base),
+          unit_(unit),
+          diagonal_(scene.box.diagonal()),
+          least_(least_rooms.front() * diagonal_),
+          frame_(cylinder_frame(scene, base)),
+          box_(scene.box) {}
+
+    CompleteMeasures operator()() {
+        const std::array<double, 2> range = find_range();
+        move_sides(range);
+        ends_ = {{range[0], 0}, {range[1], 0}};
+        for (const BoxSide& side : canonical_box(box_, frame_))
+            if (side.m.y() != 0 && !is_across(side))
+                ends_.push_back({side.k / side.m.y(), 1 / std::abs(side.m.y())});
+        std::ranges::sort(ends_, {}, &End::y);
+        for (std::size_t i = 0; i + 1 < ends_.size(); ++i)
+            if (ends_[i].y >= range[0] && ends_[i + 1].y <= range[1] && ends_[i].y < ends_[i + 1].y)
+                add({ends_[i].y, ends_[i + 1].y});
+        sum_.leave_out(left_out_, diagonal_);
+        return sum_.result(unit_);
+    }
+
+private:
+    // Of a part of the axis: where it crosses a side's plane, and how much longer than its distance from that
+    // the way along the axis is; or where the box ends.
+    struct End {
+        double y, slant;
+    };
+
+    static bool is_across(const BoxSide& side) { return side.m.x() == 0 && side.m.z() == 0; }
+
+    // Where planes across the axis meet the box, and a little more, so that it does not end with an edge of
+    // the box along which two sides tie; but no more where it ends with a side.
+    std::array<double, 2> find_range() const {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        std::array<double, 2> range{infinity, -infinity};
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            Vec3 p;
+            for (unsigned axis = 0; axis < 3; ++axis)
+                p[axis] = ((corner & 1u << axis) != 0 ? box_.max : box_.min)[axis];
+            const double y = frame_.to_canonical(p).y();
+            range = {std::min(range[0], y), std::max(range[1], y)};
+        }
+        const bool ends_with_sides = std::ranges::any_of(canonical_box(box_, frame_), is_across);
+        const double more = ends_with_sides ? 0 : 0x1p-10 * (range[1] - range[0]);
+        return {range[0] - more, range[1] + more};
+    }
+
+    // Sides that the axis runs along so closely that less is left out if they move out of its way than if the
+    // axis is cut where it crosses them.
+    void move_sides(const std::array<double, 2>& range) {
+        for (const BoxSide& side : canonical_box(box_, frame_)) {
+            const double slope = std::abs(side.m.y()), low = side.k - side.m.y() * range[0],
+                         high = side.k - side.m.y() * range[1];
+            if (is_across(side) || std::min(low, high) > least_ || std::max(low, high) < -least_) continue;
+            if (slope * std::max(std::abs(low), std::abs(high)) > least_) continue;
+            const double step = least_ - std::min(low, high);
+            double& bound = (side.index % 2 == 0 ? box_.min : box_.max)[side.index / 2];
+            bound += side.index % 2 == 0 ? -step : step;
+            left_out_ += step;
+        }
+    }
+
+    void add(const std::array<double, 2>& part) {
+        const double middle = 0.5 * part[0] + 0.5 * part[1];
+        for (const double least : least_rooms) {
+            std::array<double, 2> stretch = part;
+            for (const End& end : ends_) {
+                const double room = least * diagonal_ * end.slant;
+                if (end.y < middle)
+                    stretch[0] = std::max(stretch[0], end.y + room);
+                else
+                    stretch[1] = std::min(stretch[1], end.y - room);
+            }
+            if (!(stretch[0] < stretch[1])) break;
+            try {
+                Sum sum = sum_;
+                add(sum, stretch);
+                sum_ = std::move(sum);
+                left_out_ += (part[1] - stretch[1]) + (stretch[0] - part[0]);
+                return;
+            } catch (const UndecidedError&) {
+                if (least == least_rooms.back() || stretch == part) throw;
+            }
+        }
+        left_out_ += part[1] - part[0];
+    }
+
+    void add(Sum& sum, const std::array<double, 2>& stretch) const {
+        Sides sides{box_, {}};
+        const double middle = 0.5 * (stretch[0] + stretch[1]);
+        for (const BoxSide& side : canonical_box(box_, frame_))
+            sides.beyond[side.index] = !is_across(side) && side.k < side.m.y() * middle;
+        const Vec3 p = frame_.to_world({0, stretch[0], 0}), q = frame_.to_world({0, stretch[1], 0});
+        add_rooms(sum, sides, {p.cwiseMin(q), p.cwiseMax(q)}, tolerance_of(scene_), [&](const Box& room) {
+            const CylinderPart part{room, stretch};
+            return cylinder_base_problem(scene_, base_, unit_, &part);
+        });
+    }
+
+    const Scene& scene_;
+    const Cylinder& base_;
+    const double unit_, diagonal_, least_;
+    const BaseFrame frame_;
+    Box box_;
+    std::vector<End> ends_;
+    double left_out_ = 0;
+    Sum sum_;
+};
+
+}  // namespace
+
+CompleteMeasures complete_measures(const Scene& scene) {
+    return in_ieee_arithmetic("complete_measures()", [&] {
+        validate(scene);
+        if (const auto* plane = std::get_if<Plane>(&scene.base)) return of_plane(scene, *plane);
+        const DecidedScene decided = decide(scene);
+        if (const auto* sphere = std::get_if<Sphere>(&decided.scene.base))
+            return of_sphere(decided.scene, *sphere, decided.unit);
+        return AroundCylinder(decided.scene, std::get<Cylinder>(decided.scene.base), decided.unit)();
+    });
+}
+
+}  // namespace vcell
