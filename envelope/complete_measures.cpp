@@ -96,41 +96,59 @@ private:
     std::uint64_t assumed_ = 0;
 };
 
+Vec3 corner_of(const Box& box, unsigned corner) {
+    const auto coordinate = [&](unsigned axis) {
+        return ((corner & 1u << axis) != 0 ? box.max : box.min)[axis];
+    };
+    return {coordinate(0), coordinate(1), coordinate(2)};
+}
+
 constexpr int sign_of(unsigned subset) { return std::popcount(subset) % 2 == 0 ? 1 : -1; }
 
 // ---- Planes -----------------------------------------------------------------------------------------
 
+// How far before the box, along each axis, base points lie whose rays come into it, and more than the
+// rounding of that; 0 where none do. Feet are linear in the points of the box before the plane, and feet of
+// points on it are in the box: its corners tell.
+std::array<double, 3> steps_before(const Box& box, const Plane& base) {
+    const double rounding = 0x1p-48 * (base.point.norm() + box.min.norm() + box.max.norm()),
+                 least = least_rooms.front() * box.diagonal() + rounding;
+    const Vec3 n = base.normal.stableNormalized();
+    std::array<double, 3> steps{0, 0, 0};
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const Vec3 p = corner_of(box, corner);
+        const double height = n.dot(p - base.point) + rounding;
+        if (height < 0) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (base.normal[axis] == 0) continue;
+            const double foot = p[axis] - n[axis] * height,
+                         step = n[axis] > 0 ? box.min[axis] - foot : foot - box.max[axis];
+            if (step > -least) steps[axis] = std::max(steps[axis], step + 2 * least);
+        }
+    }
+    return steps;
+}
+
 CompleteMeasures of_plane(Scene scene, const Plane& base) {
     const Box box = scene.box;
     if (!scene.tolerance) scene.tolerance = 1e-7 * box.diagonal();
-    // The farthest corner's distance along the normal, and more than its rounding.
-    const Vec3 n = base.normal.stableNormalized();
-    double reach = 0x1p-48 * (base.point.norm() + box.min.norm() + box.max.norm());
-    for (int axis = 0; axis < 3; ++axis) {
-        const double bound = n[axis] > 0 ? box.max[axis] : box.min[axis];
-        reach += n[axis] * (bound - base.point[axis]);
-    }
+    const std::array<double, 3> steps = steps_before(box, base);
     Sum sum;
-    if (!(reach > 0)) return sum.result(1);
-    reach *= 1 + 0x1p-10;
-    unsigned along = 0;
-    for (unsigned axis = 0; axis < 3; ++axis)
-        if (base.normal[axis] != 0) along |= 1u << axis;
     for (unsigned before = 0; before < 8; ++before) {
-        if ((before & ~along) != 0) continue;
         scene.box = box;
+        bool is_asked = true;
         for (unsigned axis = 0; axis < 3; ++axis) {
-            if ((along & 1u << axis) == 0) continue;
             const bool is_alone = (before & 1u << axis) != 0;
-            const double step = std::abs(n[axis]) * reach + least_rooms.front() * box.diagonal();
-            if (n[axis] > 0) {
+            is_asked = is_asked && (!is_alone || steps[axis] > 0);
+            if (base.normal[axis] > 0) {
                 if (is_alone) scene.box.max[axis] = box.min[axis];
-                scene.box.min[axis] = box.min[axis] - step;
+                scene.box.min[axis] = box.min[axis] - steps[axis];
             } else {
                 if (is_alone) scene.box.min[axis] = box.max[axis];
-                scene.box.max[axis] = box.max[axis] + step;
+                scene.box.max[axis] = box.max[axis] + steps[axis];
             }
         }
+        if (!is_asked) continue;
         try {
             sum.add(voronoi_cell(scene), sign_of(before));
         } catch (const InputError& e) {
@@ -245,10 +263,7 @@ private:
         constexpr double infinity = std::numeric_limits<double>::infinity();
         std::array<double, 2> range{infinity, -infinity};
         for (unsigned corner = 0; corner < 8; ++corner) {
-            Vec3 p;
-            for (unsigned axis = 0; axis < 3; ++axis)
-                p[axis] = ((corner & 1u << axis) != 0 ? box_.max : box_.min)[axis];
-            const double y = frame_.to_canonical(p).y();
+            const double y = frame_.to_canonical(corner_of(box_, corner)).y();
             range = {std::min(range[0], y), std::max(range[1], y)};
         }
         const bool ends_with_sides = std::ranges::any_of(canonical_box(box_, frame_), is_across);
