@@ -75,7 +75,7 @@ struct CellFace {
 /// All not_measured, and touches_box false, where measures were not asked for. Each `..._error` bounds the
 /// distance of its measure from that of the true cell, unless it is estimated.
 struct Measures {
-    // The whole cell inside the box with the base's body, and the body's share.
+    // The whole cell inside the box with the base's body, and all of that body.
     double volume = not_measured, volume_error = not_measured;
     double body_volume = not_measured, body_volume_error = not_measured;
     // The cell's boundary without its box sides, these, and the base region.

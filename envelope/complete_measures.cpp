@@ -216,7 +216,7 @@ CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit) 
     add_rooms(sum, sides, {base.center, base.center}, tolerance_of(scene), [&](const Box& room) {
         Scene part = scene;
         part.box = room;
-        return sphere_base_problem(part, base, unit, BallInBox::Centre);
+        return sphere_base_problem(part, base, unit);
     });
     sum.leave_out(sides.moved, scene.box.diagonal());
     return sum.result(unit);

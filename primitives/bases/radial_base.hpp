@@ -118,10 +118,10 @@ struct RadialBaseProblem {
 ///   ball or
 ///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of
 ///                its circles), lies in it, or runs through it near its centre or axis;
-///   EmptyBox     the base sphere reaches beyond a side of the box (touching it from within is fine:
-///   clearance is 0
-///                there), a base of radius 0 lies on a side, or no stretch of the base cylinder is in the
-///                box;
+///   EmptyBox     the base sphere's centre is not inside the box (the ball may reach beyond its sides:
+///   clearance is
+///                negative there), a base cylinder of radius 0 lies on a side, or no stretch of the base
+///                cylinder is in the box;
 ///   OutOfRange   a height's coefficients leave the double range.
 /// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
 /// objects are all but equal.

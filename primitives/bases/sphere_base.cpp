@@ -253,8 +253,8 @@ public:
     SphereProblem(const Scene& scene, const Sphere& base, double unit)
         : scene_(scene), unit_(unit), frame_{base.center, base.radius, {}}, objects_(scene) {}
 
-    RadialBaseProblem build(BallInBox room) {
-        check_box(room == BallInBox::All ? frame_.radius : 0);
+    RadialBaseProblem build() {
+        check_box();
         objects_.balls.reserve(scene_.objects.size());
         powers_.reserve(scene_.objects.size());
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
@@ -268,18 +268,15 @@ public:
     }
 
 private:
-    // Is a ball of this radius about the base's centre in the box?
-    void check_box(double radius) const {
+    // Rays start in the centre.
+    void check_box() const {
         for (std::uint32_t s = 0; s < 6; ++s) {
             const WorldSide side(scene_.box, s);
-            const double center = frame_.center[side.axis];
-            const auto by_interval = (side.sign * (Interval(side.bound) - center) - radius).sign();
-            const Sign room = by_interval ? *by_interval : (side.distance(frame_.center) - radius).sign();
-            if (room == Sign::Negative)
-                fail_empty("does not contain the base sphere (base.sphere): it reaches beyond side " +
-                           to_string(Site::box_side(s)));
-            if (room == Sign::Zero && radius == 0)
-                fail_empty("has the base point (base.sphere) on its side " + to_string(Site::box_side(s)));
+            const Sign room = side.distance(frame_.center).sign();
+            if (room == Sign::Positive) continue;
+            fail_empty("does not contain the base sphere's centre (base.sphere): it lies " +
+                       std::string(room == Sign::Zero ? "on" : "beyond") + " side " +
+                       to_string(Site::box_side(s)));
         }
     }
 
@@ -481,8 +478,8 @@ private:
 
 }  // namespace
 
-RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit, BallInBox room) {
-    return SphereProblem(scene, base, unit).build(room);
+RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit) {
+    return SphereProblem(scene, base, unit).build();
 }
 
 }  // namespace vcell

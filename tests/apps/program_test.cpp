@@ -201,7 +201,7 @@ TEST_CASE("program: bad scenes are status 2, named, and leave nothing") {
     bad = scene;
     bad["base"] = {{"sphere", {{"center", {0, 0, 0}}, {"radius", 0.5}}}};
     CHECK(complaint(bad) ==
-          "vcell: box: does not contain the base sphere (base.sphere): it reaches beyond side box:-z\n");
+          "vcell: box: does not contain the base sphere's centre (base.sphere): it lies on side box:-z\n");
     bad = scene;
     bad["box"]["max"][2] = -1;
     CHECK(complaint(bad).find("vcell: box.min[2]: must be < ") == 0);
@@ -245,7 +245,10 @@ TEST_CASE("program: measure --complete measures what is nearest to a ball outsid
         sum += std::stod(o.out.substr(o.out.find('\n') + 1));
     }
     CHECK(std::abs(sum - 8) < 1e-9);
-    CHECK(w.run("measure balls.xyzr --box -1 -1 -1 1 1 1 --base 0").status == 2);
+    CHECK(
+        w.run("measure balls.xyzr --box -1 -1 -1 1 1 1 --base 0").err ==
+        "vcell: balls.xyzr: box: does not contain the base sphere's centre (base.sphere): it lies beyond side "
+        "box:-x\n");
 }
 
 TEST_CASE("program: balls keep their numbers in the file, whichever is the base") {

@@ -104,19 +104,20 @@ TEST_CASE("radial base: objects that touch, contain or lie in the base are error
         scene_of(tube, {Plane{at(2 + step, 0, 0), {-3, 0, 0}}, Plane{at(0, 0, 10 + 2 * step), {0, 0, 1}}}));
 }
 
-TEST_CASE("radial base: the base must lie in the box") {
+TEST_CASE("radial base: the centre, or circles of the base, must lie in the box") {
     const auto fails = [](const Scene& scene) {
         const InputError error = error_of(scene);
         CHECK(error.kind == Kind::EmptyBox);
         CHECK(error.path == "box");
     };
     Scene scene = scene_of(Sphere{{0.1, 0.2, 0.3}, 2}, {});
-    scene.box.max.z() = 2.3;
-    fails(scene);  // 0.3 + 2 > 2.3, as the doubles are
-    scene = scene_of(Sphere{{0.25, 0.25, 0.25}, 2}, {});
-    scene.box.max.y() = 2.25;
-    CHECK(problem_of(scene).sites.size() == 6);  // touching it from within is fine
-    std::get<Sphere>(scene.base) = {{0, 2.25, 0}, 0};
+    scene.box.max.z() = std::nextafter(0.3, 1.0);
+    CHECK(problem_of(scene).sites.size() == 6);  // the ball may reach beyond its sides
+    scene.box.max.z() = 0.3;
+    fails(scene);
+    std::get<Sphere>(scene.base).radius = 0;
+    fails(scene);
+    scene.box.max.z() = std::nextafter(0.3, 0.0);
     fails(scene);
     scene = scene_of(Cylinder{{0, 0, 0}, {0, 1, 0}, 2}, {});
     scene.box.max.x() = 2;
