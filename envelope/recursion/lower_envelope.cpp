@@ -357,7 +357,7 @@ double axial_unit(const FormFamily& family, double y0, double y1) {
             for (std::uint32_t f = 0; f < family.size(); ++f)
                 lowest = std::min(lowest, heights.value(FormId{f}, Interval(x), Interval(y)).mid());
             // Beside an axis that all but lies on a side of the box next to nothing is below the side.
-            if (constexpr double least_part = 0x1p-22; - 1 / lowest > least_part * (y1 - y0))
+            if (constexpr double least_part = 0x1p-16; - 1 / lowest > least_part * (y1 - y0))
                 distances.push_back(-1 / lowest);
         }
     if (distances.empty()) return 1;

@@ -148,8 +148,8 @@ private:
         return {Site::box_side(s), frame_.turned(ExactVector(side.normal())), side.distance(frame_.origin)};
     }
 
-    // Where R |(n.x, n.z)| + n.y y <= norm distance for all sides, R = R0 or the least radius of such a
-    // circle.
+    // Where R |(n.x, n.z)| + n.y y <= norm distance for all sides that the axis runs into, R = R0 or the
+    // least radius of such a circle.
     std::array<double, 2> stretch() {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         std::array<double, 2> range{-infinity, infinity};
@@ -157,11 +157,10 @@ private:
             const Side side = this->side(s);
             const Sign ahead = side.normal.y.sign();
             if (ahead == Sign::Zero) {
-                const Sign beyond = (Exact(base_.radius) - side.distance).sign();
-                const bool on_side = side.distance.sign() == Sign::Zero && base_.radius == 0;
-                if (beyond == Sign::Positive || on_side)
-                    fail_empty("contains no circle of the base cylinder (base.cylinder): it " +
-                               std::string(on_side ? "lies on side " : "reaches beyond side ") +
+                const Sign room = side.distance.sign();
+                if (room != Sign::Positive)
+                    fail_empty("contains nothing of the base cylinder's axis (base.cylinder): it lies " +
+                               std::string(room == Sign::Zero ? "on" : "beyond") + " side " +
                                to_string(side.site));
                 continue;
             }

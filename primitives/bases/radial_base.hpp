@@ -75,8 +75,8 @@ struct RadialBaseProblem {
     bool is_sphere;
     double radius;  ///< R0
     /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch
-    /// all of whose circles lie in the box; rounded inwards. At ends on oblique sides of the box a circle of
-    /// less than 2^-26 box diagonals counts as one of that radius.
+    /// all of whose circles lie inside the sides of the box that the axis runs into; rounded inwards. At ends
+    /// on oblique sides of the box a circle of less than 2^-26 box diagonals counts as one of that radius.
     std::array<double, 2> stretch{0, 0};
     /// u = chart n / W. A rational rotation (of a cylinder about its axis), exact in the forms, rounded here.
     Eigen::Matrix3d chart = Eigen::Matrix3d::Identity();
@@ -118,10 +118,9 @@ struct RadialBaseProblem {
 ///   ball or
 ///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of
 ///                its circles), lies in it, or runs through it near its centre or axis;
-///   EmptyBox     the base sphere's centre is not inside the box (the ball may reach beyond its sides:
-///   clearance is
-///                negative there), a base cylinder of radius 0 lies on a side, or no stretch of the base
-///                cylinder is in the box;
+///   EmptyBox     the base sphere's centre is not inside the box, a base cylinder's axis not inside the
+///                sides along it (the base may reach beyond them: clearance is negative there), or no
+///                stretch of the base cylinder is in the box;
 ///   OutOfRange   a height's coefficients leave the double range.
 /// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
 /// objects are all but equal.

@@ -245,10 +245,8 @@ TEST_CASE("program: measure --complete measures what is nearest to a ball outsid
         sum += std::stod(o.out.substr(o.out.find('\n') + 1));
     }
     CHECK(std::abs(sum - 8) < 1e-9);
-    CHECK(
-        w.run("measure balls.xyzr --box -1 -1 -1 1 1 1 --base 0").err ==
-        "vcell: balls.xyzr: box: does not contain the base sphere's centre (base.sphere): it lies beyond side "
-        "box:-x\n");
+    CHECK(w.run("measure balls.xyzr --box -1 -1 -1 1 1 1 --base 0").err.find("beyond side box:-x") !=
+          std::string::npos);
 }
 
 TEST_CASE("program: balls keep their numbers in the file, whichever is the base") {

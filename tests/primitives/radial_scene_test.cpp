@@ -122,11 +122,15 @@ TEST_CASE("radial base: the centre, or circles of the base, must lie in the box"
     scene = scene_of(Cylinder{{0, 0, 0}, {0, 1, 0}, 2}, {});
     scene.box.max.x() = 2;
     CHECK(problem_of(scene).stretch == std::array{-10.0, 10.0});
-    scene.box.max.x() = std::nextafter(2.0, 1.0);
+    scene.box.max.x() = std::nextafter(0.0, 1.0);  // along a side it may reach beyond that
+    CHECK(problem_of(scene).stretch == std::array{-10.0, 10.0});
+    scene.box.max.x() = 0;
     fails(scene);
-    scene.base = Cylinder{{2, 0, 0}, {0, 1, 0}, 0};
-    scene.box.max.x() = 2;
+    std::get<Cylinder>(scene.base).radius = 0;
     fails(scene);
+    scene.box.max.x() = -1;
+    fails(scene);
+    scene.box.max.x() = 10;
     scene.base = Cylinder{{-9, -9, -9}, {1, -1, 0}, 2};  // cuts a corner
     fails(scene);
 }
