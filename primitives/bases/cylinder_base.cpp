@@ -162,6 +162,11 @@ private:
                     fail_empty("contains nothing of the base cylinder's axis (base.cylinder): it lies " +
                                std::string(room == Sign::Zero ? "on" : "beyond") + " side " +
                                to_string(side.site));
+                if (nearest(side.distance) < smallest_coefficient)
+                    throw InputError(Kind::OutOfRange, InputError::no_object, "box",
+                                     "side " + to_string(side.site) +
+                                         " is so close to the base cylinder's axis (base.cylinder) that its "
+                                         "height leaves the range of doubles");
                 continue;
             }
             Interval end;

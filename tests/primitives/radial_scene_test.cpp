@@ -122,8 +122,10 @@ TEST_CASE("radial base: the centre, or circles of the base, must lie in the box"
     scene = scene_of(Cylinder{{0, 0, 0}, {0, 1, 0}, 2}, {});
     scene.box.max.x() = 2;
     CHECK(problem_of(scene).stretch == std::array{-10.0, 10.0});
-    scene.box.max.x() = std::nextafter(0.0, 1.0);  // along a side it may reach beyond that
+    scene.box.max.x() = 0x1p-40;  // along a side it may reach beyond that
     CHECK(problem_of(scene).stretch == std::array{-10.0, 10.0});
+    scene.box.max.x() = std::nextafter(0.0, 1.0);
+    CHECK(error_of(scene).kind == Kind::OutOfRange);
     scene.box.max.x() = 0;
     fails(scene);
     std::get<Cylinder>(scene.base).radius = 0;
