@@ -1,20 +1,42 @@
 /// The minimization diagram of a problem, over any base.
 #pragma once
 
+#include <cstdio>
+#include <span>
 #include <string>
 
-#include "../primitives/bases/plane_base.hpp"
+#include "../core/errors.hpp"
 #include "../primitives/bases/radial_base.hpp"
 #include "diagram/minimization_diagram.hpp"
 
 namespace vcell {
 
-/// "objects 1, 2, 5: <what> (x, y, z), not told apart within w".
-std::string message(const Assumption& a, const char* what, const PlaneBaseProblem& problem);
-std::string message(const Assumption& a, const char* what, const RadialBaseProblem& problem);
+/// The lower envelope of a family over the base of its chart, over a plane and a cylinder within these sides.
+/// Vertices over planes and spheres are settled.
+MinimizationDiagram envelope_over(const FormFamily& family, std::span<const RegionSide> region,
+                                  const EnvelopeOptions& options);
 
-/// Vertices are settled. Throws UndecidedError, which names the objects, where forms tie along a curve.
-MinimizationDiagram diagram_of(const PlaneBaseProblem& problem, const EnvelopeOptions& options);
-MinimizationDiagram diagram_of(const RadialBaseProblem& problem, const EnvelopeOptions& options);
+/// "objects 1, 2, 5: <what> (x, y, z), not told apart within w".
+template <class Problem>
+std::string message(const Assumption& a, const char* what, const Problem& problem) {
+    std::string sites;
+    for (const FormId f : a.forms)
+        for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
+    const Vec3 p = problem.unit * problem.frame.to_world(problem.chart.base_point(a.place));
+    char place[128];
+    std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(),
+                  problem.chart.unit_of_coordinates(problem.unit) * a.width);
+    return "objects " + sites + ": " + what + " " + place;
+}
+
+/// Throws UndecidedError, which names the objects, where forms tie along a curve.
+template <class Problem>
+MinimizationDiagram diagram_of(const Problem& problem, const EnvelopeOptions& options) {
+    try {
+        return envelope_over(problem.family, problem.region, options);
+    } catch (const TieError& e) {
+        throw UndecidedError(message(e.tie, "seem to be equally near along a curve around", problem));
+    }
+}
 
 }  // namespace vcell

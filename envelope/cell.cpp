@@ -27,7 +27,7 @@ std::string to_string(CurveKind kind) {
     return "spline";
 }
 
-void scale(Cell& cell, double factor, bool parameters) {
+void scale(Cell& cell, double factor, double of_parameters) {
     if (factor == 1) return;
     const double square = factor * factor, cube = square * factor;
     for (CellVertex& v : cell.vertices) {
@@ -44,12 +44,12 @@ void scale(Cell& cell, double factor, bool parameters) {
         scale_bound(f.area_error, square);
         for (TrimmedPatch& patch : f.patches) {
             for (Eigen::Vector4d& p : patch.surface.points) p.head<3>() *= factor;
-            if (!parameters) continue;
+            if (of_parameters == 1) continue;
             for (std::array<double, 2>* domain : {&patch.surface.domain_u, &patch.surface.domain_v})
-                for (double& bound : *domain) bound *= factor;
+                for (double& bound : *domain) bound *= of_parameters;
             for (std::vector<TrimCurve>& loop : patch.loops)
                 for (TrimCurve& trim : loop)
-                    for (Eigen::Vector3d& p : trim.curve.points) p.head<2>() *= factor;
+                    for (Eigen::Vector3d& p : trim.curve.points) p.head<2>() *= of_parameters;
         }
     }
     Measures& m = cell.measures;

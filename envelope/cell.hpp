@@ -112,7 +112,7 @@ struct Cell {
 };
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
-/// power of two. With `parameters` those of its patches, too.
-void scale(Cell& cell, double factor, bool parameters);
+/// power of two; the parameters of its patches times `of_parameters`.
+void scale(Cell& cell, double factor, double of_parameters);
 
 }  // namespace vcell

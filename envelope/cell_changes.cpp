@@ -82,6 +82,16 @@ Cell insert(Cell cell, const Object& object, const CellOptions& options) {
 
 namespace {
 
+// Of a point from an object; negative in a solid.
+double distance_from(const Object& object, const Vec3& p) {
+    if (const auto* plane = std::get_if<Plane>(&object))
+        return std::abs(plane->normal.stableNormalized().dot(p - plane->point));
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return (p - sphere->center).norm() - sphere->radius;
+    const auto& tube = std::get<Cylinder>(object);
+    return (p - tube.point).cross(tube.axis.stableNormalized()).norm() - tube.radius;
+}
+
 // A lower bound of the distance of a ball from the base region, which lies in the box; of other objects 0.
 double least_distance(const Object& object, const Scene& scene) {
     const auto* ball = std::get_if<Sphere>(&object);
@@ -89,17 +99,8 @@ double least_distance(const Object& object, const Scene& scene) {
     // Beyond the rounding of a handful of sums of squares.
     constexpr double rounding = 0x1p-46;
     const Vec3 nearest = ball->center.cwiseMax(scene.box.min).cwiseMin(scene.box.max);
-    double distance = (ball->center - nearest).norm();
-    if (const auto* plane = std::get_if<Plane>(&scene.base)) {
-        const Vec3 n = plane->normal.stableNormalized();
-        distance = std::max(distance, std::abs(n.dot(ball->center - plane->point)));
-    } else if (const auto* sphere = std::get_if<Sphere>(&scene.base)) {
-        distance = std::max(distance, (ball->center - sphere->center).norm() - sphere->radius);
-    } else {
-        const auto& tube = std::get<Cylinder>(scene.base);
-        const Vec3 m = ball->center - tube.point;
-        distance = std::max(distance, m.cross(tube.axis.stableNormalized()).norm() - tube.radius);
-    }
+    const double distance =
+        std::max((ball->center - nearest).norm(), distance_from(scene.base, ball->center));
     const double size = ball->center.cwiseAbs().sum() + scene.box.min.cwiseAbs().sum() +
                         scene.box.max.cwiseAbs().sum() + ball->radius;
     return distance - ball->radius - rounding * size;

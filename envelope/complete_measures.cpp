@@ -17,7 +17,7 @@
 #include "../primitives/bases/sphere_base.hpp"
 #include "../primitives/objects/decided_scene.hpp"
 #include "base_diagram.hpp"
-#include "lift/radial_lift.hpp"
+#include "lift/lift.hpp"
 #include "voronoi_cell.hpp"
 
 namespace vcell {
@@ -195,7 +195,7 @@ void add_rooms(Sum& sum, const Sides& sides, const Box& around, double tolerance
     for (unsigned subset = 0; subset < 64; ++subset) {
         if ((subset & ~beyond) != 0) continue;
         const RadialBaseProblem problem = make_problem(room(sides, subset, around));
-        sum.add(lift(problem, diagram_of(problem, {}), tolerance).cell, sign_of(subset));
+        sum.add(lift_all_around(problem, diagram_of(problem, {}), tolerance, true).cell, sign_of(subset));
     }
 }
 

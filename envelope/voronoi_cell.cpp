@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "../core/platform.hpp"
@@ -15,7 +14,6 @@
 #include "../primitives/objects/decided_scene.hpp"
 #include "base_diagram.hpp"
 #include "lift/lift.hpp"
-#include "lift/radial_lift.hpp"
 #include "lift/scene_motion.hpp"
 
 namespace vcell {
@@ -83,8 +81,9 @@ void drop_isolated_vertices(Cell& cell) {
 }
 
 // From the scene's heights, made by make_problem(), to its cell.
-template <class MakeProblem>
-Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem make_problem) {
+template <class Problem>
+Cell cell_over(const Scene& scene, const CellOptions& options, Problem make_problem(const Scene&, double),
+               LiftedCell lift(const Problem&, const MinimizationDiagram&, double, bool)) {
     const auto report = [&](const char* stage, double fraction) {
         if (options.progress) options.progress(stage, fraction);
     };
@@ -92,7 +91,7 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     report("bisectors", 0);
     validate(scene);
     DecidedScene decided = decide(scene);
-    auto problem = make_problem(decided.scene, decided.unit);
+    const Problem problem = make_problem(decided.scene, decided.unit);
     report("bisectors", 1);
     const double seconds_bisectors = watch.lap();
 
@@ -110,9 +109,7 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
     cell.report.moved = std::max(problem.moved, decided.moved);
     cell.scene = std::move(decided.scene);
     add_scene_motion(lifted, cell.report.moved, std::max(problem.moved_apart, decided.moved));
-    // Over a plane all parameters of patches are lengths. Elsewhere some are, and stay in the decided scene's
-    // unit.
-    scale(cell, decided.unit, std::is_same_v<decltype(problem), PlaneBaseProblem>);
+    scale(cell, decided.unit, problem.chart.unit_of_coordinates(decided.unit));
     cell.scene = scene;
     require_numbers(cell, options.measure);
     report("patches", 1);
@@ -133,9 +130,9 @@ Cell cell_over_base(const Scene& scene, const CellOptions& options, MakeProblem 
 
 Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     return in_ieee_arithmetic("voronoi_cell()", [&] {
-        if (std::holds_alternative<Plane>(scene.base))
-            return cell_over_base(scene, options, plane_base_problem);
-        return cell_over_base(scene, options, radial_base_problem);
+        return std::holds_alternative<Plane>(scene.base)
+                   ? cell_over(scene, options, plane_base_problem, lift_over_region)
+                   : cell_over(scene, options, radial_base_problem, lift_all_around);
     });
 }
 

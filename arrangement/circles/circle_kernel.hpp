@@ -83,7 +83,6 @@ public:
     static constexpr FormId zero_form() { return {0}; }
     FormId add_line(double a, double b, double c);  ///< a x + b y + c, coefficients exact
     FormId add_form(FormId in_family);
-    std::size_t form_count() const { return forms_.size(); }
 
     /// What the family calls this form; none for lines and zero.
     FormId family_id(FormId f) const { return sources_[f].in_family; }
@@ -255,7 +254,6 @@ private:
     ExactPoint& exact_point(PointId p);
     static OneRoot exact_value(const ExactCurve& c, ExactPoint& p);
     static std::array<OneRoot, 2> exact_gradient(const ExactCurve& c, const ExactPoint& p);
-    Sign compare_branches(PointId p, FormPair c, FormPair d);
     int sector_of(PointId p, FormPair from, FormPair x);
     Sign along_sign(PointId p, FormPair c, FormPair d);
     Sign curvature_order(PointId p, FormPair c, FormPair d);

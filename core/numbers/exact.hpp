@@ -64,6 +64,8 @@ private:
 
 void divide_by_common_factor(std::span<Exact> values);
 
+inline Exact square(const Exact& a) { return a * a; }
+
 /// a + b sqrt(c), c >= 0: coordinates of the points where two circles (or lines) of rational
 /// coefficients meet. Arithmetic stays within one field: operands must share c.
 struct OneRoot {

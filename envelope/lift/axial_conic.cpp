@@ -47,8 +47,8 @@ CurveKind kind_of(const AxialEquation& f, const AxialEquation& g) {
         return is_zero(e.b[0]) && is_zero(e.b[2]) && is_zero(e.b0);
     };
     const Sign fy = f.b[1].sign(), gy = g.b[1].sign();
-    const Sign sign = f.is_plane && g.is_plane ? fy * gy
-                      : (f.is_plane && is_end(g)) || (g.is_plane && is_end(f))
+    const Sign sign = f.has_plane && g.has_plane ? fy * gy
+                      : (f.has_plane && is_end(g)) || (g.has_plane && is_end(f))
                           ? (fy == Sign::Zero || gy == Sign::Zero ? Sign::Zero : Sign::Negative)
                           : (across2 - t * t).sign();
     return sign == Sign::Positive   ? CurveKind::Hyperbola
@@ -58,7 +58,7 @@ CurveKind kind_of(const AxialEquation& f, const AxialEquation& g) {
 
 AxialConic::AxialConic(const RadialBaseProblem& problem, const AxialEquation& f, const AxialEquation& g) {
     const auto rounded = [&](const AxialEquation& e) {
-        const Vec3 b = problem.chart * Vec3(nearest(e.b[0]), nearest(e.b[1]), nearest(e.b[2]));
+        const Vec3 b = problem.chart.turn * Vec3(nearest(e.b[0]), nearest(e.b[1]), nearest(e.b[2]));
         const double b0 = nearest(e.b0), scale = 1 / std::hypot(b.norm(), b0);
         return Equation{scale * b, scale * b0, scale * nearest(e.k)};
     };

@@ -29,7 +29,7 @@ namespace vcell {
 struct AxialEquation {
     std::array<Exact, 3> b;
     Exact b0, k;
-    bool is_plane = false;  ///< an object
+    bool has_plane = false;  ///< an object
 };
 
 /// None for balls, and cylinders that are not along the base. Pre: over a cylinder.

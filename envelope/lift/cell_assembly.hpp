@@ -5,6 +5,7 @@
 ///
 ///     of()                             the diagram with its problem
 ///     vertex(v)                        LiftedVertex
+///     add_rim_sites(v, sites)          those of the rims that the vertex lies on
 ///     bisector(form)                   its name
 ///     set_patches(face, patches)       the face's trimmed patches
 ///     kind(e)                          of the edge's curve
@@ -22,7 +23,7 @@
 #include "../measures/measures.hpp"
 #include "based_diagram.hpp"
 #include "joined_spans.hpp"
-#include "lifted_cell.hpp"
+#include "lift.hpp"
 
 namespace vcell {
 
@@ -68,7 +69,7 @@ private:
             vertex.error = lifted.error;
             for (const FormId f : diagram_.label(v))
                 for (const Site site : problem_.sites[f]) vertex.sites.push_back(site);
-            add_rim_sites(problem_, diagram_.sides(v), vertex.sites);
+            lift_.add_rim_sites(v, vertex.sites);
             sort_unique(vertex.sites);
         }
     }

@@ -34,15 +34,13 @@ struct Controls {
     explicit Controls(const ConicSpan& s) : X{s.from, s.middle, s.to}, w{1, s.weight, 1} {}
 };
 
-template <bool is_sphere>
-double product(const Vector4d& a, const Vector4d& b) {
-    return a.x() * b.x() + (is_sphere ? a.y() * b.y() : 0) + a.z() * b.z() - a.w() * b.w();
+double product(Chart chart, const Vector4d& a, const Vector4d& b) {
+    return a.x() * b.x() + chart.across(a.y() * b.y()) + a.z() * b.z() - a.w() * b.w();
 }
 
 // How near to the conic all of a span is proved to be; infinite if it is not.
-template <bool is_sphere>
-double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& planes, double inner,
-                     double sine2) {
+double span_distance(Chart chart, const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
+                     double inner, double sine2) {
     const std::array<const Vector4d*, 3> X{&span.from, &span.middle, &span.to};
     const double w = span.weight, over_w = 1 / w;
     const std::array<double, 3> weights{1, w, 1}, over{1, over_w, 1};
@@ -63,11 +61,10 @@ double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& 
     const double e = std::sqrt((r[0] * r[0] + 2 * std::abs(inner) * r[0] * r[1] + r[1] * r[1]) / sine2);
     // The cone's residual times w^2, whose coefficients are 1, w, (1 + 2 w^2) / 3, w, 1.
     const double w2 = 1 + 2 * w * w;
-    // Over a cylinder the coordinate along the axis takes no part: small where the cone's tip is near.
-    if (!is_sphere)
-        for (int i = 0; i < 3; ++i)
-            length[i] = std::sqrt(X[i]->x() * X[i]->x() + X[i]->z() * X[i]->z() + X[i]->w() * X[i]->w());
-    const auto q = [&](int i, int k) { return product<is_sphere>(*X[i], *X[k]); };
+    // What is along an axis takes no part: small where the cone's tip is near.
+    for (int i = 0; i < 3; ++i)
+        length[i] = Vector4d(X[i]->x(), chart.across(X[i]->y()), X[i]->z(), X[i]->w()).norm();
+    const auto q = [&](int i, int k) { return product(chart, *X[i], *X[k]); };
     const double largest = std::max({std::abs(q(0, 0)) + of_product * length[0] * length[0],
                                      (std::abs(q(0, 1)) + of_product * length[0] * length[1]) * over_w,
                                      (std::abs(q(0, 2) + 2 * q(1, 1)) +
@@ -83,7 +80,7 @@ double span_distance(const ConicSpan& span, const std::array<DistancePlane, 2>& 
         std::array<double, 2> s, g;
         for (int j = 0; j < 2; ++j) {
             const DistancePlane& p = planes[j];
-            s[j] = (weights[i] * p.k - (is_sphere ? 0 : p.normal.y() * X[i]->y())) * over_t;
+            s[j] = (weights[i] * p.k - p.normal.y() * chart.along(X[i]->y())) * over_t;
             g[j] = s[j] - 2 * p.normal.w();
         }
         const int n = std::abs(g[0]) > std::abs(g[1]) ? 0 : 1;
@@ -161,7 +158,7 @@ double trim_distance(const RadialPatch& patch, const Trimmed& part, int halvings
 }  // namespace
 
 double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
-                      bool is_sphere) {
+                      Chart chart) {
     const Vector4d &a = planes[0].normal, &b = planes[1].normal;
     const double product = (a - b).squaredNorm() * (a + b).squaredNorm();
     const double sine2 = 0.25 * product - rounding * std::sqrt(product);
@@ -170,8 +167,7 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
     const double rest = unproved_length(std::vector<ConicSpan>(spans.begin(), spans.end()), deepest,
                                         most_halvings, [&](const ConicSpan& span) {
                                             const double of_span =
-                                                is_sphere ? span_distance<true>(span, planes, inner, sine2)
-                                                          : span_distance<false>(span, planes, inner, sine2);
+                                                span_distance(chart, span, planes, inner, sine2);
                                             if (!(of_span < infinity)) return false;
                                             distance = std::max(distance, of_span);
                                             return true;
@@ -181,9 +177,9 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
 
 // Along a ray of direction u (w) n.(p, t) has the slope (k - n_y y) / t =: s, over a sphere k / t. Where the
 // direction changes by d, t changes by t |d| / |s| at most; where the height does, by |n_y| / |s| of that.
-double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, bool is_sphere) {
+double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart) {
     double most = 0;
-    if (is_sphere) {
+    if (chart.is_sphere()) {
         for (const ConicSpan& span : spans)
             most = std::max({most, span.from.w(), span.middle.w() / span.weight, span.to.w()});
         const double least = std::abs(plane.k) * (1 - rounding);

@@ -32,6 +32,7 @@
 #include <array>
 #include <span>
 
+#include "../../primitives/charts/chart.hpp"
 #include "conic_span.hpp"
 #include "radial_patch.hpp"
 
@@ -49,11 +50,11 @@ struct DistancePlane {
 /// The distance of the spans' points from the conic of two planes. Where parts are not proved (the cone's
 /// tip, planes that touch it) the arc goes on between those that are: four times their size.
 double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
-                      bool is_sphere);
+                      Chart chart);
 
 /// By which factor an error across the rays may grow on the bisector of this plane, all along the spans;
 /// infinite where they reach its points at infinity.
-double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, bool is_sphere);
+double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart);
 
 /// |S(c) - C| for a span C of the curve, its trim c (control points (u w, v w, w)) and a patch of total
 /// degree two (over a sphere base: all but AboutObject), S by its coefficients. Infinite where that is not

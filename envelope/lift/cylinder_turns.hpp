@@ -27,9 +27,11 @@ public:
         : problem_(of.problem), diagram_(of.diagram), loops_(loops) {}
 
     /// The base's normal, canonical, at an angle of the chart; and back.
-    Vec3 direction(double angle) const { return problem_.chart * Vec3(std::sin(angle), 0, std::cos(angle)); }
+    Vec3 direction(double angle) const {
+        return problem_.chart.turn * Vec3(std::sin(angle), 0, std::cos(angle));
+    }
     double angle(const Vec3& direction) const {
-        const Vec3 in_chart = problem_.chart.transpose() * direction;
+        const Vec3 in_chart = problem_.chart.turn.transpose() * direction;
         return std::atan2(in_chart.x(), in_chart.z());
     }
 

@@ -16,8 +16,8 @@ EdgeEquations::EdgeEquations(const RadialDiagram& of)
             diagram_.is_circular(edge.left) && !edge.on_rim() && diagram_.is_circular(edge.right);
         kinds_.push_back(is_conic ? conic_kind(edge.left, edge.right, hyperplanes_[edge.left].functional(),
                                                hyperplanes_[edge.right].functional())
-                         : problem_.is_sphere ? CurveKind::Spline
-                                              : kind_over_cylinder(e));
+                         : problem_.chart.is_sphere() ? CurveKind::Spline
+                                                      : kind_over_cylinder(e));
     }
 }
 
@@ -34,7 +34,7 @@ std::optional<std::array<AxialEquation, 2>> EdgeEquations::axial(EdgeId e) const
     const auto of_form = [&](FormId f) {
         auto equation = axial_equation(problem_.family.radial_form(f));
         if (equation)
-            equation->is_plane = !is_wall(problem_, f) && std::holds_alternative<Plane>(problem_.objects[f]);
+            equation->has_plane = !is_wall(problem_, f) && std::holds_alternative<Plane>(problem_.objects[f]);
         return equation;
     };
     const auto left = of_form(edge.left);

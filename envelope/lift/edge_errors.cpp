@@ -25,20 +25,20 @@ double EdgeErrors::conic_error(EdgeId e, const std::array<DistancePlane, 2>& pla
     // The difference of forms that are nearly alike has all its digits, and tells the edge.
     constexpr double nearly_alike = 1 - 0x1p-33;
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
-    const bool is_sphere = !curves_.is_axial_conic(e);
-    if (!is_sphere || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
-        return conic_distance(curves_.conics(e), planes, is_sphere);
+    const Chart chart = of_.problem.chart;
+    if (curves_.is_axial_conic(e) || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
+        return conic_distance(curves_.conics(e), planes, chart);
     return conic_distance(curves_.conics(e),
-                          {planes[0], difference_plane(of_.problem, edge.left, edge.right)}, is_sphere);
+                          {planes[0], difference_plane(of_.problem, edge.left, edge.right)}, chart);
 }
 
 // How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The edge's
 // planes are found where there are none yet.
 double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) {
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
-    const bool is_sphere = of_.diagram.is_circular(edge.left);  // over a cylinder no form is circular
+    const bool is_circular = of_.diagram.is_circular(edge.left);  // over a cylinder no form is
     double most = off;
-    if (curves_.is_line(e) && (is_sphere || !equations_.axial(e))) return most;
+    if (curves_.is_line(e) && (is_circular || !equations_.axial(e))) return most;
     std::vector<ConicSpan> segment;
     std::span<const ConicSpan> along = curves_.conics(e);
     if (curves_.is_line(e)) {
@@ -54,9 +54,9 @@ double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<Di
         if (!planes) planes = equations_.planes(e);
         // Rays that graze the bisector tell little of where a point of it is.
         constexpr double grazing = 64;
-        const double gain = ray_gain(along, (*planes)[side], is_sphere);
+        const double gain = ray_gain(along, (*planes)[side], of_.problem.chart);
         double trim = (1 + gain) * off;
-        if (gain > grazing && is_sphere) trim = std::min(trim, trim_distance_of(e, side, along));
+        if (gain > grazing && is_circular) trim = std::min(trim, trim_distance_of(e, side, along));
         most = std::max(most, trim);
     }
     return most;

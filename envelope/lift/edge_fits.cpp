@@ -28,7 +28,7 @@ void EdgeFits::fit(EdgeId e) {
         arc.sites_cross = problem.cross_equally(edge.left, edge.right);
     }
     curves_.set_spline(e, [&](std::vector<SpaceSpan>& spans) {
-        return fit_space_spline(problem, arc, tolerance_, spans, effort_);
+        return fit_space_spline(problem.chart, arc, tolerance_, spans, effort_);
     });
 }
 

@@ -52,7 +52,7 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
             continue;
         }
         is_flat_[form] = vcell::is_flat(problem_, form);
-        if (problem_.is_sphere) {
+        if (problem_.chart.is_sphere()) {
             patches_.push_back(RadialPatch(problem_, form, middle(face), 0));
         } else {
             patches_.push_back({});
@@ -66,13 +66,13 @@ Vec3 FacePatches::middle(FaceId face) const {
     loops_.around(face, [&](EdgeId e, bool) {
         for (const ConicSpan& s : curves_.conics(e)) sum += s.from.head<3>() / s.from.w();
         if (curves_.has_ends(e)) sum += curves_.from(e).head<3>() / curves_.from(e).w();
-        for (const auto& piece : diagram_.pieces(e)) sum += problem_.normal(piece.end);
+        for (const auto& piece : diagram_.pieces(e)) sum += problem_.chart.normal(piece.end);
     });
     return sum.isZero(0) ? Vec3::UnitZ() : sum.normalized();
 }
 
 bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
-    if (!problem_.is_sphere) return change_around_cylinder(face, is_too_wide);
+    if (!problem_.chart.is_sphere()) return change_around_cylinder(face, is_too_wide);
     wide_.resize(patches_.size());
     if (wide_[face]) return false;
     wide_[face] = true;
@@ -85,7 +85,7 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     const FormId form = diagram_.face_forms[face];
     const Object& object = problem_.objects[form];
     const auto* cylinder = std::get_if<Cylinder>(&object);
-    const double delta = cylinder != nullptr ? cylinder->radius - problem_.radius : 0;
+    const double delta = cylinder != nullptr ? cylinder->radius - problem_.chart.radius : 0;
     SpaceSite site{object, is_wall(problem_, form), {}};
     if (!is_cut(face)) {
         site.parts.push_back({.patch = coordinates(patches_[face], delta), .surface = &patches_[face]});

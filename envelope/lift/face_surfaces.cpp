@@ -33,7 +33,7 @@ void FaceSurfaces::make() {
     for (const EdgeId e : diagram_.edges.ids())
         if (fits_.is_asked_for(e)) to_fit.push_back(e);
     fits_.grant(to_fit.size());
-    if (problem_.is_sphere && !to_fit.empty())
+    if (problem_.chart.is_sphere() && !to_fit.empty())
         for (const FaceId face : all)
             if (!holds_vertices(face)) change_patch(face);
     for (const EdgeId e : to_fit) fits_.fit(e);
@@ -47,7 +47,7 @@ void FaceSurfaces::make() {
             });
         sort_unique(to_fit);
         for (const EdgeId e : to_fit) fits_.fit(e);
-        if (!problem_.is_sphere) {
+        if (!problem_.chart.is_sphere()) {
             changed = made(all);  // seams are numbered through
             continue;
         }

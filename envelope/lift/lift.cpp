@@ -106,6 +106,16 @@ public:
                 std::hypot(from.error, from.height_error) + motion_back(point.norm())};
     }
 
+    // At a corner of the region all sides of the box that run through it.
+    void add_rim_sites(VertexId v, SmallVector<Site, 4>& sites) const {
+        of_.add_rim_sites(v, sites);
+        const std::span<const std::uint32_t> sides = diagram_.sides(v);
+        if (sides.size() < 2) return;
+        const bool is_second = sides[1] == (sides[0] + 1) % problem_.region.size();
+        const auto& through = problem_.corner_sites[is_second ? sides[1] : sides[0]];
+        sites.insert(sites.end(), through.begin(), through.end());
+    }
+
     // The cone over a cylinder is circular when its axis is: a quadric x^2 + y^2 = (d.X)^2 has the
     // eigenvalues 1 and +-d_z.
     const char* bisector(FormId form) const {
@@ -171,7 +181,7 @@ public:
     }
 
     void measure(const IdVector<EdgeId, double>&, Cell& cell) const {
-        vcell::measure(problem_, diagram_, circular_.arcs(), mixed_, cell);
+        measure_over_region(problem_, diagram_, circular_.arcs(), mixed_, cell);
         highest_.set(cell.measures);
     }
 
@@ -193,8 +203,8 @@ private:
 
 }  // namespace
 
-LiftedCell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
-                bool with_measures) {
+LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
+                            double tolerance, bool with_measures) {
     PlaneLift lift({problem, diagram}, tolerance);
     return CellAssembly(lift)(with_measures);
 }

@@ -1,11 +1,21 @@
-/// From the minimization diagram of a plane base to the cell: patches, space curves, vertices, measures.
+/// From the minimization diagram of a base to the cell: patches, space curves, vertices, measures.
 #pragma once
 
+#include "../../core/ids.hpp"
 #include "../../primitives/bases/plane_base.hpp"
+#include "../../primitives/bases/radial_base.hpp"
+#include "../cell.hpp"
 #include "../diagram/minimization_diagram.hpp"
-#include "lifted_cell.hpp"
 
 namespace vcell {
+
+/// What a lift leaves to voronoi_cell().
+struct LiftedCell {
+    Cell cell;
+    /// Bounds on the distances of the edges' space curves from the true edges. Their errors bound the trims,
+    /// too, which may be far worse: of these nothing follows for where an edge is.
+    IdVector<EdgeId, double> positions;
+};
 
 /// The cell of a problem's diagram, without its scene, timings and warnings (the caller's to add);
 /// report.decisions counts the diagram's signs and the few taken here.
@@ -20,7 +30,26 @@ namespace vcell {
 /// and face i of the cell.
 /// Measures are left out (CellOptions::measure) without `with_measures`.
 /// Pre: diagram is the lower envelope of problem.family over problem.region; tolerance > 0.
-LiftedCell lift(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
-                bool with_measures = true);
+LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
+                            double tolerance, bool with_measures);
+
+/// As lift_over_region(). Face i of the cell is the i-th face of the diagram that has a form; vertices
+/// and edges keep their numbers.
+///
+/// Sphere base: an edge between circular forms is the projective image of a circle's arc on the sphere, a
+/// conic, and the trims on both sides are projective images of the same arc: rational quadratics in one
+/// parameter, exact. Beside planes and sides of the box the patch has the plane's coordinates, (2,2) or
+/// (1,1), polynomial; beside spheres it is the rational biquadratic in a stereographic chart about the face,
+/// whose pole lies outside it.
+///
+/// Cylinder base: edges between planes, sides of the box, ends and cylinders along the base are lines and
+/// conics, exact, with rational cubics for trims on patches around the base (axial_conic.hpp).
+///
+/// Everything else (faces of cylinders over a sphere, edges beside them or beside balls and skew cylinders
+/// over a cylinder) has patches of the bisector's rational parametrization and splines within `tolerance`
+/// (length) of the true arc. Pre: diagram is the lower envelope of problem.family over the whole base;
+/// tolerance > 0.
+LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                           double tolerance, bool with_measures);
 
 }  // namespace vcell

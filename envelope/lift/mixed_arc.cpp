@@ -380,7 +380,7 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
     constexpr std::size_t most_of_edge = 500;
     effort_.spans += most_of_edge;
     std::vector<SpaceSpan> fitted;
-    const SpaceFitError error = fit_spline_over_plane(arc, tolerance, fitted, effort_);
+    const SpaceFitError error = fit_space_spline(BaseChart(), arc, tolerance, fitted, effort_);
     if (error.unproved)
         throw PlaneDiagram{problem, diagram_}.unproved(e, "no curve is proved to be the one between them",
                                                        problem.frame.to_world(*error.unproved));

@@ -1,4 +1,4 @@
-#include "radial_lift.hpp"
+#include "lift.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "../../primitives/forms/axial_ties.hpp"
 #include "../../primitives/objects/message.hpp"
-#include "../measures/radial_measures.hpp"
+#include "../measures/measures.hpp"
 #include "based_diagram.hpp"
 #include "cell_assembly.hpp"
 #include "edge_equations.hpp"
@@ -55,8 +55,9 @@ public:
     }
 
     LiftedVertex vertex(VertexId v) const {
-        return {vertices_.point(v), vertices_[v].w() - problem_.radius, vertices_.error(v)};
+        return {vertices_.point(v), vertices_[v].w() - problem_.chart.radius, vertices_.error(v)};
     }
+    void add_rim_sites(VertexId v, SmallVector<Site, 4>& sites) const { of_.add_rim_sites(v, sites); }
     std::string_view bisector(FormId form) const { return bisector_name(problem_, form); }
     void set_patches(FaceId face, std::vector<TrimmedPatch>& patches) {
         patches = std::move(surfaces_.of(face));
@@ -87,7 +88,7 @@ public:
     }
 
     void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
-        vcell::measure(problem_, diagram_, positions, cell);
+        measure_all_around(problem_, diagram_, positions, cell);
     }
 
 private:
@@ -143,8 +144,8 @@ private:
 
 }  // namespace
 
-LiftedCell lift(const RadialBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance,
-                bool with_measures) {
+LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                           double tolerance, bool with_measures) {
     RadialLift lift({problem, diagram}, tolerance);
     return CellAssembly(lift)(with_measures);
 }

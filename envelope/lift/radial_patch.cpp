@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "../../core/numbers/exact.hpp"
-#include "../../primitives/bisectors/bisector.hpp"
 #include "joined_spans.hpp"
 
 namespace vcell {
@@ -33,11 +31,6 @@ constexpr double far = 64;
 // Control points are means by weights: some ten operations each, coefficients within a few u.
 constexpr double rounding_each = 16 * std::numeric_limits<double>::epsilon();
 
-// Does the cylinder's axis meet the base's, exactly? Pre: they are not parallel.
-bool is_crossing(const Cylinder& c) {
-    return Exact(c.axis.x()) * Exact(c.point.z()) == Exact(c.axis.z()) * Exact(c.point.x());
-}
-
 // A unit vector across the unit vector `axis`, as near to `towards` as can be.
 Vec3 across(const Vec3& axis, const Vec3& towards) {
     const Vec3 x = towards - axis * axis.dot(towards);
@@ -59,14 +52,14 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
         const double offset = normal.dot(plane->point);
         if (!problem.sites[form].front().is_object())
             set_plane(plane->point, normal);
-        else if (problem.is_sphere)
-            set_paraboloid(offset, normal, problem.radius);
+        else if (problem.chart.is_sphere())
+            set_paraboloid(offset, normal, problem.chart.radius);
         else
-            set_about_base(middle, across_y(normal), 1, {offset + problem.radius, -normal.y(), 0});
+            set_about_base(middle, across_y(normal), 1, {offset + problem.chart.radius, -normal.y(), 0});
     } else if (const auto* sphere = std::get_if<Sphere>(&object)) {
         const Vec3& c = sphere->center;
-        const double delta = sphere->radius - problem.radius, near = across_y(c).norm();
-        if (!problem.is_sphere)
+        const double delta = sphere->radius - problem.chart.radius, near = across_y(c).norm();
+        if (!problem.chart.is_sphere())
             set_about_base(middle, 2 * across_y(c), 2 * delta,
                            {(near - delta) * (near + delta) + c.y() * c.y(), -2 * c.y(), 1});
         else if (delta == 0)
@@ -75,8 +68,8 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
             set_stereographic(c, delta, ball_power(problem, form), middle, wide);
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
-        if (problem.is_sphere)
-            set_about_object(cylinder, cylinder.radius - problem.radius);
+        if (problem.chart.is_sphere())
+            set_about_object(cylinder, cylinder.radius - problem.chart.radius);
         else
             set_about_axes(problem, cylinder, middle, y, wide);
     }
@@ -197,7 +190,7 @@ void RadialPatch::set_about_base(const Vec3& middle, const Vec3& b, double b0, c
 
 void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder,
                                  const Vec3& middle, double y, bool wide) {
-    const double delta = cylinder.radius - problem.radius;
+    const double delta = cylinder.radius - problem.chart.radius;
     Vec3 d = cylinder.axis.normalized();
     const Vec3 a = cylinder.point + d * d.dot(Vec3(0, y, 0) - cylinder.point), near = across_y(a);
     const double sine = across_y(d).norm();
@@ -219,7 +212,7 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
                  zero = std::sqrt(std::max(0.0, (delta - apart) * (delta + apart))) / sine;
     const bool is_far =
         (std::abs(nearest - crossing) - zero) * (1 + std::abs(d.y())) > far * sine * std::abs(beyond);
-    const bool is_planar = delta == 0 && is_crossing(cylinder);
+    const bool is_planar = delta == 0 && meets_base_axis(cylinder);
     const bool is_singular = is_planar || ((wide || is_near) && !is_far);
     if (is_singular ? side * d.dot(middle) < 0 : d.y() < 0) d = -d;
     if (is_singular) half_ = side * across_y(d);
@@ -412,40 +405,6 @@ double RadialPatch::rounding_along(const RationalCurve2& curve, const std::array
         most = std::max(most, along(along, piece, 0));
     }
     return most;
-}
-
-double ball_power(const RadialBaseProblem& problem, FormId form) {
-    // Its coefficients are those of 2 c across the pole, and of c along it -+ delta: over a scale that |c|
-    // tells.
-    const CircularForm& f = problem.family.forms[form];
-    const double length = std::get<Sphere>(problem.objects[form]).center.norm();
-    return 4 * f.w * length / std::hypot(f.a, f.b, f.k - f.e);
-}
-
-bool is_flat(const RadialBaseProblem& problem, FormId form) {
-    if (!problem.sites[form].front().is_object()) return true;
-    const Object& object = problem.objects[form];
-    if (const auto* sphere = std::get_if<Sphere>(&object))
-        return problem.is_sphere && sphere->radius == problem.radius;
-    const auto* cylinder = std::get_if<Cylinder>(&object);
-    if (cylinder == nullptr || problem.is_sphere || cylinder->radius != problem.radius) return false;
-    const bool is_parallel = cylinder->axis.x() == 0 && cylinder->axis.z() == 0;
-    return is_parallel || is_crossing(*cylinder);
-}
-
-std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
-    if (!problem.sites[form].front().is_object()) return "box";
-    const Object& object = problem.objects[form];
-    if (!problem.is_sphere) {
-        if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
-        return to_string(bisector(Cylinder{Vec3::Zero(), Vec3::UnitY(), problem.radius}, object).kind);
-    }
-    // Of bisectors over a sphere base only what keeps the object outside.
-    if (object.index() == 0) return to_string(BisectorKind::Paraboloid);
-    if (const auto* sphere = std::get_if<Sphere>(&object))
-        return to_string(sphere->radius == problem.radius ? BisectorKind::Plane : BisectorKind::Hyperboloid);
-    return to_string(std::get<Cylinder>(object).radius == problem.radius ? BisectorKind::ParabolicCylinder
-                                                                         : BisectorKind::Quartic);
 }
 
 }  // namespace vcell

@@ -168,17 +168,6 @@ private:
     Projection projection_;
 };
 
-/// |c|^2 - (rho - R0)^2 of a ball over a sphere base, to some roundings: of the scene's coordinates, as the
-/// form has them. (Near contact the canonical centre's rounding would change it.)
-double ball_power(const RadialBaseProblem& problem, FormId form);
-
-/// Is the bisector a plane (a side of the box included)? Exact.
-bool is_flat(const RadialBaseProblem& problem, FormId form);
-
-/// The bisector's name for cell files, decided exactly: "box", "plane", "paraboloid", "hyperboloid", ... or
-/// "quartic" (primitives/bisectors/bisector.hpp).
-std::string_view bisector_name(const RadialBaseProblem& problem, FormId form);
-
 template <class T>
 std::array<T, 2> RadialPatch::parameters(const std::array<T, 3>& p) const {
     using std::sqrt;

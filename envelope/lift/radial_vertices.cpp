@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "../../primitives/charts/radial_foot.hpp"
 #include "space_spline.hpp"
 
 namespace vcell::radial {
@@ -30,8 +29,8 @@ RadialVertices::RadialVertices(const RadialDiagram& of, EdgeEquations& equations
 
 RadialVertices::Vertex RadialVertices::lifted(VertexId v, EdgeEquations& equations) const {
     const MinimizationDiagram::Vertex& from = diagram_.vertices[v];
-    const double t = problem_.distance(from.point, from.height);
-    const Vec3 p = problem_.point(from.point, t);
+    const double t = problem_.chart.distance_of(from.point, from.height);
+    const Vec3 p = problem_.chart.point(from.point, t);
     const Vector4d x(p.x(), p.y(), p.z(), t);
     const double error = chart_error(from, t);
     if (error <= 64 * u * (t + origin_)) return {x, error};
@@ -41,8 +40,7 @@ RadialVertices::Vertex RadialVertices::lifted(VertexId v, EdgeEquations& equatio
         const auto end = settled(v, {p, error});
         if (!end) return {x, error};
         const Vec3& q = end->point;
-        const double distance = RadialFoot(problem_.is_sphere).distance(q);
-        return {{q.x(), q.y(), q.z(), distance}, end->error + 16 * u * (t + std::abs(p.y()) + origin_)};
+        return {problem_.chart.with_distance(q), end->error + 16 * u * (t + std::abs(p.y()) + origin_)};
     }
     const Vector4d moved = moved_to_meet(x, {&equations.hyperplane(forms[0]), &equations.hyperplane(forms[1]),
                                              &equations.hyperplane(forms[2])});
@@ -55,10 +53,9 @@ RadialVertices::Vertex RadialVertices::lifted(VertexId v, EdgeEquations& equatio
 // e) e, the unit normal by 2 e / sqrt(W W') [the stereographic chord], and t = W / -f by the factors of W
 // and of f.
 double RadialVertices::chart_error(const MinimizationDiagram::Vertex& v, double t) const {
-    const double e = v.error, x = v.point.x();
-    const double reach = problem_.is_sphere ? v.point.norm() : std::abs(x > 1 ? x - 2 : x);
+    const double e = v.error, reach = problem_.chart.half_tangent(v.point);
     const double W = 1 + reach * reach, dW = (2 * reach + e) * e;
-    const double turn = 2 * e / std::sqrt(W * std::max(1.0, W - dW)), along = problem_.is_sphere ? 0 : e;
+    const double turn = 2 * e / std::sqrt(W * std::max(1.0, W - dW)), along = problem_.chart.along(e);
     const double room = -v.height - v.height_error;
     const double stretch =
         room > 0 ? (dW / W * -v.height + v.height_error) / room : std::numeric_limits<double>::infinity();
@@ -73,7 +70,7 @@ std::optional<SpaceEnd> RadialVertices::settled(VertexId v, const SpaceEnd& near
     for (const std::uint32_t side : diagram_.sides(v)) sites[count++] = end_wall(problem_, side);
     for (const FormId f : diagram_.label(v))
         if (count < sites.size()) sites[count++] = {problem_.objects[f], is_wall(problem_, f), {}};
-    return count == sites.size() ? settle_point(problem_, sites, near) : std::nullopt;
+    return count == sites.size() ? settle_point(problem_.chart, sites, near) : std::nullopt;
 }
 
 double RadialVertices::reach() const {

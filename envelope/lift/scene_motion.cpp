@@ -195,9 +195,10 @@ private:
         }
     }
 
-    // A base ball, other balls and tubes around it, and the box around all of that stay where they are.
+    // A base ball has no direction that a motion would turn: other balls and tubes around it, and the box
+    // around all of that, stay where they are.
     bool stays(const Term& term) const {
-        return std::holds_alternative<Sphere>(cell_.scene.base) &&
+        return base_unit_.isZero(0) &&
                !(term.site.is_object() &&
                  std::holds_alternative<Plane>(cell_.scene.objects[cell_.scene.place(term.site.index)]));
     }
@@ -221,7 +222,7 @@ private:
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);
         row.object = object;
-        row.object.turns = object.is_tube && std::holds_alternative<Cylinder>(cell_.scene.base);
+        row.object.turns = object.is_tube && base.is_tube;
         row.has_object = true;
         return row;
     }

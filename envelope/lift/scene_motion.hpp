@@ -15,7 +15,7 @@
 /// curve.
 #pragma once
 
-#include "lifted_cell.hpp"
+#include "lift.hpp"
 
 namespace vcell {
 

@@ -27,10 +27,10 @@ Interval StripPart::mean_value(const Interval& value, const std::array<Interval,
     return intersection(by_sides, by_strip).value_or(by_sides);
 }
 
-ArcGuide::Rays ArcGuide::rays(const SpaceChart::Part& part) const {
+ArcGuide::Rays ArcGuide::rays(const Chart::Part& part) const {
     const auto& [x0, x1, y0, y1] = part.box;
     const Interval x(x0, x1), y(y0, y1);
-    Rays r{chart_.foot(x, y), chart_.normal(x, y, part.is_back), {}, {}};
+    Rays r{chart_.foot(x, y), normal(x, y, part.is_back), {}, {}};
     for (const int k : {0, 1}) {
         const Equation& G = equations_[k == 0 ? 1 : equations_.right];
         const Interval t = G.distance_along(r.foot, r.normal);
@@ -42,7 +42,7 @@ ArcGuide::Rays ArcGuide::rays(const SpaceChart::Part& part) const {
 
 SpaceBox ArcGuide::enclosure(const std::array<double, 4>& box) const {
     SpaceBox corners{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
-    chart_.for_parts(box, [&](const SpaceChart::Part& part) {
+    chart_.for_parts(box, [&](const Chart::Part& part) {
         const auto [f, w, distances, doubts] = rays(part);
         const auto& [a, b] = distances;
         const double low = std::max({a.lower(), b.lower(), 0.0}), high = std::min(a.upper(), b.upper());
@@ -59,7 +59,7 @@ SpaceBox ArcGuide::enclosure(const std::array<double, 4>& box) const {
 SpaceBox ArcGuide::enclosure(const StripPart& strip) const {
     const SpaceBox corners = enclosure(strip.box);
     SpaceBox tight{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
-    chart_.for_parts(strip.box, [&](const SpaceChart::Part& part) {
+    chart_.for_parts(strip.box, [&](const Chart::Part& part) {
         StripPart here = strip;
         here.box = part.box;
         const auto doubts = rays(part).doubts;
@@ -95,14 +95,13 @@ SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack)
 
 template <class T>
 T ArcGuide::distance_along(int k, const T& x, const T& y, bool is_back) const {
-    return equations_[k == 0 ? 1 : equations_.right].distance_along(chart_.foot(x, y),
-                                                                    chart_.normal(x, y, is_back));
+    return equations_[k == 0 ? 1 : equations_.right].distance_along(chart_.foot(x, y), normal(x, y, is_back));
 }
 
 std::array<Interval, 4> ArcGuide::over(const StripPart& strip, bool is_back, int k,
                                        const Interval& doubt) const {
     const auto point = [&](const auto& x, const auto& y) {
-        const auto f = chart_.foot(x, y), w = chart_.normal(x, y, is_back);
+        const auto f = chart_.foot(x, y), w = normal(x, y, is_back);
         const auto t = distance_along(k, x, y, is_back);
         return std::array{t * w[0] + f[0], t * w[1] + f[1], t * w[2] + f[2], t};
     };
@@ -111,7 +110,7 @@ std::array<Interval, 4> ArcGuide::over(const StripPart& strip, bool is_back, int
     using Coordinate = Jet<Interval, 2>;
     const auto at = point(Interval(x.mid()), Interval(y.mid()));
     const auto jets = point(Coordinate::variable(x, 0), Coordinate::variable(y, 1));
-    const auto w = chart_.normal(x, y, is_back);
+    const auto w = normal(x, y, is_back);
     std::array<Interval, 4> X;
     for (int i = 0; i < 4; ++i)
         X[i] = strip.mean_value(at[i], jets[i].gradient, {x.mid(), y.mid()}) + (i < 3 ? doubt * w[i] : doubt);
@@ -139,7 +138,7 @@ bool ArcGuide::is_off_arc(const StripPart& strip, bool is_back) const {
 
 bool ArcGuide::is_off_arc(const StripPart& strip) const {
     bool is_off = true;
-    chart_.for_parts(strip.box, [&](const SpaceChart::Part& part) {
+    chart_.for_parts(strip.box, [&](const Chart::Part& part) {
         StripPart here = strip;
         here.box = part.box;
         is_off = is_off && is_off_arc(here, part.is_back);
@@ -159,7 +158,7 @@ SpaceBox ArcGuide::enclosure_between(const Node& from, const Node& to, const Pie
     for (const int k : {0, 1}) {
         const Node& node = k == 0 ? from : to;
         const Vec2& q = ends[k];
-        hold(q, chart_.chart_error(node.X, q, slack));
+        hold(q, chart_.chart_error(node.X, q, slack, rounding));
         if (!node.ends_piece) continue;
         // The true end of the piece is near the node.
         const bool opens_edge = &piece == &arc_.pieces.front();
@@ -241,8 +240,7 @@ std::optional<Vec2> ArcGuide::approach(Vec2 q, const Vec2& direction) const {
     constexpr double near = 1e-4;
     for (int i = 0; i < enough; ++i) {
         const Vec3 f = chart_.foot(q), w = chart_.normal(q);
-        const Vec3 moving = chart_.foot_derivative(direction),
-                   turning = chart_.normal_derivative(q, direction);
+        const Vec3 moving = chart_.foot(direction), turning = chart_.normal_derivative(q, direction);
         std::array<double, 2> t, slope;
         for (int k = 0; k < 2; ++k) {
             const Equation& G = equations_[k == 0 ? 1 : equations_.right];

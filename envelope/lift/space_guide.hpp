@@ -7,11 +7,13 @@
 #include <cstddef>
 #include <optional>
 
+#include "../../primitives/charts/chart.hpp"
 #include "../../primitives/fit/spline_fit.hpp"
-#include "space_chart.hpp"
+#include "space_arc.hpp"
 
 namespace vcell::space_fit {
 
+using Vector3i = std::array<Interval, 3>;
 using Piece = MinimizationDiagram::ArcPiece;
 
 // A part of the strip between two lines of the chart in a piece's direction: points s n + t d, d the
@@ -28,7 +30,7 @@ struct StripPart {
 
 class ArcGuide {
 public:
-    ArcGuide(const SpaceChart& chart, const SpaceArc& arc, const ArcEquations& equations)
+    ArcGuide(const BaseChart& chart, const SpaceArc& arc, const ArcEquations& equations)
         : chart_(chart), arc_(arc), equations_(equations) {}
 
     // The point over a chart point, by the heights of both sides.
@@ -67,8 +69,12 @@ private:
         Vector3i foot, normal;
         std::array<Interval, 2> distances, doubts;
     };
-    Rays rays(const SpaceChart::Part& part) const;
+    Rays rays(const Chart::Part& part) const;
     // Over coordinates that are Intervals or Jets of them.
+    template <class T>
+    std::array<T, 3> normal(const T& x, const T& y, bool is_back) const {
+        return chart_.normal(x, y, is_back, T(Interval::ball(0, rounding)));
+    }
     template <class T>
     T distance_along(int k, const T& x, const T& y, bool is_back) const;
     // Where the point over a part may be, by the distance of one site: nearer than rays() tell it where that
@@ -79,7 +85,7 @@ private:
     std::optional<Vec2> bisect(const Vec2& q, const Piece& piece) const;
     std::optional<Vec2> approach(Vec2 q, const Vec2& direction) const;
 
-    const SpaceChart& chart_;
+    const BaseChart& chart_;
     const SpaceArc& arc_;
     const ArcEquations& equations_;
 };

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "space_chart.hpp"
 #include "space_guide.hpp"
 #include "space_trims.hpp"
 
@@ -16,6 +15,10 @@ namespace {
 
 using namespace space_fit;
 using std::numbers::pi;
+
+Equation equation_of(const BaseChart& chart, const SpaceSite& site, const Vec3& foot) {
+    return site_equation(chart, site.object, site.is_wall, foot);
+}
 
 // An edge as its fit's guide: the pieces of the diagram, and trims.
 class EdgeGuide {
@@ -90,15 +93,15 @@ private:
 
 class EdgeFit {
 public:
-    EdgeFit(const SpaceChart& chart, const SpaceArc& arc)
+    EdgeFit(const BaseChart& chart, const SpaceArc& arc)
         : chart_(chart),
           arc_(arc),
           foot_(arc.start            ? chart.foot_below(arc.start->point)
                 : arc.pieces.empty() ? chart.foot_below(std::get<Plane>(arc.sites[1].object).point)
                                      : chart.foot(arc.pieces.back().end)) {
         auto& equations = equations_.equations;
-        equations[0] = chart.base_equation(foot_);
-        for (int i = 0; i < 2; ++i) equations[i + 1] = chart.equation(arc.sites[i], foot_);
+        equations[0] = base_equation(chart, foot_);
+        for (int i = 0; i < 2; ++i) equations[i + 1] = equation_of(chart, arc.sites[i], foot_);
         if (arc.sites_cross) take_plane();
         if (!arc.pieces.empty()) equations_.tell_apart(first_point());
     }
@@ -201,7 +204,7 @@ private:
         return {node, (node.X - box[0]).cwiseAbs().cwiseMax((node.X - box[1]).cwiseAbs()).norm()};
     }
 
-    const SpaceChart& chart_;
+    const BaseChart& chart_;
     const SpaceArc& arc_;
     Vec3 foot_;  // near the curve
     ArcEquations equations_;
@@ -211,12 +214,11 @@ private:
 }  // namespace
 
 // Within a ball of twice the bound the solution is unique by step 2, and the point is one.
-std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
+std::optional<SpaceEnd> settle_point(const BaseChart& chart, const std::array<SpaceSite, 3>& sites,
                                      const SpaceEnd& near) {
-    const SpaceChart chart(problem);
     const Vec3 foot = chart.foot_below(near.point);
-    const std::array equations{chart.base_equation(foot), chart.equation(sites[0], foot),
-                               chart.equation(sites[1], foot), chart.equation(sites[2], foot)};
+    const std::array equations{base_equation(chart, foot), equation_of(chart, sites[0], foot),
+                               equation_of(chart, sites[1], foot), equation_of(chart, sites[2], foot)};
     const Vector4d center = chart.with_distance(near.point);
     const double radius = 2 * sqrt2 * near.error;
     Matrix4d M;
@@ -240,14 +242,9 @@ std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std
     return SpaceEnd{X.head<3>(), error};
 }
 
-SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
+SpaceFitError fit_space_spline(const BaseChart& chart, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans, FitEffort& effort) {
-    return EdgeFit(SpaceChart(problem), arc).run(tolerance, spans, effort);
-}
-
-SpaceFitError fit_spline_over_plane(const SpaceArc& arc, double tolerance, std::vector<SpaceSpan>& spans,
-                                    FitEffort& effort) {
-    return EdgeFit(SpaceChart(), arc).run(tolerance, spans, effort);
+    return EdgeFit(chart, arc).run(tolerance, spans, effort);
 }
 
 }  // namespace vcell

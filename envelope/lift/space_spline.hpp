@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "../../primitives/bases/radial_base.hpp"
+#include "../../primitives/charts/chart.hpp"
 #include "../../primitives/fit/fit_error.hpp"
 #include "space_arc.hpp"
 
@@ -18,18 +18,14 @@ namespace vcell {
 /// The point in which three sites are met, from one within `near.error` of it, and a bound of the distance
 /// that is left: at the level of rounding, whatever the chart made of the scene's size. None where this
 /// bound is no smaller, or not proved (nearly dependent gradients).
-std::optional<SpaceEnd> settle_point(const RadialBaseProblem& problem, const std::array<SpaceSite, 3>& sites,
+std::optional<SpaceEnd> settle_point(const BaseChart& chart, const std::array<SpaceSite, 3>& sites,
                                      const SpaceEnd& near);
 
 /// Appends the spans of an arc. tolerance: length, for both errors. The result exceeds it only where rounding
 /// blurs the arc and the diagram's pieces are wider, where the ends are not known as well (four times their
 /// error bounds it then), where a divisor of a patch's coordinate is not positive, or when `effort` is spent,
 /// and says so.
-SpaceFitError fit_space_spline(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
+SpaceFitError fit_space_spline(const BaseChart& chart, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans, FitEffort& effort);
-
-/// Fits likewise over the base plane z = 0, where t is the distance from it.
-SpaceFitError fit_spline_over_plane(const SpaceArc& arc, double tolerance, std::vector<SpaceSpan>& spans,
-                                    FitEffort& effort);
 
 }  // namespace vcell

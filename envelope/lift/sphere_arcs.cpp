@@ -83,7 +83,7 @@ public:
 private:
     // (n, W) of a chart point with |p|^2 = L in homogeneous coordinates (p, L, w).
     Vector4d lifted(const Vector2d& p, double L, double w) const {
-        const Vec3 n = problem_.chart * Vec3(2 * p.x(), 2 * p.y(), w - L);
+        const Vec3 n = problem_.chart.turn * Vec3(2 * p.x(), 2 * p.y(), w - L);
         return {n.x(), n.y(), n.z(), w + L};
     }
 

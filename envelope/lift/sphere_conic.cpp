@@ -25,18 +25,19 @@ Plane facing(const Plane& plane) {
 Functional<Vec3, double> functional(const RadialBaseProblem& problem, FormId f) {
     if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
         const double square = ball_power(problem, f);
-        return {sphere->center, sphere->radius - problem.radius, square, 0.5 * square};
+        return {sphere->center, sphere->radius - problem.chart.radius, square, 0.5 * square};
     }
     const Plane plane = facing(std::get<Plane>(problem.objects[f]));
     const double k = plane.normal.dot(plane.point), length = plane.normal.norm();
     if (is_wall(problem, f)) return {plane.normal, 0, length * length, k};
-    return {plane.normal, length, 0, k + problem.radius * length};
+    return {plane.normal, length, 0, k + problem.chart.radius * length};
 }
 
 Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem, FormId f) {
     if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
         const ExactVector c(sphere->center);
-        const Exact delta = Exact(sphere->radius) - Exact(problem.radius), square = dot(c, c) - delta * delta;
+        const Exact delta = Exact(sphere->radius) - Exact(problem.chart.radius),
+                    square = dot(c, c) - delta * delta;
         return {c, delta, square, square.scaled(-1)};
     }
     const Plane plane = facing(std::get<Plane>(problem.objects[f]));
@@ -44,7 +45,7 @@ Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem
     const Exact k = dot(n, ExactVector(plane.point)), square = dot(n, n);
     if (is_wall(problem, f)) return {n, 0.0, square, k};
     const Exact length = length_of(n);
-    return {n, length, 0.0, k + length * Exact(problem.radius)};
+    return {n, length, 0.0, k + length * Exact(problem.chart.radius)};
 }
 
 }  // namespace
@@ -152,7 +153,7 @@ DistancePlane difference_plane(const RadialBaseProblem& problem, FormId f, FormI
     };
     Vector4d normal(scaled(n[0], 1), scaled(n[1], 1), scaled(n[2], 1), scaled(n[3], 1));
     const double length = normal.norm();
-    normal.head<3>() = (problem.chart * normal.head<3>()).eval();
+    normal.head<3>() = (problem.chart.turn * normal.head<3>()).eval();
     return {normal / length, 0, scaled(A * A + B * B - Exact(4.0) * C * K, 2) / (length * length)};
 }
 

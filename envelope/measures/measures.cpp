@@ -526,8 +526,8 @@ void rank_neighbors(Cell& cell) {
     for (const Share& share : shares) cell.neighbors.push_back(share.object);
 }
 
-void measure(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
-             const MixedArcs& mixed, Cell& cell) {
+void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
+                         const ChartArcs& arcs, const MixedArcs& mixed, Cell& cell) {
     Measurer(problem, diagram, arcs, mixed, cell).run();
 }
 

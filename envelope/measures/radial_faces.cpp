@@ -66,7 +66,7 @@ TubeFace::TubeFace(const RadialBaseProblem& problem, FormId form, const Around& 
     axis = cylinder.axis.normalized();
     foot = cylinder.point - axis.dot(cylinder.point) * axis;
     length = foot.norm();
-    delta = cylinder.radius - problem.radius;
+    delta = cylinder.radius - problem.chart.radius;
     const RadialForm& f = problem.family.radial_form(form);
     K = quotient(f.c[0], f.a[0] * f.a[0] + f.a[1] * f.a[1] + f.a[2] * f.a[2]);
     first = face.start(axis.dot(face.near));
@@ -149,7 +149,7 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Arou
     slope = first = 0;
     start = face.near.y();
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
-        const double delta = sphere->radius - problem.radius;
+        const double delta = sphere->radius - problem.chart.radius;
         b = across(sphere->center);
         b0 = delta;
         K = quotient(4.0 * f.c[0] * f.c[2] - f.c[1] * f.c[1], 4.0 * f.c[2] * f.c[2]);
@@ -160,7 +160,7 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Arou
         return;
     }
     if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
-        const double delta = cylinder->radius - problem.radius;
+        const double delta = cylinder->radius - problem.chart.radius;
         b = across(cylinder->point);
         b0 = delta;
         K = quotient(f.c[0], f.slope * f.slope);
@@ -178,7 +178,7 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Arou
     b0 = 0;
     if (problem.sites[form].front().is_object()) {
         b0 = 0.5;
-        K += problem.radius;
+        K += problem.chart.radius;
     }
 }
 
@@ -250,7 +250,7 @@ Share FlatFace::size(const SpanPoint<double>& p) const {
 SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face)
     : axis(cylinder.axis.normalized()),
       point(cylinder.point - axis.dot(cylinder.point) * axis),
-      delta(cylinder.radius - problem.radius),
+      delta(cylinder.radius - problem.chart.radius),
       start(face.near.y()),
       least(infinity) {
     // The foot of the common perpendicular on the base's axis: C is least there.
@@ -432,7 +432,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
                             const radial_integrals::Around& face) {
     using namespace radial_integrals;
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
-    if (problem.is_sphere) {
+    if (problem.chart.is_sphere()) {
         if (cylinder != nullptr) return TubeFace(problem, form, face);
         return RoundFace(problem, form);
     }

@@ -21,11 +21,11 @@ using span_integrals::term_rounding;
 using namespace radial_integrals;
 using std::sqrt;
 
-Ray ray_to(const SpanPoint<double>& p, RadialFoot foot) {
-    const double y = foot.across(p.y), y1 = foot.across(p.y1);
+Ray ray_to(const SpanPoint<double>& p, Chart chart) {
+    const double y = chart.across(p.y), y1 = chart.across(p.y1);
     const double reciprocal = 1.0 / sqrt(p.x * p.x + y * y + p.z * p.z);
     const Vector d{p.x1, y1, p.z1};
-    Ray ray{{p.x * reciprocal, y * reciprocal, p.z * reciprocal}, {}, foot.along(p.y), norm(d) * reciprocal};
+    Ray ray{{p.x * reciprocal, y * reciprocal, p.z * reciprocal}, {}, chart.along(p.y), norm(d) * reciprocal};
     const double along = dot(ray.u, d);
     for (int i = 0; i < 3; ++i) ray.du[i] = (d[i] - ray.u[i] * along) * reciprocal;
     return ray;
@@ -48,15 +48,15 @@ RadialIntegrals& RadialIntegrals::operator+=(const RadialIntegrals& o) {
 namespace {
 
 // t^2 / 2 at a point of a span, and its derivative.
-std::array<double, 2> half_square(const SpanPoint<double>& p, RadialFoot foot) {
-    const double y = foot.across(p.y);
+std::array<double, 2> half_square(const SpanPoint<double>& p, Chart chart) {
+    const double y = chart.across(p.y);
     return {0.5 * (p.x * p.x + y * y + p.z * p.z), p.x * p.x1 + y * p.y1 + p.z * p.z1};
 }
 
 // At most as many extremes as that has t along a span, inside: t^2 = p.p / w^2, of which the derivative is a
 // positive factor times p.(p' w - p w'). In the Bernstein basis a polynomial has no more zeros in [0, 1] than
 // its coefficients have changes of sign [Farin02, sec. 5.3, Descartes].
-int most_extremes(const PowerSpan& span, RadialFoot foot) {
+int most_extremes(const PowerSpan& span, Chart chart) {
     constexpr int most = PowerSpan::largest_degree;
     const int d = span.degree();
     const auto points = span.control_points();
@@ -66,7 +66,7 @@ int most_extremes(const PowerSpan& span, RadialFoot foot) {
     double binomial = 1;
     for (int k = 0; k <= d; ++k) {
         p[k] = binomial * points[k];
-        p[k].y() = foot.across(p[k].y());
+        p[k].y() = chart.across(p[k].y());
         binomial *= static_cast<double>(d - k) / (k + 1);
     }
     for (int k = 0; k < d; ++k) slope[k] = (k + 1) * p[k + 1] - (d - k) * p[k];
@@ -95,8 +95,8 @@ int most_extremes(const PowerSpan& span, RadialFoot foot) {
 }
 
 // The range of t along a span that has one extreme inside at most.
-void extend_by_extreme(Range& range, const PowerSpan& span, RadialFoot foot) {
-    const auto at = [&](double s) { return half_square(span.at(s), foot); };
+void extend_by_extreme(Range& range, const PowerSpan& span, Chart chart) {
+    const auto at = [&](double s) { return half_square(span.at(s), chart); };
     const auto extend_by = [&](double square) {
         range = {std::min(range[0], sqrt(2 * square)), std::max(range[1], sqrt(2 * square))};
     };
@@ -133,9 +133,9 @@ void extend_by_extreme(Range& range, const PowerSpan& span, RadialFoot foot) {
 }
 
 // The range of t along a span.
-void extend_by_extremes(Range& range, const PowerSpan& span, RadialFoot foot, int halvings = 12) {
-    if (halvings == 0 || most_extremes(span, foot) <= 1) return extend_by_extreme(range, span, foot);
-    for (const int side : {0, 1}) extend_by_extremes(range, span.half(side), foot, halvings - 1);
+void extend_by_extremes(Range& range, const PowerSpan& span, Chart chart, int halvings = 12) {
+    if (halvings == 0 || most_extremes(span, chart) <= 1) return extend_by_extreme(range, span, chart);
+    for (const int side : {0, 1}) extend_by_extremes(range, span.half(side), chart, halvings - 1);
 }
 
 // What a face takes of a point of its boundary.
@@ -158,12 +158,12 @@ double gap_to(const radial_integrals::FlatFace& f, const SpanPoint<double>& p, c
 }
 
 // Where splines err most (space_spline.cpp): between the nodes of their interpolation.
-void extend_by_gaps(RadialGap& most, const PowerSpan& span, RadialFoot foot, const RadialFace& left,
+void extend_by_gaps(RadialGap& most, const PowerSpan& span, Chart chart, const RadialFace& left,
                     const RadialFace* right) {
     for (const double s : {-0.5, 0.0, 0.5}) {
         const SpanPoint<double> p = span.at(s);
-        const Ray ray = ray_to(p, foot);
-        const double t = sqrt(2 * half_square(p, foot)[0]);
+        const Ray ray = ray_to(p, chart);
+        const double t = sqrt(2 * half_square(p, chart)[0]);
         const auto off = [&](const RadialFace& face) {
             return std::visit([&](const auto& f) { return gap_to(f, p, ray, t); }, face);
         };
@@ -174,12 +174,12 @@ void extend_by_gaps(RadialGap& most, const PowerSpan& span, RadialFoot foot, con
 }
 
 struct SpanIntegrand {
-    RadialFoot foot;
+    Chart chart;
     const RadialFace& left;
     const RadialFace* right;
 
     std::array<double, 6> operator()(const SpanPoint<double>& p, std::array<double, 6>* sizes) const {
-        const Ray ray = ray_to(p, foot);
+        const Ray ray = ray_to(p, chart);
         const auto share = [&](const RadialFace& face) {
             return std::visit([&](const auto& f) { return f.share(place_for(f, p, ray)); }, face);
         };
@@ -208,13 +208,13 @@ private:
 
 }  // namespace
 
-void add_span(std::span<const Vector4d> points, bool is_conic, RadialFoot foot, const RadialFace& left,
+void add_span(std::span<const Vector4d> points, bool is_conic, Chart chart, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum) {
     const PowerSpan span(points);
     std::array<Integral, 6> parts{};
     // Parts of the size. A spline is off its arc by more than the integrals of its spans could be.
     constexpr double of_conic = 1e-17, of_spline = 1e-12;
-    integrate_estimated(span, SpanIntegrand{foot, left, right}, is_conic ? of_conic : of_spline, parts);
+    integrate_estimated(span, SpanIntegrand{chart, left, right}, is_conic ? of_conic : of_spline, parts);
     sum.sides[0].volume += parts[0];
     sum.sides[0].area += parts[1];
     sum.sides[1].volume += parts[2];
@@ -227,8 +227,8 @@ void add_span(std::span<const Vector4d> points, bool is_conic, RadialFoot foot, 
     }
     sum.length += parts[4];
     sum.end_area += parts[5];
-    extend_by_extremes(sum.distance, span, foot);
-    extend_by_gaps(sum.gap, span, foot, left, right);
+    extend_by_extremes(sum.distance, span, chart);
+    extend_by_gaps(sum.gap, span, chart, left, right);
 }
 
 }  // namespace vcell

@@ -51,7 +51,7 @@
 #include <variant>
 
 #include "../../primitives/bases/radial_base.hpp"
-#include "../../primitives/charts/radial_foot.hpp"
+#include "../../primitives/charts/chart.hpp"
 #include "mixed_integrals.hpp"
 #include "span_integrals.hpp"
 
@@ -223,7 +223,7 @@ void add_segment(const Vec3& from, const Vec3& to, const RadialFace& left, const
 /// Adds those along any curve (control points (p, w)) that is nearly on both bisectors, seen from its points'
 /// feet. No right side: a rim. Error: truncation estimated from two rules (integrate_estimated()), but for
 /// the length of a conic (a line included), where it is proven; rounding to first order, doubled.
-void add_span(std::span<const Eigen::Vector4d> points, bool is_conic, RadialFoot foot, const RadialFace& left,
+void add_span(std::span<const Eigen::Vector4d> points, bool is_conic, Chart chart, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum);
 
 }  // namespace vcell

@@ -1,4 +1,4 @@
-#include "radial_measures.hpp"
+#include "measures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
-#include "measures.hpp"
 #include "radial_integrals.hpp"
 
 namespace vcell {
@@ -41,8 +40,8 @@ public:
             (cell_.faces[i].site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
             m.is_estimated = m.is_estimated || cell_.faces[i].is_estimated;
         }
-        const double radius = problem_.radius, pi = std::numbers::pi;
-        if (problem_.is_sphere) {
+        const double radius = problem_.chart.radius, pi = std::numbers::pi;
+        if (problem_.chart.is_sphere()) {
             m.base_area = 4 * pi * radius * radius;
             m.body_volume = m.base_area * radius / 3;
             m.base_area_error = 8 * u * m.base_area;
@@ -71,7 +70,7 @@ public:
         m.min_clearance_error = std::max(least_[1] - distance_[0], distance_[0] - least_[0]);
         m.max_clearance_error = std::max(greatest_[1] - distance_[1], distance_[1] - greatest_[0]);
         // A cylinder's stretch ends at the box.
-        m.touches_box = !problem_.is_sphere || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
+        m.touches_box = !problem_.region.empty() || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
             return !f.site.is_object();
         });
         rank_neighbors(cell_);
@@ -79,7 +78,7 @@ public:
 
 private:
     bool is_smooth(EdgeId e) const {
-        return problem_.is_sphere && cell_.edges[e.value].kind != CurveKind::Spline;
+        return diagram_.is_circular(diagram_.edges[e].left) && cell_.edges[e.value].kind != CurveKind::Spline;
     }
 
     // Where a face's edges start; and over a cylinder their distances from the axis.
@@ -109,10 +108,7 @@ private:
 
     void add_faces() {
         // Around a sphere only tubes ask for it.
-        const bool are_asked =
-            !problem_.is_sphere || std::ranges::any_of(problem_.objects, [](const Object& o) {
-                return std::holds_alternative<Cylinder>(o);
-            });
+        const bool are_asked = !problem_.family.is_all_circular();
         std::vector<Reach> reaches(are_asked ? diagram_.dcel.face_count() : 0);
         if (are_asked)
             for (const EdgeId e : diagram_.edges.ids()) {
@@ -132,7 +128,8 @@ private:
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
             const double least = least_distance(faces_.back());
-            add_distance(least, least, 8 * u * (least + problem_.radius + reach(problem_.objects[form])));
+            add_distance(least, least,
+                         8 * u * (least + problem_.chart.radius + reach(problem_.objects[form])));
         }
     }
 
@@ -149,13 +146,13 @@ private:
             points_.push_back({canonical.x(), canonical.y(), canonical.z(), p.w()});
         }
         const std::uint32_t left = face(e, 0), right = face(e, 1);
-        const RadialFoot foot(problem_.is_sphere);
+        const Chart chart = problem_.chart;
         const RadialFace* right_face = right != no_face ? &faces_[right] : nullptr;
         RadialIntegrals sum;
         for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
             const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
             if (!is_smooth(e)) {
-                add_span(span, edge.kind != CurveKind::Spline, foot, faces_[left], right_face, sum);
+                add_span(span, edge.kind != CurveKind::Spline, chart, faces_[left], right_face, sum);
             } else if (curve.degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {
@@ -167,7 +164,7 @@ private:
         edge.length = sum.length.value;
         edge.length_error = sum.length.error + length_sensitivity * positions_[e];
         add_distance(sum.distance[0], sum.distance[1],
-                     positions_[e] + 8 * u * (sum.distance[1] + problem_.radius));
+                     positions_[e] + 8 * u * (sum.distance[1] + problem_.chart.radius));
         if (!is_smooth(e)) {
             edge.is_estimated = edge.kind == CurveKind::Spline;
             for (const std::uint32_t f : {left, right})
@@ -238,8 +235,8 @@ private:
 
 }  // namespace
 
-void measure(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-             const IdVector<EdgeId, double>& positions, Cell& cell) {
+void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                        const IdVector<EdgeId, double>& positions, Cell& cell) {
     RadialMeasurer(problem, diagram, positions, cell).run();
 }
 

@@ -36,7 +36,7 @@ namespace radial_integrals {
 RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     const Object& object = problem.objects[form];
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
-        delta = sphere->radius - problem.radius;
+        delta = sphere->radius - problem.chart.radius;
         c = sphere->center.norm();
         axis = sphere->center / c;
         // d1 d2 is known to rounding though one of them may be next to nothing.
@@ -61,7 +61,7 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     e1 = 1;
     if (problem.sites[form].front().is_object()) {
         shape = Shape::Paraboloid;
-        k = distance + problem.radius;
+        k = distance + problem.chart.radius;
         e0 = 1;
         d1 = 0.5 * k;
     } else {

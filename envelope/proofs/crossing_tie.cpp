@@ -23,27 +23,30 @@ Vector3d middle(const Point& p) { return {p[0].mid(), p[1].mid(), p[2].mid()}; }
 class CommonLine {
 public:
     CommonLine(const FormFamily& family, const Crossing& crossing)
-        : is_sphere_(family.chart == RadialChart::Stereographic),
+        : chart_{family.chart},
           unit_(family.axial_unit),
           center_(enclosure(crossing.center)),
           normal_(enclosure(crossing.normal)),
           delta_(crossing.delta.enclosure() / crossing.divisor.enclosure()),
           length_(norm(normal_)) {
         for (Interval& x : center_) x = x / crossing.divisor.enclosure();
+        const auto foot_of = [&](const ExactVector& p) {
+            const auto [x, y, z] = chart_.foot<Exact>(p.x, p.y);
+            return ExactVector(x, y, z);
+        };
         const ExactVector &c = crossing.center, &n = crossing.normal;
-        is_upright_ = is_sphere_ ? cross(c, n).is_zero()
-                                 : n.y.sign() == Sign::Zero && (c.x * n.z - c.z * n.x).sign() == Sign::Zero;
+        is_upright_ = foot_of(n).is_zero() && cross(c - foot_of(c), n).is_zero();
     }
 
     // Does it run along a normal of the base? Then over these points of the chart.
     bool is_upright() const { return is_upright_; }
     std::array<ChartPoint, 2> feet() const {
-        const Interval y = is_sphere_ ? normal_[1] : Interval(0);
-        const auto foot = [&](double side) {
-            const Interval s(side);
-            return chart_point({s * normal_[0], is_sphere_ ? s * y : center_[1], s * normal_[2]});
+        const auto over = [&](double side) {
+            Point p = chart_.foot<Interval>(center_[0], center_[1]);
+            for (int i = 0; i < 3; ++i) p[i] = p[i] + side * normal_[i];
+            return chart_point(p);
         };
-        return {foot(1), foot(-1)};
+        return {over(1), over(-1)};
     }
 
     Point at(const Interval& s) const {
@@ -57,25 +60,12 @@ public:
         return from_base(p) + delta_ - Interval(std::abs(s)) * length_;
     }
 
-    ChartPoint chart_point(const Point& p) const {
-        const Interval r = from_base(p);
-        if (is_sphere_) {
-            if (p[2].mid() >= 0) return {p[0] / (r + p[2]), p[1] / (r + p[2])};
-            const Interval scale = (r - p[2]) / (square(p[0]) + square(p[1]));
-            return {p[0] * scale, p[1] * scale};
-        }
-        const Interval y = p[1] / Interval(unit_);
-        if (p[2].mid() >= 0) return {p[0] / (r + p[2]), y};
-        return {Interval(2) - p[0] / (r - p[2]), y};
-    }
+    ChartPoint chart_point(const Point& p) const { return chart_.chart_point<Interval>(p, unit_); }
 
     // s where the line comes next to the ray over a chart point.
     double beside(const Vector2d& q) const {
-        const bool back = !is_sphere_ && q.x() > 1;
-        const double x = back ? q.x() - 2 : q.x(), y = is_sphere_ ? q.y() : 0, sign = back ? -1 : 1;
-        const Vector3d ray = Vector3d(2 * x, 2 * y, 1 - x * x - y * y) * (sign / (1 + x * x + y * y));
-        const Vector3d n = middle(normal_),
-                       m = middle(center_) - Vector3d(0, is_sphere_ ? 0 : unit_ * q.y(), 0);
+        const Vector3d ray = chart_.normal(q), n = middle(normal_),
+                       m = middle(center_) - chart_.foot(Vector2d(q.x(), unit_ * q.y()));
         const Vector3d across = n - n.dot(ray) * ray;
         return -m.dot(across) / across.squaredNorm();
     }
@@ -86,11 +76,10 @@ public:
 
 private:
     static Interval norm(const Point& p) { return sqrt(square(p[0]) + square(p[1]) + square(p[2])); }
-    Interval from_base(const Point& p) const {
-        return is_sphere_ ? norm(p) : sqrt(square(p[0]) + square(p[2]));
-    }
+    Interval from_base(const Point& p) const { return chart_.distance<Interval>(p); }
 
-    bool is_sphere_, is_upright_ = false;
+    BaseChart chart_;  // as the forms have it: not turned
+    bool is_upright_ = false;
     double unit_;
     Point center_, normal_;
     Interval delta_, length_;

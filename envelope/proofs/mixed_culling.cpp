@@ -8,7 +8,7 @@
 namespace vcell {
 
 MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent) : heights_(family), extent_(extent) {
-    if (!family.radial.empty() && family.chart == RadialChart::Stereographic) supports_.emplace(family);
+    if (family.compared_over().is_sphere()) supports_.emplace(family);
 }
 
 bool MixedAnalysis::is_spent() const {

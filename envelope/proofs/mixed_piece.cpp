@@ -76,8 +76,8 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     bool plain = is_plain(work);
     if (!plain) {
         // The difference of a circular form and one other is in mean value form already.
-        const auto is_curved = [&](const Spread& s) { return !heights_.family().is_circular(s.form); };
-        const bool bends = !normals_ || std::ranges::count_if(work.rivals, is_curved) > 1;
+        const auto has_root = [&](const Spread& s) { return !heights_.family().is_circular(s.form); };
+        const bool bends = !normals_ || std::ranges::count_if(work.rivals, has_root) > 1;
         if (bends) {
             bend(work.piece.box, work.rivals);
             work.directions.clear();

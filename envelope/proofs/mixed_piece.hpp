@@ -45,8 +45,8 @@
 #include <vector>
 
 #include "../../core/small_vector.hpp"
+#include "../../primitives/forms/heights.hpp"
 #include "../diagram/minimization_diagram.hpp"
-#include "../recursion/heights.hpp"
 #include "../sphere/sphere_supports.hpp"
 #include "tie_fan.hpp"
 
@@ -137,8 +137,6 @@ public:
     /// As floor_width, along a side, where no more than one direction has to be told apart.
     static constexpr double side_floor_width = 0x1p-44;
 
-    static constexpr double circumference = 4;  // of a cylinder in half-angle coordinates
-
     MixedAnalysis(const FormFamily& family, double extent);
 
     /// What widths about a place are parts of: the region's extent. Over a sphere, whose chart reaches the
@@ -154,7 +152,7 @@ public:
     /// all pieces of a long one would count as small, and be asked for ties that are not there.
     double tie_extent_at(const Interval& x, const Interval& y) const {
         const double extent = extent_at(x, y);
-        return heights_.family().chart == RadialChart::HalfAngle ? std::min(extent, circumference) : extent;
+        return std::min(extent, heights_.family().chart.circumference());
     }
 
     const Heights& heights() const { return heights_; }

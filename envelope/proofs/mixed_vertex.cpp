@@ -88,8 +88,7 @@ std::optional<RationalPoint> MixedAnalysis::exact_tie(std::span<const FormId> fo
 
 // Is a form's height certainly one that its equation has?
 bool MixedAnalysis::is_met(FormId f, const Interval& x, const Interval& y) const {
-    return heights_.value(f, x, y).sign() ==
-           (heights_.family().radial.empty() ? Sign::Positive : Sign::Negative);
+    return heights_.value(f, x, y).sign() == heights_.family().compared_over().sign_of_met();
 }
 
 // The place about which three forms tie as far as digits tell, if they do so exactly and touch there. On the

@@ -250,8 +250,8 @@ struct MixedAnalysis::Work {
     // as of tubes that are nearly parallel over a tube, their turn never tells. Asked of few and in a small
     // piece, when the other questions have failed.
     bool is_apart(const Spread& a, const Spread& b, const Spread& c) const {
-        if (!a.bend || !is_small || rivals.size() > most_divided || heights.family().radial.empty() ||
-            heights.family().chart != RadialChart::HalfAngle)
+        if (!a.bend || !is_small || rivals.size() > most_divided ||
+            !heights.family().compared_over().is_cylinder())
             return false;
         if (known_apart({a.form, b.form, c.form})) return true;
         const auto meet_nowhere_of = [&](const Spread& h, const Spread& f, const Spread& g) {

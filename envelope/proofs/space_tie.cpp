@@ -10,115 +10,14 @@ namespace vcell {
 
 namespace {
 
-constexpr std::size_t unknowns = 5;
-
-using Linear = std::array<Exact, unknowns>;
-using Row = std::vector<Exact>;
+using namespace space_quadrics;
+using Row = Quadric;
 
 bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
 bool is_zero(const OneRoot& v) { return sign(v) == Sign::Zero; }
 
-// Quadratic forms in n variables, of y_i y_j, i <= j: those without the last variable first, then those with
-// it, its square last. Row i of what comes first begins after those of all smaller i.
-std::size_t terms(std::size_t n) { return n * (n + 1) / 2; }
-std::size_t term(std::size_t n, std::size_t i, std::size_t j) {
-    if (i > j) std::swap(i, j);
-    if (j + 1 == n) return terms(n - 1) + i;
-    return i * (n - 1) - i * (i + 1) / 2 + j;
-}
-
-void add_product(Row& q, const Exact& factor, std::span<const Exact> f, std::span<const Exact> g) {
-    if (is_zero(factor)) return;
-    const std::size_t n = f.size();
-    for (std::size_t i = 0; i < n; ++i) {
-        if (is_zero(f[i])) continue;
-        const Exact scaled = factor * f[i];
-        for (std::size_t j = 0; j < n; ++j)
-            if (!is_zero(g[j])) q[term(n, i, j)] += scaled * g[j];
-    }
-}
-
-Row zero_quadric() { return Row(terms(unknowns)); }
-
-Linear unit(std::size_t i) {
-    Linear l;
-    l[i] = 1.0;
-    return l;
-}
-
-// The equations of the header.
-Row base_equation(const FormFamily& family) {
-    Row q = zero_quadric();
-    if (family.radial.empty()) {
-        add_product(q, 1.0, unit(2), unit(4));
-        return q;
-    }
-    add_product(q, 1.0, unit(0), unit(0));
-    if (family.chart == RadialChart::Stereographic) add_product(q, 1.0, unit(1), unit(1));
-    add_product(q, 1.0, unit(2), unit(2));
-    add_product(q, -1.0, unit(3), unit(3));
-    return q;
-}
-
-Row circular_equation(const ExactForm& f, bool over_plane) {
-    Row q = zero_quadric();
-    const Linear one = unit(4);
-    if (over_plane) {
-        add_product(q, f.K, unit(0), unit(0));
-        add_product(q, f.K, unit(1), unit(1));
-        add_product(q, 1.0, Linear{f.A, f.B, Exact(), -f.W, f.C}, one);
-    } else {
-        add_product(q, 1.0, Linear{f.A, f.B, f.C - f.K, f.C + f.K, 2.0 * f.W}, one);
-    }
-    return q;
-}
-
-// Lengths times the cylinder's unit.
-Row cylinder_equation(const ExactCylinder& f) {
-    Row q = zero_quadric();
-    const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
-    const Exact zero;
-    const std::array<Linear, 3> m{Linear{f.unit, zero, zero, zero, -f.px},
-                                  Linear{zero, f.unit, zero, zero, -f.py},
-                                  Linear{zero, zero, zero, zero, -f.pz}};
-    Linear along;
-    for (std::size_t k = 0; k < unknowns; ++k) along[k] = f.ax * m[0][k] + f.ay * m[1][k] + f.az * m[2][k];
-    for (const Linear& l : m) add_product(q, norm, l, l);
-    const Linear one = unit(4), t = unit(3);
-    add_product(q, -(norm * f.rho * f.rho), one, one);
-    add_product(q, -1.0, along, along);
-    add_product(q, -2.0 * f.unit * norm * (f.rho + f.pz), t, one);
-    add_product(q, -2.0 * f.unit * f.az, t, along);
-    add_product(q, -(f.unit * f.unit * f.az * f.az), t, t);
-    return q;
-}
-
-Row radial_equation(const RadialForm& f, RadialChart chart) {
-    Row q = zero_quadric();
-    const Linear one = unit(4), y = unit(1);
-    const bool is_cylinder = chart == RadialChart::HalfAngle;
-    const Linear a{f.a[0], is_cylinder ? Exact() : f.a[1], f.a[2], Exact(), Exact()};
-    add_product(q, f.c[2], y, y);
-    add_product(q, -2.0 * f.slope, y, a);
-    add_product(q, -1.0, a, a);
-    add_product(
-        q, 1.0,
-        Linear{-2.0 * f.b[0], is_cylinder ? f.c[1] : -2.0 * f.b[1], -2.0 * f.b[2], -2.0 * f.b0, f.c[0]}, one);
-    return q;
-}
-
-Row equation(const FormFamily& family, FormId f) {
-    const bool over_plane = family.radial.empty();
-    if (family.is_circular(f)) return circular_equation(family.exact(f), over_plane);
-    return over_plane ? cylinder_equation(exact_cylinder(family.cylinder(f)))
-                      : radial_equation(family.radial_form(f), family.chart);
-}
-
-Linear line_equation(const FormFamily& family, const SpaceTie::ChartLine& l) {
-    const Exact zero;
-    if (family.radial.empty()) return {l.a, l.b, zero, zero, l.c};
-    if (family.chart == RadialChart::Stereographic) return {l.a, l.b, l.c, l.c, zero};
-    return {zero, l.b, zero, zero, l.c};  // across the axis
+std::optional<Linear> equation_of(const FormFamily& family, const SpaceTie::ChartLine& line) {
+    return line_equation(family, line.a, line.b, line.c);
 }
 
 // The value of a quadric in n variables.
@@ -187,7 +86,7 @@ SpaceTie::SpaceTie(const FormFamily& family, std::span<const FormId> forms,
     for (const FormId f : forms) quadrics_.push_back(equation(family, f));
     for (Row& q : quadrics_) divide_by_common_factor(q);
     if (line) {
-        const Linear l = line_equation(family, *line);
+        const Linear l = *equation_of(family, *line);
         is_empty_ = !impose(Row(l.begin(), l.end()));
     }
     reduce();
@@ -388,31 +287,14 @@ Wide wide_quotient(const OneRoot& p, const OneRoot& q) {
     return wide(a) / wide(b);
 }
 
-// From the quotients of coordinates.
-template <class Number, class Quotient>
-std::optional<std::array<Number, 2>> chart_point(const FormFamily& family, const SpacePoint& p,
-                                                 Quotient&& quotient) {
-    using Point = std::array<Number, 2>;
-    if (sign(p[4]) != Sign::Positive || sign(p[3]) != Sign::Positive) return std::nullopt;
-    if (family.radial.empty()) return Point{quotient(p[0], p[4]), quotient(p[1], p[4])};
-    const OneRoot ahead = p[3] + p[2], behind = p[3] - p[2];
-    if (family.chart == RadialChart::Stereographic) {
-        if (sign(ahead) != Sign::Positive) return std::nullopt;
-        return Point{quotient(p[0], ahead), quotient(p[1], ahead)};
-    }
-    const Number y = quotient(p[1], p[4]);
-    if (sign(p[2]) != Sign::Negative) return Point{quotient(p[0], ahead), y};
-    return Point{Number(2.0) - quotient(p[0], behind), y};
-}
-
 }  // namespace
 
 std::optional<std::array<Interval, 2>> chart_point(const FormFamily& family, const SpacePoint& p) {
-    return chart_point<Interval>(family, p, quotient);
+    return space_quadrics::chart_point<Interval>(family, p, quotient);
 }
 
 std::optional<std::array<Wide, 2>> wide_chart_point(const FormFamily& family, const SpacePoint& p) {
-    return chart_point<Wide>(family, p, wide_quotient);
+    return space_quadrics::chart_point<Wide>(family, p, wide_quotient);
 }
 
 bool passes_through(const FormFamily& family, FormId f, const SpacePoint& p) {
@@ -420,10 +302,10 @@ bool passes_through(const FormFamily& family, FormId f, const SpacePoint& p) {
 }
 
 bool is_on_line(const FormFamily& family, const SpacePoint& p, const SpaceTie::ChartLine& line) {
-    if (!SpaceTie::can_see(family, line)) return false;
-    const Linear l = line_equation(family, line);
+    const auto l = equation_of(family, line);
+    if (!l) return false;
     OneRoot sum{{}, {}, p[0].c};
-    for (std::size_t i = 0; i < unknowns; ++i) sum = sum + l[i] * p[i];
+    for (std::size_t i = 0; i < unknowns; ++i) sum = sum + (*l)[i] * p[i];
     return is_zero(sum);
 }
 
@@ -466,7 +348,7 @@ bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const Space
                        const SpaceTie::ChartLine& line) {
     const Gradient a = gradient(base_equation(family), p), b = gradient(equation(family, f), p),
                    c = gradient(equation(family, g), p);
-    const Linear l = line_equation(family, line);
+    const Linear l = *equation_of(family, line);
     OneRoot determinant{{}, {}, p[0].c};
     for (std::size_t i = 0; i < 4; ++i)
         determinant = determinant + (i % 2 == 0 ? l[i] : -l[i]) * minor(a, b, c, i);

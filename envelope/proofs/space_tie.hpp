@@ -1,17 +1,8 @@
 /// Ties told by the equations of the forms in space: exact, whatever the chart's coordinates are.
 ///
-/// With p the point at distance t from the centre or axis, or over a plane at height t over (p_x, p_y), each
-/// form is an equation of degree two in X = (p, t, 1), solved by one t > 0 over every base point
-/// (arrangement/circles/circular_form.hpp, cylinder_form.hpp, radial_form.hpp):
-///
-///     plane      K (x^2 + y^2) + A x + B y + C - W t = 0,  or  C(x, y) - 2 beta(x, y) t - A t^2 = 0
-///     sphere     (C - K) p_z + A p_x + B p_y + (C + K) t + 2 W = 0, as 1 + x^2 + y^2 = 2 t / (t + p_z),
-///                or c0 - 2 (b.p + b0 t) - (a.p)^2 = 0
-///     cylinder   c0 + c1 y + c2 y^2 - 2 (b.p + b0 t + y slope a.p) - (a.p)^2 = 0
-///
-/// and so is the base: p_z = 0 (p holds no height there), |p|^2 = t^2, or p_x^2 + p_z^2 = t^2. A line of the
-/// chart is an equation of degree one. What forms have in common (balls of one radius, parallel tubes) leaves
-/// combinations of degree one: planes. In these the others are written, and so on. Then
+/// All are equations of degree two in X = (p, t, 1), the base too, and a line of the chart is one of degree
+/// one (primitives/forms/space_quadrics.hpp). What forms have in common (balls of one radius, parallel tubes)
+/// leaves combinations of degree one: planes. In these the others are written, and so on. Then
 ///
 ///   * a form ties wherever some others do if its equation is a combination of theirs;
 ///   * two conics in a plane touch where a member of their pencil is singular whose parameter is a double
@@ -28,8 +19,9 @@
 #include <vector>
 
 #include "../../core/numbers/interval.hpp"
+#include "../../primitives/forms/exact_heights.hpp"
 #include "../../primitives/forms/form_family.hpp"
-#include "../recursion/exact_heights.hpp"
+#include "../../primitives/forms/space_quadrics.hpp"
 
 namespace vcell {
 
@@ -45,7 +37,7 @@ public:
 
     /// All but those that run along the axis of a cylinder or obliquely to it.
     static bool can_see(const FormFamily& family, const ChartLine& line) {
-        return family.radial.empty() || family.chart == RadialChart::Stereographic || line.a == 0;
+        return space_quadrics::line_equation(family, line.a, line.b, line.c).has_value();
     }
 
     /// Pre: can_see(family, *line).

@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "../recursion/heights.hpp"
+#include "../../primitives/forms/heights.hpp"
 
 namespace vcell {
 

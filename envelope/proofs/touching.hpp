@@ -21,7 +21,7 @@
 #include <array>
 #include <optional>
 
-#include "../recursion/heights.hpp"
+#include "../../primitives/forms/heights.hpp"
 
 namespace vcell {
 

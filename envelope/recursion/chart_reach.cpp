@@ -8,7 +8,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../core/numbers/interval.hpp"
-#include "../proofs/radial_height.hpp"
+#include "../../primitives/forms/radial_height.hpp"
 
 namespace vcell {
 
@@ -16,7 +16,7 @@ namespace {
 
 class ChartReach {
 public:
-    explicit ChartReach(const FormFamily& family) {
+    explicit ChartReach(const FormFamily& family) : chart_(family.chart) {
         for (const FormId f : family.forms.ids()) {
             const CircularForm& c = family.forms[f];
             const auto ball = [](double v) {
@@ -29,8 +29,7 @@ public:
             RadialForm inverted = f;  // seen from the other pole: u_z changes its sign
             inverted.b[2] = -f.b[2];
             inverted.a[2] = -f.a[2];
-            radial_.emplace_back(inverted, RadialChart::Stereographic,
-                                 [](const Exact& v) { return v.enclosure(); });
+            tubes_.emplace_back(inverted, family.chart, [](const Exact& v) { return v.enclosure(); });
         }
     }
 
@@ -74,15 +73,15 @@ private:
             best = i;
         };
         for (std::size_t i = 0; i < circular_.size(); ++i) consider(i, circular_[i][0].mid());
-        const RadialNormals<Interval> pole(RadialChart::Stereographic, 0.0, 0.0);
-        for (std::size_t i = 0; i < radial_.size(); ++i)
-            consider(circular_.size() + i, radial_[i].jet<0>(pole).v.mid());
+        const RadialNormals<Interval> pole(chart_, 0.0, 0.0);
+        for (std::size_t i = 0; i < tubes_.size(); ++i)
+            consider(circular_.size() + i, tubes_[i].jet<0>(pole).v.mid());
         return best;
     }
 
     bool is_lowest_within(std::size_t owner, double h) const {
         const Interval x(-h, h), r2(0.0, Interval::up(2 * h * h));
-        if (radial_.empty()) {
+        if (tubes_.empty()) {
             for (std::size_t i = 0; i < circular_.size(); ++i) {
                 if (i == owner) continue;
                 const auto d = difference(circular_[i], circular_[owner]);
@@ -90,21 +89,22 @@ private:
             }
             return true;
         }
-        const RadialNormals<Interval> normals(RadialChart::Stereographic, x, x);
+        const RadialNormals<Interval> normals(chart_, x, x);
         const Interval w(1.0, Interval::up(1 + r2.upper()));
         const auto range = [&](std::size_t i) {
-            if (i >= circular_.size()) return radial_[i - circular_.size()].jet<0>(normals).v;
+            if (i >= circular_.size()) return tubes_[i - circular_.size()].jet<0>(normals).v;
             const auto& c = circular_[i];
             return (c[0] + c[1] * x + c[2] * x + c[3] * r2) / w;
         };
         const double top = range(owner).upper();
-        for (std::size_t i = 0; i < circular_.size() + radial_.size(); ++i)
+        for (std::size_t i = 0; i < circular_.size() + tubes_.size(); ++i)
             if (i != owner && !(range(i).lower() > top)) return false;
         return true;
     }
 
+    Chart chart_;
     std::vector<std::array<Interval, 4>> circular_;  // of k, a, b, e over w
-    std::vector<RadialHeight<Interval>> radial_;
+    std::vector<RadialHeight<Interval>> tubes_;
 };
 
 }  // namespace

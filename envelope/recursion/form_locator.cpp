@@ -19,17 +19,16 @@ constexpr double least_part = 0x1p-40;
 }  // namespace
 
 FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms,
-                         const std::array<double, 4>& box, bool is_sphere)
-    : family_(family), is_sphere_(is_sphere), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
+                         const std::array<double, 4>& box)
+    : family_(family), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
     if (family.is_all_circular()) circular_.emplace(family);
     Node root;
     root.box = box;
     root.forms = std::move(forms);
     nodes_.push_back(std::move(root));
     // The two halves of a cylinder's chart are smooth, not both together.
-    constexpr double seam = 1;
-    if (!family.radial.empty() && family.chart == RadialChart::HalfAngle && box[0] < seam && box[1] > seam)
-        halve(0, true, seam);
+    if (const auto seam = family.chart.smooth_seam(); seam && box[0] < *seam && box[1] > *seam)
+        halve(0, true, *seam);
 }
 
 FormId FormLocator::lowest(double x, double y) {
@@ -53,9 +52,8 @@ void FormLocator::halve(std::uint32_t i) {
     const bool upright = part_x >= part_y;
     if (std::max(part_x, part_y) < least_part) return;
     const double lower = b[upright ? 0 : 2], upper = b[upright ? 1 : 3];
-    // A coordinate of the stereographic chart is the tangent of half an angle.
-    const double at =
-        is_sphere_ ? std::tan(0.5 * (std::atan(lower) + std::atan(upper))) : 0.5 * (lower + upper);
+    const ChartLength length = family_.chart.lengths(0, 0);
+    const double at = length.inverse(0.5 * (length.at(lower) + length.at(upper)));
     if (at > lower && at < upper) halve(i, upright, at);
 }
 

@@ -14,9 +14,9 @@
 
 #include "../../core/numbers/sign.hpp"
 #include "../../primitives/forms/form_family.hpp"
+#include "../../primitives/forms/heights.hpp"
 #include "../proofs/mixed_piece.hpp"
 #include "circular_culling.hpp"
-#include "heights.hpp"
 
 namespace vcell {
 
@@ -26,8 +26,7 @@ public:
     /// coordinates; for others all forms are compared. On a sphere rectangles are halved as angles from the
     /// chart's middle are. The family must outlive the locator.
     /// Only `forms`, ascending and not empty, are looked at: hidden ones of the family own no point.
-    FormLocator(const FormFamily& family, std::vector<FormId> forms, const std::array<double, 4>& box,
-                bool is_sphere);
+    FormLocator(const FormFamily& family, std::vector<FormId> forms, const std::array<double, 4>& box);
 
     /// The form that is lowest at a point given in doubles, exact; the first of those that tie. Pre: the
     /// point lies outside the trace of every cylinder.
@@ -53,7 +52,6 @@ private:
     FormId lowest_of(std::span<const FormId> forms, double x, double y);
 
     const FormFamily& family_;
-    bool is_sphere_;
     MixedAnalysis analysis_;
     std::optional<CircularCulling> circular_;  // where all forms are
     std::vector<Interval> values_;             // of a leaf's forms, for lowest_of()

@@ -42,9 +42,9 @@ constexpr int most_stalled_splits = 8;
 constexpr std::size_t most_competitors = 6;
 // More that tie in a point are seen to where pieces are so small that nothing else is left in them.
 constexpr std::size_t most_tied = 8;
-// A tube's circumference, 4, is cut into such parts as long as there are more competitors than this.
+// A tube's circumference is cut into such parts of it as long as there are more competitors than this.
 constexpr std::size_t most_around = 32;
-constexpr double part_around = 0.3;
+constexpr double part_around = 0.075;
 // Where differences of three competitors or more change so much more along one axis pieces are cut across
 // that, unless they are too slender.
 constexpr double much_steeper = 4, most_slender = 0x1p16;
@@ -67,7 +67,7 @@ public:
           merger_(family, options.largest_piece),
           root_(make_piece(sides_of(region))),
           analysis_(family, extent(root_.rect)),
-          cutter_(family.tips) {}
+          cutter_(family) {}
 
     MinimizationDiagram over_region() {
         solve_all(root_, 1.0);
@@ -75,8 +75,7 @@ public:
     }
 
     // Pre: the region's rim, and all beyond it, belongs to one form.
-    MinimizationDiagram over_sphere() {
-        cutter_.measure_on_sphere();
+    MinimizationDiagram without_rim() {
         sizes_ = sphere_sizes;
         patchwork_.drop_rim(solve_all(root_, 1.0));
         MinimizationDiagram result = finish();
@@ -86,8 +85,8 @@ public:
 
     // The region is [-1, 3] x [y0, y1] of half-angle coordinates; both halves are smooth pieces, and together
     // they close. The seams are labelled once.
-    MinimizationDiagram over_cylinder() {
-        is_cylinder_ = true;
+    MinimizationDiagram once_around() {
+        const double circumference = family_.chart.circumference();
         const double y0 = root_.rect.y0, y1 = root_.rect.y1;
         const std::uint32_t middle = patchwork_.new_seam(), left = patchwork_.new_seam(),
                             right = patchwork_.new_seam();
@@ -102,8 +101,6 @@ public:
         patchwork_.close(all, right, left, circumference, top.id);
         return finish();
     }
-
-    static constexpr double circumference = MixedAnalysis::circumference;
 
 private:
     std::vector<FormId> all_forms() const {
@@ -228,7 +225,7 @@ private:
             ++small_pieces_;
             ++small_pieces_in_place_;
         }
-        splits_ += family_.radial.empty() ? 1 : 4;  // over a curved base a piece costs four times as much
+        splits_ += analysis_.heights().cost();
         if (at_floor || splits_ > most_splits + splits_of_form * family_.size() || analysis_.is_spent() ||
             small_pieces_ > small_pieces_of_form * family_.size() ||
             small_pieces_in_place_ > most_small_pieces_in_place)
@@ -254,11 +251,11 @@ private:
     // and where they change along one axis only, as between tubes along a tube, pieces are to be as long as
     // these. Seen from half of a tube's circumference no object is nearest all around: none is culled.
     std::optional<bool> cut_upright(const Rectangle& r, std::size_t candidates) const {
-        if (family_.chart == RadialChart::HalfAngle && candidates > most_around && r.x1 - r.x0 > part_around)
+        if (candidates > most_around && r.x1 - r.x0 > part_around * family_.chart.circumference())
             return true;
         // No one metric suits tubes that are all but parallel to the base.
         constexpr double strip_part = 0x1p-4;
-        if (is_cylinder_ && extent(r) < strip_part * extent(root_.rect))
+        if (family_.chart.is_cylinder() && extent(r) < strip_part * extent(root_.rect))
             if (const auto upright = analysis_.asks_for_strips({r.x0, r.x1, r.y0, r.y1})) return upright;
         const auto steepness = analysis_.steepness_across(r.x1 - r.x0, r.y1 - r.y0);
         if (!steepness) return std::nullopt;
@@ -312,7 +309,6 @@ private:
     MixedAnalysis analysis_;
     PieceCutter cutter_;
     Sizes sizes_ = region_sizes;
-    bool is_cylinder_ = false;
     std::size_t resolved_ = 0, splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
     double done_ = 0;
 };
@@ -338,7 +334,7 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
         if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
     const double reach = chart_reach(family);
     return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options)
-        .over_sphere();
+        .without_rim();
 }
 
 namespace {
@@ -407,7 +403,7 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
     MinimizationDiagram out = [&] {
         try {
             return EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options)
-                .over_cylinder();
+                .once_around();
         } catch (const TieError& e) {
             Assumption tie = e.tie;
             to_length(tie);

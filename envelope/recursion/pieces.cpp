@@ -2,13 +2,6 @@
 
 namespace vcell {
 
-// Half-way in the metric of the base: over a sphere dx / (1 + x^2 + y^2) at the y where it is widest.
-struct PieceCutter::Lengths {
-    double a;  // 0: over a plane
-
-    double at(double x) const { return a > 0 ? std::atan(x / a) / a : x; }
-    double inverse(double length) const { return a > 0 ? a * std::tan(a * length) : length; }
-};
 // Over a cylinder y is measured by its distance from a tip: as that shrinks, so does what there is along
 // the axis.
 struct PieceCutter::AxialLengths {
@@ -31,12 +24,6 @@ struct PieceCutter::AxialLengths {
     }
 };
 
-PieceCutter::Lengths PieceCutter::lengths(double y0, double y1) const {
-    if (!is_sphere_) return {0};
-    const double y = std::max({0.0, y0, -y1});
-    return {std::sqrt(1 + y * y)};
-}
-
 std::optional<PieceCut> PieceCutter::cut_at(const RegionPiece& piece, double shift,
                                             std::optional<bool> upright) const {
     const Rectangle& r = piece.rect;
@@ -55,9 +42,9 @@ std::optional<PieceCut> PieceCutter::cut_at(const RegionPiece& piece, double shi
         cut.at = cut.upright ? divide(along_x) : divide(along_y);
     };
     if (tips_.any())
-        choose(Lengths{0}, AxialLengths{tips_, tips_.reach / (tips_.y[0] && tips_.y[1] ? 4 : 2)});
+        choose(ChartLength{}, AxialLengths{tips_, tips_.reach / (tips_.y[0] && tips_.y[1] ? 4 : 2)});
     else
-        choose(lengths(r.y0, r.y1), lengths(r.x0, r.x1));
+        choose(chart_.lengths(r.y0, r.y1), chart_.lengths(r.x0, r.x1));
     bool clear = cut.at > lo && cut.at < hi;
     for (const IntervalPoint& corner : piece.corners) {
         const Interval& c = corner[cut.upright ? 0 : 1];

@@ -75,10 +75,8 @@ struct PieceCut {
 /// Cuts pieces of one region.
 class PieceCutter {
 public:
-    explicit PieceCutter(const AxialTips& tips) : tips_(tips) {}
-
-    /// From now on widths are those on a sphere, not in its chart.
-    void measure_on_sphere() { is_sphere_ = true; }
+    /// Halves are such in the metric of the family's chart.
+    explicit PieceCutter(const FormFamily& family) : chart_(family.chart), tips_(family.tips) {}
 
     /// Across the longer side or, where `upright` says so, the one given; certainly clear of all corners.
     std::optional<PieceCut> cut_at(const RegionPiece& piece, double shift,
@@ -99,12 +97,10 @@ public:
     static std::optional<LabelledHalves> labelled_halves(const LabelledPiece& part, const PieceCut& cut);
 
 private:
-    struct Lengths;
     struct AxialLengths;
-    Lengths lengths(double y0, double y1) const;
 
+    const Chart chart_;
     const AxialTips& tips_;
-    bool is_sphere_ = false;
 };
 
 }  // namespace vcell

@@ -111,12 +111,12 @@ private:
     // Patches over cylinders have parameters of their own: in the chart their trims are the projections of
     // the edges' space curves, of which rational curves have exact ones.
     void project_cylinder_faces() {
-        const auto is_cylinder = [&](Site s) {
+        const auto is_tube = [&](Site s) {
             return s.is_object() && std::holds_alternative<Cylinder>(cell_.scene.objects[s.index]);
         };
         std::optional<BaseFrame> frame;
         for (const CellFace& face : cell_.faces) {
-            if (!is_cylinder(face.site)) continue;
+            if (!is_tube(face.site)) continue;
             if (!frame) frame = plane_base_problem(cell_.scene).frame;
             for (const TrimmedPatch& patch : face.patches)
                 for (const auto& loop : patch.loops)

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "../../primitives/bases/radial_base.hpp"
@@ -27,7 +28,6 @@ struct Side {
     Vec3 global(const Vec3& p) const { return p.x() * right + p.y() * up + p.z() * out; }
 };
 
-// Those of a cylinder's box are the first four.
 const std::array<Side, 6> all_sides{{{"-x", {0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, -1, 0},
                                      {"+z", {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0, 0},
                                      {"+x", {0, 0, -1}, {0, 1, 0}, {1, 0, 0}, 1, 0},
@@ -35,9 +35,79 @@ const std::array<Side, 6> all_sides{{{"-x", {0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, -1
                                      {"+y", {1, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0, 1},
                                      {"-y", {1, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0, -1}}};
 
+void add_cut(std::vector<double>& cuts, double from, double to) {
+    if (from * to < 0) cuts.push_back(from / (from - to));
+}
+
+/// The cube around a sphere, projected from the centre. All but one point has an image on a side.
+class Cube {
+public:
+    static constexpr std::size_t side_count = 6;
+    static constexpr int borders = 2;  // coordinates that end where a side does
+    static constexpr bool has_hole = true;
+
+    explicit Cube(const RadialBaseProblem&) {}
+
+    Vec2 half() const { return {1, 1}; }
+    Vec2 middle(const Side& side) const { return {2.0 * side.column, 2.0 * side.row}; }
+    Vec2 placed(const Vec2& middle, const Vec2& p) const { return middle + p; }
+    double deviation(const Vec3& chord, const Vec3& middle) const {
+        return (chord.normalized() - middle.normalized()).norm();
+    }
+    double reach(const Vec3& p) const { return std::max(std::abs(p.x()), std::abs(p.y())); }
+    Vec2 retracted(const Vec3& p, const Vec3&) const { return p.head<2>() / std::max(reach(p), p.z()); }
+    void add_cuts(const Vec3& p, const Vec3& q, std::vector<double>& at) const {
+        for (const double sign : {-1.0, 1.0}) {
+            add_cut(at, p.x() - sign * p.z(), q.x() - sign * q.z());
+            add_cut(at, p.y() - sign * p.z(), q.y() - sign * q.z());
+            add_cut(at, p.x() - sign * p.y(), q.x() - sign * q.y());
+        }
+    }
+    /// The polygon's corners on the way between images that do not join.
+    std::vector<Vec2> way_around(const Vec2&, const Vec2&) const { return {}; }
+};
+
+/// Four sides of a box around a cylinder, projected from the axis. All but one line has an image on a side.
+class Strips {
+public:
+    static constexpr std::size_t side_count = 4;  // the first ones
+    static constexpr int borders = 1;
+    static constexpr bool has_hole = false;
+
+    explicit Strips(const RadialBaseProblem& problem) : low_(problem.stretch[0]), high_(problem.stretch[1]) {}
+
+    Vec2 half() const { return Vec2(0.25, 0.5) * (high_ - low_); }
+    Vec2 middle(const Side& side) const {
+        return {2 * side.column * half().x(), 2 * side.row * half().y() + 0.5 * (low_ + high_)};
+    }
+    Vec2 placed(const Vec2& middle, const Vec2& p) const { return {middle.x() + half().x() * p.x(), p.y()}; }
+    double deviation(const Vec3& chord, const Vec3& middle) const {
+        const auto across = [](const Vec3& p) { return Vec2(p.x(), p.z()).normalized().eval(); };
+        return (across(chord) - across(middle)).norm() + std::abs(chord.y() - middle.y()) / half().y();
+    }
+    double reach(const Vec3& p) const { return std::abs(p.x()); }
+    Vec2 retracted(const Vec3& p, const Vec3& middle) const {
+        const bool inside = reach(middle) < middle.z();
+        return {inside ? std::clamp(p.x() / p.z(), -1.0, 1.0) : middle.x() < 0 ? -1.0 : 1.0, p.y()};
+    }
+    void add_cuts(const Vec3& p, const Vec3& q, std::vector<double>& at) const {
+        for (const double sign : {-1.0, 1.0}) add_cut(at, p.x() - sign * p.z(), q.x() - sign * q.z());
+        add_cut(at, p.x(), q.x());
+    }
+    /// Over the line without image: by way of the lower end, below all faces.
+    std::vector<Vec2> way_around(const Vec2& from, const Vec2& to) const {
+        if (from.x() * to.x() > -0.5) return {};
+        return {{from.x(), low_}, {to.x(), low_}};
+    }
+
+private:
+    double low_, high_;
+};
+
 /// The base but for one point (sphere) or one line (cylinder) mapped onto one side, which stays as it is: the
 /// rest goes to the side's boundary. So a closed polyline has a closed polygon as its image, and the polygon
 /// encloses what the polyline separates from that point.
+template <class Sides>
 class Retraction {
 public:
     struct Piece {
@@ -46,8 +116,7 @@ public:
         bool inside() const { return beyond < 1; }
     };
 
-    Retraction(const Side& side, bool is_sphere, double low)
-        : side_(side), is_sphere_(is_sphere), low_(low) {}
+    Retraction(const Side& side, const Sides& sides) : side_(side), sides_(sides) {}
 
     /// The point without image, of a sphere.
     Vec3 hole() const { return side_.global({lean_x, lean_y, -1}); }
@@ -55,7 +124,7 @@ public:
     /// Where a point has its own image, as the side's coordinates.
     Vec2 operator()(const Vec3& p) const {
         const Vec3 x = leaned(side_.local(p));
-        return retracted(x, x);
+        return sides_.retracted(x, x);
     }
     /// More than 1: the point is on another side.
     double beyond(const Vec3& p) const { return local_beyond(side_.local(p)); }
@@ -69,10 +138,14 @@ public:
         bool is_first = true;
         for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
             const Vec3 p = leaned(a + halves[i] * (b - a)), q = leaned(a + halves[i + 1] * (b - a));
-            const std::vector<double> at = cuts(p, q);
+            // Places between which the chord's image is straight.
+            std::vector<double> at{0, 1};
+            sides_.add_cuts(p, q, at);
+            std::sort(at.begin(), at.end());
             for (std::size_t k = 0; k + 1 < at.size(); ++k) {
                 const Vec3 s = p + at[k] * (q - p), e = p + at[k + 1] * (q - p), middle = 0.5 * (s + e);
-                const Piece piece{retracted(s, middle), retracted(e, middle), local_beyond(middle)};
+                const Piece piece{sides_.retracted(s, middle), sides_.retracted(e, middle),
+                                  local_beyond(middle)};
                 if (!is_first) go_around(pieces, piece.from);
                 is_first = false;
                 pieces.push_back(piece);
@@ -89,55 +162,28 @@ private:
         return {p.x() + lean_x * behind, p.y() + lean_y * behind, p.z()};
     }
     double local_beyond(const Vec3& p) const {
-        return p.z() > 0 ? reach(p) / p.z() : std::numeric_limits<double>::infinity();
+        return p.z() > 0 ? sides_.reach(p) / p.z() : std::numeric_limits<double>::infinity();
     }
-    double reach(const Vec3& p) const {
-        return is_sphere_ ? std::max(std::abs(p.x()), std::abs(p.y())) : std::abs(p.x());
-    }
-    /// The image of a point of a piece with that middle.
-    Vec2 retracted(const Vec3& p, const Vec3& middle) const {
-        if (is_sphere_) return p.head<2>() / std::max(reach(p), p.z());
-        const bool inside = reach(middle) < middle.z();
-        return {inside ? std::clamp(p.x() / p.z(), -1.0, 1.0) : middle.x() < 0 ? -1.0 : 1.0, p.y()};
-    }
-
-    static void add_cut(std::vector<double>& cuts, double from, double to) {
-        if (from * to < 0) cuts.push_back(from / (from - to));
-    }
-    /// Places on a chord between which its image is straight, 0 and 1 among them.
-    std::vector<double> cuts(const Vec3& p, const Vec3& q) const {
-        std::vector<double> at{0, 1};
-        for (const double sign : {-1.0, 1.0}) {
-            add_cut(at, p.x() - sign * p.z(), q.x() - sign * q.z());
-            if (!is_sphere_) continue;
-            add_cut(at, p.y() - sign * p.z(), q.y() - sign * q.z());
-            add_cut(at, p.x() - sign * p.y(), q.x() - sign * q.y());
-        }
-        if (!is_sphere_) add_cut(at, p.x(), q.x());
-        std::sort(at.begin(), at.end());
-        return at;
-    }
-    /// Over the line without image of a cylinder: by way of the lower end, below all faces.
     void go_around(std::vector<Piece>& pieces, const Vec2& to) const {
-        const Vec2 from = pieces.back().to;
-        if (is_sphere_ || from.x() * to.x() > -0.5) return;
-        constexpr double outside = std::numeric_limits<double>::infinity();
-        pieces.push_back({from, {from.x(), low_}, outside});
-        pieces.push_back({{from.x(), low_}, {to.x(), low_}, outside});
-        pieces.push_back({{to.x(), low_}, to, outside});
+        std::vector<Vec2> way = sides_.way_around(pieces.back().to, to);
+        if (way.empty()) return;
+        way.push_back(to);
+        for (const Vec2& next : way)
+            pieces.push_back({pieces.back().to, next, std::numeric_limits<double>::infinity()});
     }
 
     const Side& side_;
-    bool is_sphere_;
-    double low_;
+    Sides sides_;
 };
 
 /// p, q, r counter-clockwise, seen from outside the sphere.
 bool turns_left(const Vec3& p, const Vec3& q, const Vec3& r) { return p.cross(q).dot(r) > 0; }
 
+template <class Sides>
 class Unfolder {
 public:
-    explicit Unfolder(const Cell& cell) : cell_(cell), problem_(radial_base_problem(cell.scene)) {}
+    Unfolder(const Cell& cell, const RadialBaseProblem& problem)
+        : cell_(cell), frame_(problem.frame), sides_(problem) {}
 
     Unfolding unfold() {
         add_panels();
@@ -149,39 +195,26 @@ public:
 
 private:
     void add_panels() {
-        const auto [low, high] = problem_.stretch;
-        half_ = is_sphere() ? Vec2(1, 1) : Vec2(0.25, 0.5) * (high - low);
-        for (std::size_t i = 0; i < (is_sphere() ? 6 : 4); ++i) {
-            const Side& side = all_sides[i];
-            panels_.push_back({side, Retraction(side, is_sphere(), low), middle(side)});
+        for (const Side& side : std::span(all_sides).first(Sides::side_count)) {
+            panels_.push_back({side, {side, sides_}, sides_.middle(side)});
             result_.panels.push_back(
-                {side.name, panels_.back().middle - half_, panels_.back().middle + half_});
+                {side.name, panels_.back().middle - sides_.half(), panels_.back().middle + sides_.half()});
         }
-    }
-    bool is_sphere() const { return problem_.is_sphere; }
-
-    Vec2 middle(const Side& side) const {
-        const double y = is_sphere() ? 0 : 0.5 * (problem_.stretch[0] + problem_.stretch[1]);
-        return Vec2(2 * side.column * half_.x(), 2 * side.row * half_.y() + y);
     }
 
     struct Panel {
         const Side& side;
-        Retraction retraction;
+        Retraction<Sides> retraction;
         Vec2 middle;
     };
-    Vec2 placed(const Panel& panel, const Vec2& p) const {
-        return is_sphere() ? Vec2(panel.middle + p) : Vec2(panel.middle.x() + half_.x() * p.x(), p.y());
-    }
+    using Piece = typename Retraction<Sides>::Piece;
+    Vec2 placed(const Panel& panel, const Vec2& p) const { return sides_.placed(panel.middle, p); }
 
     // ---- Curves as polylines ----
 
     /// How far the middle of a chord is from the curve, as the picture's panels show it.
     double deviation(const Vec3& from, const Vec3& middle, const Vec3& to) const {
-        const Vec3 chord = 0.5 * (from + to);
-        if (is_sphere()) return (chord.normalized() - middle.normalized()).norm();
-        const auto across = [](const Vec3& p) { return Vec2(p.x(), p.z()).normalized().eval(); };
-        return (across(chord) - across(middle)).norm() + std::abs(chord.y() - middle.y()) / half_.y();
+        return sides_.deviation(0.5 * (from + to), middle);
     }
 
     template <class Curve>
@@ -211,7 +244,7 @@ private:
         return points;
     }
 
-    Vec3 canonical(const Vec3& world) const { return problem_.frame.to_canonical(world); }
+    Vec3 canonical(const Vec3& world) const { return frame_.to_canonical(world); }
 
     Directions sampled(const CellEdge& edge) const {
         return sampled(edge.curve.knots, [&](double t) { return canonical(edge.curve.evaluate(t)); });
@@ -249,8 +282,8 @@ private:
         std::vector<Polyline>& polygons = result_.faces.emplace_back();
         for (const Panel& panel : panels_) {
             for (const Directions& loop : loops) add_polygon(panel, loop, polygons);
-            if (is_sphere() && holds(loops, on_edge, panel.retraction.hole())) {
-                const Vec2 &a = panel.middle - half_, &b = panel.middle + half_;
+            if (Sides::has_hole && holds(loops, on_edge, panel.retraction.hole())) {
+                const Vec2 a = panel.middle - sides_.half(), b = panel.middle + sides_.half();
                 polygons.push_back({a, {b.x(), a.y()}, b, {a.x(), b.y()}});
             }
         }
@@ -274,12 +307,12 @@ private:
     }
 
     void add_polygon(const Panel& panel, const Directions& loop, std::vector<Polyline>& polygons) const {
-        std::vector<Retraction::Piece> pieces;
+        std::vector<Piece> pieces;
         for (std::size_t i = 0; i < loop.size(); ++i)
             panel.retraction.append_image(loop[i], loop[(i + 1) % loop.size()], pieces);
         // On the boundary only corners count.
         Polyline polygon;
-        for (const Retraction::Piece& piece : pieces) {
+        for (const Piece& piece : pieces) {
             if (!piece.inside() && polygon.size() >= 2 &&
                 along_one_side(polygon.end()[-2], polygon.back(), piece.from))
                 polygon.pop_back();
@@ -289,8 +322,8 @@ private:
         for (Vec2& p : polygon) p = placed(panel, p);
         polygons.push_back(std::move(polygon));
     }
-    bool along_one_side(const Vec2& a, const Vec2& b, const Vec2& c) const {
-        for (int k = 0; k < (is_sphere() ? 2 : 1); ++k)
+    static bool along_one_side(const Vec2& a, const Vec2& b, const Vec2& c) {
+        for (int k = 0; k < Sides::borders; ++k)
             if (std::abs(b[k]) == 1 && a[k] == b[k] && c[k] == b[k]) return true;
         return false;
     }
@@ -305,9 +338,9 @@ private:
         for (const Panel& panel : panels_) {
             bool goes_on = false;
             for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-                std::vector<Retraction::Piece> pieces;
+                std::vector<Piece> pieces;
                 panel.retraction.append_image(points[i], points[i + 1], pieces);
-                for (const Retraction::Piece& piece : pieces) {
+                for (const Piece& piece : pieces) {
                     const bool is_seen = piece.beyond <= border;
                     if (is_seen) {
                         if (!goes_on) lines.push_back({placed(panel, piece.from)});
@@ -327,14 +360,18 @@ private:
     }
 
     const Cell& cell_;
-    const RadialBaseProblem problem_;
-    Vec2 half_;  // of a panel's size
+    const BaseFrame frame_;
+    const Sides sides_;
     std::vector<Panel> panels_;
     Unfolding result_;
 };
 
 }  // namespace
 
-Unfolding unfold(const Cell& cell) { return Unfolder(cell).unfold(); }
+Unfolding unfold(const Cell& cell) {
+    const RadialBaseProblem problem = radial_base_problem(cell.scene);
+    return problem.chart.is_sphere() ? Unfolder<Cube>(cell, problem).unfold()
+                                     : Unfolder<Strips>(cell, problem).unfold();
+}
 
 }  // namespace vcell

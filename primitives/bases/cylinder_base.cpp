@@ -493,11 +493,13 @@ private:
         problem.unit = unit_;
         problem.moved = moved() + rounded;
         problem.moved_apart = moved_by_lengths(scene_);
-        problem.is_sphere = false;
-        problem.radius = base_.radius;
         problem.stretch = stretch_;
-        problem.family.chart = RadialChart::HalfAngle;
-        problem.chart = chart() / turn_norm;
+        problem.region = {{0, 1, -stretch_[0], Site::end(0)},
+                          {-1, 0, 3, {}},
+                          {0, -1, stretch_[1], Site::end(1)},
+                          {1, 0, 1, {}}};
+        problem.chart = {BaseShape::Cylinder, base_.radius, chart() / turn_norm};
+        problem.family.chart = problem.chart;
         for (const std::optional<Site>& site : early_ends_)
             if (site)
                 problem.warnings.push_back("base: ends " + to_text(unit_ * end_radius(base_, scene_.box)) +

@@ -556,6 +556,14 @@ PlaneBaseProblem plane_base_problem(const Scene& scene, double unit) {
     return ProblemBuilder(scene, *base, unit).build();
 }
 
+std::array<double, 4> PlaneBaseProblem::chart_box() const {
+    std::array<double, 4> box{HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL};
+    for (const Eigen::Vector2d& c : corners)
+        box = {std::min(box[0], c.x()), std::max(box[1], c.x()), std::min(box[2], c.y()),
+               std::max(box[3], c.y())};
+    return box;
+}
+
 double region_area(const std::vector<RegionSide>& region) {
     // A fan of triangles from corner 0, all of positive area: no cancellation between terms, and each
     // numerator is exact.

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -52,6 +53,7 @@ enum class AxisToBase : std::uint8_t { Parallel, Upright, Oblique };
 /// A scene over a plane base, brought to canonical position and checked.
 struct PlaneBaseProblem {
     BaseFrame frame;
+    BaseChart chart;
     std::vector<RegionSide> region;        ///< convex polygon, counter-clockwise
     std::vector<Eigen::Vector2d> corners;  ///< corner i: start of side i, rounded
     /// Of corner i: the sides of the box that run through it in the scene as it is; three where the base
@@ -75,6 +77,9 @@ struct PlaneBaseProblem {
     /// hidden beyond planes or sides of the box, have none: at best they tie with what hides them.
     IdVector<FormId, std::vector<Site>> sites;
     std::vector<std::string> warnings;  ///< merged duplicates; objects behind the base, or hidden
+
+    /// Holds the region {x0, x1, y0, y1}, but for the rounding of its corners.
+    std::array<double, 4> chart_box() const;
 };
 
 /// Throws InputError: Unsupported for bases that are no planes, EmptyBox when no region

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <variant>
 
+#include "../bisectors/bisector.hpp"
 #include "../forms/crossing.hpp"
 #include "cylinder_base.hpp"
 #include "sphere_base.hpp"
@@ -33,30 +34,10 @@ RadialBaseProblem radial_base_problem(const Scene& scene, double unit) {
     return cylinder_base_problem(scene, std::get<Cylinder>(scene.base), unit);
 }
 
-Vec3 RadialBaseProblem::normal(const Vec2& p) const {
-    if (is_sphere) {
-        const double r2 = p.squaredNorm();
-        if (r2 <= 1) return chart * Vec3(2 * p.x(), 2 * p.y(), 1 - r2) / (1 + r2);
-        const Vec2 q = p / r2;
-        const double s2 = q.squaredNorm();
-        return chart * Vec3(2 * q.x(), 2 * q.y(), s2 - 1) / (1 + s2);
-    }
-    const bool front = p.x() <= 1;
-    const double x = front ? p.x() : p.x() - 2, w = front ? 1 + x * x : -(1 + x * x);
-    return chart * Vec3(2 * x / w, 0, (1 - x * x) / w);
-}
-
-Vec2 RadialBaseProblem::chart_point(const Vec3& normal, double y) const {
-    if (is_sphere) {
-        const Vec3 v = chart.transpose() * normal;
-        if (v.z() >= 0) return v.head<2>() / (1 + v.z());
-        return v.head<2>() * (1 - v.z()) / v.head<2>().squaredNorm();
-    }
-    // The tangent of half the angle about (0, 0, 1) or (0, 0, -1) of the chart; (-1, 0, 0) is x = -1, not 3.
-    const Vec3 v = chart.transpose() * normal;
-    const double s = v.x(), c = v.z();
-    const double x = c >= 0 ? s / (1 + c) : 2 - s / (1 - c);
-    return {x < 3 ? x : -1, y};
+std::array<double, 4> RadialBaseProblem::chart_box() const {
+    constexpr double reach = 0x1p10;
+    if (chart.is_sphere()) return {-reach, reach, -reach, reach};
+    return {-1, 3, stretch[0], stretch[1]};
 }
 
 bool RadialBaseProblem::cross_equally(FormId f, FormId g) const {
@@ -73,9 +54,44 @@ bool RadialBaseProblem::cross_equally(FormId f, FormId g) const {
     return equal_crossing(family, f, g).has_value();
 }
 
-double RadialBaseProblem::distance(const Vec2& p, double f) const {
-    const double x = is_sphere || p.x() <= 1 ? p.x() : p.x() - 2;
-    return (1 + x * x + (is_sphere ? p.y() * p.y() : 0.0)) / -f;
+double ball_power(const RadialBaseProblem& problem, FormId form) {
+    // Its coefficients are those of 2 c across the pole, and of c along it -+ delta: over a scale that |c|
+    // tells.
+    const CircularForm& f = problem.family.forms[form];
+    const double length = std::get<Sphere>(problem.objects[form]).center.norm();
+    return 4 * f.w * length / std::hypot(f.a, f.b, f.k - f.e);
+}
+
+bool meets_base_axis(const Cylinder& c) {
+    return Exact(c.axis.x()) * Exact(c.point.z()) == Exact(c.axis.z()) * Exact(c.point.x());
+}
+
+bool is_flat(const RadialBaseProblem& problem, FormId form) {
+    if (!problem.sites[form].front().is_object()) return true;
+    const BaseChart& chart = problem.chart;
+    const Object& object = problem.objects[form];
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return chart.is_sphere() && sphere->radius == chart.radius;
+    const auto* cylinder = std::get_if<Cylinder>(&object);
+    if (cylinder == nullptr || chart.is_sphere() || cylinder->radius != chart.radius) return false;
+    const bool is_parallel = cylinder->axis.x() == 0 && cylinder->axis.z() == 0;
+    return is_parallel || meets_base_axis(*cylinder);
+}
+
+std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
+    if (!problem.sites[form].front().is_object()) return "box";
+    const Object& object = problem.objects[form];
+    const double radius = problem.chart.radius;
+    if (!problem.chart.is_sphere()) {
+        if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
+        return to_string(bisector(Cylinder{Vec3::Zero(), Vec3::UnitY(), radius}, object).kind);
+    }
+    // Of bisectors over a sphere base only what keeps the object outside.
+    if (object.index() == 0) return to_string(BisectorKind::Paraboloid);
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return to_string(sphere->radius == radius ? BisectorKind::Plane : BisectorKind::Hyperboloid);
+    return to_string(std::get<Cylinder>(object).radius == radius ? BisectorKind::ParabolicCylinder
+                                                                 : BisectorKind::Quartic);
 }
 
 }  // namespace vcell

@@ -19,8 +19,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -65,21 +67,19 @@ private:
 
 /// A scene over a sphere or a cylinder base, brought to canonical position and checked.
 struct RadialBaseProblem {
-    /// canonical = R (world - origin), rounded. Sphere: R is the identity, the origin the centre. Cylinder:
-    /// the axis becomes the y axis, the origin is its foot of the box's centre, or in general the base's
-    /// point where that is within a diagonal of the box. The forms are those of an exact R of rational
-    /// entries: what objects and sides of the box are to each other, it leaves alone. Only the base's axis
-    /// turns, by a few 2^-53, unless its length is a double (as of axis-parallel ones, or (1, 2, 2)), and the
-    /// cylinders along it turn with it.
+    /// Sphere: R is the identity, the origin the centre. Cylinder: the axis becomes the y axis, the origin is
+    /// its foot of the box's centre, or in general the base's point where that is within a diagonal of the
+    /// box; the axis turns by a few 2^-53, unless its length is a double, and the cylinders along it turn
+    /// with it.
     BaseFrame frame;
-    bool is_sphere;
-    double radius;  ///< R0
+    BaseChart chart;
     /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch
     /// all of whose circles lie inside the sides of the box that the axis runs into; rounded inwards. At ends
     /// on oblique sides of the box a circle of less than 2^-26 box diagonals counts as one of that radius.
-    std::array<double, 2> stretch{0, 0};
-    /// u = chart n / W. A rational rotation (of a cylinder about its axis), exact in the forms, rounded here.
-    Eigen::Matrix3d chart = Eigen::Matrix3d::Identity();
+    std::array<double, 2> stretch{-std::numeric_limits<double>::infinity(),
+                                  std::numeric_limits<double>::infinity()};
+    /// Cylinder: the rectangle of the chart; sides 0 and 2 are its ends, the others its seam. Sphere: none.
+    std::vector<RegionSide> region;
     FormFamily family;
     /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward
     /// normal.
@@ -101,14 +101,8 @@ struct RadialBaseProblem {
     double moved_apart = 0;
     std::vector<std::string> warnings;
 
-    /// Unit outward normal at a chart point. On a cylinder x may be any number of [-1, 3].
-    Vec3 normal(const Vec2& p) const;
-    /// The chart point of a unit normal (sphere; not the pole), or of a normal and a height (cylinder).
-    Vec2 chart_point(const Vec3& normal, double y) const;
-    /// W / -f: the distance from the centre or axis at which a form of value f < 0 is met.
-    double distance(const Vec2& p, double f) const;
-    /// The canonical point over a chart point at that distance.
-    Vec3 point(const Vec2& p, double t) const { return t * normal(p) + Vec3(0, is_sphere ? 0.0 : p.y(), 0); }
+    /// Holds all chart points {x0, x1, y0, y1}, but for a millionth of a sphere.
+    std::array<double, 4> chart_box() const;
     /// Are both cylinders, of one radius, with axes that cross in a point? Exact, about the forms.
     bool cross_equally(FormId f, FormId g) const;
 };
@@ -128,5 +122,19 @@ struct RadialBaseProblem {
 /// plane; over a cylinder balls out of sight beyond the ends of the stretch. Pre: validate(scene) has passed;
 /// the base is a sphere or a cylinder.
 RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
+
+/// |c|^2 - (rho - R0)^2 of a ball over a sphere base, to some roundings: of the scene's coordinates, as the
+/// form has them. (Near contact the canonical centre's rounding would change it.)
+double ball_power(const RadialBaseProblem& problem, FormId form);
+
+/// Does the cylinder's axis meet that of the base, the y axis, exactly? Pre: they are not parallel.
+bool meets_base_axis(const Cylinder& cylinder);
+
+/// Is the bisector a plane (a side of the box included)? Exact.
+bool is_flat(const RadialBaseProblem& problem, FormId form);
+
+/// The bisector's name for cell files, decided exactly: "box", "plane", "paraboloid", "hyperboloid", ... or
+/// "quartic" (primitives/bisectors/bisector.hpp).
+std::string_view bisector_name(const RadialBaseProblem& problem, FormId form);
 
 }  // namespace vcell

@@ -457,10 +457,8 @@ private:
         problem.frame.origin = frame_.center;
         problem.unit = unit_;
         problem.moved = problem.moved_apart = moved_by_lengths(scene_);
-        problem.is_sphere = true;
-        problem.radius = frame_.radius;
-        problem.chart = frame_.rotation.matrix / frame_.rotation.norm;
-        problem.family.chart = RadialChart::Stereographic;
+        problem.chart = {BaseShape::Sphere, frame_.radius, frame_.rotation.matrix / frame_.rotation.norm};
+        problem.family.chart = problem.chart;
         problem.family.exact = [sources](FormId f) { return sources->exact(f); };
         objects_.warn(found.sites, problem.warnings);
         problem.sites = std::move(found.sites);

@@ -16,6 +16,7 @@
 #include "../../core/curves/quintic_nodes.hpp"
 #include "../../core/curves/scaled_bernstein.hpp"
 #include "../../core/numbers/interval.hpp"
+#include "../charts/chart.hpp"
 #include "../objects/objects.hpp"
 
 namespace vcell::space_fit {
@@ -467,5 +468,10 @@ struct ArcEquations {
         return std::nullopt;
     }
 };
+
+/// The base's. Pre: `foot` is a foot point near the curve.
+Equation base_equation(const BaseChart& chart, const Vec3& foot);
+/// Of an object, or of a wall: a Plane with outward normal that bounds the cell.
+Equation site_equation(const BaseChart& chart, const Object& site, bool is_wall, const Vec3& foot);
 
 }  // namespace vcell::space_fit

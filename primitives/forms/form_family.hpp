@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../../core/curves/circular_form.hpp"
+#include "../charts/chart.hpp"
 #include "cylinder_form.hpp"
 #include "radial_form.hpp"
 
@@ -19,9 +20,12 @@ namespace vcell {
 struct FormFamily : CircularFamily {
     std::vector<CylinderForm> cylinders;  ///< empty over curved bases
     std::vector<RadialForm> radial;       ///< empty over a plane base
-    RadialChart chart = RadialChart::Stereographic;
-    double axial_unit = 1;  ///< of y over a cylinder; a power of two
-    AxialTips tips;         ///< over a cylinder, in that unit
+    Chart chart;                          ///< of the base
+    double axial_unit = 1;                ///< of y over a cylinder; a power of two
+    AxialTips tips;                       ///< over a cylinder, in that unit
+
+    /// What the heights are compared over: where all forms are circular, a plane also in a sphere's chart.
+    Chart compared_over() const { return radial.empty() ? Chart() : chart; }
 
     std::size_t size() const { return forms.size() + cylinders.size() + radial.size(); }
     bool is_circular(FormId f) const { return f.value < forms.size(); }

@@ -2,12 +2,8 @@
 ///
 /// Canonical position: the sphere is centred at 0, the cylinder's axis is the y axis; the base point with
 /// unit outward normal u is (0, y, 0) + R0 u (y = 0 on a sphere), the point at distance t from the centre or
-/// the axis is (0, y, 0) + t u. In a chart u = n / W with polynomials n, W of the chart's coordinates:
-///
-///     stereographic  n = (2x, 2y, 1 - x^2 - y^2),  W = 1 + x^2 + y^2     sphere, without u = (0, 0, -1)
-///     half angle     n = (2x, 0, 1 - x^2),         W = 1 + x^2           half a cylinder: -1 <= x <= 1
-///
-/// The object is met at t = W / Q, where Q >= 0 is the larger root of
+/// the axis is (0, y, 0) + t u. In a chart u = n / W with polynomials n, W of the chart's coordinates
+/// (primitives/charts/chart.hpp). The object is met at t = W / Q, where Q >= 0 is the larger root of
 ///
 ///     C Q^2 - 2 B Q - A^2 = 0,   B = b0 W + b.n + y slope (a.n),   A = a.n,   C = c0 + c1 y + c2 y^2 > 0
 ///
@@ -53,14 +49,6 @@ struct RadialForm {
         if (has_root() || c[2].sign() != Sign::Zero || rise == Sign::Zero) return std::nullopt;
         return rise == Sign::Positive ? AxialEnd::Low : AxialEnd::High;
     }
-};
-
-/// How a chart point (x, y) names a base point.
-enum class RadialChart : std::uint8_t {
-    Stereographic,
-    /// x in [-1, 1] is the half angle's tangent about u = (0, 0, 1), and [1, 3] that about (0, 0, -1) plus 2:
-    /// together once around, continuously; y runs along the axis.
-    HalfAngle,
 };
 
 }  // namespace vcell

@@ -68,7 +68,7 @@ struct DiagramBuilder {
             diagram.edge_offsets_.push_back(static_cast<std::uint32_t>(diagram.edge_labels_.size()));
         }
         REQUIRE_FALSE(diagram.dcel.find_defect());
-        Cell cell = vcell::lift(problem, diagram, 1e-7).cell;
+        Cell cell = lift_over_region(problem, diagram, 1e-7, true).cell;
         cell.scene = scene;
         return cell;
     }

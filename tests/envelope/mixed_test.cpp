@@ -6,7 +6,7 @@
 #include <set>
 
 #include "../../core/errors.hpp"
-#include "../../envelope/recursion/heights.hpp"
+#include "../../primitives/forms/heights.hpp"
 #include "../test_support.hpp"
 #include "canonical.hpp"
 #include "complaints.hpp"

@@ -106,8 +106,8 @@ Cells cells_of(const std::vector<Sphere>& balls) {
             ++cells.times[q];
             if (atoms[0] != i) continue;
             const MinimizationDiagram::Vertex& at = diagram.vertices[v];
-            const double t = problem.distance(at.point, at.height);
-            const Vec3 p = problem.frame.to_world(problem.point(at.point, t));
+            const double t = problem.chart.distance_of(at.point, at.height);
+            const Vec3 p = problem.frame.to_world(problem.chart.point(at.point, t));
             cells.vertices[q].push_back({p.cast<Long>(), t - static_cast<Long>(balls[i].radius)});
         }
     }

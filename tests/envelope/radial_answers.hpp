@@ -27,8 +27,9 @@ inline Answer answer(const Scene& scene, const EnvelopeOptions& options = {}) {
     validate(scene);
     Answer a{radial_base_problem(scene), {}};
     const auto [low, high] = a.problem.stretch;
-    a.diagram = a.problem.is_sphere ? lower_envelope_on_sphere(a.problem.family, options)
-                                    : lower_envelope_on_cylinder(a.problem.family, low, high, options);
+    a.diagram = a.problem.chart.is_sphere()
+                    ? lower_envelope_on_sphere(a.problem.family, options)
+                    : lower_envelope_on_cylinder(a.problem.family, low, high, options);
     return a;
 }
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <set>
 
-#include "../../envelope/lift/radial_lift.hpp"
+#include "../../envelope/lift/lift.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../test_support.hpp"
 #include "cell_checks.hpp"
@@ -34,11 +34,11 @@ inline Vec3 outwards(const Scene& scene, const Vec3& p) {
 inline Cell cell_of(const Scene& scene) {
     const RadialBaseProblem problem = radial_base_problem(scene);
     const MinimizationDiagram diagram =
-        problem.is_sphere
+        problem.chart.is_sphere()
             ? lower_envelope_on_sphere(problem.family)
             : lower_envelope_on_cylinder(problem.family, problem.stretch[0], problem.stretch[1]);
     REQUIRE_FALSE(diagram.dcel.find_defect());
-    Cell cell = lift(problem, diagram, 1e-7 * scene.box.diagonal()).cell;
+    Cell cell = lift_all_around(problem, diagram, 1e-7 * scene.box.diagonal(), true).cell;
     cell.scene = scene;
     return cell;
 }

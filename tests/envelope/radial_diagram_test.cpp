@@ -7,8 +7,8 @@
 #include <set>
 
 #include "../../core/errors.hpp"
-#include "../../envelope/recursion/heights.hpp"
 #include "../../envelope/sphere/sphere_diagram.hpp"
+#include "../../primitives/forms/heights.hpp"
 #include "radial_answers.hpp"
 
 namespace vcell::radial {

@@ -339,7 +339,7 @@ TEST_CASE("overlapping balls: clearance is negative where the boundary runs insi
     const Scene s = around_ball(1, {Sphere{{1.5, 0, 0}, 1.25}, Sphere{{-0.5, 1, 0.25}, 0.75}}, 8);
     const Answer a = exact_judge(s);
     const Surroundings around(s, a.problem);
-    const Eigen::Vector2d towards = a.problem.chart_point({0.8, 0.6, 0}, 0);
+    const Eigen::Vector2d towards = a.problem.chart.chart_point({0.8, 0.6, 0}, 0);
     const auto nearest = around.nearest(towards.x(), towards.y());
     CHECK(nearest.item == 0);
     CHECK(static_cast<double>(nearest.distance) == doctest::Approx(2.1875 / 2.9));  // within the base

@@ -119,7 +119,7 @@ Measures sampled(const Scene& scene, const RadialBaseProblem& problem, int rays)
             // How much nearer the base is falls along the ray.
             const auto room = [&](double x) {
                 return distance_to(scene, site, from + x * direction) -
-                       (site.is_object() ? x - problem.radius : 0);
+                       (site.is_object() ? x - problem.chart.radius : 0);
             };
             double low = 0, high = t;
             if (room(high) > 0) return;
@@ -137,11 +137,12 @@ Measures sampled(const Scene& scene, const RadialBaseProblem& problem, int rays)
             towards[k] = (distance_to(scene, owner, p + e) - distance_to(scene, owner, p - e)) / (2 * step);
         }
         const Vec3 normal = ((owner.is_object() ? direction : Vec3(0, 0, 0)) - towards).normalized();
-        const double power = problem.is_sphere ? t * t : t, area = weight * power / normal.dot(direction);
+        const double power = problem.chart.is_sphere() ? t * t : t,
+                     area = weight * power / normal.dot(direction);
         (owner.is_object() ? sum.area : sum.box_area) += area;
-        sum.volume += weight * power * t / (problem.is_sphere ? 3 : 2);
+        sum.volume += weight * power * t / (problem.chart.is_sphere() ? 3 : 2);
     };
-    if (problem.is_sphere) {
+    if (problem.chart.is_sphere()) {
         // Fibonacci's sphere.
         for (int i = 0; i < rays; ++i) {
             const double z = 1 - (2 * i + 1.0) / rays, r = std::sqrt(1 - z * z),
@@ -171,7 +172,7 @@ void check_by_sampling(const Scene& scene) {
     const Measures expected = sampled(scene, problem, 40'000);
     CHECK(m.volume == doctest::Approx(expected.volume).epsilon(2e-3));
     CHECK(m.area == doctest::Approx(expected.area).epsilon(5e-3));
-    if (problem.is_sphere)
+    if (problem.chart.is_sphere())
         CHECK(m.box_area == doctest::Approx(expected.box_area).epsilon(5e-3));
     else
         CHECK(m.box_area > expected.box_area * (1 - 5e-3));  // the ends are not sampled
@@ -406,7 +407,7 @@ TEST_CASE("radial measures: a line along the ray has the rounding of all of its 
                                 Eigen::Vector4d(3 * x + aside * z, 0.5, 3 * z - aside * x, 1)};
         const RadialFace side = radial_integrals::FlatFace(Plane{{0, 0.5, 0}, {0, 1, 0}}, {0, 0.5, 0});
         RadialIntegrals sum;
-        add_span(points, true, RadialFoot(false), side, nullptr, sum);
+        add_span(points, true, BaseShape::Cylinder, side, nullptr, sum);
         const auto wide = [](double a, double b) { return static_cast<long double>(a) * b; };
         const auto twice = wide(z, points[1].x()) - wide(x, points[1].z());
         CAPTURE(aside);

@@ -72,7 +72,7 @@ private:
     Node node(Fast x, Fast y, Fast s) const { return {x, y, s, chart(x, y)}; }
     Node on_circle(const Circle& c, Fast s) const {
         const Vector u = c.offset + std::cos(s) * c.e1 + std::sin(s) * c.e2;
-        const Vector n = problem_.chart.transpose().cast<Fast>() * u;
+        const Vector n = problem_.chart.turn.transpose().cast<Fast>() * u;
         return node(n.x() / (1 + n.z()), n.y() / (1 + n.z()), s);
     }
 

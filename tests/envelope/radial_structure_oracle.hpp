@@ -24,7 +24,7 @@ public:
 protected:
     static std::string text(Fast v) { return std::to_string(static_cast<double>(v)); }
     static std::string place(Fast x, Fast y) { return "(" + text(x) + ", " + text(y) + ")"; }
-    bool is_over_sphere() const { return problem_.is_sphere; }
+    bool is_over_sphere() const { return problem_.chart.is_sphere(); }
     bool has_face(FormId f) const { return f.valid() && f.value < problem_.sites.size(); }
 
     FaceId outer_face(std::uint32_t rim) const { return {rim == 0 ? 0u : 1u}; }

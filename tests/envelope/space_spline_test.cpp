@@ -102,8 +102,7 @@ struct Island {
     Traced traced;
 
     explicit Island(std::mt19937_64& rng) {
-        c.problem.is_sphere = false;
-        c.problem.radius = 0.5;
+        c.chart = {BaseShape::Cylinder, 0.5};
         c.sites = {SpaceSite{Sphere{{0, 0, 2}, 0.3}, false, {}},
                    SpaceSite{Cylinder{{0, 0, 3}, Vec3::UnitY(), 0.5}, false, {}}};
         for (int i = 0; i < 100 && !traced.closed; ++i)
@@ -130,7 +129,7 @@ using traced_arcs::fitted;
 
 SpaceFitError fitted(const Case& c, const SpaceArc& arc, double tolerance) {
     std::vector<SpaceSpan> spans;
-    return fitted(c.problem, arc, tolerance, spans);
+    return fitted(c.chart, arc, tolerance, spans);
 }
 
 }  // namespace
@@ -174,7 +173,7 @@ TEST_CASE("space splines: the comparison with the true arc sees a span that is o
     std::mt19937_64 rng(test_seed());
     const Island island(rng);
     std::vector<SpaceSpan> spans;
-    const SpaceFitError error = fitted(island.c.problem, island.traced.arc, 1e-5, spans);
+    const SpaceFitError error = fitted(island.c.chart, island.traced.arc, 1e-5, spans);
     for (const int row : {0, 1, 2, 3, 4, 7}) {
         std::vector<SpaceSpan> off = spans;
         off[off.size() / 2].points(row, 3) += 20 * std::max(error.curve, error.trims);
@@ -186,8 +185,7 @@ TEST_CASE("space splines: the comparison with the true arc sees a span that is o
 
 TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
     Case c;
-    c.problem.is_sphere = false;
-    c.problem.radius = 0.5;
+    c.chart = {BaseShape::Cylinder, 0.5};
     constexpr double tolerance = 1e-6;
     // On the axis beyond the end: seen all around.
     const Sphere ball{{0.1, 3, 0.2}, 2};
@@ -205,7 +203,7 @@ TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
         SpaceArc arc;
         arc.sites = c.sites;
         std::vector<SpaceSpan> spans;
-        const SpaceFitError error = fitted(c.problem, arc, tolerance, spans);
+        const SpaceFitError error = fitted(c.chart, arc, tolerance, spans);
         CHECK(error.curve <= tolerance);
         CHECK(error.trims <= tolerance);
         const SpaceFitError truth = measured(c, spans);
@@ -227,13 +225,13 @@ TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
         std::vector<SpaceSpan> third;
         arc.start = SpaceEnd{spans.front().points.col(0).head<3>(), 1e-15};
         arc.end = SpaceEnd{spans[spans.size() / 3].points.col(5).head<3>(), 1e-15};
-        CHECK(fitted(c.problem, arc, tolerance, third).curve <= tolerance);
+        CHECK(fitted(c.chart, arc, tolerance, third).curve <= tolerance);
         CHECK(third.back().points.col(5).head<3>() == arc.end->point);
         CHECK(third.size() < spans.size());
         // Ends known worse than the tolerance: no reason to halve.
         arc.start->error = arc.end->error = 100 * tolerance;
         std::vector<SpaceSpan> rough;
-        CHECK(fitted(c.problem, arc, tolerance, rough).curve <= 600 * tolerance);
+        CHECK(fitted(c.chart, arc, tolerance, rough).curve <= 600 * tolerance);
         CHECK(rough.size() <= third.size());
     }
 }
@@ -241,8 +239,7 @@ TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
 TEST_CASE("space splines: an arc that ends where its sites touch") {
     // Crossing cylinders of one radius: the trisector is two curves that cross at (0, 0, 1.5).
     Case c;
-    c.problem.is_sphere = true;
-    c.problem.radius = 0.5;
+    c.chart = {BaseShape::Sphere, 0.5};
     c.sites = {SpaceSite{Cylinder{{0, 0, 3}, {0, 1, 0}, 0.5}, false, {}},
                SpaceSite{Cylinder{{0, 0, 3}, {1, 0, 0}, 0.5}, false, {}}};
     std::vector<MinimizationDiagram::ArcPiece> pieces;
@@ -270,7 +267,7 @@ TEST_CASE("space splines: an arc that ends where its sites touch") {
     };
     for (const double tolerance : {1e-3, 1e-4}) {
         std::vector<SpaceSpan> spans;
-        const SpaceFitError error = fitted(c.problem, arc, tolerance, spans);
+        const SpaceFitError error = fitted(c.chart, arc, tolerance, spans);
         check(spans, error, tolerance);
     }
     // In their plane the crossing is a point like any other.
@@ -281,7 +278,7 @@ TEST_CASE("space splines: an arc that ends where its sites touch") {
         for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
             arc.pieces = part;
             std::vector<SpaceSpan> spans;
-            const SpaceFitError error = fitted(c.problem, arc, tolerance, spans);
+            const SpaceFitError error = fitted(c.chart, arc, tolerance, spans);
             check(spans, error, tolerance);
             CHECK(spans.size() <= 16);
         }
@@ -297,7 +294,7 @@ int fit_diagram(const RadialBaseProblem& problem, const MinimizationDiagram& dia
         const auto pieces = diagram.pieces(e);
         if (pieces.empty() && !edge.on_rim()) continue;
         Case c;
-        c.problem = problem;
+        c.chart = problem.chart;
         const auto site = [&](FormId f) -> SpaceSite {
             return {problem.objects[f], problem.sites[f].front().kind == Site::Kind::BoxSide, {}};
         };
@@ -311,13 +308,13 @@ int fit_diagram(const RadialBaseProblem& problem, const MinimizationDiagram& dia
         const auto end = [&](VertexId v) -> std::optional<SpaceEnd> {
             if (!v.valid()) return std::nullopt;
             const auto& vertex = diagram.vertices[v];
-            const double t = problem.distance(vertex.point, vertex.height);
-            return SpaceEnd{problem.point(vertex.point, t), 1e-10};
+            const double t = problem.chart.distance_of(vertex.point, vertex.height);
+            return SpaceEnd{problem.chart.point(vertex.point, t), 1e-10};
         };
         const HalfEdgeId h{2 * e.value};
         SpaceArc arc{c.sites, end(diagram.dcel.origin(h)), end(diagram.dcel.target(h)), pieces};
         std::vector<SpaceSpan> spans;
-        const SpaceFitError error = fitted(problem, arc, tolerance, spans);
+        const SpaceFitError error = fitted(problem.chart, arc, tolerance, spans);
         CAPTURE(e.value);
         CAPTURE(edge.on_rim());
         CHECK(error.curve <= tolerance);

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <random>
 
-#include "../../envelope/recursion/heights.hpp"
 #include "../../envelope/sphere/sphere_supports.hpp"
+#include "../../primitives/forms/heights.hpp"
 #include "../test_support.hpp"
 
 namespace vcell {
@@ -22,6 +22,7 @@ struct Samples {
     // Two circular forms, then two cylinders' with C > 0.
     FormFamily family() {
         FormFamily out;
+        out.chart = BaseShape::Sphere;
         for (const double k : {-1.0, 1.0})
             out.forms.push_back({k, 0, 0, number(-2, 2), number(-2, 2), number(-2, 2), number(0.5, 2)});
         for (int i = 0; i < 2; ++i) {

@@ -41,7 +41,8 @@ public:
         size_ = scene.box.diagonal();
         const Fast far = std::max(scene.box.min.cwiseAbs().maxCoeff(), scene.box.max.cwiseAbs().maxCoeff());
         // Over a cylinder coordinates are rounded when they are turned into the frame.
-        tolerance_ = 64 * std::numeric_limits<double>::epsilon() * (size_ + (problem.is_sphere ? 0 : far));
+        tolerance_ =
+            64 * std::numeric_limits<double>::epsilon() * (size_ + (problem.chart.is_sphere() ? 0 : far));
         form_.assign(items_.size(), FormId{});
         for (const FormId f : problem.sites.ids())
             for (const Site site : problem.sites[f]) form_[number(site)] = f;
@@ -57,14 +58,14 @@ public:
 
     Vector normal(Fast x, Fast y) const {
         Vector n;
-        if (problem_.is_sphere) {
+        if (problem_.chart.is_sphere()) {
             const Fast s = x * x + y * y;
             n = Vector(2 * x, 2 * y, 1 - s) / (1 + s);
         } else {
             const Fast a = x > 1 ? x - 2 : x, sign = x > 1 ? -1 : 1;
             n = sign * Vector(2 * a, 0, 1 - a * a) / (1 + a * a);
         }
-        return (problem_.chart.cast<Fast>() * n).normalized();
+        return (problem_.chart.turn.cast<Fast>() * n).normalized();
     }
 
     /// d - r at the distance t from the centre or axis (of a side of the box what has its sign), and the
@@ -73,7 +74,7 @@ public:
         const Item& o = items_[item];
         const Vector p = foot + t * u - o.point;
         if (o.site.kind == Site::Kind::BoxSide) return {-o.axis.dot(p), -o.axis.dot(u)};
-        const Fast r = t - static_cast<Fast>(problem_.radius);
+        const Fast r = t - static_cast<Fast>(problem_.chart.radius);
         if (o.kind == Item::Wall) {
             const Fast d = o.axis.dot(p);
             return {std::abs(d) - r, (d < 0 ? -1 : 1) * o.axis.dot(u) - 1};
@@ -100,7 +101,7 @@ public:
     Fast distance(std::size_t item, Fast x, Fast y) const {
         return distance(item, foot(y), normal(x, y), 4 * size_);
     }
-    Vector foot(Fast y) const { return {0, problem_.is_sphere ? 0 : y, 0}; }
+    Vector foot(Fast y) const { return {0, problem_.chart.is_sphere() ? 0 : y, 0}; }
 
     /// The nearest item, and by how much it is nearer than the nearest that has another form.
     struct Nearest {
@@ -149,7 +150,7 @@ private:
     // and so on.
     std::tuple<Vector, Fast, Fast> reciprocal(std::size_t i) const {
         const Item& o = items_[i];
-        const Fast R0 = problem_.radius;
+        const Fast R0 = problem_.chart.radius;
         if (o.site.kind == Site::Kind::BoxSide) return {o.axis, 0, o.axis.dot(o.point)};
         if (o.kind == Item::Ball) {
             const Fast d = o.rho - R0;

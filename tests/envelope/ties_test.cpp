@@ -10,10 +10,10 @@
 #include <set>
 
 #include "../../envelope/proofs/space_tie.hpp"
-#include "../../envelope/recursion/exact_heights.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/radial_base.hpp"
+#include "../../primitives/forms/exact_heights.hpp"
 #include "cell_checks.hpp"
 #include "test_support.hpp"
 
@@ -253,7 +253,7 @@ TEST_CASE(
             const auto place = chart_point(problem.family, p);
             if (!place) continue;
             ++ahead;
-            const Vec3 u = problem.normal({(*place)[0].mid(), (*place)[1].mid()});
+            const Vec3 u = problem.chart.normal({(*place)[0].mid(), (*place)[1].mid()});
             CHECK((u - Vec3(1, 1, 0).normalized()).norm() < 1e-14);
             for (const FormId f : tubes) CHECK(passes_through(problem.family, f, p));
             CHECK_FALSE(have_equal_gradients(problem.family, tubes[0], tubes[1], p));

@@ -31,23 +31,20 @@ using V4 = Eigen::Matrix<T, 4, 1>;
 enum class Base { Plane, Sphere, Cylinder };
 
 struct Case {
-    RadialBaseProblem problem;  // nothing of it over a plane but the radius, 0
+    BaseChart chart;
     std::array<SpaceSite, 2> sites;
-    bool is_plane = false;
 
-    bool closes_up() const { return !is_plane && !problem.is_sphere; }
+    bool closes_up() const { return chart.is_cylinder(); }
 };
 
-inline SpaceFitError fitted(const RadialBaseProblem& problem, const SpaceArc& arc, double tolerance,
+inline SpaceFitError fitted(const BaseChart& chart, const SpaceArc& arc, double tolerance,
                             std::vector<SpaceSpan>& spans) {
     FitEffort effort;
-    return fit_space_spline(problem, arc, tolerance, spans, effort);
+    return fit_space_spline(chart, arc, tolerance, spans, effort);
 }
 inline SpaceFitError fitted(const Case& c, const SpaceArc& arc, double tolerance,
                             std::vector<SpaceSpan>& spans) {
-    FitEffort effort;
-    return c.is_plane ? fit_spline_over_plane(arc, tolerance, spans, effort)
-                      : fitted(c.problem, arc, tolerance, spans);
+    return fitted(c.chart, arc, tolerance, spans);
 }
 
 /// Distances by their definitions; a wall's is signed, positive inside.
@@ -69,22 +66,22 @@ T distance_to(const SpaceSite& site, const V3<T>& p) {
 template <class T>
 T distance_from_base(const Case& c, const V3<T>& p) {
     using std::sqrt;
-    if (c.is_plane) return p.z();
-    return c.problem.is_sphere ? p.norm() : T(sqrt(p.x() * p.x() + p.z() * p.z()));
+    if (c.chart.is_plane()) return p.z();
+    return c.chart.is_sphere() ? p.norm() : T(sqrt(p.x() * p.x() + p.z() * p.z()));
 }
 
 /// Zero on the bisector; along a ray from the base it decreases.
 template <class T>
 T excess(const Case& c, int side, const V3<T>& p) {
     const T d = distance_to(c.sites[side], p);
-    return c.sites[side].is_wall ? d : T(d - distance_from_base(c, p) + T(c.problem.radius));
+    return c.sites[side].is_wall ? d : T(d - distance_from_base(c, p) + T(c.chart.radius));
 }
 
 inline Vec3 normal_of(const Case& c, const Vec2& q) {
-    return c.is_plane ? Vec3::UnitZ() : c.problem.normal(q);
+    return c.chart.is_plane() ? Vec3::UnitZ() : c.chart.normal(q);
 }
 inline Vec3 foot_of(const Case& c, const Vec2& q) {
-    return {c.is_plane ? q.x() : 0, c.is_plane || c.closes_up() ? q.y() : 0, 0};
+    return {c.chart.is_plane() ? q.x() : 0, c.chart.is_plane() || c.closes_up() ? q.y() : 0, 0};
 }
 
 constexpr double far = 30;  // of the scene's unit: heights beyond are not traced
@@ -102,11 +99,13 @@ inline double height(const Case& c, int side, const Vec2& q, double unit) {
 }
 
 /// Chart units: y is a length over a cylinder, x too over a plane, so steps in them scale with the scene.
-struct Chart {
+struct ScaledChart {
     const Case& c;
     double unit;
 
-    Vec2 scale() const { return {c.is_plane ? unit : 1, c.is_plane || c.closes_up() ? unit : 1}; }
+    Vec2 scale() const {
+        return {c.chart.is_plane() ? unit : 1, c.chart.is_plane() || c.closes_up() ? unit : 1};
+    }
     double difference(const Vec2& s) const {
         const Vec2 q = point(s);
         return (height(c, 0, q, unit) - height(c, 1, q, unit)) / unit;
@@ -164,7 +163,7 @@ inline V4<Real> polished(const Case& c, const Eigen::Vector4d& start, const Eige
             G[0] = distance_from_base(c, p) - X[3];
             for (int k = 0; k < 2; ++k) {
                 const T d = distance_to(c.sites[k], p);
-                G[k + 1] = c.sites[k].is_wall ? d : T(d - X[3] + T(c.problem.radius));
+                G[k + 1] = c.sites[k].is_wall ? d : T(d - X[3] + T(c.chart.radius));
             }
             G[3] = normal.cast<T>().dot(V4<T>(X - start.cast<T>()));
             return G;
@@ -172,7 +171,8 @@ inline V4<Real> polished(const Case& c, const Eigen::Vector4d& start, const Eige
         start);
 }
 
-inline Vec3 space_point(const Case& c, const Chart& chart, const Vec2& s, const Eigen::Vector4d& tangent) {
+inline Vec3 space_point(const Case& c, const ScaledChart& chart, const Vec2& s,
+                        const Eigen::Vector4d& tangent) {
     const Vec2 q = chart.point(s);
     const double t = height(c, 0, q, chart.unit);
     Eigen::Vector4d X;
@@ -184,7 +184,7 @@ inline Vec3 space_point(const Case& c, const Chart& chart, const Vec2& s, const 
 /// nowhere.
 inline std::optional<Traced> trace(const Case& c, double unit, std::mt19937_64& rng) {
     std::uniform_real_distribution<double> side(-1, 1);
-    const Chart chart{c, unit};
+    const ScaledChart chart{c, unit};
     Vec2 a, b;
     bool found = false;
     for (int i = 0; i < 40 && !found; ++i) {
@@ -301,7 +301,7 @@ inline SpaceSite random_site(Kind kind, Base base, double radius, double unit, s
 inline PatchCoordinates coordinates(const Case& c, int side, const Vec3& middle) {
     const SpaceSite& site = c.sites[side];
     const Cylinder* cylinder = std::get_if<Cylinder>(&site.object);
-    if (c.is_plane) {
+    if (c.chart.is_plane()) {
         if (!cylinder)
             return {PatchCoordinate::linear(Vec3::UnitX(), middle),
                     PatchCoordinate::linear(Vec3::UnitY(), middle)};
@@ -310,12 +310,12 @@ inline PatchCoordinates coordinates(const Case& c, int side, const Vec3& middle)
             .coordinates();
     }
     if (const Plane* plane = std::get_if<Plane>(&site.object);
-        plane && (site.is_wall || c.problem.is_sphere)) {
+        plane && (site.is_wall || c.chart.is_sphere())) {
         const Vec3 a = plane->normal.unitOrthogonal();
         return {PatchCoordinate::linear(a, plane->point),
                 PatchCoordinate::linear(plane->normal.cross(a), plane->point)};
     }
-    if (!c.problem.is_sphere) {
+    if (!c.chart.is_sphere()) {
         const Vec3 zero = Vec3(middle.x(), 0, middle.z()).normalized();
         Vec3 v = Vec3::UnitY();
         if (cylinder) v += (cylinder->axis.y() < 0 ? -1 : 1) * cylinder->axis.normalized();
@@ -325,7 +325,7 @@ inline PatchCoordinates coordinates(const Case& c, int side, const Vec3& middle)
     if (cylinder) {
         const Vec3 d = cylinder->axis.normalized();
         const Vec3 foot = cylinder->point - d.dot(cylinder->point) * d, zero = -foot.normalized();
-        return {PatchCoordinate::half_angle(foot, zero, d.cross(zero), cylinder->radius - c.problem.radius),
+        return {PatchCoordinate::half_angle(foot, zero, d.cross(zero), cylinder->radius - c.chart.radius),
                 PatchCoordinate::linear(d, foot)};
     }
     const Vec3 zero = std::get<Sphere>(site.object).center.normalized(), x = zero.unitOrthogonal();
@@ -336,20 +336,21 @@ inline PatchCoordinates coordinates(const Case& c, int side, const Vec3& middle)
 inline Case random_case(Base base, Kind left, Kind right, double unit, std::mt19937_64& rng) {
     const bool sphere_base = base == Base::Sphere;
     Case c;
-    c.is_plane = base == Base::Plane;
-    c.problem.is_sphere = sphere_base;
-    c.problem.radius = c.is_plane ? 0 : std::uniform_real_distribution<double>(0, 1)(rng) * unit;
+    c.chart = {base == Base::Plane    ? BaseShape::Plane
+               : base == Base::Sphere ? BaseShape::Sphere
+                                      : BaseShape::Cylinder};
+    c.chart.radius = c.chart.is_plane() ? 0 : std::uniform_real_distribution<double>(0, 1)(rng) * unit;
     const Vec3 about = sphere_base ? random_unit(rng) : Vec3::UnitY().eval();
-    c.problem.chart =
+    c.chart.turn =
         Eigen::AngleAxisd(std::uniform_real_distribution<double>(-pi, pi)(rng), about).toRotationMatrix();
-    c.sites = {random_site(left, base, c.problem.radius, unit, rng),
-               random_site(right, base, c.problem.radius, unit, rng)};
+    c.sites = {random_site(left, base, c.chart.radius, unit, rng),
+               random_site(right, base, c.chart.radius, unit, rng)};
     return c;
 }
 
 /// A traced arc as an edge. Trims only where one patch holds the arc.
 inline void make_arc(Traced& traced, Case& c, double unit) {
-    const Chart chart{c, unit};
+    const ScaledChart chart{c, unit};
     const auto tangent = [&](std::size_t i) {
         const std::size_t j = std::min(i + 1, traced.line.size() - 1), k = j - 1;
         const auto lift = [&](const Vec2& s) -> Vec3 {
@@ -365,10 +366,10 @@ inline void make_arc(Traced& traced, Case& c, double unit) {
         return {p, 2e-16 * p.norm()};
     };
     const Vec2 half_way = chart.point(traced.line[traced.line.size() / 2]);
-    const Vec3 middle = c.is_plane ? foot_of(c, half_way) : normal_of(c, half_way);
+    const Vec3 middle = c.chart.is_plane() ? foot_of(c, half_way) : normal_of(c, half_way);
     bool one_patch = true;
     for (const Vec2& s : traced.line)
-        one_patch = one_patch && (c.is_plane || normal_of(c, chart.point(s)).dot(middle) > -0.7);
+        one_patch = one_patch && (c.chart.is_plane() || normal_of(c, chart.point(s)).dot(middle) > -0.7);
     for (int side = 0; side < 2; ++side) {
         c.sites[side].parts.clear();
         if (one_patch) c.sites[side].parts = {{coordinates(c, side, middle)}};
@@ -438,7 +439,7 @@ inline SpaceFitError measured(const Case& c, const std::vector<SpaceSpan>& spans
 /// How far the traced points are from the spans, and the other way round, in steps of the trace.
 inline double gap_between(const Case& c, const Traced& traced, double unit,
                           const std::vector<SpaceSpan>& spans) {
-    const Chart chart{c, unit};
+    const ScaledChart chart{c, unit};
     std::vector<Vec3> a, b;
     for (const Vec2& s : traced.line) {
         const Vec2 q = chart.point(s);

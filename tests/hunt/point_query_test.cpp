@@ -71,11 +71,11 @@ TEST_CASE("point query: inside is nearer to the base than to all else, over ever
 
 TEST_CASE("form locator: the form that comparing all of them finds, ties included") {
     std::mt19937_64 rng(test_seed());
-    const auto compare = [&](const FormFamily& family, const std::array<double, 4>& box, bool is_sphere,
+    const auto compare = [&](const FormFamily& family, const std::array<double, 4>& box,
                              const auto& is_outside) {
         std::vector<FormId> all(family.size());
         for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = FormId{i};
-        FormLocator locator(family, all, box, is_sphere);
+        FormLocator locator(family, all, box);
         std::uniform_real_distribution<double> x(box[0], box[1]), y(box[2], box[3]);
         int compared = 0;
         for (int k = 0; k < 60; ++k) {
@@ -104,7 +104,7 @@ TEST_CASE("form locator: the form that comparing all of them finds, ties include
                     for (const Eigen::Vector2d& c : problem.corners)
                         box = {std::min(box[0], c.x()), std::max(box[1], c.x()), std::min(box[2], c.y()),
                                std::max(box[3], c.y())};
-                    compared += compare(problem.family, box, false, [&](double x, double y) {
+                    compared += compare(problem.family, box, [&](double x, double y) {
                         return std::ranges::any_of(problem.region, [&](const RegionSide& s) {
                             return !((s.a * Interval(x) + s.b * Interval(y) + Interval(s.c)).lower() > 0);
                         });
@@ -112,11 +112,10 @@ TEST_CASE("form locator: the form that comparing all of them finds, ties include
                 } else {
                     const RadialBaseProblem problem = radial_base_problem(decided.scene, decided.unit);
                     const std::array<double, 4> box =
-                        problem.is_sphere
+                        problem.chart.is_sphere()
                             ? std::array<double, 4>{-20, 20, -20, 20}
                             : std::array<double, 4>{-1, 3, problem.stretch[0], problem.stretch[1]};
-                    compared +=
-                        compare(problem.family, box, problem.is_sphere, [](double, double) { return false; });
+                    compared += compare(problem.family, box, [](double, double) { return false; });
                 }
             } catch (const UndecidedError&) {
             }

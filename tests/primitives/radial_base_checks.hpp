@@ -77,7 +77,7 @@ inline InputError error_of(const Scene& scene) {
 
 /// 1 / distance by the exact coefficients at a chart point, and by the doubles of circular forms.
 inline Real nearness(const FormFamily& family, FormId f, const Vec2& p) {
-    const bool stereographic = family.chart == RadialChart::Stereographic;
+    const bool stereographic = family.chart.is_sphere();
     const bool front = stereographic || p.x() <= 1;
     const Real x = front ? p.x() : p.x() - 2, y = p.y();
     const Real r2 = x * x + (stereographic ? Real(y * y) : Real(0)), W = 1 + r2;

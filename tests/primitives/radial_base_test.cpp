@@ -25,22 +25,22 @@ TEST_CASE("radial base: over spheres, heights are where base and object are equa
         const RadialBaseProblem problem = problem_of(scene_of(base, objects, 4 * scale));
         CAPTURE(scale);
         CAPTURE(far);
-        REQUIRE(problem.is_sphere);
-        CHECK(problem.radius == base.radius);
+        REQUIRE(problem.chart.is_sphere());
+        CHECK(problem.chart.radius == base.radius);
         CHECK(problem.frame.to_canonical(base.center).isZero());
         for (std::uint32_t i = 0; i < objects.size(); ++i) {
             const FormId f = form_of(problem, Site::object(i));
             if (!f.valid()) continue;  // a ball in a cylinder
             CHECK(problem.family.is_circular(f) == !std::holds_alternative<Cylinder>(objects[i]));
             for (int k = 0; k < 4; ++k) {
-                const Vec2 p = problem.chart_point(r.direction(), 0);
+                const Vec2 p = problem.chart.chart_point(r.direction(), 0);
                 const Real q = nearness(problem.family, f, p);
                 // The chart's matrix and the normal are rounded: that turns the ray by 1e-15.
-                check_height(real(base.center), real(problem.normal(p)), base.radius, objects[i], q, scale,
-                             1e-13);
+                check_height(real(base.center), real(problem.chart.normal(p)), base.radius, objects[i], q,
+                             scale, 1e-13);
                 if (problem.family.is_circular(f)) {
                     const double rounded = problem.family.forms[f](p.x(), p.y());
-                    const double t = problem.distance(p, rounded);
+                    const double t = problem.chart.distance_of(p, rounded);
                     if (q > 0) CHECK(abs(1 / Real(t) - q) <= 1e-14 * (abs(q) + 1 / Real(reach)));
                 }
             }
@@ -48,9 +48,9 @@ TEST_CASE("radial base: over spheres, heights are where base and object are equa
         for (std::uint32_t s = 0; s < 6; ++s) {
             const FormId f = form_of(problem, Site::box_side(s));
             REQUIRE(f.valid());
-            const Vec2 p = problem.chart_point(r.direction(), 0);
+            const Vec2 p = problem.chart.chart_point(r.direction(), 0);
             const Real q = nearness(problem.family, f, p), side = Real(4 * scale);
-            const double m = problem.normal(p)[s / 2] * (s % 2 == 0 ? -1 : 1);
+            const double m = problem.chart.normal(p)[s / 2] * (s % 2 == 0 ? -1 : 1);
             CHECK(abs(q * side - m) < 1e-12);
         }
     }
@@ -85,27 +85,27 @@ TEST_CASE("radial base: over cylinders, heights are where base and object are eq
         }
         CAPTURE(scale);
         CAPTURE(far);
-        REQUIRE(!problem.is_sphere);
+        REQUIRE(!problem.chart.is_sphere());
         for (const FormId f : problem.sites.ids())
             for (int k = 0; k < 4; ++k) {
                 const double mix = 0.5 + 0.5 * r.unit();
                 const Vec2 p(1 + 2 * r.unit(), problem.stretch[0] * mix + problem.stretch[1] * (1 - mix));
                 const Real q = nearness(problem.family, f, p);
                 const Site site = problem.sites[f].front();
-                const Vec3 w = problem.normal(p);
+                const Vec3 w = problem.chart.normal(p);
                 CHECK(w.norm() == doctest::Approx(1).epsilon(1e-15));
                 if (!site.is_object()) {
                     // In world coordinates the point at distance t lies on the side.
                     if (q * 100 * scale < 1) continue;
                     const double t = (1 / q).convert_to<double>();
-                    const Vec3 world = problem.frame.to_world(problem.point(p, t));
+                    const Vec3 world = problem.frame.to_world(problem.chart.point(p, t));
                     const double side = base.point[site.index / 2] + (site.index % 2 == 0 ? -2 : 2) * scale;
                     CHECK(std::abs(world[site.index / 2] - side) < 1e-12 * (t + scale * (1 + far)));
                     continue;
                 }
                 check_height({0, p.y(), 0}, real(w), base.radius, problem.objects[f], q, scale, 1e-13);
                 // The canonical object is the world's, up to one rounding of the frame.
-                const Vec3 at = problem.point(p, 2 * reach);
+                const Vec3 at = problem.chart.point(p, 2 * reach);
                 const Real canonical = distance(problem.objects[f], real(at)),
                            world = distance(objects[site.index], real(problem.frame.to_world(at)));
                 CHECK(abs(canonical - world) < 1e-12 * scale * (1 + far));
@@ -224,27 +224,27 @@ TEST_CASE("radial base: chart points and normals are each other's inverse") {
         problem_of(scene_of(Cylinder{{1, 2, 3}, {1, 2, 2}, 1}, {Sphere{{4, 3, 5}, 1}}));
     for (int i = 0; i < 500; ++i) {
         const Vec3 v = r.direction();
-        CHECK((sphere.normal(sphere.chart_point(v, 0)) - v).norm() < 8 * u);
+        CHECK((sphere.chart.normal(sphere.chart.chart_point(v, 0)) - v).norm() < 8 * u);
         const Vec3 w = Vec3(v.x(), 0, v.z()).normalized();
-        const Vec2 p = tube.chart_point(w, v.y());
+        const Vec2 p = tube.chart.chart_point(w, v.y());
         CHECK(p.y() == v.y());
         CHECK(p.x() >= -1);
         CHECK(p.x() < 3);
-        CHECK((tube.normal(p) - w).norm() < 8 * u);
+        CHECK((tube.chart.normal(p) - w).norm() < 8 * u);
     }
-    const Eigen::Matrix3d& m = tube.chart;
+    const Eigen::Matrix3d& m = tube.chart.turn;
     CHECK((m * m.transpose() - Eigen::Matrix3d::Identity()).norm() < 4 * u);
     CHECK(m.row(1) == Vec3::UnitY().transpose());
-    CHECK(tube.normal({0, 0}).isApprox(m * Vec3(0, 0, 1)));
-    CHECK(tube.normal({1, 0}).isApprox(m * Vec3(1, 0, 0)));
-    CHECK(tube.normal({std::nextafter(1, 2), 0}).isApprox(m * Vec3(1, 0, 0)));
-    CHECK(tube.normal({2, 0}).isApprox(m * Vec3(0, 0, -1)));
-    CHECK(tube.normal({3, 0}).isApprox(tube.normal({-1, 0})));
+    CHECK(tube.chart.normal({0, 0}).isApprox(m * Vec3(0, 0, 1)));
+    CHECK(tube.chart.normal({1, 0}).isApprox(m * Vec3(1, 0, 0)));
+    CHECK(tube.chart.normal({std::nextafter(1, 2), 0}).isApprox(m * Vec3(1, 0, 0)));
+    CHECK(tube.chart.normal({2, 0}).isApprox(m * Vec3(0, 0, -1)));
+    CHECK(tube.chart.normal({3, 0}).isApprox(tube.chart.normal({-1, 0})));
     for (const double nearly : {-1e-300, -1e-17, 0.0, 1e-17}) {
-        const double x = tube.chart_point(m * Vec3(-1, 0, nearly), 0).x();
+        const double x = tube.chart.chart_point(m * Vec3(-1, 0, nearly), 0).x();
         CHECK(x >= -1);
         CHECK(x < 3);
     }
     // Near the pole and far beyond any square of it.
-    CHECK(sphere.normal({1e200, -1e200}).norm() == doctest::Approx(1).epsilon(1e-15));
+    CHECK(sphere.chart.normal({1e200, -1e200}).norm() == doctest::Approx(1).epsilon(1e-15));
 }

@@ -262,12 +262,13 @@ TEST_CASE("radial base: where balls overlap the base its clearance is negative")
     const Sphere base{{0, 0, 0}, 2}, other{{3, 0, 0}, 2};
     const RadialBaseProblem problem = problem_of(scene_of(base, {other}));
     // C = 9, Q = 2 c.u / C.
-    const Vec2 p = problem.chart_point({0.96, 0.28, 0}, 0);
-    const double t = problem.distance(p, problem.family.forms[FormId{0}](p.x(), p.y()));
+    const Vec2 p = problem.chart.chart_point({0.96, 0.28, 0}, 0);
+    const double t = problem.chart.distance_of(p, problem.family.forms[FormId{0}](p.x(), p.y()));
     CHECK(t == doctest::Approx(1.5625).epsilon(1e-14));
-    CHECK(t - problem.radius == doctest::Approx(-0.4375).epsilon(1e-14));
+    CHECK(t - problem.chart.radius == doctest::Approx(-0.4375).epsilon(1e-14));
     const RadialBaseProblem tube = problem_of(scene_of(Cylinder{{0, 0, 0}, {0, 1, 0}, 2}, {other}));
-    const Real q = nearness(tube.family, FormId{0}, tube.chart_point(tube.frame.rotation * Vec3(1, 0, 0), 0));
+    const Real q =
+        nearness(tube.family, FormId{0}, tube.chart.chart_point(tube.frame.rotation * Vec3(1, 0, 0), 0));
     CHECK((1 / q).convert_to<double>() == doctest::Approx(1.5).epsilon(1e-14));
 }
 

@@ -12,7 +12,7 @@
 #include <span>
 
 #include "../../core/numbers/enclosure.hpp"
-#include "../../primitives/forms/form_family.hpp"
+#include "form_family.hpp"
 
 namespace vcell {
 
@@ -29,6 +29,12 @@ std::optional<RationalPoint> rational_near(const Wide& x, const Wide& y, double 
 std::array<Interval, 2> enclosure(const RationalPoint& p);
 
 bool is_on_line(const RationalPoint& p, double a, double b, double c);
+
+/// The equation above at a point, times a positive number. Pre: over curved bases w is 1.
+struct HeightEquation {
+    Exact c, b, a;
+};
+HeightEquation height_equation(const FormFamily& family, FormId f, const RationalPoint& p);
 
 /// Sign of f - g. Here and below over curved bases w is 1, and the point lies outside the trace of every
 /// cylinder.

@@ -13,9 +13,9 @@
 #include "../../core/numbers/interval.hpp"
 #include "../../core/numbers/sign.hpp"
 #include "../../core/numbers/wide_interval.hpp"
-#include "../../primitives/forms/form_family.hpp"
-#include "../proofs/radial_height.hpp"
 #include "exact_heights.hpp"
+#include "form_family.hpp"
+#include "radial_height.hpp"
 
 namespace vcell {
 
@@ -76,6 +76,8 @@ public:
     explicit Heights(const FormFamily& family);
 
     const FormFamily& family() const { return family_; }
+    /// What a piece costs in those over a plane, by the heights asked for.
+    std::size_t cost() const { return is_radial() ? 4 : 1; }
 
     /// The forms' value over what is enclosed here: 1 over a plane. Pre: y lies between the tips.
     Interval scale(Interval x, Interval y) const;

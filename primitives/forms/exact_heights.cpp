@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "../../primitives/objects/exact_space.hpp"
+#include "../objects/exact_space.hpp"
 
 namespace vcell {
 
@@ -40,10 +40,7 @@ std::optional<Fraction> simplest_near(Wide v) {
 
 // c - 2 b r - a r^2 = 0 and its partial derivatives, all times one positive number.
 struct Equation {
-    struct Coefficients {
-        Exact c, b, a;
-    };
-    Coefficients at, x, y;
+    HeightEquation at, x, y;
     bool has_root = false;  // c may differ from 0 where a does
 };
 
@@ -67,30 +64,14 @@ Equation cylinder_equation(const ExactCylinder& f, const RationalPoint& p) {
             a.z.sign() != Sign::Zero};
 }
 
-Equation radial_equation(const RadialForm& f, RadialChart chart, const RationalPoint& p) {
-    const Exact two(2.0), one(1.0), &y = p.y;
-    Exact x = p.x;
+Equation radial_equation(const RadialForm& f, Chart chart, const RationalPoint& p) {
     // n, its derivatives and those of W.
-    std::array<Exact, 3> n, nx, ny;
-    Exact W, Wx, Wy;
-    if (chart == RadialChart::HalfAngle) {
-        Exact sign = one;
-        if (x > one) {
-            x -= two;
-            sign = -one;
-        }
-        W = one + x * x;
-        n = {sign * two * x, Exact(), sign * (one - x * x)};
-        nx = {sign * two, Exact(), -(sign * two * x)};
-        Wx = two * x;
-    } else {
-        W = one + x * x + y * y;
-        n = {two * x, two * y, two - W};
-        nx = {two, Exact(), -(two * x)};
-        ny = {Exact(), two, -(two * y)};
-        Wx = two * x;
-        Wy = two * y;
-    }
+    const bool is_back = chart.is_cylinder() && p.x > Exact(1.0);
+    const Exact zero, two(2.0), &y = p.y, x = is_back ? p.x - two : p.x, side = is_back ? -1.0 : 1.0,
+                                across = chart.is_sphere() ? y : zero, W = 1.0 + x * x + across * across,
+                                Wx = two * x, Wy = two * across;
+    const std::array<Exact, 3> n{side * Wx, Wy, side * (two - W)}, nx{side * two, zero, -(side * Wx)},
+        ny{zero, chart.is_sphere() ? two : zero, -Wy};
     const auto dot = [](const std::array<Exact, 3>& u, const std::array<Exact, 3>& v) {
         return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     };
@@ -136,7 +117,7 @@ Gradient gradient(const Equation& e, const ExactHeight& r) {
     const auto number = [&](const Exact& n) { return OneRoot{n, Exact(), v.c}; };
     const OneRoot v2 = v * v;
     const Exact den2 = r.den * r.den, two_den = 2.0 * r.den;
-    const auto along = [&](const Equation::Coefficients& d) {
+    const auto along = [&](const HeightEquation& d) {
         return number(d.c * den2) - two_den * d.b * v - d.a * v2;
     };
     return {along(e.x), along(e.y), two_den * (number(e.at.b * r.den) + e.at.a * v)};
@@ -153,6 +134,10 @@ std::vector<Gradient> gradients(const FormFamily& family, std::span<const FormId
 bool is_zero(const OneRoot& v) { return sign(v) == Sign::Zero; }
 
 }  // namespace
+
+HeightEquation height_equation(const FormFamily& family, FormId f, const RationalPoint& p) {
+    return equation(family, f, p).at;
+}
 
 std::optional<RationalPoint> rational_near(const Wide& x, const Wide& y, double extent) {
     const int exponent = std::ilogb(extent);

@@ -133,9 +133,7 @@ RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) cons
 }
 
 Interval Heights::scale(Interval x, Interval y) const {
-    if (!is_radial()) return 1.0;
-    if (family_.chart == RadialChart::Stereographic) return Interval(1.0) + square(x) + square(y);
-    Interval w = Interval(1.0) + square(x.mid() <= 1 ? x : x - Interval(2.0));
+    Interval w = family_.compared_over().weight(x, y, family_.chart.is_back(x.mid()));
     if (const auto& tip = family_.tips[AxialEnd::Low]) w = w / (y - Interval(*tip));
     if (const auto& tip = family_.tips[AxialEnd::High]) w = w / (Interval(*tip) - y);
     return w;

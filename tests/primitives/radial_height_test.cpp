@@ -5,7 +5,7 @@
 #include <random>
 
 #include "../../core/numbers/wide_interval.hpp"
-#include "../../envelope/proofs/radial_height.hpp"
+#include "../../primitives/forms/radial_height.hpp"
 #include "../test_support.hpp"
 
 namespace vcell {
@@ -73,7 +73,7 @@ TEST_CASE("radial heights: linear functions of normals around a cylinder hold th
         const Interval x = round % 8 == 0 ? Interval(x0) : Interval(x0, std::min(3.0, x0 + width));
         std::array<Interval, 3> v{samples.number(-2, 2), 0.0, samples.number(-2, 2)};
         const double m = samples.member(x);
-        const RadialNormals<Wide> at(RadialChart::HalfAngle, Wide(m), Wide(0.0));
+        const RadialNormals<Wide> at(BaseShape::Cylinder, Wide(m), Wide(0.0));
         if (round % 3 == 0) {
             // An extremum in the box.
             const Interval s = at.along<0>({Wide(1.0), Wide(0.0), Wide(0.0)}).v.enclosure(),
@@ -84,7 +84,7 @@ TEST_CASE("radial heights: linear functions of normals around a cylinder hold th
         CAPTURE(x.upper());
         CAPTURE(m);
         const RadialJet<Interval> over =
-            RadialNormals<Interval>(RadialChart::HalfAngle, x, Interval(0.0)).along<2>(v);
+            RadialNormals<Interval>(BaseShape::Cylinder, x, Interval(0.0)).along<2>(v);
         const RadialJet<Wide> jet = at.along<2>({Wide(v[0].lower()), Wide(0.0), Wide(v[2].lower())});
         CHECK(holds(over.v, jet.v));
         CHECK(holds(over.x, jet.x));

@@ -22,8 +22,8 @@
 #include <variant>
 
 #include "../../core/numbers/sign.hpp"
-#include "../../primitives/forms/form_family.hpp"
-#include "../../primitives/forms/radial_form.hpp"
+#include "form_family.hpp"
+#include "radial_form.hpp"
 #include "root_range.hpp"
 
 namespace vcell {
@@ -199,8 +199,8 @@ template <class T>
 class RadialNormals {
 public:
     RadialNormals() = default;
-    RadialNormals(RadialChart chart, const T& x, const T& y) : y_(y), middle_y_(y.mid()) {
-        if (chart == RadialChart::HalfAngle)
+    RadialNormals(Chart chart, const T& x, const T& y) : y_(y), middle_y_(y.mid()) {
+        if (chart.is_cylinder())
             normals_ = NormalsAround<T>(x);
         else
             normals_ = NormalsOfSphere<T>(x, y);
@@ -229,8 +229,8 @@ class RadialHeight {
 public:
     /// `convert` takes an Exact to T.
     template <class Convert>
-    RadialHeight(const RadialForm& form, RadialChart chart, Convert&& convert, const AxialTips& tips = {})
-        : is_cylinder_(chart == RadialChart::HalfAngle),
+    RadialHeight(const RadialForm& form, Chart chart, Convert&& convert, const AxialTips& tips = {})
+        : is_cylinder_(chart.is_cylinder()),
           has_root_(form.has_root()),
           tips_(tips),
           b0_(convert(form.b0)),

@@ -1,0 +1,115 @@
+#include "space_quadrics.hpp"
+
+#include <utility>
+
+namespace vcell::space_quadrics {
+
+namespace {
+
+bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
+
+Quadric zero_quadric() { return Quadric(terms(unknowns)); }
+
+Linear unit(std::size_t i) {
+    Linear l;
+    l[i] = 1.0;
+    return l;
+}
+
+Quadric circular_equation(const ExactForm& f, bool over_plane) {
+    Quadric q = zero_quadric();
+    const Linear one = unit(4);
+    if (over_plane) {
+        add_product(q, f.K, unit(0), unit(0));
+        add_product(q, f.K, unit(1), unit(1));
+        add_product(q, 1.0, Linear{f.A, f.B, Exact(), -f.W, f.C}, one);
+    } else {
+        add_product(q, 1.0, Linear{f.A, f.B, f.C - f.K, f.C + f.K, 2.0 * f.W}, one);
+    }
+    return q;
+}
+
+// Lengths times the cylinder's unit.
+Quadric cylinder_equation(const ExactCylinder& f) {
+    Quadric q = zero_quadric();
+    const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
+    const Exact zero;
+    const std::array<Linear, 3> m{Linear{f.unit, zero, zero, zero, -f.px},
+                                  Linear{zero, f.unit, zero, zero, -f.py},
+                                  Linear{zero, zero, zero, zero, -f.pz}};
+    Linear along;
+    for (std::size_t k = 0; k < unknowns; ++k) along[k] = f.ax * m[0][k] + f.ay * m[1][k] + f.az * m[2][k];
+    for (const Linear& l : m) add_product(q, norm, l, l);
+    const Linear one = unit(4), t = unit(3);
+    add_product(q, -(norm * f.rho * f.rho), one, one);
+    add_product(q, -1.0, along, along);
+    add_product(q, -2.0 * f.unit * norm * (f.rho + f.pz), t, one);
+    add_product(q, -2.0 * f.unit * f.az, t, along);
+    add_product(q, -(f.unit * f.unit * f.az * f.az), t, t);
+    return q;
+}
+
+Quadric radial_equation(const RadialForm& f, Chart chart) {
+    Quadric q = zero_quadric();
+    const Linear one = unit(4), y = unit(1);
+    const bool is_cylinder = chart.is_cylinder();
+    const Linear a{f.a[0], is_cylinder ? Exact() : f.a[1], f.a[2], Exact(), Exact()};
+    add_product(q, f.c[2], y, y);
+    add_product(q, -2.0 * f.slope, y, a);
+    add_product(q, -1.0, a, a);
+    add_product(
+        q, 1.0,
+        Linear{-2.0 * f.b[0], is_cylinder ? f.c[1] : -2.0 * f.b[1], -2.0 * f.b[2], -2.0 * f.b0, f.c[0]}, one);
+    return q;
+}
+
+}  // namespace
+
+std::size_t term(std::size_t n, std::size_t i, std::size_t j) {
+    if (i > j) std::swap(i, j);
+    if (j + 1 == n) return terms(n - 1) + i;
+    return i * (n - 1) - i * (i + 1) / 2 + j;
+}
+
+void add_product(Quadric& q, const Exact& factor, std::span<const Exact> f, std::span<const Exact> g) {
+    if (is_zero(factor)) return;
+    const std::size_t n = f.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        if (is_zero(f[i])) continue;
+        const Exact scaled = factor * f[i];
+        for (std::size_t j = 0; j < n; ++j)
+            if (!is_zero(g[j])) q[term(n, i, j)] += scaled * g[j];
+    }
+}
+
+Quadric base_equation(const FormFamily& family) {
+    const Chart chart = family.compared_over();
+    Quadric q = zero_quadric();
+    if (chart.is_plane()) {
+        add_product(q, 1.0, unit(2), unit(4));
+        return q;
+    }
+    add_product(q, 1.0, unit(0), unit(0));
+    if (chart.is_sphere()) add_product(q, 1.0, unit(1), unit(1));
+    add_product(q, 1.0, unit(2), unit(2));
+    add_product(q, -1.0, unit(3), unit(3));
+    return q;
+}
+
+Quadric equation(const FormFamily& family, FormId f) {
+    const Chart chart = family.compared_over();
+    if (family.is_circular(f)) return circular_equation(family.exact(f), chart.is_plane());
+    return chart.is_plane() ? cylinder_equation(exact_cylinder(family.cylinder(f)))
+                            : radial_equation(family.radial_form(f), chart);
+}
+
+std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c) {
+    const Chart chart = family.compared_over();
+    const Exact zero;
+    if (chart.is_plane()) return Linear{a, b, zero, zero, c};
+    if (chart.is_sphere()) return Linear{a, b, c, c, zero};
+    if (a != 0) return std::nullopt;
+    return Linear{zero, b, zero, zero, c};  // across the axis
+}
+
+}  // namespace vcell::space_quadrics
