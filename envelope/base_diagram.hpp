@@ -1,6 +1,7 @@
 /// The minimization diagram of a problem, over any base.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <span>
 #include <string>
@@ -32,8 +33,11 @@ std::string message(const Assumption& a, const char* what, const Problem& proble
 /// Throws UndecidedError, which names the objects, where forms tie along a curve.
 template <class Problem>
 MinimizationDiagram diagram_of(const Problem& problem, const EnvelopeOptions& options) {
+    EnvelopeOptions told = options;
+    for (std::uint32_t f = 0; f < problem.family.size(); ++f)
+        if (!problem.sites[FormId{f}].front().is_object()) told.box_sides.push_back(FormId{f});
     try {
-        return envelope_over(problem.family, problem.region, options);
+        return envelope_over(problem.family, problem.region, told);
     } catch (const TieError& e) {
         throw UndecidedError(message(e.tie, "seem to be equally near along a curve around", problem));
     }

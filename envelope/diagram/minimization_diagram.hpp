@@ -169,6 +169,9 @@ struct EnvelopeOptions {
     /// Over a sphere without cylinders: first by insertion of one form after the other (sphere_diagram.hpp).
     /// Changes the time taken only.
     bool incremental = true;
+    /// Forms that are sides of the box. The axis of a cylinder may all but lie on one of these, which then
+    /// tells nothing of the cell's size in other directions. Changes the time taken only.
+    std::vector<FormId> box_sides;
 };
 
 /// The lower envelope of the forms over the region, exact.

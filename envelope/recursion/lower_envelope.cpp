@@ -342,19 +342,26 @@ namespace {
 // The unit of y over a cylinder. x is an angle's: pieces are square where a step of y is about as long as a
 // step of x at the cell's distance from the axis. Four times that distance needs the fewest pieces on scenes
 // of all kinds. A power of two, so that nothing is rounded.
-double axial_unit(const FormFamily& family, double y0, double y1) {
+double axial_unit(const FormFamily& family, double y0, double y1, std::span<const FormId> box_sides) {
     constexpr int along = 4, around = 4;
+    // Where the axis all but lies on a side of the box that is next to nothing in the directions towards it,
+    // and tells nothing of the others.
+    constexpr double least_part = 0x1p-16;
     const Heights heights(family);
     std::vector<double> distances;
     for (int i = 0; i < along; ++i)
         for (int j = 0; j < around; ++j) {
             const double y = y0 + (y1 - y0) * (i + 0.5) / along, x = j - 0.5;
             double lowest = 0;
+            FormId form;
             for (std::uint32_t f = 0; f < family.size(); ++f)
-                lowest = std::min(lowest, heights.value(FormId{f}, Interval(x), Interval(y)).mid());
-            // Beside an axis that all but lies on a side of the box next to nothing is below the side.
-            if (constexpr double least_part = 0x1p-16; - 1 / lowest > least_part * (y1 - y0))
-                distances.push_back(-1 / lowest);
+                if (const double v = heights.value(FormId{f}, Interval(x), Interval(y)).mid(); v < lowest) {
+                    lowest = v;
+                    form = FormId{f};
+                }
+            const bool is_beside =
+                -1 / lowest < least_part * (y1 - y0) && std::ranges::find(box_sides, form) != box_sides.end();
+            if (!is_beside) distances.push_back(-1 / lowest);
         }
     if (distances.empty()) return 1;
     const auto median = distances.begin() + distances.size() / 2;
@@ -385,7 +392,7 @@ AxialTips axial_tips(const std::vector<RadialForm>& forms, double y0, double y1)
 
 MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double y0, double y1,
                                                const EnvelopeOptions& options) {
-    const double unit = axial_unit(family, y0, y1);
+    const double unit = axial_unit(family, y0, y1, options.box_sides);
     const long exponent = std::ilogb(unit);
     FormFamily scaled = family;
     scaled.axial_unit = unit;

@@ -272,7 +272,8 @@ private:
     void check_box() const {
         for (std::uint32_t s = 0; s < 6; ++s) {
             const WorldSide side(scene_.box, s);
-            const Sign room = side.distance(frame_.center).sign();
+            const auto by_interval = (side.sign * (Interval(side.bound) - frame_.center[side.axis])).sign();
+            const Sign room = by_interval ? *by_interval : side.distance(frame_.center).sign();
             if (room == Sign::Positive) continue;
             fail_empty("does not contain the base sphere's centre (base.sphere): it lies " +
                        std::string(room == Sign::Zero ? "on" : "beyond") + " side " +

@@ -79,22 +79,17 @@ TEST_CASE("hostile: trims of bisectors that are seen along themselves") {
 }
 
 TEST_CASE("hostile: what is not proved is refused, with objects and place") {
-    std::string message;
-    try {
-        cell_of("twins_around_tube");
-    } catch (const UndecidedError& e) {
-        message = e.what();
+    for (const char* name : {"hang_cylinder_base_spheres", "twins_around_tube"}) {
+        CAPTURE(name);
+        std::string message;
+        try {
+            cell_of(name);
+        } catch (const UndecidedError& e) {
+            message = e.what();
+        }
+        CHECK(message.starts_with("objects "));
+        CHECK(message.find("around (") != std::string::npos);
     }
-    CHECK(message.starts_with("objects "));
-    CHECK(message.find("around (") != std::string::npos);
-}
-
-TEST_CASE("hostile: planes as near to a line as digits tell") {
-    const Cell cell = cell_of("hang_cylinder_base_spheres");
-    CHECK(cell.vertices.size() == 4);
-    CHECK(cell.edges.size() == 6);
-    CHECK(cell.faces.size() == 2);
-    CHECK(cell.measures.volume == doctest::Approx(4.3878217e-19));
 }
 
 TEST_CASE("hostile: far from the origin integrals end where rounding leaves them without a bound") {
