@@ -82,7 +82,7 @@ Cell insert(Cell cell, const Object& object, const CellOptions& options) {
 
 namespace {
 
-// Of a point from an object; negative in a solid.
+// The distance of a point from an object, negative in a solid.
 double distance_from(const Object& object, const Vec3& p) {
     if (const auto* plane = std::get_if<Plane>(&object))
         return std::abs(plane->normal.stableNormalized().dot(p - plane->point));

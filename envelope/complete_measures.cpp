@@ -249,8 +249,8 @@ public:
     }
 
 private:
-    // Of a part of the axis: where it crosses a side's plane, and how much longer than its distance from that
-    // the way along the axis is; or where the box ends.
+    // A part of the axis ends where it crosses a side's plane, or where the box does. The way along the axis
+    // is so many times as long as its distance from the plane.
     struct End {
         double y, slant;
     };

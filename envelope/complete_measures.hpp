@@ -31,10 +31,10 @@ namespace vcell {
 
 /// In the scene's unit of length.
 struct CompleteMeasures {
-    /// Of the region of the box that is nearer to the base than to any object, the base's own body included
-    /// (over a plane: on the side of its normal).
+    /// The region of the box that is nearer to the base than to any object has this volume, the base's own
+    /// body included (over a plane: on the side of its normal).
     double volume = 0, volume_error = 0;
-    /// Of that region's boundary without the sides of the box.
+    /// That region's boundary without the sides of the box has this area.
     double area = 0, area_error = 0;
 
     struct Neighbor {

@@ -345,8 +345,8 @@ private:
     }
 
     static constexpr int most_halvings = 1000;  // of an edge
-    // Of all edges that need more: along a tube that all but touches the base rows turn by as much as their
-    // own length in each of thousands of parts.
+    // All edges that need more share these: along a tube that all but touches the base rows turn by as much
+    // as their own length in each of thousands of parts.
     int spare_halvings_ = 20000;
 
     Cell& cell_;

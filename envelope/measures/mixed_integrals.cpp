@@ -59,7 +59,7 @@ struct CircularIntegrand {
     }
     std::array<double, 3> sizes(const SpanPoint<double>& p) const {
         const Vector2d at(p.x, p.y), step(p.x1, p.y1);
-        // Of points, which turn with the step.
+        // Points are rounded by as much, and what they are off by turns with the step.
         const double noise = u * at.norm() / term_rounding;
         const double q = (at - o).norm(), turn = (q + noise) * step.norm();
         // f0 itself carries the roundings of large terms that cancel.

@@ -86,7 +86,7 @@ private:
         }
     }
 
-    /// Estimates do not refute: where one contradicts what is stated, proofs are asked for. Of the whole
+    /// Estimates do not refute: where one contradicts what is stated, proofs are asked for. For the whole
     /// cell's measures they need not be more exact than the contradiction.
     bool asks_for_proofs(std::vector<std::optional<Precision>>& proofs, const Precision& exact) const {
         bool asks = false;
@@ -202,7 +202,7 @@ private:
         }
     }
 
-    /// Of all faces.
+    /// All faces together have these.
     struct Totals {
         Interval volume = 0.0, area = 0.0, box_area = 0.0, shadow = 0.0;
         double object_slack = 0, box_slack = 0;

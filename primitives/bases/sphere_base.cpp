@@ -272,6 +272,7 @@ private:
     void check_box() const {
         for (std::uint32_t s = 0; s < 6; ++s) {
             const WorldSide side(scene_.box, s);
+            // Exact numbers cost more than all else here, and are asked for next to a side only.
             const auto by_interval = (side.sign * (Interval(side.bound) - frame_.center[side.axis])).sign();
             const Sign room = by_interval ? *by_interval : side.distance(frame_.center).sign();
             if (room == Sign::Positive) continue;

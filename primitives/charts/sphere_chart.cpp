@@ -119,7 +119,9 @@ struct Pole {
 Pole widened(const PoleJudge& judge, const Vec3& start) {
     Pole pole{start, judge.radius(start)};
     int trials = 0;
-    for (double step = pole.room > 1e-3 ? 4 * pole.room : 0.5;
+    // Next to an edge the room tells nothing of how far to look. Any step is right, some are quicker.
+    constexpr double telling = 1e-3;  // on the unit sphere
+    for (double step = pole.room > telling ? 4 * pole.room : 0.5;
          pole.room < wide && step > pole.room && step > narrow;) {
         Eigen::Index least = 0;
         pole.direction.cwiseAbs().minCoeff(&least);

@@ -11,17 +11,10 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
 #include "../test_support.hpp"
+#include "listing.hpp"
 
 namespace vcell {
 namespace {
-
-std::string listing(const Certificate& certificate) {
-    std::string s;
-    for (const Element& e : certificate.elements)
-        if (e.verdict != Verdict::proved)
-            s += e.where + ": " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
-    return s;
-}
 
 /// The base among balls at random, some beyond the box and some that overlap the base, and a tube.
 Scene scene_around(const Object& base, const Object& tube, double radius, std::mt19937_64& rng) {

@@ -20,17 +20,10 @@
 #include "../../io/check/turns.hpp"
 #include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
+#include "listing.hpp"
 
 namespace vcell {
 namespace {
-
-std::string listing(const Certificate& certificate) {
-    std::string s;
-    for (const Element& e : certificate.elements)
-        if (e.verdict != Verdict::proved)
-            s += e.where + ": " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
-    return s;
-}
 
 Scene scene_named(const std::string& name) { return read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json"); }
 

@@ -16,6 +16,7 @@
 #include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 #include "damages.hpp"
+#include "listing.hpp"
 
 namespace vcell {
 
@@ -29,14 +30,6 @@ struct Damage {
     std::string where;  ///< must be refuted, or a part of it; '#' stands for the number that make returns
     std::function<std::size_t(Cell&)> make;
 };
-
-std::string listing(const Certificate& certificate) {
-    std::string text;
-    for (const Element& e : certificate.elements)
-        if (e.verdict != Verdict::proved)
-            text += e.where + " is " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
-    return text;
-}
 
 bool names(const std::string& place, const std::string& where) {
     if (!place.starts_with(where)) return false;
