@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "../lift/joined_spans.hpp"
 #include "../lift/radial_patch.hpp"
@@ -137,8 +138,8 @@ RoundFace::Factors<T> RoundFace::factors(const T& t) const {
         case Shape::Hyperboloid: break;
     }
     const T r = sqrt(t * (t + delta)), reciprocal = 1 / (root + r), y = (t - d1) * reciprocal;
-    const T over = 1 / (t + d2), rest = d2 * (3 * d1 + t) + d1 * (t - d1);
-    const T mean = 2 * r + reciprocal * (rest - delta * delta * atanh_excess(T(y * y)));
+    const T over = 1 / (t + d2), excess = atanh_excess(T(y * y));
+    const T mean = 2 * r + reciprocal * (d2 * (3 * d1 + t) + d1 * (t - d1) - delta * delta * excess);
     return {T(c / 12 * (t + d1) * over), T(c / (8 * root) * mean * over)};
 }
 
@@ -194,24 +195,22 @@ struct Quadratic {
     double deviation(double r) const { return r * (std::abs(c1) + r * std::abs(c2)); }
 };
 
-template <int n>
-using Nodes = Eigen::Array<double, n, 1>;
+constexpr int most_points = 20;
 
-// Both halves of a symmetric rule.
-template <int n>
-struct NodeRule {
-    std::array<double, n> s{}, weight{};
-
-    constexpr NodeRule() {
-        const quadrature::RuleOf<n>& half = quadrature::rule<n>();
-        for (int i = 0; i < n; ++i) {
-            s[i] = i < n / 2 ? -half.x[i] : half.x[i - n / 2];
-            weight[i] = half.weight[i % (n / 2)];
-        }
-    }
+// The positive points of a rule, which is symmetric, and their weights.
+struct HalfRule {
+    std::span<const double> x, weight;
 };
 template <int n>
-constexpr NodeRule<n> node_rule;
+constexpr HalfRule half_rule() {
+    return {quadrature::rule<n>().x, quadrature::rule<n>().weight};
+}
+constexpr std::array<HalfRule, 9> half_rules{half_rule<4>(),  half_rule<6>(),  half_rule<8>(),
+                                             half_rule<10>(), half_rule<12>(), half_rule<14>(),
+                                             half_rule<16>(), half_rule<18>(), half_rule<most_points>()};
+
+// A value at each of a rule's two points that are as far from the middle: one register.
+using Pair = Eigen::Array2d;
 
 class Conic {
 public:
@@ -230,8 +229,6 @@ public:
     }
 
 private:
-    static constexpr int most_points = 20;
-
     void add(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,
              int& budget) const {
         const double middle_t = t_.c0 / w_.c0;
@@ -268,17 +265,7 @@ private:
             sum.sides[side].volume.error += error * bounds.volume;
             sum.sides[side].area.error += error * bounds.area;
         }
-        switch (points) {
-            case 4: return add_values<4>(left, right, sum);
-            case 6: return add_values<6>(left, right, sum);
-            case 8: return add_values<8>(left, right, sum);
-            case 10: return add_values<10>(left, right, sum);
-            case 12: return add_values<12>(left, right, sum);
-            case 14: return add_values<14>(left, right, sum);
-            case 16: return add_values<16>(left, right, sum);
-            case 18: return add_values<18>(left, right, sum);
-            default: return add_values<most_points>(left, right, sum);
-        }
+        add_values(points, left, right, sum);
     }
 
     void add_halves(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,
@@ -332,22 +319,34 @@ private:
         return r * (std::abs(v[1]) + r * (std::abs(v[2]) + r * (std::abs(v[3]) + r * std::abs(v[4]))));
     }
 
-    template <int n>
-    void add_values(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
-        const Nodes<n> s = Eigen::Map<const Nodes<n>>(node_rule<n>.s.data());
-        const Eigen::Map<const Nodes<n>> rule_weight(node_rule<n>.weight.data());
-        const Nodes<n> reciprocal = 1 / w_(s), t = t_(s) * reciprocal;
-        const Nodes<n> weight = rule_weight * reciprocal.square();
-        const auto& v = speed2_;
-        const double length = (weight * sqrt(v[0] + s * (v[1] + s * (v[2] + s * (v[3] + s * v[4]))))).sum();
-        sum.length += {length, term_rounding * length};
+    void add_values(int points, const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
+        const HalfRule& rule = half_rules[points / 2 - 2];
+        const std::array faces{&left, &right};
+        std::array<Quadratic, 2> along;
         for (const int side : {0, 1}) {
-            const RoundFace& face = side == 0 ? left : right;
-            const Quadratic along{face.axis.dot(x_[0]), face.axis.dot(x_[1]), face.axis.dot(x_[2])};
-            const Nodes<n> element = weight * along(s);
-            const RoundFace::Factors<Nodes<n>> f = face.factors(t);
-            sum.sides[side].volume.value += (element * f.volume).sum();
-            sum.sides[side].area.value += (element * f.area).sum();
+            const Vec3& axis = faces[side]->axis;
+            along[side] = {axis.dot(x_[0]), axis.dot(x_[1]), axis.dot(x_[2])};
+        }
+        const auto& v = speed2_;
+        Pair length = Pair::Zero();
+        std::array<RoundFace::Factors<Pair>, 2> sums;
+        sums.fill({Pair::Zero(), Pair::Zero()});
+        for (std::size_t k = 0; k < rule.x.size(); ++k) {
+            const Pair s(-rule.x[k], rule.x[k]);
+            const Pair reciprocal = 1 / w_(s), t = t_(s) * reciprocal;
+            const Pair weight = rule.weight[k] * reciprocal.square();
+            length += weight * sqrt(v[0] + s * (v[1] + s * (v[2] + s * (v[3] + s * v[4]))));
+            for (const int side : {0, 1}) {
+                const Pair element = weight * along[side](s);
+                const RoundFace::Factors<Pair> f = faces[side]->factors(t);
+                sums[side].volume += element * f.volume;
+                sums[side].area += element * f.area;
+            }
+        }
+        sum.length += {length.sum(), term_rounding * length.sum()};
+        for (const int side : {0, 1}) {
+            sum.sides[side].volume.value += sums[side].volume.sum();
+            sum.sides[side].area.value += sums[side].area.sum();
         }
     }
 
