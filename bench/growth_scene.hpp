@@ -14,6 +14,7 @@
 #include <string>
 
 #include "../primitives/objects/scene.hpp"
+#include "../tests/rotations.hpp"
 #include "mixed_scene.hpp"
 
 namespace vcell::bench {
@@ -122,7 +123,7 @@ private:
     // Turns all that is over the plane about the origin.
     void tilt() {
         const Vec3 normal(-0.125, 0.25, 1);
-        const Eigen::Quaterniond turned = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal);
+        const Eigen::Quaterniond turned = rotation_from_z(normal);
         scene_.base = Plane{Vec3::Zero(), normal};
         for (Object& o : scene_.objects)
             std::visit([&](auto& object) { turn_about_origin(object, turned); }, o);

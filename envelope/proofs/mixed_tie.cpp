@@ -381,7 +381,8 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     const bool f_above = *sign == Sign::Positive;
     Eigen::Matrix2d curvature;
     curvature << xx.mid(), xy.mid(), xy.mid(), yy.mid();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(curvature);  // values ascend
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+    eigen.computeDirect(curvature);  // values ascend
     const Vector2d u = eigen.eigenvectors().col(f_above ? 1 : 0);
     const Interval ux(u.x()), uy(u.y());
     const auto bend = (square(ux) * xx + Interval(2.0) * ux * uy * xy + square(uy) * yy).sign();

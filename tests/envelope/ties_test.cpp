@@ -15,6 +15,7 @@
 #include "../../primitives/bases/radial_base.hpp"
 #include "../../primitives/forms/exact_heights.hpp"
 #include "cell_checks.hpp"
+#include "rotations.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
@@ -169,8 +170,7 @@ TEST_CASE("ties: around a tube of a square bundle that was turned in doubles fou
     for (int i = 0; i < 12; ++i) {
         CAPTURE(i);
         const Vec3 axis = Vec3(normal(rng), normal(rng), normal(rng)).normalized();
-        const Eigen::Matrix3d frame =
-            Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
+        const Eigen::Matrix3d frame = rotation_from_z(axis).toRotationMatrix();
         const double radius = i % 2 == 0 ? 0.2 : 0;
         const Cell cell = check_decided_around(
             scene_around(Cylinder{Vec3::Zero(), axis, radius}, 2, square_bundle(frame, radius)));

@@ -10,6 +10,7 @@
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../../primitives/objects/decided_scene.hpp"
+#include "../rotations.hpp"
 
 namespace vcell::hunt {
 
@@ -194,9 +195,10 @@ Scene bundle(std::mt19937_64& rng, BaseKind kind) {
     const double error = b.chance(0.3) ? 0 : b.small(3, 15);
     const bool along_base = !b.is_plane() && b.chance(0.5);
     Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
-    if (along_base)
-        frame = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), b.base_direction()).toRotationMatrix();
-    else if (b.chance(0.5))
+    if (along_base) {
+        const Vec3 axis = b.base_direction();
+        frame = rotation_from_z(axis.z() < 0 ? Vec3(-axis) : axis).toRotationMatrix();
+    } else if (b.chance(0.5))
         frame = Eigen::AngleAxisd(b.uniform(0, 3), b.direction()).toRotationMatrix();
     const double shift = b.is_plane() ? 0.5 : 0;  // a plane runs between the tubes
     for (int i = -1; i <= 1; ++i)

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -397,11 +396,14 @@ inline Vec3 inside_of(const CellFace& face) {
 inline Vec3 bad_direction(const Cell& c, std::uint32_t v) {
     const CellVertex& vertex = c.vertices[v];
     const Vec3 base = gradient(c.scene.base, vertex.point);
-    Eigen::MatrixXd rows(static_cast<long>(vertex.sites.size()), 3);
-    for (std::size_t i = 0; i < vertex.sites.size(); ++i)
-        rows.row(static_cast<long>(i)) =
-            (gradient(c.scene.objects[vertex.sites[i].index], vertex.point) - base).transpose();
-    return Eigen::JacobiSVD<Eigen::MatrixXd>(rows, Eigen::ComputeFullV).matrixV().col(2);
+    std::vector<Vec3> differences;
+    for (const Site& site : vertex.sites)
+        differences.push_back(gradient(c.scene.objects[site.index], vertex.point) - base);
+    Vec3 across = Vec3::Zero();
+    for (const Vec3& a : differences)
+        for (const Vec3& b : differences)
+            if (a.cross(b).norm() > across.norm()) across = a.cross(b);
+    return across.normalized();
 }
 
 }  // namespace vcell::damages
