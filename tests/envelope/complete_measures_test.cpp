@@ -139,9 +139,10 @@ std::vector<Object> random_tubes(std::mt19937_64& rng, std::size_t count, double
 
 }  // namespace
 
-TEST_CASE("complete measures: 30 random oblique tubes tile their box") {
+TEST_CASE("complete measures: random oblique tubes tile their box") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < rounds(); ++i) CHECK(check_tiling(random_tubes(rng, 30, 0.15), 1e-3) < 980);
+    const int tubes = rounds() > 1 ? 30 : 12;
+    for (int i = 0; i < rounds(); ++i) CHECK(check_tiling(random_tubes(rng, tubes, 0.15), 1e-3) < 980);
 }
 
 TEST_CASE("complete measures: tubes that fill much of their box tile it") {

@@ -119,7 +119,7 @@ TEST_CASE("spline edges: those of cells are the curves of trisector(), over ever
     const auto vector = [&] { return Vec3(unit(rng), unit(rng), unit(rng)); };
     const auto radius = [&] { return 0.2 + 0.1 * unit(rng); };
     Compared done;
-    for (int round = 0; round < 6 * rounds(); ++round)
+    for (int round = 0; round < 4 * rounds(); ++round)
         for (const int base : {0, 1, 2}) {
             CAPTURE(round);
             CAPTURE(base);

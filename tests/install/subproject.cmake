@@ -7,7 +7,7 @@ foreach(package IN ITEMS doctest benchmark nlohmann_json CLI11 fmt)
 endforeach()
 execute_process(
   COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${BUILD} -G ${GENERATOR} -DVCELL=${VCELL} -DWAY=${WAY}
-    -DCMAKE_CXX_COMPILER=${COMPILER} ${absent}
+    -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON ${absent}
   COMMAND_ERROR_IS_FATAL ANY)
 if(WAY STREQUAL "add_subdirectory")
   execute_process(COMMAND ${CMAKE_COMMAND} --build ${BUILD} --target app COMMAND_ERROR_IS_FATAL ANY)
