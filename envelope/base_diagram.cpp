@@ -1,5 +1,9 @@
 #include "base_diagram.hpp"
 
+#include <cstdint>
+#include <cstdio>
+
+#include "../core/errors.hpp"
 #include "diagram/settled_vertices.hpp"
 
 namespace vcell {
@@ -14,6 +18,28 @@ MinimizationDiagram envelope_over(const FormFamily& family, std::span<const Regi
                                                            : lower_envelope(family, polygon, options);
     settle_vertices(family, diagram);
     return diagram;
+}
+
+std::string message(const Assumption& a, const char* what, const BaseProblem& problem) {
+    std::string sites;
+    for (const FormId f : a.forms)
+        for (const Site site : problem.sites[f]) sites += (sites.empty() ? "" : ", ") + to_string(site);
+    const Vec3 p = problem.unit * problem.frame.to_world(problem.chart.base_point(a.place));
+    char place[128];
+    std::snprintf(place, sizeof place, "(%.9g, %.9g, %.9g), not told apart within %.2g", p.x(), p.y(), p.z(),
+                  problem.chart.unit_of_coordinates(problem.unit) * a.width);
+    return "objects " + sites + ": " + what + " " + place;
+}
+
+MinimizationDiagram diagram_of(const BaseProblem& problem, const EnvelopeOptions& options) {
+    EnvelopeOptions told = options;
+    for (const FormId f : problem.sites.ids())
+        if (!problem.sites[f].front().is_object()) told.box_sides.push_back(f);
+    try {
+        return envelope_over(problem.family, problem.region, told);
+    } catch (const TieError& e) {
+        throw UndecidedError(message(e.tie, "seem to be equally near along a curve around", problem));
+    }
 }
 
 }  // namespace vcell

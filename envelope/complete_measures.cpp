@@ -12,7 +12,7 @@
 
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
-#include "../primitives/bases/base_problem.hpp"
+#include "../primitives/bases/canonical.hpp"
 #include "../primitives/bases/cylinder_base.hpp"
 #include "../primitives/bases/sphere_base.hpp"
 #include "../primitives/objects/decided_scene.hpp"

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "../../primitives/bases/base_problem.hpp"
+#include "../../primitives/bases/canonical.hpp"
 
 namespace vcell {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "../../core/small_vector.hpp"
-#include "../../primitives/bases/base_problem.hpp"
+#include "../../primitives/bases/canonical.hpp"
 
 namespace vcell {
 

@@ -1,76 +1,93 @@
-/// What bringing a scene to canonical position takes over every base.
+/// A scene in canonical position, over any base: what the envelope is made from.
+///
+/// Canonical position and the heights over it are those of plane_base.hpp and radial_base.hpp.
 #pragma once
 
-#include <algorithm>
-#include <array>
+#include <Eigen/Core>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "../../core/numbers/exact.hpp"
-#include "../objects/exact_space.hpp"
+#include "../forms/form_family.hpp"
 #include "../objects/objects.hpp"
-#include "../objects/scene.hpp"
-#include "plane_base.hpp"
+#include "../objects/site.hpp"
 
 namespace vcell {
 
-/// A rotation in doubles is off by a few units of 2^-53. Components of a unit vector below that are noise (a
-/// cosine of pi/2) where it is rounded anyway: of a cylinder base's axis and of the box's sides over a plane
-/// base. That is counted as motion.
-inline constexpr double frame_rounding = 0x1p-51;
+/// A rigid motion between world and canonical coordinates: canonical = R (world - origin), rounded. Forms are
+/// those of an exact motion: for axis-parallel normals R is a signed permutation and the origin the base's
+/// point on that axis, or near a box that is far from the scene's origin; in general R is a rotation with
+/// rational entries (exact_motion.hpp) and the origin a point of the base near the box. Objects are to each
+/// other exactly what they are in the scene. What is rounded, and counted in BaseProblem::moved: the
+/// sides of the box, to doubles in canonical coordinates, and unless the normal's length is a double the base
+/// itself, which turns by a few 2^-53 (planes parallel to it turn with it).
+struct BaseFrame {
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Vec3 origin = Vec3::Zero();
 
-/// A double's relative error bound only holds above the subnormals; forms stay well clear of them.
-inline constexpr double smallest_coefficient = 1e-250;
-
-/// m.p <= k inside, canonical coordinates; m is a unit vector, rounded.
-struct BoxSide {
-    Vec3 m;
-    double k;
-    std::uint32_t index;  ///< as in Site::box_side()
-};
-std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame);
-
-/// How far planes within the box have moved as their |n| are told by two doubles, or a bound: that scales
-/// distances from them.
-double moved_by_length(const Plane& plane, const Box& box);
-double moved_by_lengths(const Scene& scene);
-
-/// The axis with its largest component in [1/2, 1): its length drops out of all heights, and products of
-/// four lengths and four axis components stay in range. Exact.
-Vec3 scaled_axis(const Vec3& axis);
-
-/// A solid ball in some frame.
-struct Ball {
-    double cx, cy, cz, rho;
-
-    friend bool operator==(const Ball&, const Ball&) = default;
+    bool is_axis_parallel() const { return (rotation.array() == 0).count() == 6; }
+    Vec3 to_canonical(const Vec3& world) const { return rotation * (world - origin); }
+    Vec3 to_world(const Vec3& canonical) const { return rotation.transpose() * canonical + origin; }
 };
 
-/// For each ball the first one equal to it; linear in the number of balls.
-std::vector<std::uint32_t> first_equal(std::span<const Ball> balls);
+/// A side of the base region: which side of the box cuts the base plane there.
+struct RegionSide {
+    double a, b, c;  ///< a x + b y + c >= 0 inside, canonical coordinates
+    Site site;
+};
 
-/// Total order of vectors up to positive factors: the first non-zero component's place and sign, then the
-/// others' ratios to it.
-int compare_rays(std::span<const Exact> p, std::span<const Exact> q);
-
-/// For each vector the first one that is a positive multiple of it.
-template <std::size_t N>
-std::vector<std::uint32_t> first_equal(const std::vector<std::array<Exact, N>>& rays) {
-    std::vector<std::uint32_t> order(rays.size()), first(rays.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t i, std::uint32_t j) { return compare_rays(rays[i], rays[j]) < 0; });
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const bool same = i > 0 && compare_rays(rays[order[i - 1]], rays[order[i]]) == 0;
-        first[order[i]] = same ? first[order[i - 1]] : order[i];
+/// The sites of each form, ascending; of nearly every form just one.
+class FormSites {
+public:
+    void reserve(std::size_t forms) {
+        sites_.reserve(forms);
+        begins_.reserve(forms + 1);
     }
-    return first;
-}
+    /// The next form.
+    FormId add(Site site) {
+        sites_.push_back(site);
+        begins_.push_back(static_cast<std::uint32_t>(sites_.size()));
+        return {static_cast<std::uint32_t>(size() - 1)};
+    }
+    /// Another site of a form. It is listed after settle() only.
+    void join(FormId form, Site site) { joined_.emplace_back(form, site); }
+    void settle();
 
-/// "a, b and 7 more": half of a packing may need to be named.
-std::string listed(const std::vector<std::string>& items);
+    std::span<const Site> operator[](FormId f) const {
+        return {sites_.data() + begins_[f.value], sites_.data() + begins_[f.value + 1]};
+    }
+    std::size_t size() const { return begins_.size() - 1; }
+    /// Pre: settled.
+    bool has_shared_forms() const { return sites_.size() > size(); }
+    IdVector<FormId, Site>::IdRange ids() const { return {static_cast<std::uint32_t>(size())}; }
+
+private:
+    std::vector<Site> sites_;
+    std::vector<std::uint32_t> begins_{0};
+    std::vector<std::pair<FormId, Site>> joined_;
+};
+
+/// What is asked of a scene over every base; all numbers in the scene's unit of length.
+struct BaseProblem {
+    BaseFrame frame;
+    BaseChart chart;
+    /// Plane: a convex polygon, counter-clockwise. Cylinder: the rectangle of the chart; sides 0 and 2 are
+    /// its ends, the others its seam. Sphere: none.
+    std::vector<RegionSide> region;
+    FormFamily family;
+    /// Several of a form where objects coincide as seen from the base (duplicates, a plane whose bisector is
+    /// the box side). Hidden objects have none: at best they tie with what hides them.
+    FormSites sites;
+    double unit = 1;  ///< of the scene's lengths, for messages
+    /// A bound on the distance that anything of the scene within the box has moved: the base and the sides of
+    /// the box with the motion, planes by the rounding of |n|, which scales distances from them.
+    double moved = 0;
+    /// A bound on how far planes have moved against each other, and balls and tubes: by the rounding of |n|
+    /// alone, unless planes turn with a plane base.
+    double moved_apart = 0;
+    std::vector<std::string> warnings;  ///< merged duplicates; objects behind the base, or hidden
+};
 
 }  // namespace vcell

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "base_problem.hpp"
+#include "canonical.hpp"
 
 namespace vcell {
 

@@ -17,7 +17,7 @@
 #include "../objects/exact_motion.hpp"
 #include "../objects/exact_space.hpp"
 #include "../objects/message.hpp"
-#include "base_problem.hpp"
+#include "canonical.hpp"
 #include "nested_cylinders.hpp"
 #include "plane_frame.hpp"
 #include "plane_region.hpp"
@@ -124,6 +124,7 @@ public:
         drop_hidden();
         make_forms();
         add_cylinders();
+        sites_.settle();
         PlaneBaseProblem problem;
         problem.frame = frame_->motion();
         problem.unit = unit_;
@@ -453,33 +454,34 @@ private:
 
         std::vector<FormId> ball_forms(balls_.size()), linear_forms(linear.size());
         forms_.reserve(balls_.size() + linear.size());
+        sites_.reserve(balls_.size() + linear.size() + cylinders_.size());
         const auto add_ball = [&](std::size_t i) {
+            const Site own = site(ball_objects_[i]);
             if (first_ball[i] < i) {
                 ball_forms[i] = ball_forms[first_ball[i]];
-            } else {
-                const Ball& ball = balls_[i];
-                const bool is_kept = frame_->keeps(center(ball));
-                const CircularForm f =
-                    is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
-                check_range(f.e, is_kept ? rounded(*frame_, ball).cz == ball.rho : f.e == 0,
-                            site(ball_objects_[i]));
-                check_range(f.w, false, site(ball_objects_[i]));
-                ball_forms[i] = forms_.push_back(f);
-                sources_->push_back(balls_[i]);
-                sites_.push_back({});
+                sites_.join(ball_forms[i], own);
+                return;
             }
-            sites_[ball_forms[i]].push_back(site(ball_objects_[i]));
+            const Ball& ball = balls_[i];
+            const bool is_kept = frame_->keeps(center(ball));
+            const CircularForm f =
+                is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
+            check_range(f.e, is_kept ? rounded(*frame_, ball).cz == ball.rho : f.e == 0, own);
+            check_range(f.w, false, own);
+            ball_forms[i] = forms_.push_back(f);
+            sources_->push_back(ball);
+            sites_.add(own);
         };
         const auto add_linear = [&](std::size_t i) {
             if (first_linear[i] < i) {
                 linear_forms[i] = linear_forms[first_linear[i]];
-            } else {
-                linear_forms[i] = forms_.push_back(rounded(linear[i], linear_sites[i]));
-                const auto& [a, b, c, w] = linear[i];
-                sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
-                sites_.push_back({});
+                sites_.join(linear_forms[i], linear_sites[i]);
+                return;
             }
-            sites_[linear_forms[i]].push_back(linear_sites[i]);
+            linear_forms[i] = forms_.push_back(rounded(linear[i], linear_sites[i]));
+            const auto& [a, b, c, w] = linear[i];
+            sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
+            sites_.add(linear_sites[i]);
         };
         std::size_t ball = 0;
         for (std::size_t i = 0; i < linear.size(); ++i) {
@@ -492,10 +494,9 @@ private:
     // Cylinders come after the circular forms, in the order of their objects.
     void add_cylinders() {
         for (const std::uint32_t object : cylinder_objects_) {
-            std::vector<Site> sites{site(object)};
+            const FormId form = sites_.add(site(object));
             for (const auto& [first, twin] : equal_)
-                if (first == object) sites.push_back(site(twin));
-            sites_.push_back(sites);
+                if (first == object) sites_.join(form, site(twin));
         }
     }
 
@@ -506,10 +507,10 @@ private:
             for (const std::uint32_t i : behind_) titles.push_back(object_title(scene_, i));
             warnings_.push_back(listed(titles) + ": behind the base, never nearest to any point of its cell");
         }
-        for (const std::vector<Site>& sites : sites_) {
-            if (sites.size() < 2) continue;
+        for (const FormId form : sites_.ids()) {
+            if (sites_[form].size() < 2) continue;
             std::string text;
-            for (const Site site : sites)
+            for (const Site site : sites_[form])
                 text += (text.empty() ? "" : " and ") + competitor_title(scene_, site);
             warnings_.push_back(text + ": the same distance from the base everywhere, merged");
         }
@@ -539,7 +540,7 @@ private:
         equal_;  // a cylinder's object and a later one like it
 
     IdVector<FormId, CircularForm> forms_;
-    IdVector<FormId, std::vector<Site>> sites_;
+    FormSites sites_;
     std::shared_ptr<IdVector<FormId, FormSource>> sources_;
     std::vector<std::string> warnings_;
 };

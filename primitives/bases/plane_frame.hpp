@@ -7,7 +7,7 @@
 
 #include "../objects/exact_motion.hpp"
 #include "../objects/exact_space.hpp"
-#include "base_problem.hpp"
+#include "canonical.hpp"
 #include "plane_base.hpp"
 
 namespace vcell {

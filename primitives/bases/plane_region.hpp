@@ -10,7 +10,7 @@
 #include "../../core/numbers/exact.hpp"
 #include "../objects/exact_motion.hpp"
 #include "../objects/exact_space.hpp"
-#include "base_problem.hpp"
+#include "canonical.hpp"
 #include "plane_base.hpp"
 #include "solids.hpp"
 

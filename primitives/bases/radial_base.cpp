@@ -13,21 +13,6 @@
 
 namespace vcell {
 
-void FormSites::settle() {
-    if (joined_.empty()) return;
-    for (const FormId f : ids())
-        for (const Site site : (*this)[f]) joined_.emplace_back(f, site);
-    std::ranges::sort(joined_);
-    sites_.clear();
-    begins_.assign(begins_.size(), 0);
-    for (const auto& [form, site] : joined_) {
-        sites_.push_back(site);
-        ++begins_[form.value + 1];
-    }
-    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
-    joined_.clear();
-}
-
 RadialBaseProblem radial_base_problem(const Scene& scene, double unit) {
     if (const auto* sphere = std::get_if<Sphere>(&scene.base))
         return sphere_base_problem(scene, *sphere, unit);

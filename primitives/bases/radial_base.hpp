@@ -26,66 +26,27 @@
 #include <utility>
 #include <vector>
 
-#include "../forms/form_family.hpp"
 #include "../objects/objects.hpp"
 #include "../objects/scene.hpp"
-#include "../objects/site.hpp"
-#include "plane_base.hpp"
+#include "base_problem.hpp"
 
 namespace vcell {
 
-/// The sites of each form, ascending; of nearly every form just one.
-class FormSites {
-public:
-    void reserve(std::size_t forms) {
-        sites_.reserve(forms);
-        begins_.reserve(forms + 1);
-    }
-    /// The next form.
-    FormId add(Site site) {
-        sites_.push_back(site);
-        begins_.push_back(static_cast<std::uint32_t>(sites_.size()));
-        return {static_cast<std::uint32_t>(size() - 1)};
-    }
-    /// Another site of a form. It is listed after settle() only.
-    void join(FormId form, Site site) { joined_.emplace_back(form, site); }
-    void settle();
-
-    std::span<const Site> operator[](FormId f) const {
-        return {sites_.data() + begins_[f.value], sites_.data() + begins_[f.value + 1]};
-    }
-    std::size_t size() const { return begins_.size() - 1; }
-    /// Pre: settled.
-    bool has_shared_forms() const { return sites_.size() > size(); }
-    IdVector<FormId, Site>::IdRange ids() const { return {static_cast<std::uint32_t>(size())}; }
-
-private:
-    std::vector<Site> sites_;
-    std::vector<std::uint32_t> begins_{0};
-    std::vector<std::pair<FormId, Site>> joined_;
-};
-
 /// A scene over a sphere or a cylinder base, brought to canonical position and checked.
-struct RadialBaseProblem {
-    /// Sphere: R is the identity, the origin the centre. Cylinder: the axis becomes the y axis, the origin is
-    /// its foot of the box's centre, or in general the base's point where that is within a diagonal of the
-    /// box; the axis turns by a few 2^-53, unless its length is a double, and the cylinders along it turn
-    /// with it.
-    BaseFrame frame;
-    BaseChart chart;
+///
+/// Sphere: the frame's R is the identity, its origin the centre. Cylinder: the axis becomes the y axis, the
+/// origin is its foot of the box's centre, or in general the base's point where that is within a diagonal of
+/// the box; the axis turns by a few 2^-53, unless its length is a double, and the cylinders along it turn
+/// with it.
+struct RadialBaseProblem : BaseProblem {
     /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch
     /// all of whose circles lie inside the sides of the box that the axis runs into; rounded inwards. At ends
     /// on oblique sides of the box a circle of less than 2^-26 box diagonals counts as one of that radius.
     std::array<double, 2> stretch{-std::numeric_limits<double>::infinity(),
                                   std::numeric_limits<double>::infinity()};
-    /// Cylinder: the rectangle of the chart; sides 0 and 2 are its ends, the others its seam. Sphere: none.
-    std::vector<RegionSide> region;
-    FormFamily family;
     /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward
     /// normal.
     IdVector<FormId, Object> objects;
-    /// As in PlaneBaseProblem.
-    FormSites sites;
     /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than
     /// the nearer of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no
     /// form.
@@ -95,11 +56,6 @@ struct RadialBaseProblem {
         bool is_decided;       ///< exact, or in the scene as it was moved; otherwise up to narrow_tie
     };
     std::vector<GeneratorTie> generator_ties;
-    /// As in PlaneBaseProblem.
-    double unit = 1, moved = 0;
-    /// How far planes have moved against each other, and balls, by the rounding of |n|.
-    double moved_apart = 0;
-    std::vector<std::string> warnings;
 
     /// Holds all chart points {x0, x1, y0, y1}, but for a millionth of a sphere.
     std::array<double, 4> chart_box() const;

@@ -13,7 +13,7 @@
 #include "../../core/errors.hpp"
 #include "../forms/cylinder_form.hpp"
 #include "../objects/exact_space.hpp"
-#include "base_problem.hpp"
+#include "canonical.hpp"
 #include "radial_base.hpp"
 
 namespace vcell {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "../bases/base_problem.hpp"
+#include "../bases/canonical.hpp"
 #include "../objects/exact_space.hpp"
 
 namespace vcell {

@@ -7,7 +7,7 @@
 
 #include <array>
 
-#include "../bases/base_problem.hpp"
+#include "../bases/canonical.hpp"
 #include "exact_space.hpp"
 
 namespace vcell {

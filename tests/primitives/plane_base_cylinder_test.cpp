@@ -8,6 +8,7 @@
 #include "../../core/errors.hpp"
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/solids.hpp"
+#include "problem_sites.hpp"
 #include "test_support.hpp"
 
 using namespace vcell;
@@ -86,10 +87,10 @@ TEST_CASE("cylinders: forms follow the circular ones and keep the canonical doub
     REQUIRE(problem.family.forms.size() == 2);
     REQUIRE(problem.family.size() == 4);
     REQUIRE(problem.sites.size() == 4);
-    CHECK(problem.sites[FormId{0}] == objects({1}));
-    CHECK(problem.sites[FormId{1}] == std::vector{Site::box_side(5)});
-    CHECK(problem.sites[FormId{2}] == objects({0}));
-    CHECK(problem.sites[FormId{3}] == objects({2}));
+    CHECK(sites_of(problem, FormId{0}) == objects({1}));
+    CHECK(sites_of(problem, FormId{1}) == std::vector{Site::box_side(5)});
+    CHECK(sites_of(problem, FormId{2}) == objects({0}));
+    CHECK(sites_of(problem, FormId{3}) == objects({2}));
     CHECK(problem.warnings.empty());
     const CylinderForm& f = problem.family.cylinder(FormId{2});
     CHECK(std::array{f.px, f.py, f.pz, f.ax, f.ay, f.az, f.rho} ==
@@ -246,8 +247,8 @@ TEST_CASE("cylinders: parallel to the base and below it they are behind, tilted 
               "object 0, object 1: behind the base, never nearest to any point of its cell"});
     REQUIRE(problem.family.cylinders.size() == 2);
     for (const CylinderForm& f : problem.family.cylinders) CHECK(cylinder_height(f, 0.5, -0.5) > 0);
-    CHECK(problem.sites[FormId{1}] == objects({2}));
-    CHECK(problem.sites[FormId{2}] == objects({3}));
+    CHECK(sites_of(problem, FormId{1}) == objects({2}));
+    CHECK(sites_of(problem, FormId{2}) == objects({3}));
 }
 
 TEST_CASE("cylinders: the same cylinder in other words is merged, one ulp makes another") {
@@ -260,7 +261,7 @@ TEST_CASE("cylinders: the same cylinder in other words is merged, one ulp makes 
     turned.axis.y() = std::nextafter(0.5, 1.0);
     const PlaneBaseProblem problem = problem_of({pipe, moved, same, turned, thicker});
     REQUIRE(problem.family.cylinders.size() == 4);
-    CHECK(problem.sites[FormId{1}] == objects({0, 2}));
+    CHECK(sites_of(problem, FormId{1}) == objects({0, 2}));
     CHECK(problem.warnings ==
           std::vector<std::string>{
               "object 0 and object 2: the same distance from the base everywhere, merged"});
@@ -279,10 +280,10 @@ TEST_CASE("cylinders: what lies in a cylinder or beyond a wall is left out") {
                                   "object 0 in object 1, object 2 in object 1, object 3 in object 1: hidden, "
                                   "never nearest to any point of the cell"});
     REQUIRE(problem.sites.size() == 5);
-    CHECK(problem.sites[FormId{0}] == objects({4}));
-    CHECK(problem.sites[FormId{2}] == objects({1}));
-    CHECK(problem.sites[FormId{3}] == objects({5}));
-    CHECK(problem.sites[FormId{4}] == objects({6}));
+    CHECK(sites_of(problem, FormId{0}) == objects({4}));
+    CHECK(sites_of(problem, FormId{2}) == objects({1}));
+    CHECK(sites_of(problem, FormId{3}) == objects({5}));
+    CHECK(sites_of(problem, FormId{4}) == objects({6}));
 
     // Beyond a plane, touching it along a line; in it; the lid is half-way to a plane at z = 4.
     problem = problem_of({Plane{{0, 0, 1.5}, {0, 0.75, 1}}, Cylinder{{0, 0, 1.5 + 1.25}, {1, 0, 0}, 1},

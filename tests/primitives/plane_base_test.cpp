@@ -9,6 +9,7 @@
 #include <random>
 
 #include "../../core/errors.hpp"
+#include "problem_sites.hpp"
 #include "reference.hpp"
 #include "test_support.hpp"
 
@@ -116,7 +117,7 @@ TEST_CASE("region: a box standing on the base is its own floor, exactly") {
     CHECK(region_area(problem.region) == 4);
     // The lid is the only side above the base.
     REQUIRE(problem.family.forms.size() == 1);
-    CHECK(problem.sites[FormId{0}] == std::vector{Site::box_side(5)});
+    CHECK(sites_of(problem, FormId{0}) == std::vector{Site::box_side(5)});
     CHECK(problem.family.forms[FormId{0}](0.3, 0.4) == 2);
 }
 
@@ -245,7 +246,7 @@ TEST_CASE("frame: a tilted plane leaves alone what objects are to each other") {
         std::vector<Center> centers;
         for (std::uint32_t i = 0; i < 5; ++i) {
             const FormId f{i};
-            REQUIRE(problem.sites[f] == std::vector{Site::object(i)});
+            REQUIRE(sites_of(problem, f) == std::vector{Site::object(i)});
             const ExactForm e = problem.family.exact(f);
             const Real K = real(e.K);
             // w = 2 (z + rho) over K.
@@ -354,9 +355,9 @@ TEST_CASE("objects behind the base are left out with a warning") {
           std::vector<std::string>{
               "object 0, object 2, object 3: behind the base, never nearest to any point of its cell"});
     // The tilted plane behind the base still bends up into view.
-    CHECK(problem.sites[FormId{0}] == std::vector{Site::object(1)});
-    CHECK(problem.sites[FormId{1}] == std::vector{Site::object(4)});
-    CHECK(problem.sites[FormId{2}] == std::vector{Site::box_side(5)});
+    CHECK(sites_of(problem, FormId{0}) == std::vector{Site::object(1)});
+    CHECK(sites_of(problem, FormId{1}) == std::vector{Site::object(4)});
+    CHECK(sites_of(problem, FormId{2}) == std::vector{Site::box_side(5)});
 }
 
 TEST_CASE("duplicates: equal heights are one form with all their sites") {
@@ -372,11 +373,11 @@ TEST_CASE("duplicates: equal heights are one form with all their sites") {
         return sites;
     };
     REQUIRE(problem.sites.size() == 4);
-    CHECK(problem.sites[FormId{0}] == objects({0, 3, 5}));
+    CHECK(sites_of(problem, FormId{0}) == objects({0, 3, 5}));
     // A plane at twice the lid's height has its bisector in the lid.
-    CHECK(problem.sites[FormId{1}] == std::vector{Site::object(1), Site::box_side(5)});
-    CHECK(problem.sites[FormId{2}] == objects({2, 4}));
-    CHECK(problem.sites[FormId{3}] == objects({6}));
+    CHECK(sites_of(problem, FormId{1}) == std::vector{Site::object(1), Site::box_side(5)});
+    CHECK(sites_of(problem, FormId{2}) == objects({2, 4}));
+    CHECK(sites_of(problem, FormId{3}) == objects({6}));
     REQUIRE(problem.warnings.size() == 3);
     CHECK(problem.warnings[0] ==
           "object 0 and object 3 (twin) and object 5: the same distance from the base everywhere, merged");
@@ -393,7 +394,7 @@ TEST_CASE("duplicates: a hundred thousand spheres, each twice, take linear work"
     const PlaneBaseProblem problem = plane_base_problem(scene);
     CHECK(problem.family.forms.size() == 100'001);
     for (const std::uint32_t i : {0u, 1u, 99'999u})
-        CHECK(problem.sites[FormId{i}] == std::vector{Site::object(i), Site::object(199'999 - i)});
+        CHECK(sites_of(problem, FormId{i}) == std::vector{Site::object(i), Site::object(199'999 - i)});
 }
 
 TEST_CASE("what this version does not compute is an error with its path") {

@@ -15,6 +15,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../primitives/bases/radial_base.hpp"
+#include "problem_sites.hpp"
 #include "reference.hpp"
 #include "test_support.hpp"
 
@@ -97,10 +98,6 @@ inline Real nearness(const FormFamily& family, FormId f, const Vec2& p) {
     }
     REQUIRE(C > 0);
     return (B + sqrt(B * B + A * A * C)) / C / W;
-}
-
-inline std::vector<Site> sites_of(const RadialBaseProblem& problem, FormId f) {
-    return {problem.sites[f].begin(), problem.sites[f].end()};
 }
 
 /// The form whose sites include this one.
