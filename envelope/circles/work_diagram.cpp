@@ -15,6 +15,9 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// Of slopes across a chord, whose length is known from above alone (CircleKernel::ArcBounds).
+constexpr double slope_margin = 1e-5;
+
 // Centre and half sides of a box, the sides rounded up.
 std::array<double, 4> middle(const std::array<double, 4>& box) {
     const double x = 0.5 * box[0] + 0.5 * box[1], y = 0.5 * box[2] + 0.5 * box[3];
@@ -360,13 +363,17 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
 }
 
 // Do the values at the ends alone prove that challenger - defender keeps their common sign along the edge?
-// Let g = F of the rivals, m the smaller |g| of the two ends, l the chord and s the sagitta. On the chord g
-// is a parabola of second derivative 2 K, so |g| >= m - |K| l^2 / 4; the arc leaves it by s, and g changes on
-// the way by at most |grad g| s + |K| s^2, where |grad g| <= |grad g(end)| + 2 |K| l.
-bool WorkDiagram::keeps_sign(Index e, FormPair rival) const {
+// Let g be it times that sign, F of the rivals, m and n lower bounds of g at the two ends, l the chord and s
+// the sagitta. On the chord g >= (1 - t) m + t n - k t (1 - t), where k = K l^2 if that is positive and 0
+// otherwise: a parabola whose minimum is in an end if |m - n| >= k, and (k - |m - n|)^2 / 4k below the lesser
+// end if not. The arc is less than half a circle, so all of it stands on the chord: from there to it g
+// changes by at most |g'| s + |K| s^2, g' being the slope across the chord, which is the same all along it.
+bool WorkDiagram::keeps_sign(Index e, FormPair rival, Sign common) const {
     const Vertex &v = vertices_[half_edges_[2 * e].origin], &w = vertices_[half_edges_[2 * e + 1].origin];
+    const double m = v.margin, n = w.margin;
+    if (!(m > 0 && n > 0)) return false;  // a slower rung told the sign
     const CircleKernel::Form &b = kernel_.form(rival.f), &a = kernel_.form(rival.g);
-    const KernelPoint& p = kernel_.point(v.point);
+    const KernelPoint &p = kernel_.point(v.point), &q = kernel_.point(w.point);
     const double l = edges_[e].bounds.chord, s = edges_[e].bounds.sagitta;
     const double ax = (2 * a.k * (p.x - a.cx) + a.a) * a.iw, ay = (2 * a.k * (p.y - a.cy) + a.b) * a.iw;
     double bx = v.slope_x, by = v.slope_y;
@@ -374,12 +381,19 @@ bool WorkDiagram::keeps_sign(Index e, FormPair rival) const {
         bx = (2 * b.k * (p.x - b.cx) + b.a) * b.iw;
         by = (2 * b.k * (p.y - b.cy) + b.b) * b.iw;
     }
-    const double slope =
-        std::abs(bx - ax) + std::abs(by - ay) +
-        1e-12 * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
-                 (b.K * (std::abs(p.x) + std::abs(p.y)) + a.K * (std::abs(p.x) + std::abs(p.y))));
-    const double K = std::abs(b.K - a.K) + 1e-12 * (std::abs(b.K) + std::abs(a.K));
-    return std::min(v.margin, w.margin) > (K * (0.25 * l * l + 2 * l * s + s * s) + slope * s) * (1 + 1e-9);
+    // The ends are known to 1e-8 of the chord, and the chord's direction with them.
+    const double K = b.K - a.K, K_error = 1e-12 * (std::abs(b.K) + std::abs(a.K));
+    const double gx = bx - ax, gy = by - ay, size = std::abs(K) + K_error;
+    const double slope = std::abs(gx * (q.y - p.y) - gy * (q.x - p.x)) +
+                         l * (1e-7 * (std::abs(gx) + std::abs(gy) + size * l) +
+                              1e-12 * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
+                                       (b.K + a.K) * (std::abs(p.x) + std::abs(p.y))));
+    const double off_chord = (slope / l + size * s) * s * (1 + slope_margin);
+    const double k = ((common == Sign::Positive ? K : -K) + K_error) * l * l, difference = std::abs(m - n);
+    const double left = std::min(m, n) * (1 - 1e-9) - off_chord;
+    if (!(k > difference)) return left > 0;
+    const double dip = k - difference;
+    return 4 * k * left > dip * dip * (1 + 1e-9);
 }
 
 // The roots of challenger - defender on the edge. On the whole curve c there are at most two, and they turn
@@ -441,7 +455,7 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
             return cut_edge(e, rival, {&cut, 1}, s);
         }
         edge.sign = s;
-        if (keeps_sign(e, rival)) return false;
+        if (keeps_sign(e, rival, s)) return false;
         const auto [x, y, rx, ry] = middle(edge.bounds.box);
         const CircleKernel::BoxForm b = CircleKernel::box_form(kernel_.form(rival.f), x, y, rx, ry);
         const CircleKernel::BoxForm a = CircleKernel::box_form(kernel_.form(rival.g), x, y, rx, ry);

@@ -135,7 +135,7 @@ private:
     void smooth(Index v);
     void decide_boundary(Duel& d);
     void set_center(Face& f) const;
-    bool keeps_sign(Index e, FormPair rival) const;
+    bool keeps_sign(Index e, FormPair rival, Sign common) const;
     Sign vertex_sign(Index v, FormPair rival);
     bool decide_edge(Index e, FormPair rival);
     bool cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before);
