@@ -15,6 +15,9 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// Relative to the sum of all terms, some twenty roundings.
+constexpr double rounding_margin = 1e-12;
+
 // Of slopes across a chord, whose length is known from above alone (CircleKernel::ArcBounds).
 constexpr double slope_margin = 1e-5;
 
@@ -23,6 +26,19 @@ std::array<double, 4> middle(const std::array<double, 4>& box) {
     const double x = 0.5 * box[0] + 0.5 * box[1], y = 0.5 * box[2] + 0.5 * box[3];
     return {x, y, Interval::up(std::max(box[1] - x, x - box[0])),
             Interval::up(std::max(box[3] - y, y - box[2]))};
+}
+
+// Upper bound of the sum of the absolute values of the components of grad(f - g) all over the face's box,
+// where the one at its middle changes by 2 K per unit: rounding is relative to terms of either gradient.
+double slope_bound(const CircleKernel::BoxForm& f, const CircleKernel::Form& form,
+                   const WorkDiagram::Face& face, const CircleKernel::Form& site) {
+    const CircleKernel::BoxForm& g = face.box_form;
+    const double slack = std::abs(f.gx) + std::abs(f.gy) + std::abs(g.gx) + std::abs(g.gy) +
+                         std::abs(f.K) * (std::abs(face.x - form.cx) + std::abs(face.y - form.cy)) +
+                         std::abs(g.K) * (std::abs(face.x - site.cx) + std::abs(face.y - site.cy)) +
+                         (std::abs(f.K) + std::abs(g.K)) * (face.rx + face.ry);
+    return std::abs(f.gx - g.gx) + std::abs(f.gy - g.gy) + 2 * std::abs(f.K - g.K) * (face.rx + face.ry) +
+           rounding_margin * slack;
 }
 
 }  // namespace
@@ -255,8 +271,9 @@ void WorkDiagram::insert(FormId challenger) {
     for (Index f = 1; f < faces_.size(); ++f) {
         const Face& face = faces_[f];
         if (!face.alive) continue;
-        if (!CircleKernel::certainly_above(form, face.box_form, face.x, face.y, face.rx, face.ry))
-            duels_.push_back({f, challenger});
+        const CircleKernel::BoxForm b = CircleKernel::box_form(form, face.x, face.y, face.rx, face.ry);
+        if (!CircleKernel::certainly_above(b, face.box_form, face.rx, face.ry))
+            duels_.push_back({f, challenger, slope_bound(b, form, face, kernel_.form(face.site))});
     }
     if (!duels_.empty()) resolve();
 }
@@ -320,6 +337,8 @@ void WorkDiagram::resolve() {
 void WorkDiagram::decide_boundary(Duel& d) {
     const Face& f = faces_[d.face];
     const FormPair rival{d.challenger, f.site};
+    const double Kb = kernel_.form(rival.f).K, Ka = kernel_.form(rival.g).K;
+    const double K = std::abs(Kb - Ka) + rounding_margin * (std::abs(Kb) + std::abs(Ka));
     for_boundary(f, [&](Index h) {
         const Index v = half_edges_[h].origin;
         if (v != none && vertex_sign(v, rival) != Sign::Positive) d.met = true;
@@ -329,7 +348,11 @@ void WorkDiagram::decide_boundary(Duel& d) {
         Edge& edge = edges_[h >> 1];
         if (edge.stamp != stamp_) {
             edge.stamp = stamp_;
-            d.met = decide_edge(h >> 1, rival) || d.met;
+            const Index from = half_edges_[h].origin;
+            if (from != none && steadily_keeps_sign(edge, vertices_[from], vertices_[target(h)], d, K))
+                edge.sign = vertices_[from].sign;
+            else
+                d.met = decide_edge(h >> 1, rival) || d.met;
         }
         d.met = d.met || edges_[h >> 1].sign != Sign::Positive;
     });
@@ -362,6 +385,15 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     return vertex.sign;
 }
 
+// Do the values at the ends and the steepest slope all over the face prove that challenger - defender keeps a
+// sign along the edge? On the chord it is a parabola of second derivative 2 K, which falls below the lesser
+// end by K l^2 / 4 at most; from there to the arc it changes by at most the slope times the sagitta.
+bool WorkDiagram::steadily_keeps_sign(const Edge& edge, const Vertex& v, const Vertex& w, const Duel& d,
+                                      double K) const {
+    const double l = edge.bounds.chord, s = edge.bounds.sagitta;
+    return v.sign == w.sign && std::min(v.margin, w.margin) > (0.25 * K * l * l + d.slope * s) * (1 + 1e-9);
+}
+
 // Do the values at the ends alone prove that challenger - defender keeps their common sign along the edge?
 // Let g be it times that sign, F of the rivals, m and n lower bounds of g at the two ends, l the chord and s
 // the sagitta. On the chord g >= (1 - t) m + t n - k t (1 - t), where k = K l^2 if that is positive and 0
@@ -382,12 +414,14 @@ bool WorkDiagram::keeps_sign(Index e, FormPair rival, Sign common) const {
         by = (2 * b.k * (p.y - b.cy) + b.b) * b.iw;
     }
     // The ends are known to 1e-8 of the chord, and the chord's direction with them.
-    const double K = b.K - a.K, K_error = 1e-12 * (std::abs(b.K) + std::abs(a.K));
+    const double K = b.K - a.K, K_error = rounding_margin * (std::abs(b.K) + std::abs(a.K));
     const double gx = bx - ax, gy = by - ay, size = std::abs(K) + K_error;
-    const double slope = std::abs(gx * (q.y - p.y) - gy * (q.x - p.x)) +
-                         l * (1e-7 * (std::abs(gx) + std::abs(gy) + size * l) +
-                              1e-12 * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
-                                       (b.K + a.K) * (std::abs(p.x) + std::abs(p.y))));
+    const double slope =
+        std::abs(gx * (q.y - p.y) - gy * (q.x - p.x)) +
+        l * (1e-7 * (std::abs(gx) + std::abs(gy) + size * l) +
+             rounding_margin * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
+                                std::abs(b.K) * (std::abs(p.x - b.cx) + std::abs(p.y - b.cy)) +
+                                std::abs(a.K) * (std::abs(p.x - a.cx) + std::abs(p.y - a.cy))));
     const double off_chord = (slope / l + size * s) * s * (1 + slope_margin);
     const double k = ((common == Sign::Positive ? K : -K) + K_error) * l * l, difference = std::abs(m - n);
     const double left = std::min(m, n) * (1 - 1e-9) - off_chord;
@@ -442,10 +476,11 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
 
     const Sign s = vertices_[from].sign, t = vertices_[to].sign;
     const PointId p = vertices_[from].point, q = vertices_[to].point;
-    const Eigen::Vector2d near =
-        0.5 * (Eigen::Vector2d(at(from).x, at(from).y) + Eigen::Vector2d(at(to).x, at(to).y));
+    const auto near = [&] {
+        return Eigen::Vector2d(0.5 * (at(from).x + at(to).x), 0.5 * (at(from).y + at(to).y));
+    };
     const auto root = [&](Sign turn) {
-        const auto r = kernel_.intersection(c, rival, turn, near);
+        const auto r = kernel_.intersection(c, rival, turn, near());
         if (!r) throw InternalError("no root of a sign change on edge e" + std::to_string(e));
         return Cut{*r, false};
     };
@@ -464,9 +499,9 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
             return false;
         // Two lines cross once, and then the signs at the ends would differ.
         if (edge.rim && kernel_.curvature_sign(rival) == Sign::Zero) return false;
-        auto first = kernel_.certain_intersection(c, rival, -s, near);
+        auto first = kernel_.certain_intersection(c, rival, -s, near());
         if (!first) {
-            switch (kernel_.intersection_sign(c, rival, near)) {
+            switch (kernel_.intersection_sign(c, rival, near())) {
                 case Sign::Negative: return false;
                 case Sign::Zero: {
                     const Cut cut{kernel_.touching_point(c, rival), true};

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -86,8 +87,9 @@ private:
     struct Duel {  // a face and who challenges it
         Index face;
         FormId challenger;
-        bool met = false;      // the challenger wins or ties somewhere on the boundary
-        bool changed = false;  // and takes over a part of the face
+        double slope = HUGE_VAL;  // upper bound of |challenger - defender|'s slope on the boundary, if known
+        bool met = false;         // the challenger wins or ties somewhere on the boundary
+        bool changed = false;     // and takes over a part of the face
     };
     struct Branch {    // {challenger = defender} leaves a vertex into the face, or ends there
         Index corner;  // the boundary half-edge that arrives at the vertex
@@ -135,6 +137,8 @@ private:
     void smooth(Index v);
     void decide_boundary(Duel& d);
     void set_center(Face& f) const;
+    bool steadily_keeps_sign(const Edge& edge, const Vertex& v, const Vertex& w, const Duel& d,
+                             double K) const;
     bool keeps_sign(Index e, FormPair rival, Sign common) const;
     Sign vertex_sign(Index v, FormPair rival);
     bool decide_edge(Index e, FormPair rival);
