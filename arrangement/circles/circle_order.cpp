@@ -140,6 +140,17 @@ Sign CircleKernel::side_of_center(PointId p, FormPair c) {
 CircleKernel::ArcBounds CircleKernel::arc_bounds(FormPair c, PointId p, PointId q) const {
     const KernelPoint &P = points_[p], &Q = points_[q];
     const Form &f = forms_[c.f], &h = forms_[c.g];
+    const double error = P.error + Q.error;
+    if (f.k == 0 && h.k == 0) {  // sides of a region or of its pieces: as below for tangents along the chord
+        const double dx = Q.x - P.x, dy = Q.y - P.y, length = std::sqrt(dx * dx + dy * dy);
+        if (1e8 * error < length) {
+            const double margin = angle_margin * length;
+            return {{std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
+                     std::max(P.y, Q.y) + margin},
+                    length * (1 + length_margin),
+                    margin};
+        }
+    }
     const double fx = (2 * f.k * (P.x - f.cx) + f.a) * f.iw, fy = (2 * f.k * (P.y - f.cy) + f.b) * f.iw;
     const double hx = (2 * h.k * (P.x - h.cx) + h.a) * h.iw, hy = (2 * h.k * (P.y - h.cy) + h.b) * h.iw;
     const double gx = fx - hx, gy = fy - hy, bx = Q.x - P.x, by = Q.y - P.y;
@@ -148,7 +159,6 @@ CircleKernel::ArcBounds CircleKernel::arc_bounds(FormPair c, PointId p, PointId 
                          std::abs(f.K * f.cy) + std::abs(h.K * P.x) + std::abs(h.K * P.y) +
                          std::abs(h.K * h.cx) + std::abs(h.K * h.cy) + std::abs(fx) + std::abs(fy) +
                          std::abs(hx) + std::abs(hy);
-    const double error = P.error + Q.error;
     const double cosine = (gx * by - gy * bx) / (g * l);
     if (cosine > 0.1 && 1e8 * error < l && 1e-6 * terms < g) {
         const double sine = std::abs(gx * bx + gy * by) / (g * l);

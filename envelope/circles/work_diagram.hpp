@@ -148,7 +148,13 @@ private:
     void insert_arcs(FormPair rival);
     void insert_island(Duel& d, Sign boundary);
     void thread_isolated(Index face, std::size_t first_new);
-    FormId winner(Index h, const Duel& d);
+    /// Who wins beside half-edge h of the duel's face, on its left.
+    FormId winner(Index h, const Duel& d) {
+        const Sign s = edges_[h >> 1].sign;
+        if (s == Sign::Zero) return winner_along(h, d);
+        return s == Sign::Negative ? d.challenger : faces_[d.face].site;
+    }
+    FormId winner_along(Index h, const Duel& d);
     void remove_inner_edges();
     void join_with_next(Index h);
     void remove_vertex(Index v);

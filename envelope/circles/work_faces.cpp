@@ -52,14 +52,9 @@ void WorkDiagram::divide_face(Duel& d) {
     }
 }
 
-// Who wins beside half-edge h of the face, on its left.
-FormId WorkDiagram::winner(Index h, const Duel& d) {
+// Where the half-edge runs along the trisector.
+FormId WorkDiagram::winner_along(Index h, const Duel& d) {
     const FormId site = faces_[d.face].site;
-    switch (edges_[h >> 1].sign) {
-        case Sign::Negative: return d.challenger;
-        case Sign::Positive: return site;
-        case Sign::Zero: break;
-    }
     const FormPair c = directed(h), rival{d.challenger, site};
     const Index v = half_edges_[h].origin;
     const bool along = v == none ? kernel_.curvature_sign(c) == kernel_.curvature_sign(rival)
