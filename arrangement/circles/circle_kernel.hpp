@@ -200,7 +200,11 @@ public:
     };
     static BoxForm box_form(const Form& f, double x, double y, double rx, double ry);
     /// Is a form certainly above another one all over the rectangle? Plain arithmetic with one margin.
-    static bool certainly_above(const BoxForm& f, const BoxForm& g, double rx, double ry);
+    static bool certainly_above(const BoxForm& f, const BoxForm& g, double rx, double ry) {
+        return excess(f, g, rx, ry) > 0;
+    }
+    /// Positive if it is.
+    static double excess(const BoxForm& f, const BoxForm& g, double rx, double ry);
     static bool certainly_above(const Form& f, const BoxForm& g, double x, double y, double rx, double ry) {
         return certainly_above(box_form(f, x, y, rx, ry), g, rx, ry);
     }
@@ -330,10 +334,10 @@ inline CircleKernel::BoxForm CircleKernel::box_form(const Form& f, double x, dou
 
 // Per coordinate K t^2 + G t >= -|G| r + (K r^2, where the minimum is at an end). Every quantity here is a
 // sum of terms that `scale` bounds, with fewer than 40 roundings each.
-inline bool CircleKernel::certainly_above(const BoxForm& f, const BoxForm& g, double rx, double ry) {
+inline double CircleKernel::excess(const BoxForm& f, const BoxForm& g, double rx, double ry) {
     const double K = f.K - g.K, Gx = std::abs(f.gx - g.gx), Gy = std::abs(f.gy - g.gy);
     const double curved = (Gx > 2 * K * rx ? K * rx * rx : 0) + (Gy > 2 * K * ry ? K * ry * ry : 0);
-    return f.v - g.v - (Gx * rx + Gy * ry) + curved > 64 * DBL_EPSILON * (f.scale + g.scale);
+    return f.v - g.v - (Gx * rx + Gy * ry) + curved - 64 * DBL_EPSILON * (f.scale + g.scale);
 }
 
 }  // namespace vcell

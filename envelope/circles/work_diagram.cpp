@@ -28,19 +28,6 @@ std::array<double, 4> middle(const std::array<double, 4>& box) {
             Interval::up(std::max(box[3] - y, y - box[2]))};
 }
 
-// Upper bound of the sum of the absolute values of the components of grad(f - g) all over the face's box,
-// where the one at its middle changes by 2 K per unit: rounding is relative to terms of either gradient.
-double slope_bound(const CircleKernel::BoxForm& f, const CircleKernel::Form& form,
-                   const WorkDiagram::Face& face, const CircleKernel::Form& site) {
-    const CircleKernel::BoxForm& g = face.box_form;
-    const double slack = std::abs(f.gx) + std::abs(f.gy) + std::abs(g.gx) + std::abs(g.gy) +
-                         std::abs(f.K) * (std::abs(face.x - form.cx) + std::abs(face.y - form.cy)) +
-                         std::abs(g.K) * (std::abs(face.x - site.cx) + std::abs(face.y - site.cy)) +
-                         (std::abs(f.K) + std::abs(g.K)) * (face.rx + face.ry);
-    return std::abs(f.gx - g.gx) + std::abs(f.gy - g.gy) + 2 * std::abs(f.K - g.K) * (face.rx + face.ry) +
-           rounding_margin * slack;
-}
-
 }  // namespace
 
 // --- Elements ----------------------------------------------------------------------------------------
@@ -91,6 +78,7 @@ WorkDiagram::Index WorkDiagram::add_face(FormId site) {
     if (free_faces_.empty()) {
         f = static_cast<Index>(faces_.size());
         faces_.emplace_back();
+        boxes_.resize(faces_.size());
     } else {
         f = free_faces_.back();
         free_faces_.pop_back();
@@ -201,6 +189,7 @@ void WorkDiagram::clear() {
     half_edges_.clear();
     edges_.clear();
     faces_.clear();
+    boxes_.clear();
     ties_.clear();
     free_vertices_.clear();
     free_edges_.clear();
@@ -238,7 +227,7 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
     }
     faces_[f].outer = 0;
     faces_[outside].inner.push_back(1);
-    set_center(faces_[f]);
+    set_box(f);
     require_soundness();
 }
 
@@ -254,13 +243,11 @@ void WorkDiagram::require_soundness() const {
 #endif
 }
 
-void WorkDiagram::set_center(Face& f) const {
+// Of a face whose boundary is complete.
+void WorkDiagram::set_box(Index face) {
+    const Face& f = faces_[face];
     const auto [x, y, rx, ry] = middle(f.box);
-    f.x = x;
-    f.y = y;
-    f.rx = rx;
-    f.ry = ry;
-    f.box_form = CircleKernel::box_form(kernel_.form(f.site), f.x, f.y, f.rx, f.ry);
+    boxes_.set(face, kernel_.form(f.site), x, y, rx, ry);
 }
 
 // --- One merge -----------------------------------------------------------------------------------------
@@ -268,13 +255,9 @@ void WorkDiagram::set_center(Face& f) const {
 void WorkDiagram::insert(FormId challenger) {
     duels_.clear();
     const CircleKernel::Form form = kernel_.form(challenger);
-    for (Index f = 1; f < faces_.size(); ++f) {
-        const Face& face = faces_[f];
-        if (!face.alive) continue;
-        const CircleKernel::BoxForm b = CircleKernel::box_form(form, face.x, face.y, face.rx, face.ry);
-        if (!CircleKernel::certainly_above(b, face.box_form, face.rx, face.ry))
-            duels_.push_back({f, challenger, slope_bound(b, form, face, kernel_.form(face.site))});
-    }
+    boxes_.challenge(form, [&](Index f) {
+        duels_.push_back({f, challenger, boxes_.slope_bound(f, form, kernel_.form(faces_[f].site))});
+    });
     if (!duels_.empty()) resolve();
 }
 
@@ -312,6 +295,7 @@ void WorkDiagram::resolve() {
             }
         }
         f.alive = false;
+        boxes_.remove(d.face);
         f.isolated.clear();
         free_faces_.push_back(d.face);
     }
@@ -326,7 +310,7 @@ void WorkDiagram::resolve() {
                 half_edges_[h].face = f;
                 grow(face.box, edges_[h >> 1].bounds.box);
             });
-            set_center(face);
+            set_box(f);
         }
     } else {
         nest_cycles();

@@ -18,6 +18,7 @@
 #include "../../arrangement/circles/circle_kernel.hpp"
 #include "../../arrangement/dcel/half_edge_mesh.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "face_boxes.hpp"
 
 namespace vcell {
 
@@ -55,10 +56,8 @@ public:
     struct Face {
         FormId site;
         std::array<double, 4> box;
-        double x = 0, y = 0, rx = 0, ry = 0;  ///< the box's centre and half sides
-        CircleKernel::BoxForm box_form;       ///< of the site's form there
-        Index outer = none;                   ///< a half-edge of the outer boundary component
-        std::vector<Index> inner;             ///< a half-edge of each inner boundary component
+        Index outer = none;        ///< a half-edge of the outer boundary component
+        std::vector<Index> inner;  ///< a half-edge of each inner boundary component
         std::vector<Index> isolated;
         bool alive = true;
     };
@@ -136,7 +135,7 @@ private:
     void unite_ties();
     void smooth(Index v);
     void decide_boundary(Duel& d);
-    void set_center(Face& f) const;
+    void set_box(Index face);
     bool steadily_keeps_sign(const Edge& edge, const Vertex& v, const Vertex& w, const Duel& d,
                              double K) const;
     bool keeps_sign(Index e, FormPair rival, Sign common) const;
@@ -173,6 +172,7 @@ private:
     std::vector<Vertex> vertices_;
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
+    FaceBoxes boxes_;  // of the faces
     std::vector<std::vector<FormId>> ties_;
     std::vector<Index> free_vertices_, free_edges_, free_faces_;
     Index stamp_ = 0;

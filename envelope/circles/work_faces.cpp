@@ -169,7 +169,7 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
         const Index inside = add_face(d.challenger);
         faces_[inside].outer = 2 * e;
         faces_[inside].box = edges_[e].bounds.box;
-        set_center(faces_[inside]);
+        set_box(inside);
         half_edges_[2 * e].face = inside;
         half_edges_[2 * e + 1].face = d.face;
         faces_[d.face].inner.push_back(2 * e + 1);
@@ -272,7 +272,7 @@ void WorkDiagram::nest_cycles() {
             half_edges_[h].face = f;
             grow(faces_[f].box, edges_[h >> 1].bounds.box);
         });
-        set_center(faces_[f]);
+        set_box(f);
     }
     const auto face_around = [&](PointId p, FormId label) {
         // Faces inside an island may pass through p as well: they carry another label, or touch at p only.
