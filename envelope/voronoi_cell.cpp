@@ -52,9 +52,9 @@ void require_numbers(const Cell& cell, bool is_measured) {
     }
     if (!is_measured) return;
     for (const CellFace& f : cell.faces) {
-        const auto& points = f.patches.front().surface.points;
+        const bool has_point = !f.patches.empty() && !f.patches.front().surface.points.empty();
         require(std::isfinite(f.area + f.area_error), "face", std::array{f.site},
-                points.empty() ? Vec3::Zero().eval() : Vec3(points.front().head<3>()));
+                has_point ? Vec3(f.patches.front().surface.points.front().head<3>()) : Vec3::Zero().eval());
     }
     const Measures& m = cell.measures;
     if (!std::isfinite(m.volume + m.volume_error + m.min_clearance + m.min_clearance_error + m.max_clearance +
@@ -132,7 +132,8 @@ Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     return in_ieee_arithmetic("voronoi_cell()", [&] {
         return std::holds_alternative<Plane>(scene.base)
                    ? cell_over(scene, options, plane_base_problem, lift_over_region)
-                   : cell_over(scene, options, radial_base_problem, lift_all_around);
+                   : cell_over(scene, options, radial_base_problem,
+                               options.patches ? lift_all_around : lift_without_patches);
     });
 }
 

@@ -15,6 +15,9 @@ struct CellOptions {
     /// False: edge lengths, face areas and Cell::measures stay not_measured, and neighbours come by number.
     /// They take a quarter of the time of a ball's cell among balls.
     bool measure = true;
+    /// False: around a ball among balls and planes faces have neither patches nor a bisector's name, and
+    /// edges no trims, which their errors then leave out. All other cells have them anyway.
+    bool patches = true;
 };
 
 /// The Voronoi cell of the scene's base among its objects, inside the box.

@@ -17,19 +17,20 @@ EdgeErrors::Bounds EdgeErrors::operator()(EdgeId e, double ends, double rounding
     if (curves_.is_spline(e)) return {curves_.fit_error(e).curve + ends, curves_.fit_error(e).trims};
     std::optional<std::array<DistancePlane, 2>> planes;
     if (!curves_.is_line(e)) planes = equations_.planes(e);
-    const double off = planes ? conic_error(e, *planes) + 2 * ends : ends;
+    const double off = planes ? conic_error(of_, curves_, e, *planes) + 2 * ends : ends;
     return {off, trims_error(e, off + 4 * rounding, planes)};
 }
 
-double EdgeErrors::conic_error(EdgeId e, const std::array<DistancePlane, 2>& planes) const {
+double conic_error(const RadialDiagram& of, const RadialCurves& curves, EdgeId e,
+                   const std::array<DistancePlane, 2>& planes) {
     // The difference of forms that are nearly alike has all its digits, and tells the edge.
     constexpr double nearly_alike = 1 - 0x1p-33;
-    const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
-    const Chart chart = of_.problem.chart;
-    if (curves_.is_axial_conic(e) || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
-        return conic_distance(curves_.conics(e), planes, chart);
-    return conic_distance(curves_.conics(e),
-                          {planes[0], difference_plane(of_.problem, edge.left, edge.right)}, chart);
+    const MinimizationDiagram::Edge& edge = of.diagram.edges[e];
+    const Chart chart = of.problem.chart;
+    if (curves.is_axial_conic(e) || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
+        return conic_distance(curves.conics(e), planes, chart);
+    return conic_distance(curves.conics(e), {planes[0], difference_plane(of.problem, edge.left, edge.right)},
+                          chart);
 }
 
 // How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The edge's

@@ -28,7 +28,6 @@ public:
     Bounds operator()(EdgeId e, double ends, double rounding);
 
 private:
-    double conic_error(EdgeId e, const std::array<DistancePlane, 2>& planes) const;
     double trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes);
     double trim_distance_of(EdgeId e, unsigned side, std::span<const ConicSpan> along) const;
 
@@ -37,5 +36,10 @@ private:
     const RadialCurves& curves_;
     const FacePatches& patches_;
 };
+
+/// A bound on the distance of a conic's curve from the true edge up to its ends, from the planes of both
+/// sites.
+double conic_error(const RadialDiagram& of, const RadialCurves& curves, EdgeId e,
+                   const std::array<DistancePlane, 2>& planes);
 
 }  // namespace vcell::radial

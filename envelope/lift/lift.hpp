@@ -52,4 +52,9 @@ LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationD
 LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                            double tolerance, bool with_measures);
 
+/// As lift_all_around(), but for the patches of the faces, where edges and measures do without: around a
+/// sphere without cylinders. There the edges' errors bound the distance from the true edge alone.
+LiftedCell lift_without_patches(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                                double tolerance, bool with_measures);
+
 }  // namespace vcell
