@@ -14,5 +14,6 @@
 #include "envelope/complete_measures.hpp"
 #include "envelope/point_query.hpp"
 #include "envelope/voronoi_cell.hpp"
+#include "envelope/voronoi_diagram.hpp"
 #include "primitives/bisectors/trisector.hpp"
 #include "primitives/objects/scene.hpp"

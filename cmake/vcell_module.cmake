@@ -58,6 +58,9 @@ function(vcell_usage target)
     target_include_directories(${target} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   endif()
   target_link_libraries(${target} PUBLIC Eigen3::Eigen Boost::headers)
+  if(UNIX)
+    target_link_options(${target} PUBLIC -pthread)  # whole diagrams; nothing where the C library has threads
+  endif()
 endfunction()
 
 # Warnings of everything we compile; a project that includes vcell keeps its own.

@@ -8,3 +8,4 @@
 #include "point_query.hpp"
 #include "vertex_refinement.hpp"
 #include "voronoi_cell.hpp"
+#include "voronoi_diagram.hpp"

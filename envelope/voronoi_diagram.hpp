@@ -1,0 +1,131 @@
+/// The Voronoi diagram of objects in a box: the cells of all of them.
+///
+/// A cell is computed among few objects and is the cell among all of them: whatever is not among those is
+/// proved to be too far. An object as near to a point of a cell's boundary as the cell's own object, at a
+/// clearance r there, is no farther than 2 r from that object's surface, as distances change no faster than
+/// places. So what is at least DiagramCell::reach away touches nothing, reach being twice the largest
+/// clearance. Before the cell is known its nearest competitors bound it, direction by direction, and what can
+/// touch it is found in a tree (whole/cell_bound.hpp).
+///
+/// All cells see the same scene: around balls and points forms are exact, so neighbours cannot disagree about
+/// what lies between them. contacts() pairs the two sides of every face and names those that do not fit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cell.hpp"
+
+namespace vcell {
+
+/// Objects that share a box, none of them the base of the others. Lengths in the scene's unit.
+struct DiagramScene {
+    std::vector<Object> objects;
+    std::vector<std::string> names;  ///< empty, or one (possibly empty) name for each object
+    /// Empty, or a label for each object: objects of one label belong together (group_table()).
+    std::vector<std::string> groups;
+    Box box;
+    /// Along these axes the box repeats, by its edges. Then all objects are balls.
+    std::array<bool, 3> periodic{false, false, false};
+    /// Where the box repeats it may lean: its edges are (x, 0, 0), (xy, y, 0) and (xz, yz, z), these being
+    /// xy, xz, yz. Zero along axes that do not repeat. Pre: leaning boxes repeat along all axes.
+    std::array<double, 3> tilt{0, 0, 0};
+    std::string units = "mm";
+    std::optional<double> tolerance;  ///< as Scene::tolerance
+
+    bool is_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
+    /// The edges of the box, as columns.
+    Eigen::Matrix3d edges() const;
+};
+
+/// What a cell shares with one neighbour: an object, or a side of the box.
+struct CellContact {
+    Site site;
+    std::array<std::int16_t, 3> image{0, 0, 0};  ///< of the neighbour: moved by so many edges of the box
+    std::uint32_t faces = 0;                     ///< connected ones
+    double area = 0, area_error = 0;
+};
+
+struct DiagramCell {
+    enum class State : std::uint8_t {
+        Computed,
+        Empty,      ///< the object lies in another one, or equals one of a lower number
+        Undecided,  ///< digits or a budget were not enough
+        Refused,    ///< the object cuts or touches another one in a way that leaves it without a cell
+    };
+
+    State state = State::Computed;
+    std::string reason;  ///< of Empty, Undecided and Refused
+    /// Of what is nearest to the object in the box, its body included; of a plane on both of its sides.
+    double volume = 0, volume_error = 0;
+    double area = 0, area_error = 0;  ///< without the sides of the box
+    /// NaN for planes, tubes and balls centred outside the box, whose cells have no faces over base points
+    /// there.
+    double min_clearance = 0, max_clearance = 0;
+    bool touches_box = false;
+    bool is_estimated = false;  ///< the errors, otherwise proven bounds
+    double reach = 0;  ///< what is as far from the object's surface, or farther, does not touch the cell
+    std::uint32_t candidates = 0;       ///< objects that were looked at, images counted
+    std::uint64_t assumed = 0;          ///< coincidences that were taken for granted (Decisions::assumed)
+    std::vector<CellContact> contacts;  ///< ascending by site and image
+};
+
+struct VoronoiDiagram {
+    std::vector<DiagramCell> cells;  ///< one for each object
+    /// A bound on the distance that coordinates were moved by: to a binary grid on which the box repeats
+    /// exactly.
+    double moved = 0;
+};
+
+struct DiagramOptions {
+    unsigned threads = 0;  ///< 0: as many as the machine has cores. The result is the same for any number
+    /// Called now and then by the calling thread with the fraction of cells that is done; may throw to
+    /// cancel.
+    std::function<void(double fraction)> progress;
+    /// Called by the calling thread with each computed cell of a ball, ascending by object; the cell's sites
+    /// are the diagram's objects (image: `images`, one for each object of cell.scene). Cells are kept no
+    /// longer than that.
+    std::function<void(std::uint32_t object, const Cell& cell)> visit;
+};
+
+/// Throws InputError for objects that are none (validate()), an empty list, periods of what is no ball, and a
+/// tilt without periods. What one cell runs into is in its state.
+VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& options = {});
+
+/// The diagram after `objects[number]` has become `object`: only cells that the old or the new one may touch
+/// are computed again. Pre: the diagram is that of the scene. The scene is changed, too.
+void update(VoronoiDiagram& diagram, DiagramScene& scene, std::uint32_t number, const Object& object,
+            const DiagramOptions& options = {});
+
+/// A pair of neighbours.
+struct Contact {
+    std::uint32_t first;
+    Site second;                        ///< a side of the box, or an object of a number that is not lower
+    std::array<std::int16_t, 3> image;  ///< of the second
+    std::uint32_t faces;
+    double area, area_error;  ///< as both cells have it
+};
+
+struct ContactTable {
+    std::vector<Contact> contacts;  ///< ascending by first, second and image
+    /// Pairs of computed cells of which only one has faces with the other, or whose areas do not agree within
+    /// their errors: none, if all is right.
+    std::vector<std::string> faults;
+};
+ContactTable contacts(const VoronoiDiagram& diagram);
+
+/// The sum of all volumes, and of the box without them, each with its error: a complete diagram leaves
+/// nothing.
+struct FilledVolume {
+    double volume = 0, error = 0, box = 0;
+    bool is_estimated = false;
+    /// Does the enclosure of the sum hold the box's volume?
+    bool fills() const { return volume - error <= box && box <= volume + error; }
+};
+FilledVolume filled_volume(const DiagramScene& scene, const VoronoiDiagram& diagram);
+
+}  // namespace vcell

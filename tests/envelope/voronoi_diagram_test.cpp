@@ -1,0 +1,381 @@
+// Whole diagrams against brute force: who is nearest to sampled points, what lattices are known to have, and
+// the cells of all objects computed among all others.
+#include "../../envelope/voronoi_diagram.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../test_support.hpp"
+
+namespace vcell {
+namespace {
+
+using State = DiagramCell::State;
+
+DiagramScene random_balls(std::mt19937_64& rng, std::size_t n, double least, double most) {
+    std::uniform_real_distribution<double> place(0, 1), radius(least, most);
+    DiagramScene scene;
+    scene.box = {Vec3::Constant(-0.1), Vec3::Constant(1.1)};
+    for (std::size_t i = 0; i < n; ++i)
+        scene.objects.push_back(Sphere{{place(rng), place(rng), place(rng)}, radius(rng)});
+    return scene;
+}
+
+const DiagramCell& cell_of(const VoronoiDiagram& diagram, std::size_t i) { return diagram.cells[i]; }
+
+void check_whole(const DiagramScene& scene, const VoronoiDiagram& diagram) {
+    for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+        CAPTURE(i);
+        CAPTURE(diagram.cells[i].reason);
+        const State state = diagram.cells[i].state;
+        CHECK((state == State::Computed || state == State::Empty));
+        CHECK(diagram.cells[i].assumed == 0);
+    }
+    const ContactTable table = contacts(diagram);
+    for (const std::string& fault : table.faults) FAIL_CHECK(fault);
+    const FilledVolume sum = filled_volume(scene, diagram);
+    CAPTURE(sum.volume);
+    CAPTURE(sum.error);
+    CAPTURE(sum.box);
+    CHECK(sum.fills());
+    CHECK(sum.error < 1e-6 * sum.box);
+}
+
+double distance(const Object& object, const Vec3& p) {
+    if (const auto* s = std::get_if<Sphere>(&object)) return (p - s->center).norm() - s->radius;
+    if (const auto* plane = std::get_if<Plane>(&object))
+        return std::abs(plane->normal.normalized().dot(p - plane->point));
+    const auto& tube = std::get<Cylinder>(object);
+    return (p - tube.point).cross(tube.axis.normalized()).norm() - tube.radius;
+}
+
+/// The share of the box that is nearest to each object, by counting points, images included.
+std::vector<double> sampled_volumes(const DiagramScene& scene, std::mt19937_64& rng, int samples) {
+    std::vector<double> counts(scene.objects.size(), 0);
+    const Eigen::Matrix3d edges = scene.edges();
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int s = 0; s < samples; ++s) {
+        const Vec3 p = scene.box.min + edges * Vec3(unit(rng), unit(rng), unit(rng));
+        double least = HUGE_VAL;
+        std::size_t owner = 0;
+        for (int a = -1; a <= 1; ++a)
+            for (int b = -1; b <= 1; ++b)
+                for (int c = -1; c <= 1; ++c) {
+                    if ((a != 0 && !scene.periodic[0]) || (b != 0 && !scene.periodic[1]) ||
+                        (c != 0 && !scene.periodic[2]))
+                        continue;
+                    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+                        if (const double d = distance(scene.objects[i], p - edges * Vec3(a, b, c));
+                            d < least) {
+                            least = d;
+                            owner = i;
+                        }
+                }
+        ++counts[owner];
+    }
+    for (double& c : counts) c *= edges.determinant() / samples;
+    return counts;
+}
+
+void check_sampled(const DiagramScene& scene, const VoronoiDiagram& diagram, std::mt19937_64& rng) {
+    constexpr int samples = 20000;
+    const std::vector<double> sampled = sampled_volumes(scene, rng, samples);
+    const double box = scene.edges().determinant();
+    for (std::size_t i = 0; i < sampled.size(); ++i) {
+        // Six standard deviations of a count, and one point.
+        const double share = diagram.cells[i].volume / box;
+        const double doubt = box * (6 * std::sqrt(share * (1 - share) / samples) + 6.0 / samples);
+        CAPTURE(i);
+        CHECK(std::abs(sampled[i] - diagram.cells[i].volume) <= doubt);
+    }
+}
+
+std::vector<Sphere> molecule() {
+    std::ifstream file(test_data("1CRN.xyzr"));
+    std::vector<Sphere> balls;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream in(line);
+        Sphere ball;
+        if (in >> ball.center[0] >> ball.center[1] >> ball.center[2] >> ball.radius) balls.push_back(ball);
+    }
+    return balls;
+}
+
+bool are_same(const VoronoiDiagram& a, const VoronoiDiagram& b) {
+    const auto same = [](const DiagramCell& p, const DiagramCell& q) {
+        bool equal = p.state == q.state && p.volume == q.volume && p.area == q.area &&
+                     p.candidates == q.candidates && p.contacts.size() == q.contacts.size();
+        for (std::size_t i = 0; equal && i < p.contacts.size(); ++i)
+            equal = p.contacts[i].site == q.contacts[i].site && p.contacts[i].image == q.contacts[i].image &&
+                    p.contacts[i].area == q.contacts[i].area;
+        return equal;
+    };
+    return std::ranges::equal(a.cells, b.cells, same);
+}
+
+}  // namespace
+
+TEST_CASE("voronoi_diagram: balls of any radii fill the box, both cells of a pair have the same faces") {
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < rounds(); ++round)
+        for (const auto& [least, most] : {std::pair(0.0, 0.0), std::pair(0.01, 0.05), std::pair(0.0, 0.25)}) {
+            CAPTURE(round);
+            CAPTURE(most);
+            const DiagramScene scene = random_balls(rng, 60, least, most);
+            const VoronoiDiagram diagram = voronoi_diagram(scene);
+            check_whole(scene, diagram);
+            check_sampled(scene, diagram, rng);
+        }
+}
+
+TEST_CASE("voronoi_diagram: a cell is that among all other objects") {
+    std::mt19937_64 rng(test_seed());
+    const DiagramScene scene = random_balls(rng, 200, 0.0, 0.04);
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    std::size_t fewer = 0;
+    for (std::uint32_t i = 0; i < scene.objects.size(); i += 7) {
+        if (cell_of(diagram, i).state != State::Computed) continue;
+        CAPTURE(i);
+        Scene all;
+        all.base = scene.objects[i];
+        all.base_object = i;
+        all.objects = scene.objects;
+        all.box = scene.box;
+        const Cell cell = voronoi_cell(all);
+        const DiagramCell& found = cell_of(diagram, i);
+        CHECK(std::abs(found.volume - cell.measures.volume) <=
+              found.volume_error + cell.measures.volume_error);
+        std::size_t neighbors = 0;
+        for (const CellContact& c : found.contacts) neighbors += c.site.is_object();
+        CHECK(neighbors == cell.neighbors.size());
+        fewer += found.candidates < scene.objects.size() - 1;
+    }
+    CHECK(fewer > 20);
+}
+
+TEST_CASE("voronoi_diagram: crambin's atoms fill their box") {
+    DiagramScene scene;
+    const std::vector<Sphere> balls = molecule();
+    REQUIRE(balls.size() == 327);
+    scene.objects.assign(balls.begin(), balls.end());
+    scene.box = {balls[0].center, balls[0].center};
+    for (const Sphere& b : balls) {
+        scene.box.min = scene.box.min.cwiseMin(b.center - Vec3::Constant(5));
+        scene.box.max = scene.box.max.cwiseMax(b.center + Vec3::Constant(5));
+    }
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    check_whole(scene, diagram);
+
+    SUBCASE("the result is the same for any number of threads") {
+        DiagramOptions options;
+        options.threads = 3;
+        std::uint32_t visited = 0;
+        options.visit = [&](std::uint32_t object, const Cell& cell) {
+            CHECK(object == visited++);
+            CHECK(cell.measures.volume == cell_of(diagram, object).volume);
+        };
+        CHECK(are_same(diagram, voronoi_diagram(scene, options)));
+        CHECK(visited == 327);
+    }
+    SUBCASE("the order of the objects does not matter") {
+        DiagramScene reversed = scene;
+        std::ranges::reverse(reversed.objects);
+        const VoronoiDiagram other = voronoi_diagram(reversed);
+        for (std::size_t i = 0; i < 327; ++i) {
+            const DiagramCell &a = cell_of(diagram, i), &b = cell_of(other, 326 - i);
+            CAPTURE(i);
+            CHECK(std::abs(a.volume - b.volume) <= a.volume_error + b.volume_error);
+            CHECK(a.contacts.size() == b.contacts.size());
+        }
+    }
+    SUBCASE("a damaged contact is seen") {
+        VoronoiDiagram damaged = diagram;
+        CHECK(contacts(damaged).faults.empty());
+        auto& at = damaged.cells[100].contacts;
+        const auto c = std::ranges::find_if(at, [](const CellContact& x) { return x.site.is_object(); });
+        REQUIRE(c != at.end());
+        SUBCASE("its area") { c->area *= 1 + 1e-6; }
+        SUBCASE("its absence") { at.erase(c); }
+        CHECK(contacts(damaged).faults.size() == 1);
+    }
+}
+
+TEST_CASE("voronoi_diagram: lattices have the faces they are known for, where the box repeats") {
+    struct Lattice {
+        std::vector<Vec3> places;
+        std::size_t faces;
+    };
+    const std::array lattices{Lattice{{{0, 0, 0}}, 6},                                     // cubic
+                              Lattice{{{0, 0, 0}, {1, 1, 1}}, 14},                         // body-centred
+                              Lattice{{{0, 0, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}}, 12}};  // face-centred
+    for (const Lattice& lattice : lattices)
+        for (const int cells : {1, 2}) {
+            CAPTURE(lattice.faces);
+            CAPTURE(cells);
+            DiagramScene scene;
+            scene.box = {Vec3::Zero(), Vec3::Constant(2 * cells)};
+            scene.periodic = {true, true, true};
+            for (int a = 0; a < cells; ++a)
+                for (int b = 0; b < cells; ++b)
+                    for (int c = 0; c < cells; ++c)
+                        for (const Vec3& p : lattice.places)
+                            scene.objects.push_back(Sphere{p + 2.0 * Vec3(a, b, c), 0.25});
+            const VoronoiDiagram diagram = voronoi_diagram(scene);
+            CHECK(diagram.moved == 0);
+            check_whole(scene, diagram);
+            for (const DiagramCell& cell : diagram.cells) {
+                CHECK(cell.contacts.size() == lattice.faces);
+                CHECK_FALSE(cell.touches_box);
+            }
+        }
+}
+
+TEST_CASE(
+    "voronoi_diagram: boxes that repeat are filled, along some axes, leaning, and smaller than their cells") {
+    std::mt19937_64 rng(test_seed());
+    for (const std::array<bool, 3> periodic :
+         {std::array{true, true, true}, std::array{true, false, false}, std::array{false, true, true}})
+        for (const bool leans : {false, true}) {
+            if (leans && !periodic[0]) continue;
+            if (leans && !periodic[1]) continue;
+            for (const std::size_t n : {1, 3, 40}) {
+                CAPTURE(n);
+                CAPTURE(leans);
+                DiagramScene scene = random_balls(rng, n, 0.0, n > 3 ? 0.1 : 0.3);
+                scene.box = {Vec3::Zero(), {1, 1.25, 1.5}};
+                scene.periodic = periodic;
+                if (leans) scene.tilt = {0.4, -0.3, 0.55};
+                const VoronoiDiagram diagram = voronoi_diagram(scene);
+                check_whole(scene, diagram);
+                check_sampled(scene, diagram, rng);
+            }
+        }
+}
+
+TEST_CASE("voronoi_diagram: moved by an edge of a box that repeats nothing changes but images") {
+    std::mt19937_64 rng(test_seed());
+    DiagramScene scene = random_balls(rng, 20, 0.0, 0.1);
+    scene.box = {Vec3::Zero(), Vec3::Ones()};
+    scene.periodic = {true, true, true};
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    DiagramScene moved = scene;
+    for (std::size_t i = 0; i < moved.objects.size(); i += 3)
+        std::get<Sphere>(moved.objects[i]).center.x() += 1;
+    const VoronoiDiagram other = voronoi_diagram(moved);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const DiagramCell &a = cell_of(diagram, i), &b = cell_of(other, i);
+        CAPTURE(i);
+        // The grid is coarser for larger coordinates.
+        CHECK(std::abs(a.volume - b.volume) <= a.volume_error + b.volume_error + 1e-11);
+        CHECK(a.contacts.size() == b.contacts.size());
+    }
+}
+
+TEST_CASE("voronoi_diagram: balls in balls and equal balls have no cell") {
+    std::mt19937_64 rng(test_seed());
+    DiagramScene scene = random_balls(rng, 30, 0.05, 0.1);
+    const Sphere large = std::get<Sphere>(scene.objects[4]);
+    scene.objects.push_back(Sphere{large.center, 0.5 * large.radius});  // 30, in it
+    scene.objects.push_back(large);                                     // 31, equal
+    const double half = 0.5 * large.radius;                             // 32, touching it from within
+    scene.objects.push_back(Sphere{large.center + Vec3(half, 0, 0), half});
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    check_whole(scene, diagram);
+    CHECK(cell_of(diagram, 4).state == State::Computed);
+    for (const std::size_t i : {30, 31}) {
+        CHECK(cell_of(diagram, i).state == State::Empty);
+        CHECK(cell_of(diagram, i).reason.find("object 4") != std::string::npos);
+    }
+}
+
+TEST_CASE("voronoi_diagram: planes, tubes, lines and balls fill a box together") {
+    std::mt19937_64 rng(test_seed());
+    DiagramScene scene = random_balls(rng, 12, 0.0, 0.05);
+    for (Object& o : scene.objects) {
+        Vec3& c = std::get<Sphere>(o).center;
+        c.z() = 0.25 + 0.5 * c.z();
+        c.x() = c.x() < 0.5 ? 0.6 * c.x() : 0.4 + 0.6 * c.x();
+    }
+    scene.objects.push_back(Cylinder{{0.4, 0, 0.5}, {0, 1, 0}, 0.03});
+    scene.objects.push_back(Plane{{0, 0, 0}, {0, 0, 1}});
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    check_whole(scene, diagram);
+    check_sampled(scene, diagram, rng);
+}
+
+TEST_CASE(
+    "update: an object that moves changes the cells near it, and the diagram becomes that of the new scene") {
+    std::mt19937_64 rng(test_seed());
+    DiagramScene scene = random_balls(rng, 150, 0.0, 0.04);
+    VoronoiDiagram diagram = voronoi_diagram(scene);
+    std::size_t visited = 0;
+    DiagramOptions options;
+    options.visit = [&](std::uint32_t, const Cell&) { ++visited; };
+    for (const std::uint32_t number : {3u, 77u, 140u}) {
+        Sphere ball = std::get<Sphere>(scene.objects[number]);
+        ball.center += Vec3(0.05, -0.03, 0.02);
+        ball.center = ball.center.cwiseMax(0.0).cwiseMin(1.0);
+        update(diagram, scene, number, ball, options);
+        CHECK(std::get<Sphere>(scene.objects[number]) == ball);
+        check_whole(scene, diagram);
+        // Cells that were not touched may have been computed among others: bounds agree, not digits.
+        const VoronoiDiagram scratch = voronoi_diagram(scene);
+        for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+            const DiagramCell &a = cell_of(diagram, i), &b = cell_of(scratch, i);
+            CAPTURE(i);
+            REQUIRE(a.state == b.state);
+            CHECK(std::abs(a.volume - b.volume) <= a.volume_error + b.volume_error);
+            REQUIRE(a.contacts.size() == b.contacts.size());
+            for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+                CHECK(a.contacts[k].site == b.contacts[k].site);
+                CHECK(std::abs(a.contacts[k].area - b.contacts[k].area) <=
+                      a.contacts[k].area_error + b.contacts[k].area_error);
+            }
+        }
+    }
+    CHECK(visited < 3 * 100);
+    CHECK_THROWS_AS(update(diagram, scene, 150, Sphere{}), InputError);
+}
+
+TEST_CASE("voronoi_diagram: what is no scene is named") {
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Ones()};
+    CHECK_THROWS_AS(voronoi_diagram(scene), InputError);
+    scene.objects.push_back(Sphere{{0.5, 0.5, 0.5}, 0.1});
+    CHECK(filled_volume(scene, voronoi_diagram(scene)).fills());
+    scene.tilt = {0.1, 0, 0};
+    CHECK_THROWS_AS(voronoi_diagram(scene), InputError);
+    scene.periodic = {true, true, true};
+    CHECK(filled_volume(scene, voronoi_diagram(scene)).fills());
+    scene.objects.push_back(Plane{});
+    CHECK_THROWS_AS(voronoi_diagram(scene), InputError);
+    scene.objects[1] = Sphere{{0.5, 0.5, std::nan("")}, 0.1};
+    CHECK_THROWS_AS(voronoi_diagram(scene), InputError);
+}
+
+TEST_CASE("voronoi_diagram: progress ends at one, and what it throws ends the work") {
+    std::mt19937_64 rng(test_seed());
+    const DiagramScene scene = random_balls(rng, 300, 0.0, 0.02);
+    DiagramOptions options;
+    double last = 0;
+    options.progress = [&](double fraction) {
+        CHECK(fraction > last);
+        last = fraction;
+    };
+    voronoi_diagram(scene, options);
+    CHECK(last == 1);
+    struct Cancelled {};
+    options.progress = [](double) { throw Cancelled(); };
+    CHECK_THROWS_AS(voronoi_diagram(scene, options), Cancelled);
+}
+
+}  // namespace vcell
