@@ -23,13 +23,13 @@
 #include "../io/check/check.hpp"
 #include "../io/files/text.hpp"
 #include "../io/io.hpp"
+#include "command.hpp"
+#include "diagram_command.hpp"
 #include "progress.hpp"
 
 namespace vcell {
 
 namespace {
-
-enum Status { done = 0, wrong_usage = 1, bad_input = 2, undecided = 3, check_failed = 4 };
 
 constexpr const char* program_help = R"(The Voronoi cell of a base object among others, exact.)";
 
@@ -39,6 +39,7 @@ Examples:
   vcell compute balls.xyzr --base-plane 0 0 0 0 0 1 -o cell.json
   vcell query scene.json points.txt
   vcell measure scene.json
+  vcell diagram balls.xyzr --cells cells.tsv --contacts contacts.tsv
   vcell compute scene.json -o - | vcell check -
   vcell refine cell.json --bits 200
 
@@ -46,52 +47,13 @@ A file named - is standard input or output. Scenes are JSON or plain "x y z r" l
 Exit status: 0 done, 1 wrong usage or an output that cannot be written, 2 bad input, 3 a question that
 could not be decided, 4 a check that failed or left something open. "vcell COMMAND --help" tells more.)";
 
-void warn(const std::string& text) { fmt::print(stderr, "vcell: warning: {}\n", text); }
-
-/// Wrong usage that the option parser cannot see.
-struct UsageError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
-
-/// f(), whose complaints about a file's contents name the file: `name` instead of standard input.
-template <class F>
-auto about_file(const std::string& path, const char* name, F f) {
-    const auto named = [&](const char* what) {
-        const std::string file = path == "-" ? name : path;
-        return file.empty() ? what : file + ": " + what;
-    };
-    try {
-        return f();
-    } catch (const InputError& e) {
-        if (e.path.starts_with("--")) throw;  // about an option
-        throw InputError(e.kind, e.object, "", named(e.what()));
-    } catch (const UndecidedError& e) {
-        throw UndecidedError(named(e.what()));
-    }
-}
-
 // ---- Options -------------------------------------------------------------------------------------
-
-// CLI11 asks these before it converts: an empty answer is consent.
-std::string number_complaint(const std::string& text) {
-    const std::optional<double> value =
-        to_double(std::string_view(text).substr(text.starts_with('+') ? 1 : 0));
-    return value && std::isfinite(*value) ? ""
-                                          : fmt::format("must be a finite number, is {}", printable(text));
-}
 
 std::string ball_complaint(const std::string& text) {
     const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
     return digits && text.size() < 10
                ? ""
                : fmt::format("must be the number of a ball, counted from 0, is {}", printable(text));
-}
-
-std::string count_complaint(const std::string& text) {
-    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-    return digits && text.size() < 10 && std::stoul(text) > 0
-               ? ""
-               : fmt::format("must be a number from 1 to 999999999, is {}", printable(text));
 }
 
 /// A length, or in percent of the cell's diagonal: "0.01", "0.1%".
@@ -171,13 +133,6 @@ Cell compute_cell(const Scene& scene) {
     CellOptions options;
     options.progress = [&](const char* stage, double fraction) { bar.show(stage, fraction); };
     return voronoi_cell(scene, options);
-}
-
-/// Whether every question was decided.
-Status report_assumed(std::uint64_t assumed) {
-    if (assumed == 0) return done;
-    warn(fmt::format("{} coincidences could not be decided and were taken for granted", assumed));
-    return undecided;
 }
 
 /// Warnings, and whether every question was decided.
@@ -546,6 +501,7 @@ int run(int argc, char** argv) {
     Measure measure(app);
     Check check(app);
     Refine refine(app);
+    DiagramCommand diagram(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -555,6 +511,7 @@ int run(int argc, char** argv) {
     if (query.chosen()) return query.run();
     if (measure.chosen()) return measure.run();
     if (check.chosen()) return check.run();
+    if (diagram.chosen()) return diagram.run();
     return refine.run();
 }
 

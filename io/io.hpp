@@ -3,6 +3,7 @@
 
 #include "check/check.hpp"
 #include "files/cell_file.hpp"
+#include "files/diagram_file.hpp"
 #include "files/files.hpp"
 #include "files/scene_file.hpp"
 #include "pictures/mesh.hpp"

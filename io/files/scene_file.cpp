@@ -46,8 +46,9 @@ Cylinder read_cylinder(JsonReader& in) {
     return cylinder;
 }
 
-/// The base or one of the objects: exactly one kind, and perhaps a name.
-Object read_object(JsonReader& in, std::string& name) {
+}  // namespace
+
+Object read_object(JsonReader& in, std::string& name, std::string* group) {
     Object object;
     const char* kind = nullptr;
     const auto set = [&](const char* new_kind, auto read) {
@@ -57,25 +58,43 @@ Object read_object(JsonReader& in, std::string& name) {
         kind = new_kind;
         object = read(in);
     };
-    in.object(optional_member("plane", [&] { set("plane", read_plane); }),
-              optional_member("sphere", [&] { set("sphere", read_sphere); }),
-              optional_member("cylinder", [&] { set("cylinder", read_cylinder); }),
-              optional_member("name", [&] { name = in.string(); }));
+    const auto plane = optional_member("plane", [&] { set("plane", read_plane); });
+    const auto sphere = optional_member("sphere", [&] { set("sphere", read_sphere); });
+    const auto cylinder = optional_member("cylinder", [&] { set("cylinder", read_cylinder); });
+    const auto named = optional_member("name", [&] { name = in.string(); });
+    if (group == nullptr)
+        in.object(plane, sphere, cylinder, named);
+    else
+        in.object(plane, sphere, cylinder, named, optional_member("group", [&] { *group = in.string(); }));
     if (!kind) in.fail(InputError::Kind::MissingKey, "must hold one of plane, sphere, cylinder, holds none");
     return object;
 }
 
-void read_objects(JsonReader& in, Scene& scene) {
+void read_objects(JsonReader& in, std::vector<Object>& objects, std::vector<std::string>& names,
+                  std::vector<std::string>* groups) {
+    // Few scenes have names: none is stored before the first.
+    const auto store = [](std::vector<std::string>& texts, std::size_t i, std::string text) {
+        if (!text.empty()) texts.resize(i);
+        if (!text.empty() || !texts.empty()) texts.push_back(std::move(text));
+    };
     in.array([&](std::size_t i) {
         in.object_index = static_cast<std::uint32_t>(i);
-        std::string name;
-        scene.objects.push_back(read_object(in, name));
-        // Few scenes have names: none is stored before the first.
-        if (!name.empty()) scene.names.resize(i);
-        if (!name.empty() || !scene.names.empty()) scene.names.push_back(std::move(name));
+        std::string name, group;
+        objects.push_back(read_object(in, name, groups != nullptr ? &group : nullptr));
+        store(names, i, std::move(name));
+        if (groups != nullptr) store(*groups, i, std::move(group));
     });
     in.object_index = InputError::no_object;
 }
+
+Box read_box(JsonReader& in) {
+    Box box;
+    in.object(required_member("min", [&] { box.min = read_vec3(in); }),
+              required_member("max", [&] { box.max = read_vec3(in); }));
+    return box;
+}
+
+namespace {
 
 void write_object(JsonWriter& out, const Object& object, const std::string& name) {
     out.object([&] {
@@ -106,15 +125,11 @@ Scene read_scene_value(JsonReader& in) {
     in.object(
         required_member("vcell", [&] { read_format_version(in); }),
         required_member("base", [&] { scene.base = read_object(in, scene.base_name); }),
-        required_member("objects", [&] { read_objects(in, scene); }),
+        required_member("objects", [&] { read_objects(in, scene.objects, scene.names); }),
         optional_member(
             "base_object",
             [&] { scene.base_object = static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX - 1)); }),
-        required_member("box",
-                        [&] {
-                            in.object(required_member("min", [&] { scene.box.min = read_vec3(in); }),
-                                      required_member("max", [&] { scene.box.max = read_vec3(in); }));
-                        }),
+        required_member("box", [&] { scene.box = read_box(in); }),
         optional_member("units", [&] { scene.units = in.string(); }),
         optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
     return scene;
@@ -177,7 +192,9 @@ std::vector<Sphere> read_balls(std::string_view text) {
     return balls;
 }
 
-Box default_box(const std::vector<Sphere>& balls, const std::optional<Plane>& base_plane) {
+}  // namespace
+
+Box default_box(std::span<const Sphere> balls, const std::optional<Plane>& base_plane) {
     if (balls.empty()) fail_option("--box", "missing, and there is no ball to derive it from");
     Box box{balls[0].center, balls[0].center};
     const auto include = [&](const Vec3& p) {
@@ -195,6 +212,8 @@ Box default_box(const std::vector<Sphere>& balls, const std::optional<Plane>& ba
     const Vec3 margin = Vec3::Constant(0.5 * box.diagonal());
     return {box.min - margin, box.max + margin};
 }
+
+namespace {
 
 Scene parse_text_scene(std::string_view text, const TextSceneOptions& options) {
     if (options.base_ball && options.base_plane) fail_option("--base", "excludes --base-plane");
@@ -219,13 +238,10 @@ Scene parse_text_scene(std::string_view text, const TextSceneOptions& options) {
 
 }  // namespace
 
-namespace {
-
-[[noreturn]] void fail_format(const char* what) {
+void fail_format(const char* what) {
     throw InputError(InputError::Kind::Syntax, InputError::no_object, "", what);
 }
 
-// Files that people have at hand and that are no scenes.
 void refuse_foreign_format(std::string_view text) {
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
         fail_format("this is UTF-16 text, a scene is UTF-8");
@@ -239,6 +255,13 @@ void refuse_foreign_format(std::string_view text) {
         fail_format(
             "this is an mmCIF file, which has no radii; a scene is JSON, or one ball \"x y z r\" a line");
 }
+
+bool is_plain_text(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    return first != text.npos && std::string_view("0123456789+-.#").find(text[first]) != text.npos;
+}
+
+namespace {
 
 // What a cell file has at its top and a scene has not.
 bool is_key_of_cell(std::string_view path) {
@@ -262,11 +285,8 @@ Scene parse_json_scene(std::string_view text) try {
 
 Scene parse_scene(std::string_view text, const TextSceneOptions& options) {
     text = without_byte_order_mark(text);
-    const std::size_t first = text.find_first_not_of(" \t\r\n");
-    const bool plain =
-        first != text.npos && std::string_view("0123456789+-.#").find(text[first]) != text.npos;
     Scene scene;
-    if (plain) {
+    if (is_plain_text(text)) {
         scene = parse_text_scene(text, options);
     } else {
         refuse_foreign_format(text);

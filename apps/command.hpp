@@ -1,0 +1,46 @@
+/// What the commands of the program share.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "../core/errors.hpp"
+
+namespace vcell {
+
+/// The program's exit status.
+enum Status { done = 0, wrong_usage = 1, bad_input = 2, undecided = 3, check_failed = 4 };
+
+void warn(const std::string& text);
+
+/// Wrong usage that the option parser cannot see.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// f(), whose complaints about a file's contents name the file: `name` instead of standard input.
+template <class F>
+auto about_file(const std::string& path, const char* name, F f) {
+    const auto named = [&](const char* what) {
+        const std::string file = path == "-" ? name : path;
+        return file.empty() ? what : file + ": " + what;
+    };
+    try {
+        return f();
+    } catch (const InputError& e) {
+        if (e.path.starts_with("--")) throw;  // about an option
+        throw InputError(e.kind, e.object, "", named(e.what()));
+    } catch (const UndecidedError& e) {
+        throw UndecidedError(named(e.what()));
+    }
+}
+
+/// Whether every question was decided; a warning where coincidences were taken for granted.
+Status report_assumed(std::uint64_t assumed);
+
+// The option parser asks these before it converts: an empty answer is consent.
+std::string number_complaint(const std::string& text);
+std::string count_complaint(const std::string& text);
+
+}  // namespace vcell

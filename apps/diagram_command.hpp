@@ -1,0 +1,26 @@
+/// vcell diagram: the cells of all objects.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+
+namespace vcell {
+
+class DiagramCommand {
+public:
+    explicit DiagramCommand(CLI::App& app);
+
+    bool chosen() const { return command_.parsed(); }
+    Status run() const;
+
+private:
+    CLI::App& command_;
+    std::string path_, cells_, contacts_, groups_, periodic_;
+    std::vector<double> box_, tilt_;
+    std::string threads_ = "0";
+};
+
+}  // namespace vcell

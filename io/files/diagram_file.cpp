@@ -1,0 +1,238 @@
+#include "diagram_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <ostream>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "files.hpp"
+#include "scene_json.hpp"
+#include "text.hpp"
+
+namespace vcell {
+
+namespace {
+
+// ---- Scenes -----------------------------------------------------------------------------------------
+
+void pad(std::vector<std::string>& texts, std::size_t count) {
+    if (!texts.empty()) texts.resize(count);
+}
+
+DiagramScene parse_text(std::string_view text, const DiagramSceneOptions& options) {
+    DiagramScene scene;
+    std::vector<Sphere> balls;
+    std::size_t line_number = 0;
+    for (std::size_t at = 0; at < text.size();) {
+        std::string_view line = next_line(text, at);
+        ++line_number;
+        std::array<double, 4> numbers{};
+        std::size_t count = 0;
+        for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
+            if (count < 4) {
+                numbers[count] = parse_number(word, line_number);
+            } else if (count < 6) {
+                std::vector<std::string>& texts = count == 4 ? scene.names : scene.groups;
+                texts.resize(balls.size());
+                texts.emplace_back(word);
+            } else {
+                throw InputError(InputError::Kind::Syntax, InputError::no_object,
+                                 fmt::format("line {}", line_number),
+                                 "must be x y z r [name [group]], has more");
+            }
+        }
+        if (count == 0) continue;
+        if (count < 4)
+            throw InputError(InputError::Kind::Syntax, InputError::no_object,
+                             fmt::format("line {}", line_number),
+                             fmt::format("must be x y z r [name [group]], has {} of the 4 numbers", count));
+        balls.push_back({Vec3(numbers[0], numbers[1], numbers[2]), numbers[3]});
+    }
+    pad(scene.names, balls.size());
+    pad(scene.groups, balls.size());
+    scene.box = options.box ? *options.box : default_box(balls, std::nullopt);
+    scene.objects.assign(balls.begin(), balls.end());
+    return scene;
+}
+
+DiagramScene parse_json(std::string_view text) {
+    JsonReader in(text);
+    DiagramScene scene;
+    std::optional<Object> base;
+    std::string base_name, base_group;
+    bool is_among = false;
+    in.object(
+        required_member("vcell", [&] { read_format_version(in); }),
+        optional_member("base", [&] { base = read_object(in, base_name, &base_group); }),
+        required_member("objects", [&] { read_objects(in, scene.objects, scene.names, &scene.groups); }),
+        optional_member("base_object",
+                        [&] {
+                            in.unsigned_integer(UINT32_MAX - 1);
+                            is_among = true;
+                        }),
+        required_member("box", [&] { scene.box = read_box(in); }),
+        optional_member("periodic",
+                        [&] { in.array_of(3, [&](std::size_t i) { scene.periodic[i] = in.boolean(); }); }),
+        optional_member("tilt", [&] { in.array_of(3, [&](std::size_t i) { scene.tilt[i] = in.number(); }); }),
+        optional_member("units", [&] { scene.units = in.string(); }),
+        optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
+    in.end();
+    if (base && !is_among) {
+        const auto append = [&](std::vector<std::string>& texts, std::string last) {
+            if (texts.empty() && last.empty()) return;
+            texts.resize(scene.objects.size());
+            texts.push_back(std::move(last));
+        };
+        append(scene.names, std::move(base_name));
+        append(scene.groups, std::move(base_group));
+        scene.objects.push_back(*std::move(base));
+    }
+    return scene;
+}
+
+// ---- Tables -----------------------------------------------------------------------------------------
+
+const char* word(DiagramCell::State state) {
+    switch (state) {
+        case DiagramCell::State::Computed: return "computed";
+        case DiagramCell::State::Empty: return "empty";
+        case DiagramCell::State::Undecided: return "undecided";
+        case DiagramCell::State::Refused: return "refused";
+    }
+    return "";
+}
+
+// Fit for a column: without what separates them.
+std::string column(const std::vector<std::string>& texts, std::size_t i) {
+    if (i >= texts.size() || texts[i].empty()) return "-";
+    std::string text = texts[i];
+    std::ranges::replace_if(
+        text, [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+    return text;
+}
+
+std::string number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : "-"; }
+
+std::string group_of(const DiagramScene& scene, std::uint32_t i) {
+    const std::string group = column(scene.groups, i);
+    return group == "-" ? std::to_string(i) : group;
+}
+
+}  // namespace
+
+DiagramScene parse_diagram_scene(std::string_view text, const DiagramSceneOptions& options) {
+    text = without_byte_order_mark(text);
+    DiagramScene scene;
+    if (is_plain_text(text)) {
+        scene = parse_text(text, options);
+    } else {
+        refuse_foreign_format(text);
+        if (options.box)
+            throw InputError(InputError::Kind::Unsupported, InputError::no_object, "--box",
+                             "is for x y z r files, this scene is JSON");
+        scene = parse_json(text);
+    }
+    if (options.periodic) scene.periodic = *options.periodic;
+    if (options.tilt) scene.tilt = *options.tilt;
+    return scene;
+}
+
+DiagramScene read_diagram_scene(const std::string& path, const DiagramSceneOptions& options) {
+    return parse_diagram_scene(read_file(path), options);
+}
+
+void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram) {
+    out << "object\tname\tgroup\tstate\tvolume\tvolume_error\tarea\tarea_error\tneighbors\tmin_clearance\t"
+           "max_clearance\ttouches_box\testimated\tcandidates\treason\n";
+    for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+        const DiagramCell& c = diagram.cells[i];
+        const bool is_computed = c.state == DiagramCell::State::Computed;
+        const auto neighbors = std::ranges::count_if(
+            c.contacts, [](const CellContact& contact) { return contact.site.is_object(); });
+        fmt::print(out, "{}\t{}\t{}\t{}", i, column(scene.names, i), column(scene.groups, i), word(c.state));
+        if (is_computed)
+            fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t-\n", c.volume, c.volume_error,
+                       c.area, c.area_error, neighbors, number(c.min_clearance), number(c.max_clearance),
+                       c.touches_box, c.is_estimated, c.candidates);
+        else
+            fmt::print(out, "\t{}\t-\t{}\t-\t{}\t-\t-\t-\t-\t-\t{}\n",
+                       c.state == DiagramCell::State::Empty ? "0" : "-",
+                       c.state == DiagramCell::State::Empty ? "0" : "-",
+                       c.state == DiagramCell::State::Empty ? "0" : "-", printable(c.reason));
+    }
+}
+
+void write_contact_table(std::ostream& out, const DiagramScene& scene, const ContactTable& table) {
+    out << "first\tsecond\timage\tname1\tname2\tfaces\tarea\tarea_error\tdistance\tnx\tny\tnz\n";
+    const Eigen::Matrix3d edges = scene.edges();
+    for (const Contact& c : table.contacts) {
+        const bool is_object = c.second.is_object();
+        fmt::print(out, "{}\t{}\t{},{},{}\t{}\t{}\t{}\t{}\t{}", c.first, to_string(c.second), c.image[0],
+                   c.image[1], c.image[2], column(scene.names, c.first),
+                   is_object ? column(scene.names, c.second.index) : "-",
+                   c.faces != 0 ? std::to_string(c.faces) : "-", c.area, c.area_error);
+        const auto* a = std::get_if<Sphere>(&scene.objects[c.first]);
+        const auto* b = is_object ? std::get_if<Sphere>(&scene.objects[c.second.index]) : nullptr;
+        if (a == nullptr || b == nullptr) {
+            out << "\t-\t-\t-\t-\n";
+            continue;
+        }
+        const Vec3 between = b->center + edges * Vec3(c.image[0], c.image[1], c.image[2]) - a->center;
+        const Vec3 n = between.stableNormalized();
+        fmt::print(out, "\t{}\t{}\t{}\t{}\n", between.norm() - a->radius - b->radius, n.x(), n.y(), n.z());
+    }
+}
+
+void write_group_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram,
+                       const ContactTable& table) {
+    struct Group {
+        std::size_t cells = 0, undecided = 0;
+        double volume = 0, volume_error = 0, area = 0, area_error = 0;
+        std::set<std::string> neighbors;
+    };
+    std::map<std::string, Group> groups;
+    std::vector<std::string> order;
+    for (std::uint32_t i = 0; i < diagram.cells.size(); ++i) {
+        const auto [at, is_new] = groups.try_emplace(group_of(scene, i));
+        if (is_new) order.push_back(at->first);
+        Group& group = at->second;
+        const DiagramCell& cell = diagram.cells[i];
+        if (cell.state == DiagramCell::State::Empty) continue;
+        if (cell.state != DiagramCell::State::Computed) {
+            ++group.undecided;
+            continue;
+        }
+        ++group.cells;
+        group.volume += cell.volume;
+        group.volume_error += cell.volume_error;
+    }
+    for (const Contact& c : table.contacts) {
+        if (!c.second.is_object()) continue;
+        const std::string a = group_of(scene, c.first), b = group_of(scene, c.second.index);
+        if (a == b) continue;
+        for (const auto& [self, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+            Group& group = groups[*self];
+            group.area += c.area;
+            group.area_error += c.area_error;
+            group.neighbors.insert(*other);
+        }
+    }
+    out << "group\tcells\tundecided\tvolume\tvolume_error\tarea\tarea_error\tneighbors\n";
+    for (const std::string& name : order) {
+        const Group& g = groups[name];
+        fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n", name, g.cells, g.undecided, g.volume,
+                   g.volume_error, g.area, g.area_error,
+                   g.neighbors.empty() ? "-" : fmt::format("{}", fmt::join(g.neighbors, ",")));
+    }
+}
+
+}  // namespace vcell

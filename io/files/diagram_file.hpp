@@ -1,0 +1,50 @@
+/// Scenes of whole diagrams, and the tables that are made of them.
+#pragma once
+
+#include <array>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "../../envelope/voronoi_diagram.hpp"
+
+namespace vcell {
+
+/// What a scene file may leave open.
+struct DiagramSceneOptions {
+    std::optional<Box> box;  ///< of text files; default: as TextSceneOptions::box
+    std::optional<std::array<bool, 3>> periodic;
+    std::optional<std::array<double, 3>> tilt;
+};
+
+/// JSON or text. JSON has the keys of a scene; "base" may be missing, and is an object like the others
+/// otherwise, the last one (unless it is among them, "base_object"); objects may have a "group", and the box
+/// may repeat: "periodic": [true, true, false], "tilt": [xy, xz, yz]. A line of text is `x y z r [name
+/// [group]]`. Throws InputError with the path or line of what is wrong; objects are validated by
+/// voronoi_diagram().
+DiagramScene parse_diagram_scene(std::string_view text, const DiagramSceneOptions& options = {});
+
+/// parse_diagram_scene of a file, of standard input for "-". Throws ReadError, InputError.
+DiagramScene read_diagram_scene(const std::string& path, const DiagramSceneOptions& options = {});
+
+// Tables: a header, then a line each, separated by tabs; numbers with the digits that read back to the same
+// doubles;
+// `-` where there is none. Errors are bounds, estimates where the column `estimated` says 1.
+
+/// object name group state volume volume_error area area_error neighbors min_clearance max_clearance
+/// touches_box estimated candidates reason
+void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram);
+
+/// first second image name1 name2 faces area area_error distance nx ny nz: the distance of the surfaces, and
+/// between balls the unit vector from the first centre to the second. A pair of neighbours has one line;
+/// second is a side of the box or an object of no lower number, moved by `image` edges of the box ("0,0,0").
+void write_contact_table(std::ostream& out, const DiagramScene& scene, const ContactTable& table);
+
+/// group cells undecided volume volume_error area area_error neighbors: the cells of a group as one, its area
+/// being what it shares with other groups (set Voronoi cells); neighbors, these groups, separated by commas.
+/// Objects without a group are groups of their own, named by their numbers.
+void write_group_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram,
+                       const ContactTable& table);
+
+}  // namespace vcell

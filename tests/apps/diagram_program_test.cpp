@@ -1,0 +1,112 @@
+// vcell diagram from outside.
+#include <doctest/doctest.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "workplace.hpp"
+
+namespace {
+
+/// Lines of words between tabs.
+std::vector<std::vector<std::string>> table(const std::string& text) {
+    std::vector<std::vector<std::string>> rows;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        rows.emplace_back();
+        for (std::string word; std::getline(words, word, '\t');) rows.back().push_back(word);
+    }
+    return rows;
+}
+
+constexpr const char* four_balls =
+    "0 0 0 0.5 A one\n"
+    "2 0 0 0.5 B one\n"
+    "0 2 0 0.25 C two\n"
+    "0.1 0 0 0.25 D  # in the first\n";
+
+}  // namespace
+
+TEST_CASE("program: diagram writes tables of cells, contacts and groups") {
+    const Workplace work;
+    work.write("balls.txt", four_balls);
+    const Outcome done = work.run(
+        "diagram balls.txt --box -2 -2 -2 4 4 2 --cells cells.tsv --contacts contacts.tsv --groups groups.tsv");
+    CAPTURE(done.err);
+    REQUIRE(done.status == 0);
+    const auto summary = table(done.out), cells = table(work.read("cells.tsv")),
+               contacts = table(work.read("contacts.tsv")), groups = table(work.read("groups.tsv"));
+    REQUIRE(summary.size() == 2);
+    CHECK(summary[1][0] == "3");
+    CHECK(summary[1][1] == "1");
+    CHECK(std::abs(std::stod(summary[1][3]) - 144) <= std::stod(summary[1][4]));
+    REQUIRE(cells.size() == 5);
+    double sum = 0;
+    for (std::size_t i = 1; i < cells.size(); ++i) {
+        REQUIRE(cells[i].size() == cells[0].size());
+        sum += std::stod(cells[i][4]);
+    }
+    CHECK(sum == doctest::Approx(144));
+    CHECK(cells[1][1] == "A");
+    CHECK(cells[4][3] == "empty");
+    CHECK(cells[4].back() == "lies in object 0");
+    bool are_neighbors = false;
+    for (const auto& row : contacts) are_neighbors = are_neighbors || (row[0] == "0" && row[1] == "1");
+    CHECK(are_neighbors);
+    // Objects without a group are groups of their own.
+    REQUIRE(groups.size() == 4);
+    CHECK(groups[1][0] == "one");
+    CHECK(groups[1][1] == "2");
+    CHECK(groups[1].back() == "two");
+    CHECK(std::stod(groups[1][3]) == doctest::Approx(std::stod(cells[1][4]) + std::stod(cells[2][4])));
+}
+
+TEST_CASE("program: diagram of a box that repeats, from JSON and from options") {
+    const Workplace work;
+    work.write("scene.json",
+               R"({"vcell": 1, "objects": [{"sphere": {"center": [0, 0, 0], "radius": 0.1}},
+                                           {"sphere": {"center": [0.5, 0.5, 0.5], "radius": 0.1}}],
+                   "box": {"min": [0, 0, 0], "max": [1, 1, 1]}, "periodic": [true, true, true]})");
+    work.write("balls.txt", "0 0 0 0.1\n0.5 0.5 0.5 0.1\n");
+    const Outcome from_json = work.run("diagram scene.json --contacts -"),
+                  from_text = work.run("diagram balls.txt --box 0 0 0 1 1 1 --periodic xyz --contacts -");
+    REQUIRE(from_json.status == 0);
+    CHECK(from_json.out == from_text.out);
+    // Of each ball 8 faces with the other one's images, and 3 pairs with its own.
+    CHECK(table(from_json.out).size() == 1 + 8 + 3 + 3);
+    CHECK(work.run("diagram scene.json --threads 2 --contacts -").out == from_json.out);
+}
+
+TEST_CASE("program: diagram says what is wrong") {
+    const Workplace work;
+    work.write("balls.txt", four_balls);
+    work.write("bad.txt", "0 0 0\n");
+    work.write("plane.json",
+               R"({"vcell": 1, "objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}],
+                                "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "periodic": [true, false, false]})");
+    CHECK(work.run("diagram").status == 1);
+    CHECK(work.run("diagram balls.txt --periodic w").status == 1);
+    CHECK(work.run("diagram balls.txt --threads x").status == 1);
+    CHECK(work.run("diagram balls.txt --cells a --contacts a").status == 1);
+    const Outcome bad = work.run("diagram bad.txt");
+    CHECK(bad.status == 2);
+    CHECK(bad.err.find("bad.txt: line 1: must be x y z r [name [group]], has 3 of the 4 numbers") !=
+          std::string::npos);
+    const Outcome plane = work.run("diagram plane.json");
+    CHECK(plane.status == 2);
+    CHECK(plane.err.find("objects[0].plane: is no ball") != std::string::npos);
+    // Of two objects that cut each other neither has a cell; the third one has.
+    work.write("cut.json", R"({"vcell": 1, "objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}},
+                                                       {"sphere": {"center": [0, 0, 0.1], "radius": 0.2}},
+                                                       {"sphere": {"center": [0, 0, 0.7], "radius": 0.1}}],
+                              "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}})");
+    const Outcome cut = work.run("diagram cut.json --cells -");
+    CHECK(cut.status == 3);
+    const auto cells = table(cut.out);
+    REQUIRE(cells.size() == 4);
+    CHECK(cells[1][3] == "refused");
+    CHECK(cells[2][3] == "refused");
+    CHECK(cells[3][3] == "computed");
+}

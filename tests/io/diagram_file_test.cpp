@@ -1,0 +1,103 @@
+// Scenes of whole diagrams as files.
+#include "../../io/files/diagram_file.hpp"
+
+#include <doctest/doctest.h>
+
+#include <sstream>
+
+#include "../../core/errors.hpp"
+
+namespace vcell {
+namespace {
+
+std::string complaint(const std::string& text, const DiagramSceneOptions& options = {}) {
+    try {
+        parse_diagram_scene(text, options);
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_CASE("diagram file: everything in JSON arrives, a base is the last object") {
+    const DiagramScene scene = parse_diagram_scene(
+        R"({"vcell": 1, "base": {"plane": {"point": [0, 0, -1], "normal": [0, 0, 1]}, "name": "floor"},
+            "objects": [{"sphere": {"center": [1, 2, 3], "radius": 0.5}},
+                        {"sphere": {"center": [3, 2, 1], "radius": 0.25}, "name": "b", "group": "g"}],
+            "box": {"min": [-1, -2, -3], "max": [4, 5, 6]}, "periodic": [true, false, true], "tilt": [0.5, 0, 0.25],
+            "units": "nm", "tolerance": 1e-5})");
+    REQUIRE(scene.objects.size() == 3);
+    CHECK(scene.objects[0] == Object(Sphere{{1, 2, 3}, 0.5}));
+    CHECK(scene.objects[2] == Object(Plane{{0, 0, -1}, {0, 0, 1}}));
+    CHECK(scene.names == std::vector<std::string>{"", "b", "floor"});
+    CHECK(scene.groups == std::vector<std::string>{"", "g", ""});
+    CHECK(scene.box.min == Vec3(-1, -2, -3));
+    CHECK(scene.periodic == std::array{true, false, true});
+    CHECK(scene.tilt == std::array{0.5, 0.0, 0.25});
+    CHECK(scene.units == "nm");
+    CHECK(scene.tolerance == 1e-5);
+}
+
+TEST_CASE("diagram file: a base that is among the objects is there once") {
+    const DiagramScene scene = parse_diagram_scene(
+        R"({"vcell": 1, "base": {"sphere": {"center": [1, 2, 3], "radius": 0.5}}, "base_object": 0,
+            "objects": [{"sphere": {"center": [1, 2, 3], "radius": 0.5}}], "box": {"min": [0, 0, 0], "max": [4, 5, 6]}})");
+    CHECK(scene.objects.size() == 1);
+}
+
+TEST_CASE("diagram file: lines of balls with names and groups") {
+    const DiagramScene scene =
+        parse_diagram_scene("# x y z r\n0 0 0 1\n\n2 0 0 0.5 CA ALA-1\n4 0 0 0.5 CB\n");
+    REQUIRE(scene.objects.size() == 3);
+    CHECK(scene.names == std::vector<std::string>{"", "CA", "CB"});
+    CHECK(scene.groups == std::vector<std::string>{"", "ALA-1", ""});
+    CHECK(scene.box.max.x() > 4.5);
+    DiagramSceneOptions options;
+    options.box = Box{{-1, -1, -1}, {5, 1, 1}};
+    options.periodic = {true, false, false};
+    CHECK(parse_diagram_scene("0 0 0 1\n", options).box.max == Vec3(5, 1, 1));
+    CHECK(parse_diagram_scene("0 0 0 1\n", options).periodic[0]);
+}
+
+TEST_CASE("diagram file: mistakes are named with their place") {
+    CHECK(complaint("0 0 0 1 a b c\n") == "line 1: must be x y z r [name [group]], has more");
+    CHECK(complaint("0 0 0 1\n1 2 x\n").starts_with("line 2: "));
+    CHECK(complaint("# nothing\n").starts_with("--box: missing"));
+    CHECK(
+        complaint(
+            R"({"vcell": 1, "objects": [], "box": {"min": [0, 0, 0], "max": [1, 1, 1]}, "periodic": [true, 1, true]})")
+            .starts_with("periodic[1]: "));
+    CHECK(complaint(
+              R"({"vcell": 1, "objects": [{"sphere": {"center": [0, 0, 0], "radius": 1}, "label": "a"}]})")
+              .starts_with("objects[0].label: unknown key"));
+    DiagramSceneOptions options;
+    options.box = Box{{-1, -1, -1}, {5, 1, 1}};
+    CHECK(complaint(R"({"vcell": 1})", options).starts_with("--box: "));
+    CHECK(complaint("ATOM      1  N   THR A   1\n").find("PDB") != std::string::npos);
+}
+
+TEST_CASE("diagram file: tables have as many columns in each line as in their header") {
+    DiagramScene scene = parse_diagram_scene("0 0 0 0.5 a g\n2 0 0 0.5\n0 2 0 0.25 c g\n0.1 0 0 0.1\n");
+    scene.names[0] = "with\ttab";
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    const ContactTable table = contacts(diagram);
+    std::ostringstream cells, pairs, groups;
+    write_cell_table(cells, scene, diagram);
+    write_contact_table(pairs, scene, table);
+    write_group_table(groups, scene, diagram, table);
+    const auto lines_of = [](const std::string& text, std::size_t tabs) {
+        std::size_t count = 0;
+        std::istringstream in(text);
+        for (std::string line; std::getline(in, line); ++count)
+            CHECK(static_cast<std::size_t>(std::ranges::count(line, '\t')) == tabs);
+        return count;
+    };
+    CHECK(lines_of(cells.str(), 14) == 5);
+    CHECK(lines_of(pairs.str(), 11) == 1 + table.contacts.size());
+    CHECK(lines_of(groups.str(), 7) == 1 + 3);  // g, and two objects of their own
+    CHECK(cells.str().find("with tab") != std::string::npos);
+}
+
+}  // namespace vcell
