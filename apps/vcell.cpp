@@ -128,9 +128,10 @@ private:
     CLI::Option* has_base = nullptr;
 };
 
-Cell compute_cell(const Scene& scene) {
+Cell compute_cell(const Scene& scene, bool is_complete = false) {
     ProgressBar bar;
     CellOptions options;
+    options.complete = is_complete;
     options.progress = [&](const char* stage, double fraction) { bar.show(stage, fraction); };
     return voronoi_cell(scene, options);
 }
@@ -172,6 +173,10 @@ public:
             ->type_name("N")
             ->capture_default_str();
         command_.add_flag("--solid", solid_, "OBJ: with walls and base, a closed mesh");
+        command_.add_flag(
+            "--complete", complete_,
+            "of a base plane: all that is nearest to it in the box, over base points outside it, "
+            "too");
         command_.footer("No output appears before all of them are complete.");
     }
 
@@ -181,7 +186,11 @@ public:
         // Every target is opened before the work: what cannot be written is known at once.
         for (const std::string& target : outputs_) add(target);
         const Scene scene = scene_.read();
-        const Cell cell = scene_.about([&] { return compute_cell(scene); });
+        const Cell cell = scene_.about([&] { return compute_cell(scene, complete_); });
+        if (complete_ && !cell.is_complete)
+            warn(
+                "the cell stands over what the box holds of the base: only those of planes among planes and "
+                "balls can be completed");
         std::optional<CellMesh> mesh;
         for (const auto& out : files_) {
             if (out->format == "obj" && !mesh) mesh = mesh_of(cell);
@@ -252,6 +261,7 @@ private:
     std::string chord_ = "0.1%";
     std::size_t most_triangles_ = MeshOptions().most_triangles;
     bool solid_ = false;
+    bool complete_ = false;
     std::vector<std::unique_ptr<Output>> files_;
 };
 

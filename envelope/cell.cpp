@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "../primitives/bases/plane_base.hpp"
+
 namespace vcell {
 
 namespace {
@@ -25,6 +27,11 @@ std::string to_string(CurveKind kind) {
         case CurveKind::Spline: break;
     }
     return "spline";
+}
+
+bool is_entered(const Cell& cell, const CellFace& face) {
+    return cell.is_complete && face.site.kind == Site::Kind::BoxSide &&
+           lets_rays_in(cell.scene, face.site.index);
 }
 
 void scale(Cell& cell, double factor, double of_parameters) {

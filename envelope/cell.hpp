@@ -109,7 +109,14 @@ struct Cell {
     std::vector<std::uint32_t> neighbors;  ///< objects that own a face, alone or not, by decreasing area
     Measures measures;
     Report report;
+    /// Are the faces all of the boundary, sides of the box through which rays come in included
+    /// (CellOptions::complete)? Otherwise they stand over what the box holds of the base.
+    bool is_complete = false;
 };
+
+/// Is it a face through which the base's rays come into a complete cell? Others stand over the base, these
+/// are seen against its normals' sense.
+bool is_entered(const Cell& cell, const CellFace& face);
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
 /// power of two; the parameters of its patches times `of_parameters`.

@@ -35,6 +35,12 @@ Scene room(const Scene& scene) {
     return room;
 }
 
+// What asks for a cell as complete as the one that is changed.
+CellOptions keeping(const Cell& cell, CellOptions options) {
+    options.complete = options.complete || cell.is_complete;
+    return options;
+}
+
 // The cell of a scene if no other objects than these, ascending, matter.
 Cell cell_among(Scene scene, const Numbers& objects, const CellOptions& options) {
     Scene part = room(scene);
@@ -77,7 +83,7 @@ Cell insert(Cell cell, const Object& object, const CellOptions& options) {
     among.push_back(static_cast<std::uint32_t>(scene.objects.size()));
     scene.objects.push_back(object);
     if (!scene.names.empty()) scene.names.emplace_back();
-    return cell_among(std::move(scene), among, options);
+    return cell_among(std::move(scene), among, keeping(cell, options));
 }
 
 namespace {
@@ -137,14 +143,14 @@ Cell remove(Cell cell, std::uint32_t object, const CellOptions& options) {
     // The cell among the others lies in that among some of them. An object that touches it is as near to a
     // point of it as the base is, which is no farther than the clearance r, and no farther than 2 r from the
     // base.
-    CellOptions measured = options;
+    CellOptions measured = keeping(cell, options);
     measured.measure = true;
     const Measures around = cell_among(scene, among, measured).measures;
     const double reach = 2 * (around.max_clearance + around.max_clearance_error);
     Numbers candidates;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
         if (scene.competes(i) && !(least_distance(scene.objects[i], scene) > reach)) candidates.push_back(i);
-    return cell_among(std::move(scene), candidates, options);
+    return cell_among(std::move(scene), candidates, keeping(cell, options));
 }
 
 Cell merge(Cell first, const Cell& second, const CellOptions& options) {
@@ -163,7 +169,7 @@ Cell merge(Cell first, const Cell& second, const CellOptions& options) {
         if (other.competes(i)) append(scene, other, i);
     for (const std::uint32_t i : neighbors_and_ties(second))
         among.push_back(before + i - (other.base_object && i > *other.base_object));
-    return cell_among(std::move(scene), among, options);
+    return cell_among(std::move(scene), among, keeping(first, options));
 }
 
 }  // namespace vcell

@@ -2,9 +2,9 @@
 /// boundary and shares none owns none either when others join it. So what is computed is the cell among the
 /// few that do, and costs what they cost, however many objects the scene has.
 ///
-/// Each result is the cell of the changed scene as voronoi_cell() gives it, but for its report, which is
-/// about the objects that were looked at. Throws as voronoi_cell() does. Pre: the cells are those of their
-/// scenes.
+/// Each result is the cell of the changed scene as voronoi_cell() gives it, complete if the (first) cell was,
+/// but for its report, which is about the objects that were looked at. Throws as voronoi_cell() does. Pre:
+/// the cells are those of their scenes.
 #pragma once
 
 #include <cstdint>

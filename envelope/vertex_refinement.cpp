@@ -74,7 +74,8 @@ struct Candidate {
 
 class Refinement {
 public:
-    Refinement(const Cell& cell, const CellVertex& vertex) : scene_(cell.scene), vertex_(vertex) {}
+    Refinement(const Cell& cell, const CellVertex& vertex)
+        : scene_(cell.scene), vertex_(vertex), is_complete_(cell.is_complete) {}
 
     std::optional<RefinedVertex> run(int bits) const {
         const std::vector<Candidate> candidates = equations();
@@ -110,7 +111,8 @@ private:
     }
 
     // Of all the vertex's sites. Over a plane base a side of the box is the rim of the region where rays from
-    // there enter the box, and elsewhere what rays run into; where they leave at once it is both.
+    // there enter the box, unless the cell is complete, and elsewhere what rays run into; where they leave at
+    // once it is both.
     std::vector<Candidate> equations() const {
         std::vector<Candidate> all, rims;
         for (const Site& site : vertex_.sites) {
@@ -123,10 +125,10 @@ private:
                 const auto* base = std::get_if<Plane>(&scene_.base);
                 const double leaning =
                     base == nullptr ? 0 : (site.index % 2 == 1 ? 1 : -1) * base->normal[side.axis];
-                if (leaning >= 0) all.push_back({site, side});
+                const bool is_rim = leaning < 0 && !is_complete_;
+                if (!is_rim) all.push_back({site, side});
                 if (leaning != 0)
-                    (leaning < 0 ? all : rims)
-                        .push_back({site, RimSite{site_of(*base, vertex_.point), side}});
+                    (is_rim ? all : rims).push_back({site, RimSite{site_of(*base, vertex_.point), side}});
             }
         }
         if (all.size() < 3) all.insert(all.end(), rims.begin(), rims.end());
@@ -198,6 +200,7 @@ private:
 
     const Scene& scene_;
     const CellVertex& vertex_;
+    const bool is_complete_;
 };
 
 }  // namespace

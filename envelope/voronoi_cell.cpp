@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "../primitives/bases/radial_base.hpp"
 #include "../primitives/objects/decided_scene.hpp"
 #include "base_diagram.hpp"
+#include "lift/complete_lift.hpp"
 #include "lift/lift.hpp"
 #include "lift/scene_motion.hpp"
 
@@ -80,10 +82,64 @@ void drop_isolated_vertices(Cell& cell) {
         for (std::uint32_t& v : e.vertices) v = number[v];
 }
 
-// From the scene's heights, made by make_problem(), to its cell.
+PlaneBaseProblem plane_problem(const Scene& scene, double unit, const CellOptions& options) {
+    if (options.complete)
+        if (auto problem = complete_plane_base_problem(scene, unit)) return *std::move(problem);
+    return plane_base_problem(scene, unit);
+}
+RadialBaseProblem radial_problem(const Scene& scene, double unit, const CellOptions&) {
+    return radial_base_problem(scene, unit);
+}
+
+// A problem's diagram; below its floor, if it has one, another.
+struct Diagrams {
+    MinimizationDiagram all;
+    std::optional<MinimizationDiagram> below;
+
+    EnvelopeWork work() const {
+        EnvelopeWork sum = all.work;
+        if (below) {
+            sum.insertions += below->work.insertions;
+            sum.merges += below->work.merges;
+            sum.pieces += below->work.pieces;
+        }
+        return sum;
+    }
+};
+Diagrams with_floor(const PlaneBaseProblem& problem, EnvelopeOptions options) {
+    if (problem.floor.empty()) return {diagram_of(problem, options), std::nullopt};
+    options.floor = problem.floor;
+    MinimizationDiagram above = diagram_of(problem, options);
+    options.is_below_floor = true;
+    return {std::move(above), diagram_of(problem, options)};
+}
+Diagrams without_floor(const RadialBaseProblem& problem, EnvelopeOptions options) {
+    return {diagram_of(problem, options), std::nullopt};
+}
+
+LiftedCell lift_from_floor(const PlaneBaseProblem& problem, const Diagrams& diagrams, double tolerance,
+                           const CellOptions& options) {
+    const bool measures = options.measure;
+    if (!diagrams.below) return lift_over_region(problem, diagrams.all, tolerance, measures);
+    return lift_complete(problem, diagrams.all, *diagrams.below, tolerance, measures);
+}
+LiftedCell lift_from_body(const RadialBaseProblem& problem, const Diagrams& diagrams, double tolerance,
+                          const CellOptions& options) {
+    return options.patches ? lift_all_around(problem, diagrams.all, tolerance, options.measure)
+                           : lift_without_patches(problem, diagrams.all, tolerance, options.measure);
+}
+
+// What a cell takes over one kind of base.
 template <class Problem>
-Cell cell_over(const Scene& scene, const CellOptions& options, Problem make_problem(const Scene&, double),
-               LiftedCell lift(const Problem&, const MinimizationDiagram&, double, bool)) {
+struct Steps {
+    Problem (*problem)(const Scene&, double unit, const CellOptions&);
+    Diagrams (*diagrams)(const Problem&, EnvelopeOptions);
+    LiftedCell (*lift)(const Problem&, const Diagrams&, double tolerance, const CellOptions&);
+};
+
+// From the scene's heights to its cell.
+template <class Problem>
+Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Problem>& steps) {
     const auto report = [&](const char* stage, double fraction) {
         if (options.progress) options.progress(stage, fraction);
     };
@@ -91,21 +147,21 @@ Cell cell_over(const Scene& scene, const CellOptions& options, Problem make_prob
     report("bisectors", 0);
     validate(scene);
     DecidedScene decided = decide(scene);
-    const Problem problem = make_problem(decided.scene, decided.unit);
+    const Problem problem = steps.problem(decided.scene, decided.unit, options);
     report("bisectors", 1);
     const double seconds_bisectors = watch.lap();
 
     EnvelopeOptions envelope_options;
     if (options.progress) envelope_options.progress = [&](double fraction) { report("envelope", fraction); };
-    const MinimizationDiagram diagram = diagram_of(problem, envelope_options);
+    const Diagrams diagrams = steps.diagrams(problem, envelope_options);
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    LiftedCell lifted =
-        lift(problem, diagram, decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()),
-             options.measure);
+    LiftedCell lifted = steps.lift(
+        problem, diagrams, decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options);
     Cell& cell = lifted.cell;
     drop_isolated_vertices(cell);
+    cell.is_complete = options.complete && may_be_completed(decided.scene);
     cell.report.moved = std::max(problem.moved, decided.moved);
     cell.scene = std::move(decided.scene);
     add_scene_motion(lifted, cell.report.moved, std::max(problem.moved_apart, decided.moved));
@@ -113,14 +169,15 @@ Cell cell_over(const Scene& scene, const CellOptions& options, Problem make_prob
     cell.scene = scene;
     require_numbers(cell, options.measure);
     report("patches", 1);
-    cell.report.insertions = diagram.work.insertions;
-    cell.report.merges = diagram.work.merges;
-    cell.report.pieces = diagram.work.pieces;
+    const EnvelopeWork work = diagrams.work();
+    cell.report.insertions = work.insertions;
+    cell.report.merges = work.merges;
+    cell.report.pieces = work.pieces;
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();
     std::vector<std::string>& warnings = cell.report.warnings;
-    for (const Assumption& a : diagram.assumptions)
+    for (const Assumption& a : diagrams.all.assumptions)
         warnings.push_back(message(a, "taken to meet in one point over", problem));
     warnings.insert(warnings.begin(), problem.warnings.begin(), problem.warnings.end());
     return std::move(cell);
@@ -131,9 +188,9 @@ Cell cell_over(const Scene& scene, const CellOptions& options, Problem make_prob
 Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     return in_ieee_arithmetic("voronoi_cell()", [&] {
         return std::holds_alternative<Plane>(scene.base)
-                   ? cell_over(scene, options, plane_base_problem, lift_over_region)
-                   : cell_over(scene, options, radial_base_problem,
-                               options.patches ? lift_all_around : lift_without_patches);
+                   ? cell_over<PlaneBaseProblem>(scene, options, {plane_problem, with_floor, lift_from_floor})
+                   : cell_over<RadialBaseProblem>(scene, options,
+                                                  {radial_problem, without_floor, lift_from_body});
     });
 }
 

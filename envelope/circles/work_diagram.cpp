@@ -255,10 +255,18 @@ void WorkDiagram::set_box(Index face) {
 void WorkDiagram::insert(FormId challenger) {
     duels_.clear();
     const CircleKernel::Form form = kernel_.form(challenger);
-    boxes_.challenge(form, [&](Index f) {
+    inserts_greater_ = is_floor(challenger);
+    const auto add = [&](Index f) {
         duels_.push_back({f, challenger, boxes_.slope_bound(f, form, kernel_.form(faces_[f].site))});
-    });
+    };
+    if (inserts_greater_) {
+        for (Index f = 1; f < faces_.size(); ++f)
+            if (faces_[f].alive) add(f);
+    } else {
+        boxes_.challenge(form, add);
+    }
     if (!duels_.empty()) resolve();
+    inserts_greater_ = false;
 }
 
 // Signs are those of challenger - defender: negative where the challenger wins. First every boundary is
@@ -320,7 +328,7 @@ void WorkDiagram::resolve() {
 
 void WorkDiagram::decide_boundary(Duel& d) {
     const Face& f = faces_[d.face];
-    const FormPair rival{d.challenger, f.site};
+    const FormPair rival = rivals(d.challenger, f.site);
     const double Kb = kernel_.form(rival.f).K, Ka = kernel_.form(rival.g).K;
     const double K = std::abs(Kb - Ka) + rounding_margin * (std::abs(Kb) + std::abs(Ka));
     for_boundary(f, [&](Index h) {
@@ -347,7 +355,9 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
     if (vertex.stamp == stamp_) return vertex.sign;
     vertex.stamp = stamp_;
     const KernelPoint& p = kernel_.point(vertex.point);
-    const CircleKernel::BoxForm b = CircleKernel::box_form(kernel_.form(rival.f), p.x, p.y, p.error, p.error);
+    const FormId challenger = challenger_of(rival);
+    const CircleKernel::BoxForm b =
+        CircleKernel::box_form(kernel_.form(challenger), p.x, p.y, p.error, p.error);
     vertex.slope_x = b.gx;
     vertex.slope_y = b.gy;
     const double difference = b.v - vertex.height;
@@ -356,15 +366,16 @@ Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
         std::abs(difference) - 1.01 * (b.top - b.v + vertex.height_error) - 64 * DBL_EPSILON * b.scale;
     if (vertex.margin > 0) {
         ++kernel_.decisions().by_double;
-        vertex.sign = sign_of(difference);
+        vertex.sign = inserts_greater_ ? -sign_of(difference) : sign_of(difference);
         return vertex.sign;
     }
     vertex.sign = kernel_.sign_at(vertex.point, rival.f, rival.g);
     if (vertex.sign == Sign::Zero) {
         if (vertex.out == none)
-            add_ties(vertex.ties, {}, rival.f);
+            add_ties(vertex.ties, {}, challenger);
         else
-            for_leaving(vertex.out, [&](Index h) { add_ties(vertex.ties, {half_edges_[h].label}, rival.f); });
+            for_leaving(vertex.out,
+                        [&](Index h) { add_ties(vertex.ties, {half_edges_[h].label}, challenger); });
     }
     return vertex.sign;
 }
@@ -393,7 +404,7 @@ bool WorkDiagram::keeps_sign(Index e, FormPair rival, Sign common) const {
     const double l = edges_[e].bounds.chord, s = edges_[e].bounds.sagitta;
     const double ax = (2 * a.k * (p.x - a.cx) + a.a) * a.iw, ay = (2 * a.k * (p.y - a.cy) + a.b) * a.iw;
     double bx = v.slope_x, by = v.slope_y;
-    if (merging_) {  // they may be another challenger's
+    if (merging_ || inserts_greater_) {  // they may be another challenger's, or those of rival.g
         bx = (2 * b.k * (p.x - b.cx) + b.a) * b.iw;
         by = (2 * b.k * (p.y - b.cy) + b.b) * b.iw;
     }
@@ -438,7 +449,8 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
             std::isfinite(b[2]) ? Eigen::Vector2d(0.5 * b[0] + 0.5 * b[1], b[2]) : Eigen::Vector2d(0, 0);
         if (kernel_.same_curve(c, rival)) {
             edge.sign = Sign::Zero;
-            add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, rival.f);
+            add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label},
+                     challenger_of(rival));
             return false;
         }
         switch (kernel_.intersection_sign(c, rival, near)) {
@@ -506,7 +518,7 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
     // An end is a root. Its turn tells the sign beside it, and whether the other root must lie on the edge.
     if (s == Sign::Zero && t == Sign::Zero && kernel_.same_curve(c, rival)) {
         edge.sign = Sign::Zero;
-        add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, rival.f);
+        add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, challenger_of(rival));
         return false;
     }
     const Sign turn = kernel_.turn_at(s == Sign::Zero ? p : q, c, rival);
@@ -540,12 +552,13 @@ bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, S
     const bool closed = half_edges_[2 * e].origin == none;
     for (std::size_t i = 0; i < cuts.size(); ++i) {
         const Cut& cut = cuts[i];
-        const Index v = split_edge(e, cut.point, rival.g);
+        const Index v = split_edge(e, cut.point, defender_of(rival));
         vertices_[v].stamp = stamp_;
         vertices_[v].sign = Sign::Zero;
         const FormId left = half_edges_[2 * e].label, right = half_edges_[2 * e + 1].label;
         if (edges_[e].ties != none) vertices_[v].ties = copy_ties(edges_[e].ties);
-        if (cut.touching || vertices_[v].ties != none) add_ties(vertices_[v].ties, {left, right}, rival.f);
+        if (cut.touching || vertices_[v].ties != none)
+            add_ties(vertices_[v].ties, {left, right}, challenger_of(rival));
         if (closed && i == 0) {
             // The loop starts after the first cut; a second one ends it.
             if (!cut.touching) sign = -sign;

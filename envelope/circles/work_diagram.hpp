@@ -71,6 +71,14 @@ public:
     /// Merges in one more form.
     void insert(FormId challenger);
 
+    /// Forms of the kernel from `first` on are a floor (EnvelopeOptions::floor): they are inserted where they
+    /// are greater than what is there. `is_below`: the diagram's edges between a floor and other forms have
+    /// the lesser of the two on either side. Stays until it is set again; none: there is no floor.
+    void set_floor(FormId first, bool is_below) {
+        first_floor_ = first;
+        is_below_floor_ = is_below;
+    }
+
     /// Becomes the diagram of the forms of both, by overlay. Pre: neither is this one; both have this
     /// one's kernel, the same polygon, and no form in common.
     void merge(const WorkDiagram& defender, const WorkDiagram& challenger);
@@ -83,6 +91,20 @@ public:
     static constexpr Index outside = 0;  ///< the face around the polygon
 
 private:
+    // A floor's form takes over where it is greater: then `challenger - defender` of what follows is that of
+    // the two in turn, so that it is negative where the challenger wins here, too.
+    bool is_floor(FormId f) const { return first_floor_.valid() && f >= first_floor_; }
+    FormPair rivals(FormId challenger, FormId defender) const {
+        return inserts_greater_ ? FormPair{defender, challenger} : FormPair{challenger, defender};
+    }
+    FormId challenger_of(FormPair rival) const { return inserts_greater_ ? rival.g : rival.f; }
+    FormId defender_of(FormPair rival) const { return inserts_greater_ ? rival.f : rival.g; }
+    // The curve between two labels, the lesser form on its left.
+    FormPair between(FormId left, FormId right) const {
+        const bool l = is_floor(left), r = is_floor(right);
+        return (l && r) || (!is_below_floor_ && (l || r)) ? FormPair{right, left} : FormPair{left, right};
+    }
+
     struct Duel {  // a face and who challenges it
         Index face;
         FormId challenger;
@@ -176,6 +198,9 @@ private:
     std::vector<std::vector<FormId>> ties_;
     std::vector<Index> free_vertices_, free_edges_, free_faces_;
     Index stamp_ = 0;
+    FormId first_floor_;
+    bool is_below_floor_ = false;
+    bool inserts_greater_ = false;  // the challenger of this resolve() takes over where it is greater
     bool merging_ =
         false;  // resolve() compares two diagrams: every face has a challenger, and all are made anew
     // A closed edge without vertices counts as one vertex and one edge; isolated vertices do not count.

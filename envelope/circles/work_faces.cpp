@@ -17,7 +17,7 @@ void WorkDiagram::divide_face(Duel& d) {
         return;
     }
     const Face& f = faces_[d.face];
-    const FormPair rival{d.challenger, f.site};
+    const FormPair rival = rivals(d.challenger, f.site);
     bool positive = false, negative = false, root = false;
     const std::size_t first_touched = touched_.size();
     for_boundary(f, [&](Index h) {
@@ -55,7 +55,7 @@ void WorkDiagram::divide_face(Duel& d) {
 // Where the half-edge runs along the trisector.
 FormId WorkDiagram::winner_along(Index h, const Duel& d) {
     const FormId site = faces_[d.face].site;
-    const FormPair c = directed(h), rival{d.challenger, site};
+    const FormPair c = directed(h), rival = rivals(d.challenger, site);
     const Index v = half_edges_[h].origin;
     const bool along = v == none ? kernel_.curvature_sign(c) == kernel_.curvature_sign(rival)
                                  : kernel_.same_direction(vertices_[v].point, c, rival);
@@ -113,8 +113,8 @@ void WorkDiagram::insert_arcs(FormPair rival) {
         if (!first || first->half_edge != none) throw InternalError("a trisector's arc has no end");
         const Index e = add_edge(rival, s.vertex, first->vertex, false);
         edges_[e].stamp = stamp_;
-        half_edges_[2 * e].label = rival.f;
-        half_edges_[2 * e + 1].label = rival.g;
+        half_edges_[2 * e].label = challenger_of(rival);
+        half_edges_[2 * e + 1].label = defender_of(rival);
         s.half_edge = 2 * e;
         first->half_edge = 2 * e + 1;
         set_bounds(e);
@@ -138,7 +138,7 @@ void WorkDiagram::insert_arcs(FormPair rival) {
 // or none: then the loser of the outer boundary wins inside the circle, or touches in a single point.
 void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     const Face& f = faces_[d.face];
-    const FormPair rival{d.challenger, f.site};
+    const FormPair rival = rivals(d.challenger, f.site);
     if (kernel_.curvature_sign(rival) != boundary || kernel_.circle_leaves_box(rival, f.box)) return;
     const Sign radius = kernel_.radius_sign(rival);
     if (radius == Sign::Negative) return;
@@ -160,8 +160,8 @@ void WorkDiagram::insert_island(Duel& d, Sign boundary) {
     ++live_vertices_;
     link(2 * e, 2 * e);
     link(2 * e + 1, 2 * e + 1);
-    half_edges_[2 * e].label = rival.f;
-    half_edges_[2 * e + 1].label = rival.g;
+    half_edges_[2 * e].label = challenger_of(rival);
+    half_edges_[2 * e + 1].label = defender_of(rival);
     set_bounds(e);
     if (!d.met && !merging_ && f.inner.empty() && f.isolated.empty()) {
         // The common case at once: a new face in a hole of the old one.
@@ -248,7 +248,7 @@ void WorkDiagram::rebuild_faces() {
         half_edges_[h].face = none;
         Edge& edge = edges_[h >> 1];
         // The edge may separate others than before, tied all along it.
-        if (!edge.rim) edge.curve = {half_edges_[h & ~1u].label, half_edges_[h | 1u].label};
+        if (!edge.rim) edge.curve = between(half_edges_[h & ~1u].label, half_edges_[h | 1u].label);
     }
     for (const Index h : touched_) {
         if (!edges_[h >> 1].alive || half_edges_[h].face != none) continue;

@@ -239,6 +239,17 @@ FormId ChartArcs::circular_successor(EdgeId e, VertexId v) const {
     return {};
 }
 
+// Of a form that takes over at an end. With a floor, the greater of its forms shows, and of it and the rest
+// the greater one or the lesser.
+bool ChartArcs::is_lower_along(EdgeId e, FormId third) const {
+    if (diagram_.floor.empty()) return false;
+    const bool l = diagram_.is_of_floor(diagram_.edges[e].left),
+               r = diagram_.is_of_floor(diagram_.edges[e].right);
+    if (l != r) return diagram_.is_of_floor(third);
+    if (l == diagram_.is_of_floor(third)) return l;
+    return !diagram_.is_below_floor;
+}
+
 bool ChartArcs::ends_at_circular(EdgeId e) const {
     const auto is_known = [&](VertexId v) {
         return circular_successor(e, v).valid() || !diagram_.sides(v).empty();
@@ -285,11 +296,13 @@ bool ChartArcs::is_major_arc(EdgeId e, const Circle& c) {
     kernel.reset(&family_);
     const FormPair curve{kernel.add_form(edge.left), kernel.add_form(edge.right)};
     // Something takes over at an end: a third form or a side of the region. The difference decreases
-    // along the edge at its start and grows at its end, which names one of the two crossings.
+    // along the edge at its start and grows at its end, which names one of the two crossings; or the other
+    // way round where what takes over is lower along the edge.
     const auto end_point = [&](VertexId v, Sign orientation) {
         FormPair other;
         if (const FormId third = circular_successor(e, v); third.valid()) {
             other = {curve.f, kernel.add_form(third)};
+            if (is_lower_along(e, third)) orientation = -orientation;
         } else {
             const ConvexRegion::Side& side = diagram_.region.sides[diagram_.sides(v).front()];
             other = {CircleKernel::zero_form(), kernel.add_line(side.a, side.b, side.c)};

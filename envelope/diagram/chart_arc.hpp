@@ -100,6 +100,7 @@ private:
     Circle circle(FormId f, FormId g) const;
     double exact_turn(EdgeId e, double turn);
     FormId circular_successor(EdgeId e, VertexId v) const;
+    bool is_lower_along(EdgeId e, FormId third) const;
     bool ends_at_circular(EdgeId e) const;
     bool is_taken_beyond(EdgeId e, const Circle& circle, double turn, double off);
     bool is_major_arc(EdgeId e, const Circle& circle);

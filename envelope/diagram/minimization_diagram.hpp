@@ -73,7 +73,8 @@ struct MinimizationDiagram {
         double height;          ///< the minimum at `point`
         double height_error;    ///< bound on its distance from the minimum at the true vertex
     };
-    /// The arc of half-edge 2e. Inner edges lie on {left = right}, left being lower on the left side.
+    /// The arc of half-edge 2e. Inner edges lie on {left = right}, left being lower on the left side; where
+    /// has_lower_across() says so, left is the form of the face on the right.
     /// Rim edges have the region on their left: right is none and `side` is the region's side.
     struct Edge {
         FormId left, right;
@@ -123,6 +124,14 @@ struct MinimizationDiagram {
         return {pieces_.data() + piece_offsets_[e.value], pieces_.data() + piece_offsets_[e.value + 1]};
     }
     bool is_circular(FormId f) const { return f.value < forms.size(); }
+    bool is_of_floor(FormId f) const { return std::ranges::find(floor, f) != floor.end(); }
+    /// Is the lower form of these two on the other one's side of an edge between them? So it is where the
+    /// diagram is of the greater one.
+    bool has_lower_across(FormId left, FormId right) const {
+        if (floor.empty()) return false;
+        const bool l = is_of_floor(left), r = is_of_floor(right);
+        return (l && r) || (!is_below_floor && (l || r));
+    }
     /// Where half-edge 2e begins and ends; none where the edge is closed.
     VertexId start(EdgeId e) const { return dcel.origin(Dcel::half_edge(e)); }
     VertexId end(EdgeId e) const { return dcel.target(Dcel::half_edge(e)); }
@@ -151,6 +160,8 @@ struct MinimizationDiagram {
     std::vector<ArcPiece> pieces_;
     std::vector<std::uint32_t> piece_offsets_;  // empty: no edge has pieces
     std::vector<std::uint32_t> vertex_offsets_, edge_offsets_, vertex_sides_, side_offsets_;
+    std::vector<FormId> floor;    ///< as EnvelopeOptions::floor
+    bool is_below_floor = false;  ///< likewise
 
 private:
     static std::span<const FormId> slice(const std::vector<FormId>& flat,
@@ -172,6 +183,12 @@ struct EnvelopeOptions {
     /// Forms that are sides of the box. The axis of a cylinder may all but lie on one of these, which then
     /// tells nothing of the cell's size in other directions. Changes the time taken only.
     std::vector<FormId> box_sides;
+    /// Circular forms that do not compete: their upper envelope is a floor. The diagram is that of the
+    /// greater one of it and of the lower envelope of the others, or of the lesser one if it
+    /// `is_below_floor`: where the floor is the greater one rays that begin there have been met before. Over
+    /// a plane, among circular forms.
+    std::vector<FormId> floor;
+    bool is_below_floor = false;
 };
 
 /// The lower envelope of the forms over the region, exact.

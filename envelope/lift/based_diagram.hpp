@@ -24,6 +24,8 @@ struct BasedDiagram {
     /// The sites that an edge has on its left and right.
     std::array<Site, 2> sites(EdgeId e) const {
         const MinimizationDiagram::Edge& edge = diagram.edges[e];
+        if (!edge.on_rim() && diagram.has_lower_across(edge.right, edge.left))
+            return {main_site(edge.right), main_site(edge.left)};
         return {main_site(edge.left), edge.on_rim() ? problem.region[edge.side].site : main_site(edge.right)};
     }
     /// Adds the sites of the rims where a vertex lies on some.

@@ -110,7 +110,7 @@ public:
     void add_rim_sites(VertexId v, SmallVector<Site, 4>& sites) const {
         of_.add_rim_sites(v, sites);
         const std::span<const std::uint32_t> sides = diagram_.sides(v);
-        if (sides.size() < 2) return;
+        if (sides.size() < 2 || problem_.corner_sites.empty()) return;
         const bool is_second = sides[1] == (sides[0] + 1) % problem_.region.size();
         const auto& through = problem_.corner_sites[is_second ? sides[1] : sides[0]];
         sites.insert(sites.end(), through.begin(), through.end());
@@ -169,15 +169,20 @@ public:
         double square = 0;
         for (const Eigen::Vector4d& p : curve.points) square = std::max(square, p.head<3>().squaredNorm());
         error += motion_back(std::sqrt(square));
-        highest_.add(heights[1], error);
+        if (shows(e)) highest_.add(heights[1], error);
         // The patches belong to what the edge's error bounds.
         for (const unsigned side : {0u, 1u}) error += roundings_[diagram_.face(e, side)];
         return {error, error};
     }
 
     void finish(const Cell& cell) {
+        std::vector<bool> is_shown(cell.vertices.size(), problem_.floor.empty());
+        if (!problem_.floor.empty())
+            for (const EdgeId e : diagram_.edges.ids())
+                for (const VertexId v : {diagram_.start(e), diagram_.end(e)})
+                    if (v.valid() && shows(e)) is_shown[v.value] = true;
         for (const VertexId v : diagram_.vertices.ids())
-            highest_.add(diagram_.vertices[v].height, cell.vertices[v.value].error);
+            if (is_shown[v.value]) highest_.add(diagram_.vertices[v].height, cell.vertices[v.value].error);
     }
 
     void measure(const IdVector<EdgeId, double>&, Cell& cell) const {
@@ -186,6 +191,15 @@ public:
     }
 
 private:
+    // Does the cell have a face beside the edge?
+    bool shows(EdgeId e) const {
+        const auto shows_face = [&](unsigned side) {
+            const FormId form = diagram_.face_forms[diagram_.face(e, side)];
+            return form.valid() && problem_.shows(form, diagram_.is_below_floor);
+        };
+        return problem_.floor.empty() || shows_face(0) || shows_face(1);
+    }
+
     // What the motion back to the world adds to an error at a distance from the origin: three products and
     // three sums a coordinate, of factors rounded once.
     double motion_back(double distance) const { return 8 * u * (distance + origin_); }

@@ -266,7 +266,7 @@ public:
     void run() {
         for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
         for (std::uint32_t i = 0; i < cell_.faces.size(); ++i) measure_face(FaceId{i + 1}, cell_.faces[i]);
-        for (std::size_t i = 0; i < areas_.size(); ++i) set_area(cell_.faces[i], areas_[i]);
+        for (std::uint32_t i = 0; i < areas_.size(); ++i) set_area(FaceId{i + 1}, cell_.faces[i], areas_[i]);
         Measures& m = cell_.measures;
         m.volume = volume_.value();
         m.volume_error = volume_.bound();
@@ -275,12 +275,14 @@ public:
         m.box_area = box_area_.value();
         m.box_area_error = box_area_.bound();
         m.body_volume = m.body_volume_error = 0;
-        m.base_area = region_area(problem_.region);
+        m.base_area = region_area(problem_.floor.empty() ? problem_.region : problem_.region_in_box);
         m.base_area_error = 0x1p-49 * m.base_area;
         // The base region is cut out by the box, so the cell always ends at its sides.
         m.touches_box = true;
-        m.min_clearance = min_clearance_.value;
-        m.min_clearance_error = min_clearance_.error();
+        if (problem_.floor.empty()) {
+            m.min_clearance = min_clearance_.value;
+            m.min_clearance_error = min_clearance_.error();
+        }
         rank_neighbors(cell_);
     }
 
@@ -348,7 +350,11 @@ private:
         BoundedSum length;
         for (const ArcSpan& span : arcs_.spans(e)) {
             add_space_length(f, span, length);
-            if (edge.on_rim()) add_wall(f, span, box_area_);
+            if (edge.on_rim() && shows(e, 0)) {
+                BoundedSum wall;
+                add_wall(f, span, wall);
+                box_area_.add(diagram_.is_below_floor ? -wall.value() : wall.value(), wall.bound());
+            }
             add_position_error(e, span, arcs_.error(e));
         }
         set_length(cell_.edges[e.value], length);
@@ -361,7 +367,7 @@ private:
         const CircularForm& f = diagram_.forms[edge.left];
         const double height = std::max(f(span.from.x(), span.from.y()), f(span.to.x(), span.to.y()));
         const auto slope = [&](unsigned side) {
-            return slope_bound(diagram_.forms[side == 0 ? edge.left : edge.right], span);
+            return slope_bound(diagram_.forms[diagram_.face_forms[diagram_.face(e, side)]], span);
         };
         add_position_error(e, span.length(), error, height, slope);
     }
@@ -380,13 +386,23 @@ private:
         const double left = slope(0);
         add_area_error(0, left);
         if (edge.on_rim()) {
+            if (!shows(e, 0)) return;
             volume_.add(0, strip * height);
             box_area_.add(0, 2 * error * height + length * error * left);
             return;
         }
         const double right = slope(1);
         add_area_error(1, right);
-        volume_.add(0, strip * error * (left + right));
+        if (shows(e, 0) == shows(e, 1))
+            volume_.add(0, strip * error * (left + right));
+        else
+            volume_.add(0, strip * (std::abs(height) + error * (left + right)));
+    }
+
+    // Does the cell have the face on that side of the edge?
+    bool shows(EdgeId e, unsigned side) const {
+        const FormId form = diagram_.face_forms[diagram_.face(e, side)];
+        return form.valid() && problem_.shows(form, diagram_.is_below_floor);
     }
 
     void measure_face(FaceId id, const CellFace& face) {
@@ -440,7 +456,7 @@ private:
             add_face(id, volume, curved_area.value(), curved_area.bound());
         else
             add_face(id, volume, stretch * chart_area.value(), stretch * chart_area.bound());
-        add_region_minimum(f, problem_, min_clearance_);
+        if (problem_.floor.empty()) add_region_minimum(f, problem_, min_clearance_);
     }
 
     void measure_cylinder_face(FaceId id) {
@@ -466,13 +482,15 @@ private:
 
     void add_face(FaceId id, const BoundedSum& volume, double area, double area_bound) {
         areas_[id.value - 1].add(area, area_bound);
-        volume_.add(volume.value(), volume.bound());
+        if (problem_.shows(diagram_.face_forms[id], diagram_.is_below_floor))
+            volume_.add(volume.value(), volume.bound());
     }
 
-    void set_area(CellFace& face, const BoundedSum& area) {
+    void set_area(FaceId id, CellFace& face, const BoundedSum& area) {
         // A face thinner than the spacing of doubles may come out below zero by its rounding.
         face.area = std::max(0.0, area.value());
         face.area_error = area.bound();
+        if (!problem_.shows(diagram_.face_forms[id], diagram_.is_below_floor)) return;
         (face.site.is_object() ? area_ : box_area_).add(face.area, face.area_error);
     }
 

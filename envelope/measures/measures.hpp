@@ -13,6 +13,9 @@ namespace vcell {
 /// Fills in face areas, edge lengths, neighbors and all measures but max_clearance (which the space curves
 /// tell) of a cell that is otherwise lifted.
 ///
+/// With a floor (EnvelopeOptions::floor), of faces that the problem shows: below the floor the volume is that
+/// below them, and walls count as less than nothing, both to be taken away. min_clearance is left out then.
+///
 /// Errors bound truncation (proven, quadrature.hpp), rounding (first order, doubled) and the effect of the
 /// vertices' and arcs' own position errors. base_area has a relative error of 2^-49.
 void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,

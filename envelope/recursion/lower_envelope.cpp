@@ -64,7 +64,7 @@ public:
           region_(region),
           options_(options),
           patchwork_(family),
-          merger_(family, options.largest_piece),
+          merger_(family, options),
           root_(make_piece(sides_of(region))),
           analysis_(family, extent(root_.rect)),
           cutter_(family) {}
@@ -106,6 +106,8 @@ private:
     std::vector<FormId> all_forms() const {
         std::vector<FormId> all(family_.size());
         for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = FormId{i};
+        std::erase_if(all,
+                      [&](FormId f) { return std::ranges::find(options_.floor, f) != options_.floor.end(); });
         return all;
     }
 
@@ -117,6 +119,11 @@ private:
     MinimizationDiagram finish() {
         MinimizationDiagram result = patchwork_.finish(analysis_.heights());
         result.region = region_;
+        result.floor = options_.floor;
+        result.is_below_floor = options_.is_below_floor;
+        for (MinimizationDiagram::Edge& edge : result.edges)
+            if (!edge.on_rim() && result.has_lower_across(edge.left, edge.right))
+                std::swap(edge.left, edge.right);
         result.decisions = merger_.decisions();
         result.decisions += analysis_.decisions();
         result.work = merger_.effort();

@@ -21,9 +21,15 @@ class PieceMerger {
     using Form = CircleKernel::Form;
 
 public:
-    /// `largest` as EnvelopeOptions::largest_piece. The family must outlive this object.
-    PieceMerger(const FormFamily& family, std::size_t largest)
-        : family_(family), largest_(largest), forms_(family), work_(kernel_) {}
+    /// The family and the options must outlive this object.
+    PieceMerger(const FormFamily& family, const EnvelopeOptions& options)
+        : family_(family),
+          options_(options),
+          largest_(options.largest_piece),
+          forms_(family),
+          work_(kernel_),
+          floor_(kernel_),
+          lesser_(kernel_) {}
     PieceMerger(const PieceMerger&) = delete;
     PieceMerger& operator=(const PieceMerger&) = delete;
 
@@ -53,8 +59,9 @@ public:
         for (const PieceSide& s : piece.sides) lines_.push_back(kernel_.add_line(s.a, s.b, s.c));
         std::vector<FormId> forms;
         for (const auto& [height, f] : order_) forms.push_back(kernel_.add_form(f));
+        work_.set_floor({}, false);
         merge_all(work_, forms, piece.rect);
-        return work_;
+        return options_.floor.empty() ? work_ : merge_floor();
     }
 
 private:
@@ -69,6 +76,23 @@ private:
         for (std::size_t i = 0; i < candidates.size(); ++i)
             if (kept_[i]) candidates[count++] = candidates[i];
         candidates.resize(count);
+    }
+
+    // The diagram of work_ and the floor. Its forms come last in the kernel.
+    const WorkDiagram& merge_floor() {
+        std::vector<FormId> floor;
+        for (const FormId f : options_.floor) floor.push_back(kernel_.add_form(f));
+        effort_.insertions += floor.size();
+        for (WorkDiagram* diagram : {&work_, &floor_, &lesser_})
+            diagram->set_floor(floor.front(), options_.is_below_floor);
+        if (!options_.is_below_floor) {
+            for (const FormId f : floor) work_.insert(f);
+            return work_;
+        }
+        floor_.start(lines_, floor.front());
+        for (const FormId f : std::span(floor).subspan(1)) floor_.insert(f);
+        lesser_.merge(work_, floor_);
+        return lesser_;
     }
 
     // The diagram of these forms of the kernel, low ones first, over the polygon lines_.
@@ -102,10 +126,11 @@ private:
     }
 
     const FormFamily& family_;
+    const EnvelopeOptions& options_;
     const std::size_t largest_;
     CircularCulling forms_;
     CircleKernel kernel_;
-    WorkDiagram work_;
+    WorkDiagram work_, floor_, lesser_;
     EnvelopeWork effort_;
     // Working space.
     std::vector<char> kept_;

@@ -1,6 +1,7 @@
 #include "check.hpp"
 
 #include "edges.hpp"
+#include "entries.hpp"
 #include "faces.hpp"
 #include "kinds.hpp"
 #include "measures.hpp"
@@ -25,6 +26,7 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     const auto edges = certify_edges(subject, options, certificate);
     certify_kinds(subject, options, certificate);
     certify_faces(subject, edges, options, certificate);
+    certify_entries(subject, options, certificate);
     const bool is_covered = certify_measures(subject, edges, options, certificate);
     if (!is_covered || !certificate.holds()) sample(subject, options, certificate);
     return certificate;

@@ -263,7 +263,7 @@ private:
     void add(const EdgeUse& use, Interval volume, Interval area, Interval shadow) {
         FaceIntegrals& face = sums_.faces[use.face];
         face.volume = use.reversed ? face.volume - volume : face.volume + volume;
-        face.area = use.reversed ? face.area - area : face.area + area;
+        face.area = use.reversed != use.is_entered ? face.area - area : face.area + area;
         face.shadow = use.reversed ? face.shadow - shadow : face.shadow + shadow;
     }
 
@@ -325,7 +325,8 @@ private:
         sums_.total.volume += volume;
     }
 
-    /// Under a plane's rim a wall as high as the edge; at a cylinder's end the disc sector below it.
+    /// Under a plane's rim a wall as high as the edge, which begins at that height where rays come in there;
+    /// at a cylinder's end the disc sector below it.
     void add_side(std::size_t e, const Span& span) {
         std::array<Interval, 1> sum{};
         Effort effort{effort_};
@@ -337,7 +338,8 @@ private:
             if (!(chord.lower() > 0)) {
                 const Interval height =
                     z.enclosure() + hull((a.n[2] / a.w).enclosure(), (b.n[2] / b.w).enclosure());
-                sums_.sides += chord.enclosure() * height;
+                const Interval wall = chord.enclosure() * height;
+                sums_.sides = uses_[e][0].is_entered ? sums_.sides - wall : sums_.sides + wall;
                 return;
             }
             const MidRad share = MidRad(1.0) / chord;
@@ -349,7 +351,7 @@ private:
                                             square(p.w)};
                 },
                 -1, 1, {enough_[1]}, sum, effort);
-            sums_.sides += sum[0];
+            sums_.sides = uses_[e][0].is_entered ? sums_.sides - sum[0] : sums_.sides + sum[0];
             return;
         }
         integrate<1>(

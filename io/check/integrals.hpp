@@ -13,8 +13,9 @@
 namespace vcell::check {
 
 struct FaceIntegrals {
-    Interval volume, area;  ///< volume: from the plane, the centre or the axis on
-    Interval shadow;  ///< area over a plane, solid angle about a sphere, angle times length on a cylinder
+    Interval volume, area;  ///< volume: from the plane, the centre or the axis on; less than 0 where entered
+    Interval shadow;  ///< likewise: area over a plane, solid angle about a sphere, angle times length on a
+                      ///< cylinder
     bool is_known = true;   ///< false: its side of a plane, or a start, could not be told
     bool is_proved = true;  ///< false: what some rule leaves out of volume or area is estimated
 };
@@ -44,6 +45,7 @@ struct Integrals {
 struct EdgeUse {
     std::size_t face;
     bool reversed;
+    bool is_entered = false;  ///< the face is seen against the base's normals' sense
 };
 
 /// What is known of an edge.

@@ -67,7 +67,8 @@ private:
             const double growth = edges_[e].growth;
             bands.push_back({edge_error(e), growth > 0 ? std::sqrt(2 / growth) : HUGE_VAL});
             uses[e].reserve(uses_[e].size());
-            for (const auto& use : uses_[e]) uses[e].push_back({use.face, use.reversed});
+            for (const auto& use : uses_[e])
+                uses[e].push_back({use.face, use.reversed, subject_.is_entered(use.face)});
         }
         // As exact as coordinates are.
         const std::array<double, 3> enough{0x1p-44 * power(size_, 3), 0x1p-44 * power(size_, 2),
@@ -277,7 +278,8 @@ private:
             certificate_.leave_open(
                 "faces", "the area that they stand over could not be enclosed with this effort", HUGE_VAL);
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
-            if (integrals_.faces[f].shadow.upper() >= -integrals_.slack[f].shadow) continue;
+            const Interval& own = integrals_.faces[f].shadow;
+            if ((subject_.is_entered(f) ? -own : own).upper() >= -integrals_.slack[f].shadow) continue;
             constexpr const char* what = "its loops run the wrong way around its shadow on the base";
             if (integrals_.are_shadows_proved)
                 note(face_path(f), what);

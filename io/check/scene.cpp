@@ -196,6 +196,15 @@ double SceneGeometry::distance_from_rim(const Site& s, const Vec3& p) const {
     return HUGE_VAL;
 }
 
+bool SceneGeometry::is_upright(const Site& s) const {
+    constexpr double rounding = 0x1p-50;
+    return plane_ && s.kind == Site::Kind::BoxSide && std::abs(normal_[s.index / 2]) <= rounding;
+}
+
+bool SceneGeometry::lets_in(const Site& s) const {
+    return plane_ && s.kind == Site::Kind::BoxSide && !is_upright(s) && speed(s.index, normal_) < 0;
+}
+
 /// A large square about the box's shadow, cut by the six sides.
 void SceneGeometry::find_region() {
     const Vec2 c = chart(0.5 * (scene_.box.min + scene_.box.max));

@@ -69,6 +69,10 @@ public:
     /// How far the base point below p is from the part of the rim that a site names; infinite if it names
     /// none.
     double distance_from_rim(const Site& s, const Vec3& p) const;
+    /// Over a base plane: is it a side of the box along the normals, as far as rounding tells?
+    bool is_upright(const Site& s) const;
+    /// Likewise: do rays come into the box through it, and not out?
+    bool lets_in(const Site& s) const;
 
     /// Plane: p's place in it.
     Vec2 chart(const Vec3& p) const { return {across_[0].dot(p - origin_), across_[1].dot(p - origin_)}; }

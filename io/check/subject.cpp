@@ -22,7 +22,9 @@ Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate
     for (std::size_t e = 0; e < uses.size(); ++e) {
         if (uses[e].size() != 1) continue;
         const Site& outer = cell.edges[e].sites[!uses[e][0].reversed];
-        if (over_rim(e, outer)) rim[e] = outer;
+        // All of a complete cell's boundary has faces but the base and sides along its normals.
+        if (over_rim(e, outer) && (!cell.is_complete || geometry.is_upright(outer) || is_on_base(e)))
+            rim[e] = outer;
     }
 }
 
@@ -106,6 +108,15 @@ bool Subject::over_rim(std::size_t e, const Site& site) const {
             const Vec3 p = piece.evaluate(piece.begin + s * (piece.end - piece.begin))[0];
             if (geometry.distance_from_rim(site, p) > full_error(e) + geometry.rounding()) return false;
         }
+        return true;
+    });
+}
+
+bool Subject::is_on_base(std::size_t e) const {
+    return std::ranges::all_of(edge_pieces[e], [&](const auto& piece) {
+        for (std::size_t i = 0; i < piece.points.size(); ++i)
+            if (std::abs(geometry.height(piece.control(i))) > full_error(e) + geometry.rounding())
+                return false;
         return true;
     });
 }

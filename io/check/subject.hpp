@@ -34,6 +34,10 @@ struct Subject {
     double tolerance() const;
     /// Of an edge, that of its end vertices included: the curve runs through them.
     double full_error(std::size_t e) const;
+    /// Is it a face of a complete cell through which rays come into the box?
+    bool is_entered(std::size_t face) const {
+        return cell.is_complete && geometry.lets_in(cell.faces[face].site);
+    }
     /// All sites of an edge, ascending.
     std::vector<Site> label(std::size_t e) const;
 
@@ -51,6 +55,7 @@ private:
     void join_uses(std::size_t e, Certificate& certificate);
     Use use(std::size_t face, const TrimCurve& trim) const;
     bool over_rim(std::size_t e, const Site& site) const;
+    bool is_on_base(std::size_t e) const;
 };
 
 }  // namespace vcell::check

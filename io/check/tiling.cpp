@@ -326,6 +326,8 @@ private:
     /// what lies beyond a rim as a face (one of a plane, two of a cylinder, none of a sphere); and as many
     /// boundary loops as components.
     void check_euler() {
+        // A complete cell has as many handles as objects reach through its floor.
+        if (cell_.is_complete) return;
         std::vector<std::size_t> parent(cell_.vertices.size());
         std::iota(parent.begin(), parent.end(), std::size_t{0});
         const auto root = [&](std::size_t v) {

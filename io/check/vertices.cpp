@@ -244,6 +244,11 @@ private:
             conditions.push_back(rim);
             return;
         }
+        // A complete cell goes on to the sides: over the rim it ends on the base alone.
+        if (cell_.is_complete && !both) {
+            conditions.push_back(side);
+            return;
+        }
         const auto off = [&](const Condition& c) {
             return magnitude(space().excess(c, to_vector<Interval>(v.point))).lower();
         };
@@ -340,7 +345,9 @@ private:
         std::vector<Condition>& found = rivals_;
         Room::rivals(v.point, reach + rounding(), {}, found);
         for (std::uint32_t s = 0; geometry_.is_plane() && s < 6; ++s)
-            if (!is_parallel(Site::box_side(s))) found.push_back({Site::box_side(s), true});
+            if (const Site side = Site::box_side(s);
+                !is_parallel(side) && (!cell_.is_complete || geometry_.is_upright(side)))
+                found.push_back({side, true});
         std::erase_if(found, [&](const Condition& c) { return contains(v.sites, c.site); });
         return found;
     }

@@ -173,6 +173,7 @@ public:
     Cell read() {
         in_.object(required_member("vcell", [&] { read_format_version(in_); }),
                    required_member("scene", [&] { cell_.scene = read_scene_value(in_); }),
+                   optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }),
                    required_member("vertices", [&] { list(cell_.vertices, [&] { return vertex(); }); }),
                    required_member("edges", [&] { list(cell_.edges, [&] { return edge(); }); }),
                    required_member("faces", [&] { list(cell_.faces, [&] { return face(); }); }),
@@ -408,6 +409,7 @@ void write_cell(std::ostream& out, const Cell& cell) {
     writer.object([&] {
         writer.key("vcell").value(format_version);
         write_scene_value(writer.line_key("scene"), cell.scene);
+        if (cell.is_complete) writer.line_key("complete").value(true);
         writer.line_key("vertices").lines(cell.vertices, [&](const CellVertex& v) {
             write_vertex(writer, v);
         });

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "../../core/errors.hpp"
+#include "polygons.hpp"
 #include "trims.hpp"
 
 namespace vcell {
@@ -23,20 +24,6 @@ struct SampledLine {
     std::vector<double> parameters;
     std::vector<std::uint32_t> points;
 };
-
-/// One point of a face's polygon.
-struct LoopPoint {
-    std::uint32_t point;  // of the mesh
-    Vec2 uv;
-    std::uint32_t line;  // the edge or seam that starts or goes on here
-};
-
-bool proper_crossing(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-    const auto turn = [](const Vec2& p, const Vec2& q, const Vec2& r) {
-        return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
-    };
-    return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
-}
 
 /// How far the middle of the side from a to b, straight in space, stays away from the patch.
 double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
@@ -379,7 +366,9 @@ private:
     // A plane base: the rim stands on its own foot, with walls between, and the polygon of the feet is the
     // floor. A cylinder base: each rim is the boundary of an end, across the axis. A sphere base has no rim.
     void add_walls_and_base() {
-        if (const auto* plane = std::get_if<Plane>(&cell_.scene.base)) {
+        if (const auto* plane = std::get_if<Plane>(&cell_.scene.base); plane && cell_.is_complete) {
+            add_upright_walls_and_base(*plane);
+        } else if (plane) {
             const std::vector<std::vector<LoopPoint>> rims = rim_polygons();
             if (rims.size() != 1) fail_rim();
             add_walls_and_floor(*plane, rims[0]);
@@ -389,6 +378,61 @@ private:
             for (const auto& rim : rims) add_end(*cylinder, rim);
         }
     }
+
+    // A complete cell has no faces on the base, nor on sides of the box upright on it. One rim runs all
+    // around the base's region: between leaving it for a wall and coming back a wall meets it in a line.
+    void add_upright_walls_and_base(const Plane& plane) {
+        std::array<std::vector<std::vector<LoopPoint>>, 6> walls;
+        std::vector<LoopPoint> base;
+        for (std::vector<LoopPoint>& rim : rim_polygons()) {
+            const auto wall = [&](const LoopPoint& p) { return wall_beside(plane, p.line); };
+            const auto first = std::ranges::find_if(rim, [&](const LoopPoint& p) { return !wall(p); });
+            if (first == rim.end()) {
+                walls[*wall(rim.front())].push_back(std::move(rim));
+                continue;
+            }
+            std::ranges::rotate(rim, first);
+            rim.push_back(rim.front());
+            for (std::size_t i = 0; i + 1 < rim.size(); ++i) {
+                const auto at = wall(rim[i]), before = i == 0 ? std::nullopt : wall(rim[i - 1]);
+                if (!at || at != before) base.push_back(rim[i]);
+                if (!at) continue;
+                if (at != before) walls[*at].push_back({rim[i]});
+                walls[*at].back().push_back(rim[i + 1]);
+            }
+        }
+        const std::size_t walls_begin = mesh_.triangles.size();
+        for (std::size_t s = 0; s < walls.size(); ++s)
+            if (!walls[s].empty())
+                add_flat_parts(walls[s],
+                               (s % 2 == 0 ? -1 : 1) * Vec3::Unit(static_cast<Eigen::Index>(s / 2)));
+        mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, walls_begin, mesh_.triangles.size()});
+        const std::size_t base_begin = mesh_.triangles.size();
+        add_flat_parts({base}, -plane.normal.stableNormalized());
+        mesh_.groups.push_back({CellMesh::Group::Kind::Base, none, base_begin, mesh_.triangles.size()});
+    }
+
+    // The side of the box upright on the base that an edge on the rim lies in.
+    std::optional<std::uint32_t> wall_beside(const Plane& plane, std::uint32_t edge) const {
+        for (const Site& s : cell_.edges[edge].sites)
+            if (s.kind == Site::Kind::BoxSide && plane.normal[s.index / 2] == 0) return s.index;
+        return std::nullopt;
+    }
+
+    // Polygons in one plane that have what they bound on their right, seen from where `out` points to.
+    void add_flat_parts(const std::vector<std::vector<LoopPoint>>& polygons, const Vec3& out) {
+        const Vec3 x = out.unitOrthogonal(), y = out.cross(x), origin = mesh_.points[polygons[0][0].point];
+        std::vector<std::vector<LoopPoint>> turned;
+        for (const auto& polygon : polygons) {
+            turned.emplace_back();
+            for (auto p = polygon.rbegin(); p != polygon.rend(); ++p) {
+                const Vec3 q = mesh_.points[p->point] - origin;
+                turned.back().push_back({p->point, {x.dot(q), y.dot(q)}, p->line});
+            }
+        }
+        for (const auto& part : with_holes(std::move(turned))) add_flat(part, out);
+    }
+
     [[noreturn]] static void fail_rim() {
         throw InternalError("tessellate: the rim of the cell does not close");
     }
@@ -419,7 +463,7 @@ private:
         mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, walls_begin, mesh_.triangles.size()});
 
         const std::size_t base_begin = mesh_.triangles.size();
-        add_flat(floor, -up);
+        add_flat({floor}, -up);
         for (std::size_t t = base_begin; t < mesh_.triangles.size(); ++t) {
             std::swap(mesh_.triangles[t][1], mesh_.triangles[t][2]);  // seen from below
             std::swap(mesh_.corner_normals[t][1], mesh_.corner_normals[t][2]);
@@ -445,13 +489,13 @@ private:
             end.push_back({p->point, {x.dot(from_axis), y.dot(from_axis)}, p->line});
         }
         const std::size_t begin = mesh_.triangles.size();
-        add_flat(end, out);
+        add_flat({end}, out);
         mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, begin, mesh_.triangles.size()});
     }
 
-    void add_flat(const std::vector<LoopPoint>& polygon, const Vec3& normal) {
+    void add_flat(const std::vector<std::vector<LoopPoint>>& polygons, const Vec3& normal) {
         add_triangles(
-            {polygon}, [](const Vec2&, const Vec2&) { return false; }, [](const Vec2&) { return Vec3(); },
+            polygons, [](const Vec2&, const Vec2&) { return false; }, [](const Vec2&) { return Vec3(); },
             [&](const Vec2&) { return normal; });
     }
 

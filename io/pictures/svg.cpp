@@ -55,7 +55,8 @@ public:
         project_cylinder_faces();
         const auto [low, high] = bounds();
         frame(low, high);
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f) face(f);
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
+            if (!is_entered(cell_, cell_.faces[f])) face(f);
         edges_and_vertices();
         print("</g>\n</svg>\n");
         flush();
@@ -148,7 +149,8 @@ private:
         for (const CellFace& face : cell_.faces)
             for (const TrimmedPatch& patch : face.patches)
                 for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop) f(in_chart(c));
+                    for (const TrimCurve& c : loop)
+                        if (!is_entered(cell_, face)) f(in_chart(c));
     }
 
     std::array<Vec2, 2> bounds() const {

@@ -19,6 +19,7 @@
 #include "../objects/message.hpp"
 #include "canonical.hpp"
 #include "nested_cylinders.hpp"
+#include "plane_forms.hpp"
 #include "plane_frame.hpp"
 #include "plane_region.hpp"
 #include "solids.hpp"
@@ -34,79 +35,17 @@ constexpr double smallest_slope = 1e-125;
 // A part of a ball's size and distance: of balls nearer to the base than that, contact is asked exactly.
 constexpr double near_contact = 0x1p-40;
 
-// ---- Forms ------------------------------------------------------------------------------------------
-
-// A ball in canonical coordinates, all of it times d.
-struct ExactBall {
-    ExactVector c;
-    Exact rho, d;
-
-    Exact behind() const { return c.z - rho; }  // height of the lowest point
-    Exact width() const { return c.z + rho; }   // beta
-};
-
-// Each of the four operations below is one rounding of exact operands or two of rounded ones: e has a
-// relative error of 3u, w of u.
-CircularForm ball_form(const Ball& s) {
-    CircularForm f;
-    f.k = 1;
-    f.cx = s.cx;
-    f.cy = s.cy;
-    f.e = (s.cz - s.rho) * (s.cz + s.rho);
-    f.w = 2 * (s.cz + s.rho);
-    return f;
-}
-
-ExactForm exact_ball_form(const ExactBall& s) {
-    const Exact twice_d = 2.0 * s.d;
-    return {s.d * s.d, -(twice_d * s.c.x), -(twice_d * s.c.y),
-            s.c.x * s.c.x + s.c.y * s.c.y + s.behind() * s.width(), twice_d * s.width()};
-}
-
-// About a centre in doubles, what it is off by in the linear terms: |p - c|^2 = |p - c~|^2 + 2 (c~ - c).p +
-// |c|^2 - |c~|^2. Coefficients are quotients of correctly rounded numbers: relative errors of 3u.
-CircularForm ball_form(const ExactBall& s) {
-    const double d = nearest(s.d), d2 = nearest(s.d * s.d);
-    CircularForm f;
-    f.k = 1;
-    f.cx = nearest(s.c.x) / d;
-    f.cy = nearest(s.c.y) / d;
-    const Exact cx = s.d * Exact(f.cx), cy = s.d * Exact(f.cy);
-    f.a = 2 * nearest(cx - s.c.x) / d;
-    f.b = 2 * nearest(cy - s.c.y) / d;
-    f.e = nearest(s.c.x * s.c.x + s.c.y * s.c.y - cx * cx - cy * cy + s.behind() * s.width()) / d2;
-    f.w = 2 * nearest(s.width()) / d;
-    return f;
-}
-
-// (A x + B y + C) / W, of a plane or a box side.
-using LinearForm = std::array<Exact, 4>;
-
-// n.p + d with the region on the positive side.
-struct HalfSpaceOverBase {
-    ExactVector n;
-    Exact d, length;  // |n| as length_of() has it
-};
-
-// Height of the plane n.p + d = 0 seen from its positive side: C = nx x + ny y + d, 2 beta = |n| - nz,
-// both multiplied by |n| + nz where the difference would cancel.
-LinearForm plane_form(const HalfSpaceOverBase& h) {
-    const ExactVector& n = h.n;
-    if (n.z.sign() != Sign::Positive) return {n.x, n.y, h.d, h.length - n.z};
-    const Exact factor = h.length + n.z;
-    return {factor * n.x, factor * n.y, factor * h.d, n.x * n.x + n.y * n.y};
-}
-
 // ---- The problem ------------------------------------------------------------------------------------
 
 class ProblemBuilder {
 public:
-    ProblemBuilder(const Scene& scene, const Plane& base, double unit)
+    ProblemBuilder(const Scene& scene, const Plane& base, double unit, bool has_floor)
         : scene_(scene),
+          has_floor_(has_floor),
           base_(base),
           frame_(std::make_shared<PlaneFrame>(base, scene.box)),
           box_(frame_->box()),
-          sides_(base_region(box_)),
+          sides_(has_floor ? ray_region(box_, scene.box, frame_->motion()) : base_region(box_)),
           region_(sides_),
           unit_(unit),
           sources_(std::make_shared<IdVector<FormId, FormSource>>()) {}
@@ -132,8 +71,10 @@ public:
         problem.moved = std::max(frame_->moved(), by_lengths);
         problem.moved_apart = planes_turn_ ? problem.moved : by_lengths;
         problem.region = sides_;
+        if (has_floor_) problem.region_in_box = base_region(box_);
+        problem.floor = std::move(floor_);
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
-        for (std::size_t i = 0; i < sides_.size(); ++i)
+        for (std::size_t i = 0; i < sides_.size() && !has_floor_; ++i)
             problem.corner_sites.push_back(sides_through(
                 base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         problem.family.forms = std::move(forms_);
@@ -247,7 +188,7 @@ private:
         std::vector<Sign> signs;
         for (const ExactPoint& c : corners) signs.push_back((h.n.x * c.x + h.n.y * c.y + h.d * c.d).sign());
         // A base that has turned by rounding may part from what touches it in the scene.
-        for (std::size_t c = 0; c < corners.size() && !frame_->is_exact(); ++c) {
+        for (std::size_t c = 0; c < corners.size() && !frame_->is_exact() && !has_floor_; ++c) {
             if (side_of(plane, world_corners()[c]) != signs[c]) signs[c] = Sign::Zero;
         }
         const auto differs = std::adjacent_find(signs.begin(), signs.end(), std::not_equal_to<>());
@@ -489,6 +430,26 @@ private:
             add_linear(i);
         }
         while (ball < balls_.size()) add_ball(ball++);
+        if (has_floor_) add_floor(linear, linear_sites);
+    }
+
+    // The base, and the sides through which rays come in.
+    void add_floor(const std::vector<LinearForm>& others, const std::vector<Site>& sites) {
+        const auto add = [&](const LinearForm& form, Site site) {
+            for (std::size_t i = 0; i < others.size(); ++i)
+                if (compare_rays(form, others[i]) == 0)
+                    fail(Kind::Unsupported, static_cast<std::uint32_t>(scene_.place(sites[i].index)),
+                         "is as far as the base all along side " + to_string(site) +
+                             " of the box, through which the base's rays come in");
+            floor_.push_back(forms_.push_back(rounded(form, site)));
+            const auto& [a, b, c, w] = form;
+            sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
+            sites_.add(site);
+        };
+        add({Exact(), Exact(), Exact(), Exact(1.0)}, Site::base());
+        for (const BoxSide& side : box_)
+            if (side.m.z() < 0 && (side.m.x() != 0 || side.m.y() != 0))
+                add({side.m.x(), side.m.y(), -side.k, -side.m.z()}, Site::box_side(side.index));
     }
 
     // Cylinders come after the circular forms, in the order of their objects.
@@ -517,6 +478,7 @@ private:
     }
 
     const Scene& scene_;
+    const bool has_floor_;
     const Plane& base_;
     const std::shared_ptr<const PlaneFrame> frame_;
     const std::array<BoxSide, 6>& box_;
@@ -541,6 +503,7 @@ private:
 
     IdVector<FormId, CircularForm> forms_;
     FormSites sites_;
+    std::vector<FormId> floor_;
     std::shared_ptr<IdVector<FormId, FormSource>> sources_;
     std::vector<std::string> warnings_;
 };
@@ -554,7 +517,29 @@ PlaneBaseProblem plane_base_problem(const Scene& scene, double unit) {
                          std::holds_alternative<Sphere>(scene.base) ? "base.sphere" : "base.cylinder",
                          "only planes are bases in this version");
     check_base_cuts_box(*base, scene.box);
-    return ProblemBuilder(scene, *base, unit).build();
+    return ProblemBuilder(scene, *base, unit, false).build();
+}
+
+bool lets_rays_in(const Scene& scene, std::uint32_t side) {
+    const auto* base = std::get_if<Plane>(&scene.base);
+    if (base == nullptr) return false;
+    const double along = base->normal[side / 2];
+    return side % 2 == 0 ? along > 0 : along < 0;
+}
+
+bool may_be_completed(const Scene& scene) {
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        if (scene.competes(i) && std::holds_alternative<Cylinder>(scene.objects[i])) return false;
+    return std::holds_alternative<Plane>(scene.base);
+}
+
+std::optional<PlaneBaseProblem> complete_plane_base_problem(const Scene& scene, double unit) {
+    if (!may_be_completed(scene)) return std::nullopt;
+    const Plane& base = std::get<Plane>(scene.base);
+    check_base_cuts_box(base, scene.box);
+    const PlaneFrame frame(base, scene.box);
+    if (!has_rays_from_outside(base, scene.box, frame.box())) return std::nullopt;
+    return ProblemBuilder(scene, base, unit, true).build();
 }
 
 std::array<double, 4> PlaneBaseProblem::chart_box() const {

@@ -18,6 +18,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "../objects/scene.hpp"
@@ -38,9 +39,20 @@ struct PlaneBaseProblem : BaseProblem {
     std::vector<AxisToBase> axes;
     /// Are the centres of two forms' balls on one normal of the base? Likewise.
     std::function<bool(FormId, FormId)> on_one_normal;
+    /// Of complete_plane_base_problem(): the part of the base in the box, of which `region` is then more.
+    std::vector<RegionSide> region_in_box;
+    /// Likewise: over all of these rays begin, the base itself first, then sides of the box. They are forms,
+    /// the last ones, but do not compete.
+    std::vector<FormId> floor;
 
     /// Holds the region {x0, x1, y0, y1}, but for the rounding of its corners.
     std::array<double, 4> chart_box() const;
+    /// Is there a floor, and does this diagram's part of the cell's boundary have the faces of that form?
+    /// Those above have the floor's faces where all rays have been met, or none has come in.
+    bool shows(FormId f, bool is_below_floor) const {
+        if (floor.empty()) return true;
+        return is_below_floor ? f > floor.front() : f < floor.front();
+    }
 };
 
 /// Throws InputError: Unsupported for bases that are no planes, EmptyBox when no region
@@ -51,6 +63,28 @@ struct PlaneBaseProblem : BaseProblem {
 /// Messages give places in lengths times `unit`.
 /// Pre: validate(scene) has passed.
 PlaneBaseProblem plane_base_problem(const Scene& scene, double unit = 1);
+
+/// The same for all rays that come into the box, from base points outside it, too.
+///
+/// A ray runs along the base's normal, and in the box from e, the greatest of 0 and of the clearances at
+/// which it comes in through sides, to the least at which it leaves through one or meets an object:
+/// through a side m.p <= k with m.n < 0 it comes in at t = (m.f - k) / |m.n|, a linear form as those of sides
+/// with m.n > 0, through which it leaves. A side along the normal bounds the region. So all of the box that
+/// is nearest to the base lies between the upper envelope of `floor` and the lower envelope of the other
+/// forms, where the one is below the other (envelope/lift/complete_lift.hpp). The region holds all base
+/// points from which rays come into the box, and a margin around them; objects must stay clear of all of
+/// that.
+///
+/// None: the box holds all base points from which rays come into it, or there are tubes.
+/// Throws as plane_base_problem() does, and InputError (Unsupported) where a plane lies so that it bounds
+/// what is nearest to the base along all of a side of the box through which rays come in.
+std::optional<PlaneBaseProblem> complete_plane_base_problem(const Scene& scene, double unit = 1);
+
+/// Can complete_plane_base_problem() tell? Not where tubes are among the objects.
+bool may_be_completed(const Scene& scene);
+
+/// Do a base plane's rays come into the box through this side (Site::box_side)? False over other bases.
+bool lets_rays_in(const Scene& scene, std::uint32_t side);
 
 /// Area of the base region. Relative error at most 2^-49: the exact corners, rounded at the very end.
 double region_area(const std::vector<RegionSide>& region);

@@ -66,6 +66,23 @@ bool before_by_angle(const RegionSide& i, const RegionSide& j) {
     throw InputError(Kind::EmptyBox, InputError::no_object, "box", what);
 }
 
+std::vector<RegionSide> bounded_by(const std::vector<RegionSide>& lines) {
+    std::vector<RegionSide> region;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        if (contributes(lines, i)) region.push_back(lines[i]);
+    if (region.empty()) fail_empty("meets the base plane (base.plane) in a region too small for doubles");
+    std::sort(region.begin(), region.end(), before_by_angle);
+    return region;
+}
+
+// Times the normal's length.
+Exact height_of_corner(const Plane& base, const Box& box, unsigned corner) {
+    Exact height;
+    for (unsigned i = 0; i < 3; ++i)
+        height += base.normal[i] * (Exact((corner >> i & 1u) != 0 ? box.max[i] : box.min[i]) - base.point[i]);
+    return height;
+}
+
 double place_of(const Box& box, Site side) {
     return (side.index % 2 == 0 ? box.min : box.max)[side.index / 2];
 }
@@ -74,13 +91,10 @@ double place_of(const Box& box, Site side) {
 
 void check_base_cuts_box(const Plane& base, const Box& box) {
     int in_front = 0, behind = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        Exact height;
-        for (int i = 0; i < 3; ++i)
-            height +=
-                base.normal[i] * (Exact((corner >> i & 1) != 0 ? box.max[i] : box.min[i]) - base.point[i]);
-        if (height.sign() == Sign::Positive) ++in_front;
-        if (height.sign() == Sign::Negative) ++behind;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const Sign height = height_of_corner(base, box, corner).sign();
+        if (height == Sign::Positive) ++in_front;
+        if (height == Sign::Negative) ++behind;
     }
     if (in_front > 0 && behind > 0) return;
     const int on_plane = 8 - in_front - behind;
@@ -99,13 +113,56 @@ std::vector<RegionSide> base_region(const std::array<BoxSide, 6>& box) {
         else if (side.k < 0 || (side.k == 0 && side.m.z() > 0))
             empty = true;
     }
-    std::vector<RegionSide> region;
-    for (std::size_t i = 0; i < lines.size(); ++i)
-        if (contributes(lines, i)) region.push_back(lines[i]);
-    if (empty || region.empty())
-        fail_empty("meets the base plane (base.plane) in a region too small for doubles");
-    std::sort(region.begin(), region.end(), before_by_angle);
-    return region;
+    if (empty) lines.clear();
+    return bounded_by(lines);
+}
+
+bool has_rays_from_outside(const Plane& base, const Box& box, const std::array<BoxSide, 6>& sides) {
+    for (const BoxSide& side : sides) {
+        if (!(side.m.z() < 0) || (side.m.x() == 0 && side.m.y() == 0)) continue;
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            if ((corner >> (side.index / 2) & 1u) != side.index % 2) continue;
+            if (height_of_corner(base, box, corner).sign() == Sign::Positive) return true;
+        }
+    }
+    return false;
+}
+
+std::vector<RegionSide> ray_region(const std::array<BoxSide, 6>& box, const Box& world,
+                                   const BaseFrame& frame) {
+    using Eigen::Vector2d;
+    // Where edges of the box meet the base, and the feet of corners before it.
+    const double diagonal = world.diagonal(), margin = 0x1p-10 * diagonal;
+    std::vector<Vector2d> points;
+    for (const ExactPoint& corner : region_corners(base_region(box))) points.push_back(corner.rounded());
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vec3 p;
+        for (unsigned axis = 0; axis < 3; ++axis)
+            p[axis] = ((corner >> axis & 1u) != 0 ? world.max : world.min)[axis];
+        p = frame.to_canonical(p);
+        if (p.z() > 0) points.push_back(p.head<2>());
+    }
+    std::vector<RegionSide> lines;
+    for (const BoxSide& side : box)
+        if (side.m.z() == 0) lines.push_back({-side.m.x(), -side.m.y(), side.k, Site::box_side(side.index)});
+    // Of a hull any lines do that are far enough out: those through two points with all others on one side.
+    for (const Vector2d& p : points)
+        for (const Vector2d& q : points) {
+            const Vector2d along = q - p;
+            if (!(along.norm() > margin)) continue;
+            const Vector2d inwards = Vector2d(-along.y(), along.x()).normalized();
+            double least = 0;
+            for (const Vector2d& r : points) least = std::min(least, inwards.dot(r - p));
+            // Points on one line tell it several times.
+            constexpr double parallel = 0x1p-20;
+            const auto is_known = [&](const RegionSide& side) {
+                const Vector2d other(side.a, side.b);
+                return side.site == Site::base() && (other - inwards).norm() < parallel;
+            };
+            if (least > -0.5 * margin && std::ranges::none_of(lines, is_known))
+                lines.push_back({inwards.x(), inwards.y(), margin - inwards.dot(p), Site::base()});
+        }
+    return bounded_by(lines);
 }
 
 std::vector<ExactPoint> region_corners(const std::vector<RegionSide>& region) {

@@ -42,6 +42,13 @@ void check_base_cuts_box(const Plane& base, const Box& box);
 /// The part of the canonical plane z = 0 in the box, its sides counter-clockwise. A plane that only grazes
 /// the box may lose its last sliver when an oblique frame is rounded: that is EmptyBox, too.
 std::vector<RegionSide> base_region(const std::array<BoxSide, 6>& box);
+/// A part of the canonical plane that holds the feet of all points in front of it in the box, and a margin,
+/// but for sides of the box upright on it: these bound it exactly. Its other sides are none of the box.
+std::vector<RegionSide> ray_region(const std::array<BoxSide, 6>& box, const Box& world,
+                                   const BaseFrame& frame);
+/// Do rays come into the box from base points outside it? Exact, but for sides that are rounded to upright
+/// ones: where the box has corners in front of the base on a side that leans over it.
+bool has_rays_from_outside(const Plane& base, const Box& box, const std::array<BoxSide, 6>& sides);
 /// Corner i is where side i begins.
 std::vector<ExactPoint> region_corners(const std::vector<RegionSide>& region);
 /// The sides of the box through the point of the base on two of them, exact in world coordinates: the

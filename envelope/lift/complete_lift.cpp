@@ -1,0 +1,272 @@
+#include "complete_lift.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "../../primitives/objects/message.hpp"
+#include "../measures/measures.hpp"
+
+namespace vcell {
+
+namespace {
+
+constexpr std::uint32_t none = UINT32_MAX;
+
+// Is the edge one of D's boundary?
+bool is_shared(const MinimizationDiagram& d, EdgeId e) {
+    const MinimizationDiagram::Edge& edge = d.edges[e];
+    return !edge.on_rim() && d.is_of_floor(edge.left) != d.is_of_floor(edge.right);
+}
+
+// Vertices and edges of D's boundary below the floor, and which of those above they are.
+class Matching {
+public:
+    Matching(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
+             const MinimizationDiagram& below)
+        : problem_(problem),
+          above_(above),
+          below_(below),
+          vertices(below.vertices.size(), none),
+          edges(below.edges.size(), none) {
+        match_vertices();
+        match_edges();
+    }
+
+private:
+    using Name = std::pair<std::vector<FormId>, std::vector<std::uint32_t>>;
+
+    static Name name(const MinimizationDiagram& d, VertexId v) {
+        const auto label = d.label(v);
+        const auto sides = d.sides(v);
+        return {{label.begin(), label.end()}, {sides.begin(), sides.end()}};
+    }
+    static std::vector<VertexId> shared_vertices(const MinimizationDiagram& d) {
+        std::vector<VertexId> all;
+        for (const EdgeId e : d.edges.ids())
+            if (is_shared(d, e))
+                for (const VertexId v : {d.start(e), d.end(e)})
+                    if (v.valid()) all.push_back(v);
+        std::ranges::sort(all);
+        all.erase(std::ranges::unique(all).begin(), all.end());
+        return all;
+    }
+
+    void match_vertices() {
+        std::map<Name, std::vector<VertexId>> named;
+        for (const VertexId v : shared_vertices(above_)) named[name(above_, v)].push_back(v);
+        for (const VertexId v : shared_vertices(below_)) {
+            const MinimizationDiagram::Vertex& at = below_.vertices[v];
+            std::vector<VertexId> near;
+            for (const VertexId w : named[name(below_, v)]) {
+                const MinimizationDiagram::Vertex& other = above_.vertices[w];
+                const double rounding = 0x1p-48 * (at.point.norm() + other.point.norm());
+                if ((at.point - other.point).norm() <= at.error + other.error + rounding) near.push_back(w);
+            }
+            if (near.size() != 1) fail(at);
+            vertices[v.value] = near.front().value;
+        }
+    }
+
+    // The pair of forms, the lower one on the left first, and where an edge starts and ends.
+    using Key = std::tuple<FormId, FormId, std::uint32_t, std::uint32_t>;
+
+    void match_edges() {
+        std::map<Key, std::uint32_t> named;
+        for (const EdgeId e : above_.edges.ids()) {
+            if (!is_shared(above_, e)) continue;
+            const MinimizationDiagram::Edge& edge = above_.edges[e];
+            const std::uint32_t start = above_.start(e).value, end = above_.end(e).value;
+            named[{edge.left, edge.right, start, end}] = e.value;
+            named[{edge.right, edge.left, end, start}] = e.value;
+        }
+        const auto above = [&](VertexId v) { return v.valid() ? vertices[v.value] : none; };
+        for (const EdgeId e : below_.edges.ids()) {
+            if (!is_shared(below_, e)) continue;
+            const MinimizationDiagram::Edge& edge = below_.edges[e];
+            const auto found =
+                named.find({edge.left, edge.right, above(below_.start(e)), above(below_.end(e))});
+            if (found == named.end())
+                throw InternalError("an edge of the floor is none of the roof's: e" +
+                                    std::to_string(e.value));
+            edges[e.value] = found->second;
+        }
+    }
+
+    [[noreturn]] void fail(const MinimizationDiagram::Vertex& at) const {
+        const Vec3 place = problem_.frame.to_world({at.point.x(), at.point.y(), at.height});
+        throw UndecidedError("vertices where rays come into the box are not told apart around " +
+                             to_text(Vec3(problem_.unit * place)));
+    }
+
+    const PlaneBaseProblem& problem_;
+    const MinimizationDiagram &above_, &below_;
+
+public:
+    std::vector<std::uint32_t> vertices, edges;
+};
+
+template <int Dim>
+void reverse(RationalCurve<Dim>& curve) {
+    std::reverse(curve.points.begin(), curve.points.end());
+    const double sum = curve.domain_begin() + curve.domain_end();
+    std::reverse(curve.knots.begin(), curve.knots.end());
+    for (double& knot : curve.knots) knot = sum - knot;
+}
+
+// u for v and v for u.
+void mirror(RationalCurve2& curve) {
+    for (auto& p : curve.points) std::swap(p[0], p[1]);
+}
+void mirror(RationalPatch& s) {
+    RationalPatch from = s;
+    std::swap(s.degree_u, s.degree_v);
+    std::swap(s.domain_u, s.domain_v);
+    for (int i = 0; i <= s.degree_u; ++i)
+        for (int j = 0; j <= s.degree_v; ++j) s.points[i * (s.degree_v + 1) + j] = from.point(j, i);
+}
+
+class Joint {
+public:
+    Joint(const PlaneBaseProblem& problem, const MinimizationDiagram& above, const MinimizationDiagram& below,
+          const Matching& matching, LiftedCell roof, LiftedCell floor)
+        : problem_(problem),
+          above_(above),
+          below_(below),
+          matching_(matching),
+          roof_(std::move(roof)),
+          floor_(std::move(floor)),
+          vertices_{std::vector<std::uint32_t>(roof_.cell.vertices.size(), none),
+                    std::vector<std::uint32_t>(floor_.cell.vertices.size(), none)},
+          edges_{std::vector<std::uint32_t>(roof_.cell.edges.size(), none),
+                 std::vector<std::uint32_t>(floor_.cell.edges.size(), none)} {}
+
+    LiftedCell operator()(bool with_measures) {
+        result_.cell.report = std::move(roof_.cell.report);
+        result_.cell.report.decisions += floor_.cell.report.decisions;
+        keep_edges(above_, roof_, 0);
+        keep_edges(below_, floor_, 1);
+        // Trims of the floor along shared edges are the roof's.
+        trims_.resize(result_.cell.edges.size());
+        keep_faces(above_, roof_.cell, 0);
+        keep_faces(below_, floor_.cell, 1);
+        if (with_measures) add_measures();
+        rank_neighbors(result_.cell);
+        return std::move(result_);
+    }
+
+private:
+    bool shows(const MinimizationDiagram& d, FaceId f) const {
+        return d.face_forms[f].valid() && problem_.shows(d.face_forms[f], d.is_below_floor);
+    }
+
+    std::uint32_t keep_vertex(const LiftedCell& from, unsigned part, std::uint32_t v) {
+        const std::uint32_t above = part == 1 ? matching_.vertices[v] : none;
+        std::uint32_t& number = above != none ? vertices_[0][above] : vertices_[part][v];
+        if (number == none) {
+            number = static_cast<std::uint32_t>(result_.cell.vertices.size());
+            CellVertex& vertex = result_.cell.vertices.emplace_back(above != none ? roof_.cell.vertices[above]
+                                                                                  : from.cell.vertices[v]);
+            // The base is no site of its own cell.
+            const auto rest = std::remove(vertex.sites.begin(), vertex.sites.end(), Site::base());
+            vertex.sites.resize(static_cast<std::size_t>(rest - vertex.sites.begin()));
+        }
+        return number;
+    }
+
+    void keep_edges(const MinimizationDiagram& d, LiftedCell& from, unsigned part) {
+        for (const EdgeId e : d.edges.ids()) {
+            const std::array shown{shows(d, d.face(e, 0)), shows(d, d.face(e, 1))};
+            if (!shown[0] && !shown[1]) continue;
+            if (const std::uint32_t above = part == 1 ? matching_.edges[e.value] : none; above != none) {
+                edges_[1][e.value] = edges_[0][above];
+                continue;
+            }
+            edges_[part][e.value] = static_cast<std::uint32_t>(result_.cell.edges.size());
+            CellEdge& edge = result_.cell.edges.emplace_back(std::move(from.cell.edges[e.value]));
+            result_.positions.push_back(from.positions[e]);
+            for (std::uint32_t& v : edge.vertices) v = keep_vertex(from, part, v);
+            // Along the base's region in the box its side is on both sides.
+            for (const unsigned side : {0u, 1u})
+                if (edge.sites[side] == Site::base()) edge.sites[side] = edge.sites[1 - side];
+            std::erase(edge.extra_sites, Site::base());
+            if (part == 0) continue;
+            std::reverse(edge.vertices.begin(), edge.vertices.end());
+            reverse(edge.curve);
+        }
+    }
+
+    void keep_faces(const MinimizationDiagram& d, Cell& from, unsigned part) {
+        for (std::uint32_t i = 0; i < from.faces.size(); ++i) {
+            if (!shows(d, FaceId{i + 1})) continue;
+            CellFace& face = result_.cell.faces.emplace_back(std::move(from.faces[i]));
+            for (TrimmedPatch& patch : face.patches) {
+                if (part == 1) mirror(patch.surface);
+                for (auto& loop : patch.loops) {
+                    for (TrimCurve& trim : loop) part == 0 ? number_trim(d, trim) : turn_trim(d, trim);
+                    if (part == 1) std::reverse(loop.begin(), loop.end());
+                }
+            }
+        }
+    }
+
+    void number_trim(const MinimizationDiagram& d, TrimCurve& trim) {
+        const EdgeId e{*trim.edge};
+        trim.edge = edges_[0][e.value];
+        if (is_shared(d, e)) trims_[*trim.edge] = trim;
+    }
+
+    void turn_trim(const MinimizationDiagram& d, TrimCurve& trim) {
+        const EdgeId e{*trim.edge};
+        const std::uint32_t number = edges_[1][e.value];
+        if (is_shared(d, e)) {
+            trim = trims_[number];
+            trim.reversed = !trim.reversed;
+        } else {
+            trim.edge = number;
+        }
+        reverse(trim.curve);
+        mirror(trim.curve);
+    }
+
+    // The floor begins on the base, next to its region in the box: its faces go down to clearance 0.
+    void add_measures() {
+        const Measures &roof = roof_.cell.measures, &floor = floor_.cell.measures;
+        Measures& m = result_.cell.measures = roof;
+        m.volume = roof.volume - floor.volume;
+        m.volume_error = roof.volume_error + floor.volume_error + 0x1p-52 * (roof.volume + floor.volume);
+        m.box_area = roof.box_area + floor.box_area;
+        m.box_area_error = roof.box_area_error + floor.box_area_error +
+                           0x1p-52 * (std::abs(roof.box_area) + std::abs(floor.box_area));
+        m.min_clearance = m.min_clearance_error = 0;
+    }
+
+    const PlaneBaseProblem& problem_;
+    const MinimizationDiagram &above_, &below_;
+    const Matching& matching_;
+    LiftedCell roof_, floor_, result_;
+    std::array<std::vector<std::uint32_t>, 2> vertices_, edges_;  // their numbers in the result
+    std::vector<TrimCurve> trims_;                                // of the roof, by edge
+};
+
+}  // namespace
+
+LiftedCell lift_complete(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
+                         MinimizationDiagram below, double tolerance, bool with_measures) {
+    const Matching matching(problem, above, below);
+    for (const VertexId v : below.vertices.ids())
+        if (matching.vertices[v.value] != none)
+            below.vertices[v] = above.vertices[VertexId{matching.vertices[v.value]}];
+    LiftedCell roof = lift_over_region(problem, above, tolerance, with_measures),
+               floor = lift_over_region(problem, below, tolerance, with_measures);
+    return Joint(problem, above, below, matching, std::move(roof), std::move(floor))(with_measures);
+}
+
+}  // namespace vcell

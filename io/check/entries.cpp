@@ -1,0 +1,224 @@
+#include "entries.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace vcell::check {
+namespace {
+
+class Entries : public Room {
+public:
+    using Room::Room;
+
+    void run() {
+        for (std::uint32_t s = 0; s < 6; ++s)
+            if (geometry_.lets_in(Site::box_side(s)) && !judge(s)) return;
+        certificate_.prove("entries");
+    }
+
+private:
+    /// A part of a side, along its two axes, and the objects that may be the nearest somewhere in it.
+    struct Part {
+        Vec2 lo, hi;
+        std::vector<std::uint32_t> objects;
+    };
+
+    bool judge(std::uint32_t side) {
+        side_ = Site::box_side(side);
+        const auto along = static_cast<Eigen::Index>(side / 2);
+        across_ = {(along + 1) % 3, (along + 2) % 3};
+        bound_ = (side % 2 == 0 ? scene_.box.min : scene_.box.max)[along];
+        find_edges();
+        Part whole{{scene_.box.min[across_[0]], scene_.box.min[across_[1]]},
+                   {scene_.box.max[across_[0]], scene_.box.max[across_[1]]},
+                   {}};
+        whole_lo_ = whole.lo;
+        whole_hi_ = whole.hi;
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
+            if (scene_.competes(i)) whole.objects.push_back(i);
+        std::vector<Part> parts{std::move(whole)};
+        const std::size_t most = std::size_t{64} << std::clamp(options_.effort, 0, 20);
+        for (std::size_t count = 0; !parts.empty(); ++count) {
+            Part part = std::move(parts.back());
+            parts.pop_back();
+            if (is_told(part)) continue;
+            if (count > most) {
+                const Vec3 p = at(0.5 * (part.lo + part.hi));
+                certificate_.leave_open("entries",
+                                        fmt::format("rays that come in through {} around ({}, {}, {}) may be "
+                                                    "missing",
+                                                    title(side_), p.x(), p.y(), p.z()),
+                                        HUGE_VAL);
+                return false;
+            }
+            const Eigen::Index axis = part.hi.x() - part.lo.x() >= part.hi.y() - part.lo.y() ? 0 : 1;
+            Part other = part;
+            part.hi[axis] = other.lo[axis] = 0.5 * part.lo[axis] + 0.5 * part.hi[axis];
+            parts.push_back(std::move(part));
+            parts.push_back(std::move(other));
+        }
+        return true;
+    }
+
+    /// Edges of faces on this side that run inside it: with an object on their other side.
+    void find_edges() {
+        edges_.clear();
+        for (std::size_t e = 0; e < uses_.size(); ++e) {
+            const auto is_here = [&](const Subject::Use& use) {
+                return cell_.faces[use.face].site == side_ && subject_.is_entered(use.face);
+            };
+            const auto is_elsewhere = [&](const Subject::Use& use) {
+                return cell_.faces[use.face].site.is_object();
+            };
+            if (std::ranges::any_of(uses_[e], is_here) && std::ranges::any_of(uses_[e], is_elsewhere))
+                edges_.push_back(e);
+        }
+    }
+
+    Vec3 at(const Vec2& q) const {
+        Vec3 p = Vec3::Constant(bound_);
+        p[across_[0]] = q.x();
+        p[across_[1]] = q.y();
+        return p;
+    }
+    Vec2 in_side(const Vec3& p) const { return {p[across_[0]], p[across_[1]]}; }
+
+    bool is_told(Part& part) const {
+        Vector<Interval> box = to_vector<Interval>(Vec3::Constant(bound_));
+        for (const Eigen::Index k : {0, 1})
+            box[static_cast<std::size_t>(across_[static_cast<std::size_t>(k)])] = {part.lo[k], part.hi[k]};
+        const Interval height = space().clearance(box);
+        if (height.upper() <= rounding()) return true;
+        double least = HUGE_VAL;
+        std::vector<Interval> excesses;
+        for (const std::uint32_t i : part.objects) {
+            excesses.push_back(space().object_excess(i, box, height));
+            if (excesses.back().upper() <= tie_width(Site::object(i))) return true;
+            least = std::min(least, excesses.back().upper());
+        }
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < excesses.size(); ++i)
+            if (excesses[i].lower() <= least) part.objects[kept++] = part.objects[i];
+        part.objects.resize(kept);
+        return is_covered(part) || has_no_maximum(part, box, height);
+    }
+
+    // --- In F -----------------------------------------------------------------------------------------
+
+    bool is_covered(const Part& part) const {
+        const auto meets = [&](const Bezier<3>& piece, double error, const auto& self, int depth) -> bool {
+            Vec2 lo = Vec2::Constant(HUGE_VAL), hi = -lo;
+            for (std::size_t i = 0; i < piece.points.size(); ++i) {
+                lo = lo.cwiseMin(in_side(piece.control(i)));
+                hi = hi.cwiseMax(in_side(piece.control(i)));
+            }
+            const Vec2 off = Vec2::Constant(error);
+            if (((lo - off).array() > part.hi.array()).any() || ((hi + off).array() < part.lo.array()).any())
+                return false;
+            if (depth == 0) return true;
+            for (const auto& half : piece.halves())
+                if (self(half, error, self, depth - 1)) return true;
+            return false;
+        };
+        constexpr int halvings = 6;
+        for (const std::size_t e : edges_)
+            for (const auto& piece : edge_pieces_[e])
+                if (meets(piece, full_error(e) + rounding(), meets, halvings)) return false;
+        const Vec3 p = at(middle_in_front(part));
+        if (!(height(p) > rounding())) return false;
+        for (const Patch& patch : patches_) {
+            if (cell_.faces[patch.face].site != side_ || !subject_.is_entered(patch.face)) continue;
+            const auto uv = place_on(patch, p);
+            if (uv && inside(patch, *uv, rounding()).value_or(false)) return true;
+        }
+        return false;
+    }
+
+    /// A point of the part in front of the base: amid the corners of what lies there. If nothing does, a
+    /// corner.
+    Vec2 middle_in_front(const Part& part) const {
+        const std::array<Vec2, 4> corners{part.lo, Vec2(part.hi.x(), part.lo.y()), part.hi,
+                                          Vec2(part.lo.x(), part.hi.y())};
+        Vec2 sum = Vec2::Zero();
+        int count = 0;
+        const auto add = [&](const Vec2& q) {
+            sum += q;
+            ++count;
+        };
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vec2 &p = corners[k], &q = corners[(k + 1) % 4];
+            const double a = height(at(p)) - rounding(), b = height(at(q)) - rounding();
+            if (a > 0) add(p);
+            if ((a > 0) != (b > 0)) add(p + a / (a - b) * (q - p));
+        }
+        return count == 0 ? corners[0] : Vec2(sum / count);
+    }
+
+    /// Where a point of the side is on a patch, which is bilinear in a parallelogram: a plane's.
+    static std::optional<Vec2> place_on(const Patch& patch, const Vec3& p) {
+        Vec2 uv = 0.5 * (patch.lo + patch.hi);
+        for (int step = 0; step < 8; ++step) {
+            const SurfacePoint s = lift(patch, uv);
+            Eigen::Matrix<double, 3, 2> slopes;
+            slopes << s.pu, s.pv;
+            const Eigen::Matrix2d square = slopes.transpose() * slopes;
+            const Vec2 move = square.inverse() * (slopes.transpose() * (p - s.p));
+            if (!move.allFinite()) return std::nullopt;
+            uv += move;
+        }
+        return uv;
+    }
+
+    // --- No maximum -------------------------------------------------------------------------------------
+
+    bool has_no_maximum(const Part& part, const Vector<Interval>& box, const Interval& height) const {
+        std::vector<std::array<Interval, 2>> grow;  // along the side, in rows: all that must
+        const auto add = [&](const Vector<Interval>& g) {
+            grow.push_back(
+                {g[static_cast<std::size_t>(across_[0])], g[static_cast<std::size_t>(across_[1])]});
+        };
+        for (const std::uint32_t i : part.objects) add(space().gradient({Site::object(i)}, box));
+        if (height.lower() <= rounding()) add(space().up(box));
+        std::vector<Vec2> ways;
+        for (const auto& g : grow) ways.push_back(Vec2(g[0].mid(), g[1].mid()).normalized());
+        const auto leads_out = [&](const Vec2& d) {
+            for (const Eigen::Index k : {0, 1})
+                if ((d[k] < 0 && part.lo[k] <= whole_lo_[k]) || (d[k] > 0 && part.hi[k] >= whole_hi_[k]))
+                    return true;
+            return false;
+        };
+        const auto serves = [&](const Vec2& d) {
+            return d.allFinite() && !leads_out(d) && std::ranges::all_of(grow, [&](const auto& g) {
+                       return (d.x() * g[0] + d.y() * g[1]).lower() > 0;
+                   });
+        };
+        if (grow.empty()) return false;
+        const std::size_t n = std::min<std::size_t>(ways.size(), 8);
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t j = 0; j <= i; ++j)
+                if (serves((ways[i] + ways[j]).normalized())) return true;
+        for (const Vec2& d : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)})
+            if (serves(d)) return true;
+        return false;
+    }
+
+    Site side_;
+    std::array<Eigen::Index, 2> across_;  // its axes
+    double bound_ = 0;                    // its coordinate along the third
+    Vec2 whole_lo_, whole_hi_;
+    std::vector<std::size_t> edges_;
+};
+
+}  // namespace
+
+void certify_entries(const Subject& subject, const CheckOptions& options, Certificate& certificate) {
+    if (subject.cell.is_complete) Entries(subject, options, certificate).run();
+}
+
+}  // namespace vcell::check

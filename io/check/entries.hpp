@@ -1,0 +1,26 @@
+/// Of a complete cell over a base plane: nothing that is nearest to the base is missing.
+///
+/// Faces of a cell that are proved bound all of it that hangs together with them. What else there might be
+/// begins on a side of the box through which rays come in, as no ray over the base's region in the box is
+/// without its face (tiling.hpp). On such a side, as far as it is in front of the base by more than rounding,
+/// a convex polygon W, let f be the least excess of the objects, and F what the cell's faces cover there: f >
+/// 0 on a part that is missing, and 0 where it ends inside W, so that f has a maximum p in it, which is in F
+/// or on its boundary nowhere, as f = 0 on the boundary of F inside W. W is divided into rectangles, and in
+/// none of them is such a p:
+///   - in one all over which an object's excess is negative, or no more than rounding, f is, too: where f is
+///     below that all over a part, what is missing is as good as none;
+///   - one that no edge of F meets but such as lie on the boundary of W, and of which a point in W is in F,
+///   is
+///     in F as far as it is in W;
+///   - where there is a direction in which all excesses grow that may be the least somewhere in it, and which
+///     does not lead out of W through any of its sides that meet it, no point of it is a maximum.
+#pragma once
+
+#include "room.hpp"
+
+namespace vcell::check {
+
+/// Of cells that are complete; has nothing to say about others.
+void certify_entries(const Subject& subject, const CheckOptions& options, Certificate& certificate);
+
+}  // namespace vcell::check

@@ -1,0 +1,348 @@
+// Cells of all of the box that is nearest to a base plane: against complete_measures(), which gets there by
+// other cells, against distances at random points, and as closed surfaces.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/cell_changes.hpp"
+#include "../../envelope/complete_measures.hpp"
+#include "../../envelope/vertex_refinement.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/check.hpp"
+#include "../../io/files/cell_file.hpp"
+#include "../../io/pictures/mesh.hpp"
+#include "../../io/pictures/svg.hpp"
+#include "../test_support.hpp"
+
+using namespace vcell;
+
+namespace {
+
+Cell complete_cell(const Scene& scene) {
+    CellOptions options;
+    options.complete = true;
+    return voronoi_cell(scene, options);
+}
+
+Vec3 random_direction(std::mt19937_64& rng) {
+    std::normal_distribution<double> normal;
+    const double x = normal(rng), y = normal(rng), z = normal(rng);
+    return Vec3(x, y, z).normalized();
+}
+
+/// A plane through a box, and before it balls and up to two planes that lean against it by little.
+Scene random_scene(std::mt19937_64& rng, std::size_t balls, bool is_upright_on_a_side) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    Scene scene;
+    scene.box = {Vec3::Zero(), Vec3(8, 9, 10)};
+    Vec3 n = random_direction(rng);
+    if (is_upright_on_a_side) n[static_cast<Eigen::Index>(rng() % 3)] = 0;
+    n.normalize();
+    const Vec3 size = scene.box.max - scene.box.min,
+               p = scene.box.min + size.cwiseProduct(Vec3(0.3 + 0.4 * unit(rng), 0.3 + 0.4 * unit(rng),
+                                                          0.3 + 0.4 * unit(rng)));
+    scene.base = Plane{p, n};
+    for (std::size_t tries = 0; scene.objects.size() < balls && tries < 1000; ++tries) {
+        const double radius = 0.05 + 0.6 * unit(rng);
+        const Vec3 c(size.x() * (1.4 * unit(rng) - 0.2), size.y() * (1.4 * unit(rng) - 0.2),
+                     size.z() * (1.4 * unit(rng) - 0.2));
+        if (n.dot(c - p) > radius + 0.1) scene.objects.push_back(Sphere{c, radius});
+    }
+    const auto planes = rng() % 3;
+    for (std::size_t i = 0; i < planes; ++i)
+        scene.objects.push_back(Plane{p + (5 + 3 * unit(rng)) * n, 0.1 * random_direction(rng) - n});
+    return scene;
+}
+
+double distance(const Object& object, const Vec3& p) {
+    if (const auto* plane = std::get_if<Plane>(&object))
+        return std::abs(plane->normal.normalized().dot(p - plane->point));
+    const auto& sphere = std::get<Sphere>(object);
+    return (p - sphere.center).norm() - sphere.radius;
+}
+
+/// By how much the base is nearer to p than anything else; less than 0 behind it.
+double lead(const Scene& scene, const Vec3& p) {
+    const auto& base = std::get<Plane>(scene.base);
+    const double own = base.normal.normalized().dot(p - base.point);
+    double least = own;
+    for (const Object& o : scene.objects) least = std::min(least, distance(o, p) - own);
+    return least;
+}
+
+/// How often the mesh winds around p.
+double winding(const CellMesh& mesh, const Vec3& p) {
+    double sum = 0;
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3 a = mesh.points[t[0]] - p, b = mesh.points[t[1]] - p, c = mesh.points[t[2]] - p;
+        const double la = a.norm(), lb = b.norm(), lc = c.norm();
+        sum +=
+            2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    }
+    return sum / (4 * M_PI);
+}
+
+double volume(const CellMesh& mesh) {
+    double six = 0;
+    for (const Triangle& t : mesh.triangles)
+        six += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
+    return six / 6;
+}
+
+bool is_closed(const CellMesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) {
+            ++sides[{t[k], t[(k + 1) % 3]}];
+            --sides[{t[(k + 1) % 3], t[k]}];
+        }
+    return std::ranges::all_of(sides, [](const auto& side) { return side.second == 0; });
+}
+
+void check_measures(const Cell& cell) {
+    const CompleteMeasures m = complete_measures(cell.scene);
+    CHECK(std::abs(cell.measures.volume - m.volume) <= cell.measures.volume_error + m.volume_error);
+    CHECK(std::abs(cell.measures.area - m.area) <= cell.measures.area_error + m.area_error);
+    CHECK(cell.measures.volume_error <= 1e-6 * (1 + m.volume));
+    std::map<std::uint32_t, std::array<double, 2>> areas;
+    for (const CellFace& f : cell.faces)
+        if (f.site.is_object()) {
+            areas[f.site.index][0] += f.area;
+            areas[f.site.index][1] += f.area_error;
+        }
+    for (const auto& n : m.neighbors) {
+        REQUIRE(areas.contains(n.object));
+        CHECK(std::abs(areas[n.object][0] - n.area) <= areas[n.object][1] + n.area_error);
+    }
+    CHECK(areas.size() == cell.neighbors.size());
+}
+
+void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64& rng) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const Box& box = cell.scene.box;
+    for (int i = 0; i < 60; ++i) {
+        const Vec3 p = box.min + (box.max - box.min).cwiseProduct(Vec3(unit(rng), unit(rng), unit(rng)));
+        const double ahead = lead(cell.scene, p);
+        if (std::abs(ahead) < 0.05) continue;  // nearer than chords may be
+        CAPTURE(p.transpose());
+        CHECK(winding(mesh, p) == doctest::Approx(ahead > 0 ? 1 : 0).epsilon(1e-6));
+    }
+}
+
+void check_certificate(const Cell& cell) {
+    const Certificate certificate = certify(cell);
+    for (const Element& e : certificate.elements)
+        if (e.verdict != Verdict::proved)
+            FAIL_CHECK(e.where << ": " << to_string(e.verdict) << " " << e.what);
+    CHECK(std::ranges::any_of(certificate.elements, [](const Element& e) { return e.where == "entries"; }));
+}
+
+}  // namespace
+
+TEST_CASE("complete cells: measures and points, closed meshes and proofs of random scenes") {
+    std::mt19937_64 rng(test_seed());
+    int with_floor = 0;
+    for (int round = 0; round < 12 * rounds(); ++round) {
+        const Scene scene = random_scene(rng, 1 + rng() % 20, round % 3 == 0);
+        CAPTURE(round);
+        const Cell cell = complete_cell(scene);
+        REQUIRE(cell.is_complete);
+        with_floor += std::ranges::any_of(cell.faces, [&](const CellFace& f) { return is_entered(cell, f); });
+        check_measures(cell);
+        MeshOptions options;
+        options.closed = true;
+        options.chord = 0.01;
+        const CellMesh mesh = tessellate(cell, options);
+        CHECK(is_closed(mesh));
+        CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(0.01));
+        check_points(cell, mesh, rng);
+        check_certificate(cell);
+    }
+    CHECK(with_floor > 6 * rounds());
+}
+
+namespace {
+
+/// A plane under a box but for a strip, and close above the box's bottom, through which its rays come in, a
+/// row of balls: what is nearest to the plane beyond the row has no contact with what is before it.
+Scene row_of_balls() {
+    Scene scene;
+    scene.base = Plane{{1, 0, 0}, {0.1, 0, 1}};
+    scene.box = {Vec3::Zero(), Vec3::Constant(10)};
+    for (int i = 0; i < 16; ++i) scene.objects.push_back(Sphere{{4, 0.7 * i - 0.2, 0.55}, 0.4});
+    scene.objects.push_back(Sphere{{8, 5, 4}, 1});
+    return scene;
+}
+
+/// The cell without the faces that hang together with no edge on the base.
+Cell without_islands(const Cell& cell) {
+    std::vector<std::size_t> part(cell.faces.size());
+    for (std::size_t f = 0; f < part.size(); ++f) part[f] = f;
+    const auto root = [&](std::size_t f) {
+        while (part[f] != f) f = part[f];
+        return f;
+    };
+    std::vector<std::vector<std::size_t>> beside(cell.edges.size());
+    const auto for_each_trim = [](auto& face, const auto& visit) {
+        for (auto& patch : face.patches)
+            for (auto& loop : patch.loops)
+                for (auto& trim : loop) visit(trim);
+    };
+    for (std::size_t f = 0; f < cell.faces.size(); ++f)
+        for_each_trim(cell.faces[f], [&](const TrimCurve& t) { beside[*t.edge].push_back(f); });
+    std::vector<bool> is_kept(cell.faces.size(), false);
+    for (const auto& faces : beside)
+        for (const std::size_t f : faces) part[root(f)] = root(faces[0]);
+    for (std::size_t e = 0; e < cell.edges.size(); ++e)
+        if (cell.edges[e].sites[0] == cell.edges[e].sites[1]) is_kept[root(beside[e][0])] = true;
+    Cell kept = cell;
+    kept.faces.clear();
+    kept.edges.clear();
+    kept.vertices.clear();
+    std::vector<std::uint32_t> edges(cell.edges.size(), UINT32_MAX),
+        vertices(cell.vertices.size(), UINT32_MAX);
+    for (std::size_t f = 0; f < cell.faces.size(); ++f) {
+        if (!is_kept[root(f)]) continue;
+        CellFace& face = kept.faces.emplace_back(cell.faces[f]);
+        for_each_trim(face, [&](TrimCurve& trim) {
+            std::uint32_t& number = edges[*trim.edge];
+            if (number == UINT32_MAX) {
+                number = static_cast<std::uint32_t>(kept.edges.size());
+                CellEdge& edge = kept.edges.emplace_back(cell.edges[*trim.edge]);
+                for (std::uint32_t& v : edge.vertices) {
+                    std::uint32_t& vertex = vertices[v];
+                    if (vertex == UINT32_MAX) {
+                        vertex = static_cast<std::uint32_t>(kept.vertices.size());
+                        kept.vertices.push_back(cell.vertices[v]);
+                    }
+                    v = vertex;
+                }
+            }
+            trim.edge = number;
+        });
+    }
+    return kept;
+}
+
+bool is_proved(const Certificate& certificate, const std::string& where) {
+    return std::ranges::any_of(certificate.elements, [&](const Element& e) {
+        return e.where == where && e.verdict == Verdict::proved;
+    });
+}
+
+}  // namespace
+
+TEST_CASE("complete cells: a part that nothing joins to the others is there, and missed if it is not") {
+    const Cell cell = complete_cell(row_of_balls());
+    check_measures(cell);
+    check_certificate(cell);
+    const Cell rest = without_islands(cell);
+    REQUIRE(rest.faces.size() < cell.faces.size());
+    REQUIRE(!rest.faces.empty());
+    CHECK_FALSE(is_proved(certify(rest), "entries"));
+}
+
+TEST_CASE("complete cells: a cell over the base's region alone is not taken for one") {
+    Cell cell = voronoi_cell(row_of_balls());
+    CHECK(certify(cell).holds());
+    cell.is_complete = true;
+    CHECK_FALSE(certify(cell).holds());
+}
+
+TEST_CASE("complete cells: two sides of planes and the balls between them fill the box") {
+    std::mt19937_64 rng(test_seed());
+    int filled = 0;
+    for (int attempt = 0; filled < 2 * rounds() && attempt < 40 * rounds(); ++attempt) {
+        const Scene scene = random_scene(rng, 8, false);
+        std::vector<Object> all = scene.objects;
+        all.push_back(scene.base);
+        double volume = 0, bound = 0;
+        bool is_whole = true;
+        const auto add = [&](double v, double e) {
+            volume += v;
+            bound += e;
+        };
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            Scene part = scene;
+            part.objects = all;
+            part.objects.erase(part.objects.begin() + static_cast<std::ptrdiff_t>(i));
+            part.base = all[i];
+            try {
+                if (const auto* plane = std::get_if<Plane>(&all[i])) {
+                    for (const double sense : {1.0, -1.0}) {
+                        part.base = Plane{plane->point, sense * plane->normal};
+                        const Measures m = complete_cell(part).measures;
+                        add(m.volume, m.volume_error);
+                    }
+                } else {
+                    const CompleteMeasures m = complete_measures(part);
+                    add(m.volume, m.volume_error);
+                }
+            } catch (const InputError&) {
+                // A plane beside the box may own nothing of it, or what its margin holds may be cut.
+                is_whole = false;
+            }
+        }
+        if (!is_whole) continue;
+        ++filled;
+        const Vec3 size = scene.box.max - scene.box.min;
+        CHECK(std::abs(volume - size.prod()) <= bound + 1e-9);
+    }
+    CHECK(filled == 2 * rounds());
+}
+
+TEST_CASE("complete cells: files, pictures, refined vertices and changed scenes") {
+    std::mt19937_64 rng(test_seed());
+    const Scene scene = random_scene(rng, 12, false);
+    const Cell cell = complete_cell(scene);
+    std::stringstream file, picture;
+    write_cell(file, cell);
+    const Cell read = parse_cell(file.str());
+    CHECK(read.is_complete);
+    std::stringstream again;
+    write_cell(again, read);
+    CHECK(again.str() == file.str());
+    write_svg(picture, cell);
+    CHECK(picture.str().find("class=\"face") != std::string::npos);
+    for (std::size_t v = 0; v < cell.vertices.size(); ++v) {
+        CAPTURE(v);
+        CHECK(refine(cell, v, 100).has_value());
+    }
+
+    Scene smaller = scene;
+    smaller.objects.erase(smaller.objects.begin());
+    const Cell removed = remove(cell, 0);
+    CHECK(removed.is_complete);
+    CHECK(removed.faces.size() == complete_cell(smaller).faces.size());
+    const Cell inserted = insert(removed, scene.objects[0]);
+    CHECK(inserted.is_complete);
+    CHECK(inserted.measures.volume == doctest::Approx(cell.measures.volume).epsilon(1e-12));
+}
+
+TEST_CASE("complete cells: where rays come in nowhere, and among tubes, cells stay as they are") {
+    Scene level;
+    level.base = Plane{{0, 0, 1}, {0, 0, 1}};
+    level.box = {Vec3::Zero(), Vec3::Constant(10)};
+    level.objects = {Sphere{{5, 5, 5}, 1}};
+    Cell cell = complete_cell(level);
+    CHECK(cell.is_complete);
+    CHECK(cell.measures.volume == voronoi_cell(level).measures.volume);
+    CHECK(certify(cell).holds());
+
+    Scene tube;
+    tube.base = Plane{{5, 5, 5}, {0.2, 0.3, 1}};
+    tube.box = level.box;
+    tube.objects = {Cylinder{{5, 5, 10}, {1, 0, -0.2}, 0.5}};
+    cell = complete_cell(tube);
+    CHECK_FALSE(cell.is_complete);
+    CHECK(cell.measures.volume == voronoi_cell(tube).measures.volume);
+}
