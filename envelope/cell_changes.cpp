@@ -1,12 +1,12 @@
 #include "cell_changes.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "../core/errors.hpp"
+#include "object_distance.hpp"
 
 namespace vcell {
 
@@ -87,16 +87,6 @@ Cell insert(Cell cell, const Object& object, const CellOptions& options) {
 }
 
 namespace {
-
-// The distance of a point from an object, negative in a solid.
-double distance_from(const Object& object, const Vec3& p) {
-    if (const auto* plane = std::get_if<Plane>(&object))
-        return std::abs(plane->normal.stableNormalized().dot(p - plane->point));
-    if (const auto* sphere = std::get_if<Sphere>(&object))
-        return (p - sphere->center).norm() - sphere->radius;
-    const auto& tube = std::get<Cylinder>(object);
-    return (p - tube.point).cross(tube.axis.stableNormalized()).norm() - tube.radius;
-}
 
 // A lower bound of the distance of a ball from the base region, which lies in the box; of other objects 0.
 double least_distance(const Object& object, const Scene& scene) {

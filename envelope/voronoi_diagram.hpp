@@ -60,7 +60,7 @@ struct DiagramCell {
 
     State state = State::Computed;
     std::string reason;  ///< of Empty, Undecided and Refused
-    /// Of what is nearest to the object in the box, its body included; of a plane on both of its sides.
+    /// The part of the box nearest to the object has it, body included; a plane has both of its sides.
     double volume = 0, volume_error = 0;
     double area = 0, area_error = 0;  ///< without the sides of the box
     /// NaN for planes, tubes and balls centred outside the box, whose cells have no faces over base points
@@ -86,9 +86,9 @@ struct DiagramOptions {
     /// Called now and then by the calling thread with the fraction of cells that is done; may throw to
     /// cancel.
     std::function<void(double fraction)> progress;
-    /// Called by the calling thread with each computed cell of a ball, ascending by object; the cell's sites
-    /// are the diagram's objects (image: `images`, one for each object of cell.scene). Cells are kept no
-    /// longer than that.
+    /// Called by the calling thread with each computed cell of a ball, ascending by object, and kept
+    /// no longer. Its scene has the objects that were looked at; its sites are their numbers in the diagram,
+    /// or where the box repeats, as images have no numbers, their places in that scene.
     std::function<void(std::uint32_t object, const Cell& cell)> visit;
 };
 

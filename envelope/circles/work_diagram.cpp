@@ -18,7 +18,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Relative to the sum of all terms, some twenty roundings.
 constexpr double rounding_margin = 1e-12;
 
-// Of slopes across a chord, whose length is known from above alone (CircleKernel::ArcBounds).
+// Slopes across a chord are divided by its length, which is known from above alone (CircleKernel::ArcBounds).
 constexpr double slope_margin = 1e-5;
 
 // Centre and half sides of a box, the sides rounded up.
@@ -243,7 +243,7 @@ void WorkDiagram::require_soundness() const {
 #endif
 }
 
-// Of a face whose boundary is complete.
+// Pre: the boundary of the face is complete.
 void WorkDiagram::set_box(Index face) {
     const Face& f = faces_[face];
     const auto [x, y, rx, ry] = middle(f.box);

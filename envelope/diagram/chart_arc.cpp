@@ -239,8 +239,8 @@ FormId ChartArcs::circular_successor(EdgeId e, VertexId v) const {
     return {};
 }
 
-// Of a form that takes over at an end. With a floor, the greater of its forms shows, and of it and the rest
-// the greater one or the lesser.
+// Is a form that takes over at an end the lower one along the edge? With a floor the greater of its forms
+// shows, and of it and the rest the greater one or the lesser.
 bool ChartArcs::is_lower_along(EdgeId e, FormId third) const {
     if (diagram_.floor.empty()) return false;
     const bool l = diagram_.is_of_floor(diagram_.edges[e].left),

@@ -10,7 +10,7 @@ namespace vcell::whole {
 
 namespace {
 
-// Of the sums and products below none is off by more of the terms in it.
+// No sum or product below is off by more than this part of the terms in it.
 constexpr double rounding = 0x1p-46;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

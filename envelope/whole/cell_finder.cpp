@@ -1,6 +1,5 @@
 #include "cell_finder.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <limits>
 #include <map>
@@ -10,6 +9,7 @@
 #include "../../core/errors.hpp"
 #include "../../primitives/bases/nested_balls.hpp"
 #include "../complete_measures.hpp"
+#include "../object_distance.hpp"
 #include "../voronoi_cell.hpp"
 
 namespace vcell::whole {
@@ -22,29 +22,20 @@ constexpr Image here{0, 0, 0};
 
 // ---- Distances --------------------------------------------------------------------------------------
 
-// A lower bound of the distance between an object that is no ball, and a ball's surface; negative where they
-// overlap.
+// A lower bound of the distance between an object and a ball's surface; negative where they overlap.
 double least_distance(const Object& object, const Sphere& ball) {
     // Beyond the rounding of a handful of products of coordinates and unit vectors.
     constexpr double rounding = 0x1p-46;
-    const Vec3& c = ball.center;
-    double distance, radius = 0;
-    const Vec3* point;
-    if (const auto* plane = std::get_if<Plane>(&object)) {
-        point = &plane->point;
-        distance = std::abs(plane->normal.stableNormalized().dot(c - plane->point));
-    } else if (const auto* tube = std::get_if<Cylinder>(&object)) {
-        point = &tube->point;
-        radius = tube->radius;
-        distance = (c - tube->point).cross(tube->axis.stableNormalized()).norm() - radius;
-    } else {
-        const Sphere& other = std::get<Sphere>(object);
-        point = &other.center;
-        radius = other.radius;
-        distance = (c - other.center).norm() - radius;
-    }
-    const double size = c.cwiseAbs().sum() + point->cwiseAbs().sum() + radius + ball.radius;
-    return distance - ball.radius - rounding * size;
+    const auto size_of = [](const auto& o) {
+        if constexpr (requires { o.center; })
+            return o.center.cwiseAbs().sum() + o.radius;
+        else if constexpr (requires { o.radius; })
+            return o.point.cwiseAbs().sum() + o.radius;
+        else
+            return o.point.cwiseAbs().sum();
+    };
+    return distance_from(object, ball.center) - ball.radius -
+           rounding * (std::visit(size_of, object) + size_of(ball));
 }
 
 bool holds(const Box& box, const Vec3& p) {
@@ -219,9 +210,9 @@ public:
             return std::move(result_);
         }
         try {
-            if (decided_.is_ball(object_) && holds(decided_.scene().box, decided_.ball(object_).center))
-                find_ball_cell(kept);
-            else if (decided_.scene().is_periodic() && decided_.is_ball(object_))
+            const DiagramScene& all = decided_.scene();
+            if (all.is_periodic() ||
+                (decided_.is_ball(object_) && holds(all.box, decided_.ball(object_).center)))
                 find_ball_cell(kept);
             else
                 find_measures();
@@ -289,7 +280,7 @@ private:
         return bound;
     }
 
-    // Of images the nearest ones are found by ever larger reaches.
+    // Ever larger reaches find the nearest images: the tree holds the box alone.
     void find_nearest(const Sphere& base, const Box& room, std::size_t count,
                       std::vector<std::pair<double, Sphere>>& found) const {
         const double volume = decided_.scene().edges().determinant(),

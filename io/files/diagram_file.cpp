@@ -10,6 +10,7 @@
 #include <map>
 #include <ostream>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -31,32 +32,15 @@ void pad(std::vector<std::string>& texts, std::size_t count) {
 DiagramScene parse_text(std::string_view text, const DiagramSceneOptions& options) {
     DiagramScene scene;
     std::vector<Sphere> balls;
-    std::size_t line_number = 0;
-    for (std::size_t at = 0; at < text.size();) {
-        std::string_view line = next_line(text, at);
-        ++line_number;
-        std::array<double, 4> numbers{};
-        std::size_t count = 0;
-        for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
-            if (count < 4) {
-                numbers[count] = parse_number(word, line_number);
-            } else if (count < 6) {
-                std::vector<std::string>& texts = count == 4 ? scene.names : scene.groups;
-                texts.resize(balls.size());
-                texts.emplace_back(word);
-            } else {
-                throw InputError(InputError::Kind::Syntax, InputError::no_object,
-                                 fmt::format("line {}", line_number),
-                                 "must be x y z r [name [group]], has more");
-            }
-        }
-        if (count == 0) continue;
-        if (count < 4)
-            throw InputError(InputError::Kind::Syntax, InputError::no_object,
-                             fmt::format("line {}", line_number),
-                             fmt::format("must be x y z r [name [group]], has {} of the 4 numbers", count));
-        balls.push_back({Vec3(numbers[0], numbers[1], numbers[2]), numbers[3]});
-    }
+    read_ball_lines(text, "x y z r [name [group]]", 2,
+                    [&](const Sphere& ball, std::span<const std::string_view> words) {
+                        const std::array<std::vector<std::string>*, 2> texts{&scene.names, &scene.groups};
+                        for (std::size_t k = 0; k < words.size(); ++k) {
+                            texts[k]->resize(balls.size());
+                            texts[k]->emplace_back(words[k]);
+                        }
+                        balls.push_back(ball);
+                    });
     pad(scene.names, balls.size());
     pad(scene.groups, balls.size());
     scene.box = options.box ? *options.box : default_box(balls, std::nullopt);
@@ -159,15 +143,14 @@ void write_cell_table(std::ostream& out, const DiagramScene& scene, const Vorono
         const auto neighbors = std::ranges::count_if(
             c.contacts, [](const CellContact& contact) { return contact.site.is_object(); });
         fmt::print(out, "{}\t{}\t{}\t{}", i, column(scene.names, i), column(scene.groups, i), word(c.state));
-        if (is_computed)
+        if (is_computed) {
             fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t-\n", c.volume, c.volume_error,
                        c.area, c.area_error, neighbors, number(c.min_clearance), number(c.max_clearance),
                        c.touches_box, c.is_estimated, c.candidates);
-        else
-            fmt::print(out, "\t{}\t-\t{}\t-\t{}\t-\t-\t-\t-\t-\t{}\n",
-                       c.state == DiagramCell::State::Empty ? "0" : "-",
-                       c.state == DiagramCell::State::Empty ? "0" : "-",
-                       c.state == DiagramCell::State::Empty ? "0" : "-", printable(c.reason));
+        } else {
+            const char* nothing = c.state == DiagramCell::State::Empty ? "0" : "-";
+            fmt::print(out, "\t{0}\t-\t{0}\t-\t{0}\t-\t-\t-\t-\t-\t{1}\n", nothing, printable(c.reason));
+        }
     }
 }
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <utility>
+#include <vector>
 
 #include "files.hpp"
 #include "scene_json.hpp"
@@ -168,27 +170,42 @@ namespace {
     throw InputError(InputError::Kind::MissingKey, InputError::no_object, option, what);
 }
 
-std::vector<Sphere> read_balls(std::string_view text) {
-    std::vector<Sphere> balls;
+}  // namespace
+
+void read_ball_lines(std::string_view text, std::string_view form, std::size_t most_words,
+                     const std::function<void(const Sphere&, std::span<const std::string_view>)>& visit) {
     std::size_t line_number = 0;
+    std::vector<std::string_view> words;
     for (std::size_t at = 0; at < text.size();) {
         std::string_view line = next_line(text, at);
         ++line_number;
-        double numbers[4];
-        int count = 0;
-        for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
-            if (count == 4)
-                throw InputError(InputError::Kind::Syntax, InputError::no_object,
-                                 fmt::format("line {}", line_number), "must be x y z r, has more");
-            numbers[count] = parse_number(word, line_number);
-        }
-        if (count == 0) continue;
-        if (count < 4)
+        const auto fail = [&](const std::string& what) {
             throw InputError(InputError::Kind::Syntax, InputError::no_object,
                              fmt::format("line {}", line_number),
-                             fmt::format("must be x y z r, has {} of the 4 numbers", count));
-        balls.push_back({Vec3(numbers[0], numbers[1], numbers[2]), numbers[3]});
+                             fmt::format("must be {}, has {}", form, what));
+        };
+        words.clear();
+        std::array<double, 4> numbers{};
+        std::size_t count = 0;
+        for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
+            if (count == 4 + most_words) fail("more");
+            if (count < 4)
+                numbers[count] = parse_number(word, line_number);
+            else
+                words.push_back(word);
+        }
+        if (count == 0) continue;
+        if (count < 4) fail(fmt::format("{} of the 4 numbers", count));
+        visit({Vec3(numbers[0], numbers[1], numbers[2]), numbers[3]}, words);
     }
+}
+
+namespace {
+
+std::vector<Sphere> read_balls(std::string_view text) {
+    std::vector<Sphere> balls;
+    read_ball_lines(text, "x y z r", 0,
+                    [&](const Sphere& ball, std::span<const std::string_view>) { balls.push_back(ball); });
     return balls;
 }
 

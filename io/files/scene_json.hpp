@@ -1,6 +1,8 @@
 /// A scene as a JSON value, for the files that hold one, and what files of several kinds of scenes share.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,6 +34,11 @@ Box read_box(JsonReader& in);
 
 /// Does a text begin as lines of numbers do, and comments between them?
 bool is_plain_text(std::string_view text);
+/// Calls visit with the ball of each line "x y z r" and the words that follow it, most_words at most; blank
+/// lines and comments count for nothing. Throws InputError with the line's number, where it says that a line
+/// must be of that form.
+void read_ball_lines(std::string_view text, std::string_view form, std::size_t most_words,
+                     const std::function<void(const Sphere&, std::span<const std::string_view>)>& visit);
 /// TextSceneOptions::box's default. Throws InputError where there is no ball.
 Box default_box(std::span<const Sphere> balls, const std::optional<Plane>& base_plane);
 /// Throws InputError for a whole file: "what" without a place.

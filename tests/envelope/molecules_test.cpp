@@ -17,6 +17,7 @@
 #include "../../envelope/diagram/minimization_diagram.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../test_support.hpp"
+#include "molecule.hpp"
 
 namespace vcell {
 namespace {
@@ -32,17 +33,6 @@ struct TangentSphere {
 
 /// A quadruple of balls has up to two tangent spheres.
 using Tangent = std::map<Quadruple, std::vector<TangentSphere>>;
-
-std::vector<Sphere> molecule(const std::string& name) {
-    std::ifstream file(test_data(name));
-    std::vector<Sphere> balls;
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream in(line);
-        Sphere ball;
-        if (in >> ball.center[0] >> ball.center[1] >> ball.center[2] >> ball.radius) balls.push_back(ball);
-    }
-    return balls;
-}
 
 std::vector<Sphere> scaled(std::vector<Sphere> balls, double factor) {
     for (Sphere& b : balls) b = {factor * b.center, factor * b.radius};

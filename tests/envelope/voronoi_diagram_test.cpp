@@ -7,14 +7,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <random>
-#include <sstream>
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../test_support.hpp"
+#include "molecule.hpp"
 
 namespace vcell {
 namespace {
@@ -99,17 +98,6 @@ void check_sampled(const DiagramScene& scene, const VoronoiDiagram& diagram, std
     }
 }
 
-std::vector<Sphere> molecule() {
-    std::ifstream file(test_data("1CRN.xyzr"));
-    std::vector<Sphere> balls;
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream in(line);
-        Sphere ball;
-        if (in >> ball.center[0] >> ball.center[1] >> ball.center[2] >> ball.radius) balls.push_back(ball);
-    }
-    return balls;
-}
-
 bool are_same(const VoronoiDiagram& a, const VoronoiDiagram& b) {
     const auto same = [](const DiagramCell& p, const DiagramCell& q) {
         bool equal = p.state == q.state && p.volume == q.volume && p.area == q.area &&
@@ -164,7 +152,7 @@ TEST_CASE("voronoi_diagram: a cell is that among all other objects") {
 
 TEST_CASE("voronoi_diagram: crambin's atoms fill their box") {
     DiagramScene scene;
-    const std::vector<Sphere> balls = molecule();
+    const std::vector<Sphere> balls = molecule("1CRN.xyzr");
     REQUIRE(balls.size() == 327);
     scene.objects.assign(balls.begin(), balls.end());
     scene.box = {balls[0].center, balls[0].center};

@@ -1,0 +1,21 @@
+/// How far a point is from an object, in doubles.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "../primitives/objects/objects.hpp"
+
+namespace vcell {
+
+/// Negative in a solid. Off by a few roundings of the coordinates.
+inline double distance_from(const Object& object, const Vec3& p) {
+    if (const auto* plane = std::get_if<Plane>(&object))
+        return std::abs(plane->normal.stableNormalized().dot(p - plane->point));
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return (p - sphere->center).norm() - sphere->radius;
+    const auto& tube = std::get<Cylinder>(object);
+    return (p - tube.point).cross(tube.axis.stableNormalized()).norm() - tube.radius;
+}
+
+}  // namespace vcell
