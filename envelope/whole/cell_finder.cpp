@@ -221,7 +221,9 @@ public:
         } catch (const InternalError& e) {
             end(State::Undecided, std::string("internal error: ") + e.what());
         } catch (const InputError& e) {
-            end(e.kind == Kind::EmptyBox ? State::Empty : State::Refused, e.what());
+            // Where the box repeats, a ball beyond a side that does not may still own some of it.
+            const bool owns_nothing = e.kind == Kind::EmptyBox && !decided_.scene().is_periodic();
+            end(owns_nothing ? State::Empty : State::Refused, e.what());
         }
         return std::move(result_);
     }

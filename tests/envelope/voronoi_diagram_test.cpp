@@ -350,6 +350,17 @@ TEST_CASE("voronoi_diagram: what is no scene is named") {
     CHECK_THROWS_AS(voronoi_diagram(scene), InputError);
 }
 
+TEST_CASE("voronoi_diagram: a ball beyond a side of a box that repeats along others is refused, not empty") {
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Ones()};
+    scene.periodic = {true, false, false};
+    scene.objects = {Sphere{{0.5, 0.2, 0.5}, 0.1}, Sphere{{0.5, 1.1, 0.5}, 0.1}};
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    CHECK(cell_of(diagram, 0).state == State::Computed);
+    CHECK(cell_of(diagram, 1).state == State::Refused);
+    CHECK_FALSE(filled_volume(scene, diagram).fills());
+}
+
 TEST_CASE("voronoi_diagram: progress ends at one, and what it throws ends the work") {
     std::mt19937_64 rng(test_seed());
     const DiagramScene scene = random_balls(rng, 300, 0.0, 0.02);
