@@ -10,9 +10,11 @@ namespace vcell::whole {
 
 namespace {
 
-// No sum or product below is off by more than this part of the terms in it.
+// No sum or product of doubles below is off by more than this part of the terms in it, and none of floats by
+// more than the coarse one.
 constexpr double rounding = 0x1p-46;
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr float coarse = 0x1p-18F;
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
@@ -21,7 +23,7 @@ CellBound::Level::Level(int count) {
     const auto tangent = [&](double place) {
         return std::tan(0.25 * std::numbers::pi * (2 * place / count - 1));
     };
-    double least = 1;
+    double least = 1;  // cosine
     const int halvings = std::countr_zero(static_cast<unsigned>(count / along));
     for (int k = 0; k < 6 * count * count; ++k) {
         const int whole = k >> (2 * halvings), face = whole / (along * along);
@@ -38,16 +40,17 @@ CellBound::Level::Level(int count) {
             return Vec3(p.normalized());
         };
         const Vec3 axis = at(0.5, 0.5);
-        x.push_back(axis.x());
-        y.push_back(axis.y());
-        z.push_back(axis.z());
+        x.push_back(static_cast<float>(axis.x()));
+        y.push_back(static_cast<float>(axis.y()));
+        z.push_back(static_cast<float>(axis.z()));
         // Its corners are the farthest points of a convex sector.
         for (const double s : {0.0, 1.0})
             for (const double t : {0.0, 1.0}) least = std::min(least, axis.dot(at(s, t)));
     }
-    cosine = least - rounding;
-    sine = std::sqrt(1 - cosine * cosine) + rounding;
-    chord = std::sqrt(2 * (1 - cosine)) + rounding;
+    least -= rounding;
+    cosine = static_cast<float>(least);
+    sine = static_cast<float>(std::sqrt(1 - least * least) + rounding);
+    chord = std::sqrt(2 * (1 - least)) + rounding;
 }
 
 const std::array<CellBound::Level, CellBound::levels>& CellBound::table() {
@@ -64,7 +67,7 @@ void CellBound::add(const Sphere& ball) {
     const double lost = rounding * (ball.center.cwiseAbs().sum() + ball.radius + size_);
     const double C = std::max(0.0, square - delta * delta) + rounding * (square + delta * delta) +
                      2 * lost * (size + std::abs(delta)) + lost * lost;
-    competitors_.push_back({c, square, size, delta - 2 * lost - rounding * (size + std::abs(delta)), C});
+    competitors_.push_back({c, size, delta - 2 * lost - rounding * (size + std::abs(delta)), C});
 }
 
 void CellBound::add(const Box& box) {
@@ -76,70 +79,105 @@ void CellBound::add(const Box& box) {
             // A side is met as a mirrored base would be, which has the base's radius and twice the distance.
             const double size = 2 * far, square = size * size;
             competitors_.push_back(
-                {sign * size * Vec3::Unit(axis), square, size, -rounding * size, square * (1 + rounding)});
+                {sign * size * Vec3::Unit(axis), size, -rounding * size, square * (1 + rounding)});
         }
+}
+
+void CellBound::add_cap(double clearance) { least_reciprocal_ = (1 - rounding) / (base_.radius + clearance); }
+
+void CellBound::set_bounds() {
+    // The size of the largest competitor: none is so far that its square would overflow.
+    unit_ = base_.radius;
+    for (const Competitor& o : competitors_) unit_ = std::max(unit_, o.size);
+    if (least_reciprocal_ > 0) unit_ = std::max(unit_, 1 / least_reciprocal_);
+    bounds_.clear();
+    for (const Competitor& o : competitors_) {
+        const double size = o.size / unit_, delta = o.delta / unit_, C = o.C / (unit_ * unit_);
+        // Of what is nearer than that a float's quotient would be none; without it the bound is weaker.
+        constexpr double least_C = 0x1p-100;
+        if (!(C > least_C)) continue;
+        const Vec3 c = o.c / unit_;
+        bounds_.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z()),
+                           static_cast<float>(size * size), static_cast<float>(size),
+                           static_cast<float>(delta - coarse * (size + std::abs(delta))),
+                           static_cast<float>(2 / C * (1 - coarse))});
+    }
 }
 
 // T of sectors that follow each other: the least of its bounds, as the greatest of their reciprocals, which
 // are negative where there is none.
 template <int count>
-Eigen::Array<double, count, 1> CellBound::farthest(const Level& level, std::size_t first) const {
-    using Sectors = Eigen::Array<double, count, 1>;
+CellBound::Row<count> CellBound::farthest(const Level& level, std::size_t first) const {
+    using Sectors = Row<count>;
     const Eigen::Map<const Sectors> x(level.x.data() + first), y(level.y.data() + first),
         z(level.z.data() + first);
-    Sectors nearest = Sectors::Zero();
-    for (const Competitor& o : competitors_) {
+    Sectors nearest = Sectors::Constant(static_cast<float>(least_reciprocal_ * unit_ * (1 - coarse)));
+    for (const Bound& o : bounds_) {
         // In a sector with the direction from c in it the angle from c to its farthest direction is no longer
         // greater than all others, and the cosine's bound none. Of all balls but those that nearly hold the
         // base it is negative there.
         if (o.delta > level.cosine * o.size) continue;
-        const Sectors m = o.c.x() * x + o.c.y() * y + o.c.z() * z;
-        const Sectors across = ((o.square - m.square()).max(0.0) + rounding * o.square).sqrt();
-        nearest = nearest.max((level.cosine * m - level.sine * across + o.delta) * (2 / o.C));
+        const Sectors m = o.x * x + o.y * y + o.z * z;
+        const Sectors across = ((o.square - m.square()).max(0.0F) + coarse * o.square).sqrt();
+        nearest = nearest.max((level.cosine * m - level.sine * across + o.delta) * o.factor);
     }
-    return (1 + rounding) / nearest;
+    return (1 + coarse) / nearest;
 }
 
-CellBound::Part CellBound::part(const Level& level, std::size_t k, double t) const {
-    const Vec3 center = base_.center + t * Vec3(level.x[k], level.y[k], level.z[k]);
-    return {center, t - base_.radius + t * level.chord + rounding * (t + size_)};
+// More than a length in floats that were computed of terms of that size.
+double CellBound::rounded_up(double length, double terms) const {
+    return length / unit_ + coarse * (terms / unit_) + rounding * (size_ / unit_);
+}
+
+Eigen::Vector4f CellBound::ball(const Level& level, std::size_t k, double t) const {
+    if (!std::isfinite(t)) return {0, 0, 0, infinity};
+    const double radius = rounded_up(unit_ * t * (1 + level.chord) - base_.radius, unit_ * t + base_.radius);
+    return {static_cast<float>(t * level.x[k]), static_cast<float>(t * level.y[k]),
+            static_cast<float>(t * level.z[k]), static_cast<float>(radius)};
 }
 
 void CellBound::settle(double width) {
+    set_bounds();
     const Level& level = table().front();
     parts_.clear();
-    const Eigen::Array<double, sector_count, 1> t = farthest<sector_count>(level, 0);
-    for (std::size_t k = 0; k < sector_count; ++k) {
-        const Part whole = part(level, k, t[k]);
-        sectors_.x[k] = whole.center.x();
-        sectors_.y[k] = whole.center.y();
-        sectors_.z[k] = whole.center.z();
-        sectors_.radius[k] = whole.radius;
+    const Row<sector_count> t = farthest<sector_count>(level, 0);
+    for (int k = 0; k < sector_count; ++k) {
+        sectors_.set(k, ball(level, k, t[k]));
         begin_[k] = static_cast<std::uint32_t>(parts_.size());
-        if (t[k] * level.chord > width) divide(1, k, width);
+        last_four_ = 4;
+        if (t[k] * level.chord > width / unit_) divide(1, k, width / unit_);
     }
     begin_[sector_count] = static_cast<std::uint32_t>(parts_.size());
     set_faces();
-    const double most = t.maxCoeff();
+    const double most = unit_ * t.maxCoeff();
     reach_ = 2 * (most - base_.radius) + rounding * (most + size_);
 }
 
 void CellBound::divide(int at, std::size_t sector, double width) {
     const Level& level = table()[at];
-    const Eigen::Array4d t = farthest<4>(level, 4 * sector);
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (at + 1 < levels && t[k] * level.chord > width)
-            divide(at + 1, 4 * sector + k, width);
-        else
-            parts_.push_back(part(level, 4 * sector + k, t[k]));
+    const Row<4> t = farthest<4>(level, 4 * sector);
+    for (int k = 0; k < 4; ++k) {
+        const std::size_t part = 4 * sector + k;
+        if (at + 1 < levels && t[k] * level.chord > width) {
+            divide(at + 1, part, width);
+            continue;
+        }
+        if (last_four_ == 4) {
+            // What is not set is out of reach.
+            parts_.push_back(
+                {Row<4>::Constant(infinity), Row<4>::Zero(), Row<4>::Zero(), Row<4>::Constant(-infinity)});
+            last_four_ = 0;
+        }
+        parts_.back().set(last_four_++, ball(level, part, t[k]));
     }
 }
 
-bool CellBound::touches_part(int k, const Vec3& center, double radius) const {
+template <class Apart>
+bool CellBound::any_part(int k, Apart&& apart) const {
     if (begin_[k] == begin_[k + 1]) return true;
     for (std::uint32_t i = begin_[k]; i < begin_[k + 1]; ++i) {
-        const double reach = parts_[i].radius + radius;
-        if (reach > 0 && (parts_[i].center - center).squaredNorm() < reach * reach) return true;
+        const Balls<4>& four = parts_[i];
+        if (apart(four.x, four.y, four.z, four.radius).minCoeff() <= 0) return true;
     }
     return false;
 }
@@ -149,57 +187,62 @@ void CellBound::set_faces() {
         const auto x = sectors_.x.segment<of_face>(of_face * f), y = sectors_.y.segment<of_face>(of_face * f),
                    z = sectors_.z.segment<of_face>(of_face * f),
                    radius = sectors_.radius.segment<of_face>(of_face * f);
-        faces_.x[f] = x.mean();
-        faces_.y[f] = y.mean();
-        faces_.z[f] = z.mean();
-        const double most =
-            (((x - faces_.x[f]).square() + (y - faces_.y[f]).square() + (z - faces_.z[f]).square()).sqrt() +
-             radius.max(0.0))
+        const Eigen::Array3f middle(x.mean(), y.mean(), z.mean());
+        const float most =
+            (((x - middle.x()).square() + (y - middle.y()).square() + (z - middle.z()).square()).sqrt() +
+             radius.max(0.0F))
                 .maxCoeff();
-        faces_.radius[f] = most * (1 + rounding) + rounding * size_;
+        faces_.set(f,
+                   {middle.x(), middle.y(), middle.z(), most * (1 + coarse) + coarse * middle.abs().sum()});
     }
 }
 
-template <class Apart, class Visit>
-bool CellBound::any_face(Apart&& apart, Visit&& visit) const {
-    const Eigen::Array<double, 6, 1> of_faces = apart(faces_.x, faces_.y, faces_.z, faces_.radius);
+CellBound::Place CellBound::place(const Vec3& center, double radius, double extent) const {
+    const Vec3 c = (center - base_.center) / unit_;
+    const double terms = unit_ * c.cwiseAbs().sum() + radius + extent;
+    return {c.array().cast<float>(),
+            static_cast<float>(rounded_up(radius + rounding * center.cwiseAbs().sum(), terms))};
+}
+
+template <class Apart>
+bool CellBound::any(Apart&& apart) const {
+    const Row<6> of_faces = apart(faces_.x, faces_.y, faces_.z, faces_.radius);
     for (int f = 0; f < 6; ++f) {
-        if (!(of_faces[f] < 0)) continue;
-        const Eigen::Array<double, of_face, 1> values =
-            apart(sectors_.x.segment<of_face>(of_face * f), sectors_.y.segment<of_face>(of_face * f),
-                  sectors_.z.segment<of_face>(of_face * f), sectors_.radius.segment<of_face>(of_face * f));
-        if (values.minCoeff() < 0 && visit(f, values)) return true;
+        if (!(of_faces[f] <= 0)) continue;
+        const int first = of_face * f;
+        const Row<of_face> values =
+            apart(sectors_.x.segment<of_face>(first), sectors_.y.segment<of_face>(first),
+                  sectors_.z.segment<of_face>(first), sectors_.radius.segment<of_face>(first));
+        if (!(values.minCoeff() <= 0)) continue;
+        for (int k = 0; k < of_face; ++k)
+            if (values[k] <= 0 && any_part(first + k, apart)) return true;
     }
     return false;
 }
 
 bool CellBound::may_touch(const Sphere& ball) const {
-    const Vec3& c = ball.center;
-    const double radius = ball.radius + rounding * (c.cwiseAbs().sum() + ball.radius + size_);
-    const auto apart = [&](const auto& x, const auto& y, const auto& z, const auto& reach) {
-        return ((x - c.x()).square() + (y - c.y()).square() + (z - c.z()).square() -
-                (reach + radius).max(0.0).square())
+    const Place at = place(ball.center, ball.radius, 0);
+    if (!at.is_near()) return true;
+    return any([&](const auto& x, const auto& y, const auto& z, const auto& reach) {
+        return ((x - at.center.x()).square() + (y - at.center.y()).square() + (z - at.center.z()).square() -
+                (reach + at.radius).max(0.0F).square())
             .eval();
-    };
-    return any_face(apart, [&](int face, const Eigen::Array<double, of_face, 1>& values) {
-        for (int k = 0; k < of_face; ++k)
-            if (values[k] < 0 && touches_part(of_face * face + k, c, radius)) return true;
-        return false;
     });
 }
 
 bool CellBound::may_touch(const Box& centers, double radius) const {
-    const Vec3 c = 0.5 * (centers.min + centers.max), half = centers.max - c;
-    const double grown = radius + rounding * (c.cwiseAbs().sum() + half.sum() + radius + size_);
-    const auto squared = [](const auto& at, double middle, double wide) {
-        return ((at - middle).abs() - wide).max(0.0).square();
+    const Vec3 middle = 0.5 * (centers.min + centers.max), half = centers.max - middle;
+    const Place at = place(middle, radius, half.sum());
+    if (!at.is_near()) return true;
+    const Eigen::Array3f wide = (half / unit_).array().cast<float>();
+    const auto squared = [](const auto& x, float center, float extent) {
+        return ((x - center).abs() - extent).max(0.0F).square();
     };
-    const auto apart = [&](const auto& x, const auto& y, const auto& z, const auto& reach) {
-        return (squared(x, c.x(), half.x()) + squared(y, c.y(), half.y()) + squared(z, c.z(), half.z()) -
-                (reach + grown).max(0.0).square())
+    return any([&](const auto& x, const auto& y, const auto& z, const auto& reach) {
+        return (squared(x, at.center.x(), wide.x()) + squared(y, at.center.y(), wide.y()) +
+                squared(z, at.center.z(), wide.z()) - (reach + at.radius).max(0.0F).square())
             .eval();
-    };
-    return any_face(apart, [](int, const auto&) { return true; });
+    });
 }
 
 }  // namespace vcell::whole

@@ -14,6 +14,9 @@
 ///     about T a of radius T - R0 + 2 T sin(angle / 2)
 ///
 /// where R0 is the base's radius. It is proved not to touch the cell where it meets none of these.
+///
+/// Four floats fit in a register where two doubles do, and a bound is none the worse for a part in 2^18, by
+/// which all that is computed in floats gives way: relative to the base, in a unit of the cell's size.
 #pragma once
 
 #include <array>
@@ -34,6 +37,8 @@ public:
     void add(const Sphere& ball);
     /// The box bounds the cell. Pre: it contains the base's centre. With it all bounds are finite.
     void add(const Box& box);
+    /// The cell ends where it is this far (> 0) from the base's surface.
+    void add_cap(double clearance);
 
     /// Makes the balls. Sectors are subdivided until their balls are by no more than `width` larger than
     /// without the angle, where that is not too often.
@@ -50,57 +55,84 @@ public:
     template <class Least>
     bool may_be_touched_by(Least&& least) const {
         for (int k = 0; k < sector_count; ++k)
-            if (least(Vec3(sectors_.x[k], sectors_.y[k], sectors_.z[k])) < sectors_.radius[k]) return true;
+            if (least(Vec3(base_.center + unit_ * Vec3(sectors_.x[k], sectors_.y[k], sectors_.z[k]))) <
+                unit_ * sectors_.radius[k])
+                return true;
         return false;
     }
 
 private:
     static constexpr int along = 4, levels = 4;  // sectors along a side of a cube's face, halved so often
     static constexpr int of_face = along * along, sector_count = 6 * of_face;
+    template <int count>
+    using Row = Eigen::Array<float, count, 1>;
     // The sectors of one size.
     struct Level {
-        std::vector<double> x, y, z;  // axes; the four parts of a sector follow each other on the next level
-        double cosine, sine;          // of the largest angle between a sector's axis and a direction in it
-        double chord;                 // 2 sin(angle / 2)
+        std::vector<float> x, y, z;  // axes; the four parts of a sector follow each other on the next level
+        float cosine, sine;          // of the largest angle between a sector's axis and a direction in it
+        double chord;                // 2 sin(angle / 2)
         explicit Level(int along);
     };
     static const std::array<Level, levels>& table();
 
     struct Competitor {
         Vec3 c;
-        double square, size, delta, C;  // delta less than what rounding may take, C more
+        double size, delta, C;  // delta less than what rounding may take, C more
     };
-    // A ball that what touches the cell within a part of a sector meets.
-    struct Part {
-        Vec3 center;
-        double radius;
+    // Ready for the sectors: t <= 1 / (factor (c.u + delta)).
+    struct Bound {
+        float x, y, z, square, size, delta, factor;
+    };
+    // Balls that what touches the cell within a part of the base's directions meets.
+    template <int count>
+    struct Balls {
+        Row<count> x, y, z, radius;
+
+        void set(int k, const Eigen::Vector4f& ball) {
+            x[k] = ball[0];
+            y[k] = ball[1];
+            z[k] = ball[2];
+            radius[k] = ball[3];
+        }
+    };
+    // A ball or a box of centres as they are compared with those.
+    struct Place {
+        Eigen::Array3f center;
+        float radius;
+
+        // Squares of its lengths are numbers.
+        bool is_near() const { return center.abs().sum() + radius < 0x1p50F; }
     };
 
+    double rounded_up(double length, double terms) const;
+    void set_bounds();
     template <int count>
-    Eigen::Array<double, count, 1> farthest(const Level& level, std::size_t first) const;
-    Part part(const Level& level, std::size_t sector, double t) const;
+    Row<count> farthest(const Level& level, std::size_t first) const;
+    Eigen::Vector4f ball(const Level& level, std::size_t sector, double t) const;
     void divide(int level, std::size_t sector, double width);
-    /// Calls visit(face, its sectors' values) for the faces of the cube in whose ball a ball's centre may be:
-    /// apart(x, y, z, radius) is below 0 where it is in those of these coordinates and radii. Until visit
-    /// says yes.
-    template <class Apart, class Visit>
-    bool any_face(Apart&& apart, Visit&& visit) const;
+    Place place(const Vec3& center, double radius, double extent) const;
+    /// Is apart(x, y, z, radius), of balls of these coordinates and radii, not above 0 for a ball of the
+    /// cube's faces, one of a sector of that face, and if it was divided one of its parts?
+    template <class Apart>
+    bool any(Apart&& apart) const;
+    template <class Apart>
+    bool any_part(int sector, Apart&& apart) const;
     void set_faces();
-    bool touches_part(int sector, const Vec3& center, double radius) const;
 
     Sphere base_;
     double size_;  // of the coordinates in it, for rounding
     std::vector<Competitor> competitors_;
-    // The sectors' balls; and those of their parts, from begin_[k] to begin_[k + 1], where a sector was
-    // divided.
-    template <int count>
-    struct Balls {
-        Eigen::Array<double, count, 1> x, y, z, radius;
-    };
+    double least_reciprocal_ = 0;  // of t, which the cap bounds
+
+    double unit_ = 1;  // of all floats
+    std::vector<Bound> bounds_;
+    // The sectors' balls; and those of their parts, in fours from begin_[k] to begin_[k + 1], where a sector
+    // was divided.
     Balls<sector_count> sectors_;
     Balls<6> faces_;  // of the cube: each holds the balls of its sectors
     std::array<std::uint32_t, sector_count + 1> begin_;
-    std::vector<Part> parts_;
+    std::vector<Balls<4>> parts_;
+    int last_four_ = 0;  // parts in the last four
     double reach_ = 0;
 };
 
