@@ -51,6 +51,13 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         ->check(number_complaint)
         ->type_name("XY XZ YZ");
     command_
+        .add_option(
+            "--probe", probe_,
+            "radius of a probe: cells of balls end at this clearance, as contacts do, and exposed_area is the "
+            "accessible surface")
+        ->check(number_complaint)
+        ->type_name("R");
+    command_
         .add_option("--threads", threads_,
                     "how many to compute with, 0 for all cores; the result is the same")
         ->check(threads_complaint)
@@ -81,6 +88,7 @@ Status DiagramCommand::run() const {
         reading.periodic = {has('x'), has('y'), has('z')};
     }
     if (!tilt_.empty()) reading.tilt = {tilt_[0], tilt_[1], tilt_[2]};
+    reading.probe = probe_;
     const DiagramScene scene = about_file(path_, "", [&] { return read_diagram_scene(path_, reading); });
     VoronoiDiagram diagram;
     {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ private:
     CLI::App& command_;
     std::string path_, cells_, contacts_, groups_, periodic_;
     std::vector<double> box_, tilt_;
+    std::optional<double> probe_;
     std::string threads_ = "0";
 };
 

@@ -34,7 +34,7 @@ std::string message(const Assumption& a, const char* what, const BaseProblem& pr
 MinimizationDiagram diagram_of(const BaseProblem& problem, const EnvelopeOptions& options) {
     EnvelopeOptions told = options;
     for (const FormId f : problem.sites.ids())
-        if (!problem.sites[f].front().is_object()) told.box_sides.push_back(f);
+        if (problem.sites[f].front().kind == Site::Kind::BoxSide) told.box_sides.push_back(f);
     try {
         return envelope_over(problem.family, problem.region, told);
     } catch (const TieError& e) {

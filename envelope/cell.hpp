@@ -78,7 +78,7 @@ struct Measures {
     // The whole cell inside the box with the base's body, and all of that body.
     double volume = not_measured, volume_error = not_measured;
     double body_volume = not_measured, body_volume_error = not_measured;
-    // The cell's boundary without its box sides, these, and the base region.
+    // The cell's boundary without its box sides and cap, its box sides, and the base region.
     double area = not_measured, area_error = not_measured;
     double box_area = not_measured, box_area_error = not_measured;
     double base_area = not_measured, base_area_error = not_measured;

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "../core/errors.hpp"
 #include "../core/platform.hpp"
 #include "../primitives/bases/plane_base.hpp"
 #include "../primitives/bases/radial_base.hpp"
@@ -82,13 +83,29 @@ void drop_isolated_vertices(Cell& cell) {
         for (std::uint32_t& v : e.vertices) v = number[v];
 }
 
+[[noreturn]] void fail_probe(const char* what) {
+    throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe", what);
+}
+
+void validate_probe(const Scene& scene, const CellOptions& options) {
+    const double probe = *options.probe;
+    if (!(probe > 0) || !std::isfinite(probe))
+        throw InputError(InputError::Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
+    if (!std::holds_alternative<Sphere>(scene.base)) fail_probe("is around balls: the base is none");
+    if (options.patches) fail_probe("makes a cap, which has no patches (CellOptions::patches)");
+}
+
 PlaneBaseProblem plane_problem(const Scene& scene, double unit, const CellOptions& options) {
     if (options.complete)
         if (auto problem = complete_plane_base_problem(scene, unit)) return *std::move(problem);
     return plane_base_problem(scene, unit);
 }
-RadialBaseProblem radial_problem(const Scene& scene, double unit, const CellOptions&) {
-    return radial_base_problem(scene, unit);
+RadialBaseProblem radial_problem(const Scene& scene, double unit, const CellOptions& options) {
+    if (!options.probe) return radial_base_problem(scene, unit);
+    RadialBaseProblem problem = radial_base_problem(scene, unit, *options.probe / unit);
+    if (!problem.family.is_all_circular())
+        fail_probe("is around balls among balls and planes, not among tubes");
+    return problem;
 }
 
 // A problem's diagram; below its floor, if it has one, another.
@@ -146,6 +163,7 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     Stopwatch watch;
     report("bisectors", 0);
     validate(scene);
+    if (options.probe) validate_probe(scene, options);
     DecidedScene decided = decide(scene);
     const Problem problem = steps.problem(decided.scene, decided.unit, options);
     report("bisectors", 1);

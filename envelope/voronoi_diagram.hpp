@@ -34,6 +34,10 @@ struct DiagramScene {
     /// Where the box repeats it may lean: its edges are (x, 0, 0), (xy, y, 0) and (xz, yz, z), these being
     /// xy, xz, yz. Zero along axes that do not repeat. Pre: leaning boxes repeat along all axes.
     std::array<double, 3> tilt{0, 0, 0};
+    /// Cells end at this clearance (CellOptions::probe): what a ball of that radius that touches the object
+    /// covers with its centre, and what is behind. Then all objects are balls, centred in the box or out of
+    /// its reach.
+    std::optional<double> probe;
     std::string units = "mm";
     std::optional<double> tolerance;  ///< as Scene::tolerance
 
@@ -62,7 +66,10 @@ struct DiagramCell {
     std::string reason;  ///< of Empty, Undecided and Refused
     /// The part of the box nearest to the object has it, body included; a plane has both of its sides.
     double volume = 0, volume_error = 0;
-    double area = 0, area_error = 0;  ///< without the sides of the box
+    double area = 0, area_error = 0;  ///< without the sides of the box, and without the cap
+    /// Of the cap, which no other object is near (DiagramScene::probe): the accessible surface, at the
+    /// probe's distance.
+    double exposed_area = 0, exposed_error = 0;
     /// NaN for planes, tubes and balls centred outside the box, whose cells have no faces over base points
     /// there.
     double min_clearance = 0, max_clearance = 0;
@@ -87,13 +94,15 @@ struct DiagramOptions {
     /// cancel.
     std::function<void(double fraction)> progress;
     /// Called by the calling thread with each computed cell of a ball, ascending by object, and kept
-    /// no longer. Its scene has the objects that were looked at; its sites are their numbers in the diagram,
-    /// or where the box repeats, as images have no numbers, their places in that scene.
+    /// no longer. With a probe it has no patches. Its scene has the objects that were looked at; its sites
+    /// are their numbers in the diagram, or where the box repeats, as images have no numbers, their places in
+    /// that scene.
     std::function<void(std::uint32_t object, const Cell& cell)> visit;
 };
 
-/// Throws InputError for objects that are none (validate()), an empty list, periods of what is no ball, and a
-/// tilt without periods. What one cell runs into is in its state.
+/// Throws InputError for objects that are none (validate()), an empty list, periods or a probe with what is
+/// no ball, a probe that is not positive, and a tilt without periods. What one cell runs into is in its
+/// state.
 VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& options = {});
 
 /// The diagram after `objects[number]` has become `object`: only cells that the old or the new one may touch
@@ -119,7 +128,7 @@ struct ContactTable {
 ContactTable contacts(const VoronoiDiagram& diagram);
 
 /// The sum of all volumes, and of the box without them, each with its error: a complete diagram leaves
-/// nothing.
+/// nothing, unless cells end at a probe.
 struct FilledVolume {
     double volume = 0, error = 0, box = 0;
     bool is_estimated = false;

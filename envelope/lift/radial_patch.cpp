@@ -50,7 +50,7 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
         Vec3 normal = plane->normal.normalized();
         if (normal.dot(plane->point - Vec3(0, y, 0)) < 0) normal = -normal;
         const double offset = normal.dot(plane->point);
-        if (!problem.sites[form].front().is_object())
+        if (is_wall(problem, form))
             set_plane(plane->point, normal);
         else if (problem.chart.is_sphere())
             set_paraboloid(offset, normal, problem.chart.radius);

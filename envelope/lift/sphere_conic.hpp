@@ -25,11 +25,6 @@ struct Functional {
     T b0, square, k;
 };
 
-/// Is it a side of the box?
-inline bool is_wall(const RadialBaseProblem& problem, FormId f) {
-    return !problem.sites[f].front().is_object();
-}
-
 /// A form's hyperplane, its normal of length 1.
 ///
 /// Where a bisector runs out to infinity, a point's direction tells its distance badly, and rounding in the

@@ -438,8 +438,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     }
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
     if (is_skew) return SkewFace(problem, *cylinder, face);
-    if (problem.sites[form].front().kind == Site::Kind::BoxSide)
-        return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
+    if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
     return TurnedFace(problem, form, face);
 }
 

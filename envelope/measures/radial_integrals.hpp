@@ -19,6 +19,8 @@
 /// M(t) the mean of sqrt(x (x + delta)) over d1 <= x <= t. Flat bisectors have delta = 0: both are multiples
 /// of the shoelace formula. Planes are the limit of d2 to infinity.
 ///
+/// *The cap over a sphere* has the volume t^3 / 3 and the area t^2 times a solid angle (cap_angle.hpp).
+///
 /// *Cylinders over a sphere.* In cylindrical coordinates (alpha, v, r) about the object's axis, c the foot of
 /// the base's centre, v counted from there along the unit vector d, K = |c|^2 - delta^2:
 ///
@@ -80,9 +82,9 @@ struct Share {
     double volume_rest = 0, area_rest = 0;
 };
 
-/// Spheres, planes and walls over a sphere.
+/// Spheres, planes, walls and the cap over a sphere. Integrals along edges have nothing of the cap.
 struct RoundFace {
-    enum class Shape { Flat, Paraboloid, Hyperboloid };
+    enum class Shape { Flat, Paraboloid, Hyperboloid, Cap };
     Shape shape;
     Vec3 axis;                ///< b
     double d1, d2, c, delta;  ///< of a paraboloid d1 only
@@ -92,6 +94,9 @@ struct RoundFace {
 
     RoundFace(const RadialBaseProblem& problem, FormId form);
     double least_distance() const { return d1; }
+    bool is_cap() const { return shape == Shape::Cap; }
+    /// b.u where the bisector is met at distance t. Pre: no cap.
+    double cosine_at(double t) const { return (k / t - e0) / e1; }
     /// What b.(p x dp) is multiplied by at distance t: a number, or an array of them.
     template <class T>
     struct Factors {

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
+#include "cap_angle.hpp"
 #include "radial_integrals.hpp"
 
 namespace vcell {
@@ -31,13 +34,16 @@ public:
     void run() {
         add_faces();
         for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
+        add_caps();
         Measures& m = cell_.measures;
         for (std::size_t i = 0; i < areas_.size(); ++i) {
             // A face thinner than the spacing of doubles may come out below zero by its rounding.
             const double area = std::max(0.0, areas_[i].value());
             cell_.faces[i].area = area;
             cell_.faces[i].area_error = areas_[i].bound();
-            (cell_.faces[i].site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
+            const Site site = cell_.faces[i].site;
+            if (site.kind != Site::Kind::Cap)
+                (site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
             m.is_estimated = m.is_estimated || cell_.faces[i].is_estimated;
         }
         const double radius = problem_.chart.radius, pi = std::numbers::pi;
@@ -71,7 +77,7 @@ public:
         m.max_clearance_error = std::max(greatest_[1] - distance_[1], distance_[1] - greatest_[0]);
         // A cylinder's stretch ends at the box.
         m.touches_box = !problem_.region.empty() || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
-            return !f.site.is_object();
+            return f.site.kind == Site::Kind::BoxSide;
         });
         rank_neighbors(cell_);
     }
@@ -159,6 +165,9 @@ private:
                 std::array<Vector4d, 3> p;
                 for (int k : {0, 1, 2}) p[k] << span[k].w() * span[k].head<3>(), span[k].w();
                 add_conic(p, faces_[left], faces_[right], sum);
+                for (const auto& [face, other, sign] :
+                     {std::tuple(left, right, 1.0), std::tuple(right, left, -1.0)})
+                    bound_cap(face, other, span, sign);
             }
         }
         edge.length = sum.length.value;
@@ -178,6 +187,27 @@ private:
             box_area_.add(std::abs(sum.end_area.value), sum.end_area.error);
         }
         add_position_error(positions_[e], left, right, sum, is_smooth(e));
+    }
+
+    // A span that a face of the cap, if it is one, has on its left, or right (sign = -1).
+    void bound_cap(std::uint32_t face, std::uint32_t other, std::span<const Vector4d> span, double sign) {
+        const auto* cap = std::get_if<radial_integrals::RoundFace>(&faces_[face]);
+        if (cap == nullptr || !cap->is_cap()) return;
+        const auto& circle = std::get<radial_integrals::RoundFace>(faces_[other]);
+        caps_[face].add(span[0].head<3>().normalized(), span[2].head<3>().normalized(), circle.axis,
+                        circle.cosine_at(cap->d1), sign);
+    }
+    void add_caps() {
+        for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+            const auto* cap = std::get_if<radial_integrals::RoundFace>(&faces_[f]);
+            if (cap == nullptr || !cap->is_cap()) continue;
+            const CapAngle::Value omega = caps_[f].value();
+            const double square = cap->d1 * cap->d1, third = cap->d1 / 3;
+            // The radius is known to a rounding, and so are products.
+            const double error = omega.error + 8 * u * omega.angle;
+            areas_[f].add(square * omega.angle, square * error);
+            volume_.add(third * square * omega.angle, third * square * error);
+        }
     }
 
     // Of the point that an axis or a plane runs through: projections of it are rounded. A ball's power is
@@ -227,6 +257,7 @@ private:
     std::vector<RadialFace> faces_;          // of the cell
     std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
     std::vector<BoundedSum> areas_;
+    std::map<std::uint32_t, CapAngle> caps_;  // of the faces that are of the cap
     BoundedSum volume_, area_, box_area_;
     std::vector<Vector4d> points_;  // of one edge, canonical
     std::array<double, 2> distance_{std::numeric_limits<double>::infinity(), 0};

@@ -36,6 +36,14 @@ namespace radial_integrals {
 //     integral from d1 to t of 2 sqrt(d1 d2) / c sqrt(x (x + delta)) dx = 2 sqrt(d1 d2) / c (t - d1) M(t).
 RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     const Object& object = problem.objects[form];
+    if (vcell::is_cap(problem, form)) {
+        shape = Shape::Cap;
+        axis = Vec3::UnitZ();
+        k = d1 = d2 = root = std::get<Sphere>(object).radius;
+        e0 = 1;
+        c = delta = e1 = 0;
+        return;
+    }
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
         delta = sphere->radius - problem.chart.radius;
         c = sphere->center.norm();
@@ -60,7 +68,7 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     }
     delta = 0;
     e1 = 1;
-    if (problem.sites[form].front().is_object()) {
+    if (!is_wall(problem, form)) {
         shape = Shape::Paraboloid;
         k = distance + problem.chart.radius;
         e0 = 1;
@@ -81,7 +89,8 @@ double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axi
 // its values at the ends of a stretch.
 double RoundFace::volume_slope(double near, double far) const {
     switch (shape) {
-        case Shape::Flat: return d1 / 3;
+        case Shape::Flat:
+        case Shape::Cap: return d1 / 3;
         case Shape::Paraboloid: return (3 * far + 2 * d1) / 12;
         case Shape::Hyperboloid: break;
     }
@@ -131,6 +140,7 @@ template <class T>
 RoundFace::Factors<T> RoundFace::factors(const T& t) const {
     switch (shape) {
         case Shape::Flat: return {T(0 * t + d1 / 6), T(0 * t + 0.5)};
+        case Shape::Cap: return {T(0 * t), T(0 * t)};
         case Shape::Paraboloid: {
             const T x = sqrt(t * (1 / d1));  // the mean of sqrt(x / d1) / 2
             return {T((t + d1) * (1.0 / 12)), T((x * x + x + 1) / (3 * (x + 1)))};
@@ -147,6 +157,7 @@ RoundFace::Factors<T> RoundFace::factors(const T& t) const {
 static Share factor_bounds(const RoundFace& f, double least, double most) {
     using Shape = RoundFace::Shape;
     if (f.shape == Shape::Flat) return {f.d1 / 6, 0.5};
+    if (f.is_cap()) return {0, 0};
     most = std::max(most, f.d1);
     if (!(least > std::max(0.0, -f.delta))) return {infinity, infinity};
     if (f.shape == Shape::Paraboloid) return {(most + f.d1) / 12, 0.5 * sqrt(most / f.d1)};

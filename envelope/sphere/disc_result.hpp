@@ -22,6 +22,7 @@ protected:
 
     // Of the direction in which the form is lowest, on a path through an octree (Morton's).
     static double place_on_path(const Linear& form) {
+        if (form.b.isZero(0)) return 0;
         // Ten bits of a coordinate, each followed by two zeros.
         const auto spread = [&](int k) {
             auto x = static_cast<std::uint32_t>(512 * (1 - form.b[k] / form.slope)) & 0x3ffu;

@@ -29,7 +29,8 @@ public:
         forms_.reserve(family_.size() + 16);
         for (const CircularForm& f : family_.forms) {
             forms_.push_back(linear(f));
-            least_slope = std::min(least_slope, forms_.back().slope);
+            // The cap has none.
+            if (!forms_.back().b.isZero(0)) least_slope = std::min(least_slope, forms_.back().slope);
             steepest_ = std::max(steepest_, forms_.back().slope);
         }
         const std::optional<Index> owner = owner_of_pole();

@@ -84,11 +84,15 @@ void DecidedDiagram::validate_diagram() const {
     for (const double t : tilt)
         if (!std::isfinite(t))
             throw InputError(Kind::NotFinite, InputError::no_object, "tilt", "must be finite");
-    if (!scene_.is_periodic()) return;
+    if (scene_.probe && !(*scene_.probe > 0 && std::isfinite(*scene_.probe)))
+        throw InputError(Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
+    if (!scene_.is_periodic() && !scene_.probe) return;
     for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
         if (!is_ball(i))
             throw InputError(Kind::Unsupported, i, object_path(as_scene, i),
-                             "is no ball, and in a box that repeats all objects are balls");
+                             std::string("is no ball, and ") +
+                                 (scene_.is_periodic() ? "in a box that repeats" : "with a probe") +
+                                 " all objects are balls");
 }
 
 // Coordinates become multiples of one power of two, few enough digits that sums of several edges are exact.
@@ -214,6 +218,8 @@ public:
             if (all.is_periodic() ||
                 (decided_.is_ball(object_) && holds(all.box, decided_.ball(object_).center)))
                 find_ball_cell(kept);
+            else if (all.probe)
+                find_beyond_box();
             else
                 find_measures();
         } catch (const UndecidedError& e) {
@@ -236,7 +242,8 @@ private:
         const Box room = decided_.room(object_);
         gather(bound(base, room));
         CellOptions options;
-        options.patches = kept != nullptr;
+        options.probe = decided_.scene().probe;
+        options.patches = kept != nullptr && !options.probe;
         Cell cell = voronoi_cell(part_scene(base, room), options);
         const Measures& m = cell.measures;
         result_.reach =
@@ -258,9 +265,10 @@ private:
     CellBound bound(const Sphere& base, const Box& room) {
         constexpr std::size_t first_candidates = 28;
         // Balls of sectors are narrowed to this part of where the last of them is.
-        constexpr double narrow = 0.25;
+        constexpr double narrow = 0.375;
         CellBound bound(base);
         bound.add(room);
+        if (const auto& probe = decided_.scene().probe) bound.add_cap(*probe);
         double last = 0;
         if (!decided_.scene().is_periodic()) {
             std::vector<std::pair<double, std::uint32_t>> nearest;
@@ -350,11 +358,29 @@ private:
             result_.touches_box = result_.touches_box || !site.is_object();
         };
         for (const CellFace& face : cell.faces) {
+            if (face.site.kind == Site::Kind::Cap) {
+                result_.exposed_area += face.area;
+                result_.exposed_error +=
+                    face.area_error + std::numeric_limits<double>::epsilon() * result_.exposed_area;
+                continue;
+            }
             add(face.site, face);
             for (const Site& site : face.extra_sites) add(site, face);
         }
         result_.contacts.reserve(found.size());
         for (const auto& [key, contact] : found) result_.contacts.push_back(contact);
+    }
+
+    // The cell of a ball that is centred outside the box, with a probe: nothing, where the box is beyond its
+    // cap.
+    void find_beyond_box() {
+        const Sphere& self = decided_.ball(object_);
+        const Box& box = decided_.scene().box;
+        const Vec3 nearest = self.center.cwiseMax(box.min).cwiseMin(box.max);
+        if (least_distance(Sphere{nearest, 0}, self) < *decided_.scene().probe)
+            throw InputError(Kind::Unsupported, object_, "objects[" + std::to_string(object_) + "]",
+                             "is centred outside the box, and reaches into it within the probe");
+        throw InputError(Kind::EmptyBox, object_, "box", "is out of reach within the probe");
     }
 
     // ---- All others ----

@@ -67,6 +67,7 @@ DiagramScene parse_json(std::string_view text) {
         optional_member("periodic",
                         [&] { in.array_of(3, [&](std::size_t i) { scene.periodic[i] = in.boolean(); }); }),
         optional_member("tilt", [&] { in.array_of(3, [&](std::size_t i) { scene.tilt[i] = in.number(); }); }),
+        optional_member("probe", [&] { scene.probe = in.number(); }),
         optional_member("units", [&] { scene.units = in.string(); }),
         optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
     in.end();
@@ -127,6 +128,7 @@ DiagramScene parse_diagram_scene(std::string_view text, const DiagramSceneOption
     }
     if (options.periodic) scene.periodic = *options.periodic;
     if (options.tilt) scene.tilt = *options.tilt;
+    if (options.probe) scene.probe = options.probe;
     return scene;
 }
 
@@ -135,7 +137,7 @@ DiagramScene read_diagram_scene(const std::string& path, const DiagramSceneOptio
 }
 
 void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram) {
-    out << "object\tname\tgroup\tstate\tvolume\tvolume_error\tarea\tarea_error\tneighbors\tmin_clearance\t"
+    out << "object\tname\tgroup\tstate\tvolume\tvolume_error\tarea\tarea_error\texposed_area\texposed_error\tneighbors\tmin_clearance\t"
            "max_clearance\ttouches_box\testimated\tcandidates\treason\n";
     for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
         const DiagramCell& c = diagram.cells[i];
@@ -144,12 +146,14 @@ void write_cell_table(std::ostream& out, const DiagramScene& scene, const Vorono
             c.contacts, [](const CellContact& contact) { return contact.site.is_object(); });
         fmt::print(out, "{}\t{}\t{}\t{}", i, column(scene.names, i), column(scene.groups, i), word(c.state));
         if (is_computed) {
-            fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t-\n", c.volume, c.volume_error,
-                       c.area, c.area_error, neighbors, number(c.min_clearance), number(c.max_clearance),
-                       c.touches_box, c.is_estimated, c.candidates);
+            fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t-\n", c.volume,
+                       c.volume_error, c.area, c.area_error, c.exposed_area, c.exposed_error, neighbors,
+                       number(c.min_clearance), number(c.max_clearance), c.touches_box, c.is_estimated,
+                       c.candidates);
         } else {
             const char* nothing = c.state == DiagramCell::State::Empty ? "0" : "-";
-            fmt::print(out, "\t{0}\t-\t{0}\t-\t{0}\t-\t-\t-\t-\t-\t{1}\n", nothing, printable(c.reason));
+            fmt::print(out, "\t{0}\t-\t{0}\t-\t{0}\t-\t{0}\t-\t-\t-\t-\t-\t{1}\n", nothing,
+                       printable(c.reason));
         }
     }
 }

@@ -16,13 +16,14 @@ struct DiagramSceneOptions {
     std::optional<Box> box;  ///< of text files; default: as TextSceneOptions::box
     std::optional<std::array<bool, 3>> periodic;
     std::optional<std::array<double, 3>> tilt;
+    std::optional<double> probe;
 };
 
 /// JSON or text. JSON has the keys of a scene; "base" may be missing, and is an object like the others
 /// otherwise, the last one (unless it is among them, "base_object"); objects may have a "group", and the box
-/// may repeat: "periodic": [true, true, false], "tilt": [xy, xz, yz]. A line of text is `x y z r [name
-/// [group]]`. Throws InputError with the path or line of what is wrong; objects are validated by
-/// voronoi_diagram().
+/// may repeat: "periodic": [true, true, false], "tilt": [xy, xz, yz]; cells may end: "probe": 1.4. A line of
+/// text is `x y z r [name [group]]`. Throws InputError with the path or line of what is wrong; objects are
+/// validated by voronoi_diagram().
 DiagramScene parse_diagram_scene(std::string_view text, const DiagramSceneOptions& options = {});
 
 /// parse_diagram_scene of a file, of standard input for "-". Throws ReadError, InputError.
@@ -32,8 +33,8 @@ DiagramScene read_diagram_scene(const std::string& path, const DiagramSceneOptio
 // doubles;
 // `-` where there is none. Errors are bounds, estimates where the column `estimated` says 1.
 
-/// object name group state volume volume_error area area_error neighbors min_clearance max_clearance
-/// touches_box estimated candidates reason
+/// object name group state volume volume_error area area_error exposed_area exposed_error neighbors
+/// min_clearance max_clearance touches_box estimated candidates reason
 void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram);
 
 /// first second image name1 name2 faces area area_error distance nx ny nz: the distance of the surfaces, and

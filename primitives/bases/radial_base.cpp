@@ -13,9 +13,9 @@
 
 namespace vcell {
 
-RadialBaseProblem radial_base_problem(const Scene& scene, double unit) {
+RadialBaseProblem radial_base_problem(const Scene& scene, double unit, std::optional<double> probe) {
     if (const auto* sphere = std::get_if<Sphere>(&scene.base))
-        return sphere_base_problem(scene, *sphere, unit);
+        return sphere_base_problem(scene, *sphere, unit, probe);
     return cylinder_base_problem(scene, std::get<Cylinder>(scene.base), unit);
 }
 
@@ -52,7 +52,8 @@ bool meets_base_axis(const Cylinder& c) {
 }
 
 bool is_flat(const RadialBaseProblem& problem, FormId form) {
-    if (!problem.sites[form].front().is_object()) return true;
+    if (is_wall(problem, form)) return true;
+    if (is_cap(problem, form)) return false;
     const BaseChart& chart = problem.chart;
     const Object& object = problem.objects[form];
     if (const auto* sphere = std::get_if<Sphere>(&object))
@@ -64,7 +65,8 @@ bool is_flat(const RadialBaseProblem& problem, FormId form) {
 }
 
 std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
-    if (!problem.sites[form].front().is_object()) return "box";
+    if (is_wall(problem, form)) return "box";
+    if (is_cap(problem, form)) return "cap";
     const Object& object = problem.objects[form];
     const double radius = problem.chart.radius;
     if (!problem.chart.is_sphere()) {

@@ -7,6 +7,7 @@
 ///     sphere (c, rho)                 C = |f - c|^2 - delta^2,                   B = c.n + delta W
 ///     plane n'.p + D, s its sign      C = s (n'.f + D) + R0 |n'|,                B = (|n'| W - s n'.n) / 2
 ///     box side m'.p <= k              C = k - m'.f,                              B = m'.n / 2
+///     cap t <= T (sphere base)        C = T,                                     B = W / 2
 ///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) +
 ///     (m.a)(a.n),  A = a.n
 ///
@@ -20,6 +21,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,7 +47,7 @@ struct RadialBaseProblem : BaseProblem {
     std::array<double, 2> stretch{-std::numeric_limits<double>::infinity(),
                                   std::numeric_limits<double>::infinity()};
     /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward
-    /// normal.
+    /// normal, the cap itself a Sphere about the base's centre.
     IdVector<FormId, Object> objects;
     /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than
     /// the nearer of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no
@@ -63,6 +65,7 @@ struct RadialBaseProblem : BaseProblem {
     bool cross_equally(FormId f, FormId g) const;
 };
 
+/// `probe`: over a sphere the cap T = R0 + probe competes, too (CellOptions::probe).
 /// Throws InputError as plane_base_problem() does, by exact signs:
 ///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a
 ///   ball or
@@ -77,7 +80,8 @@ struct RadialBaseProblem : BaseProblem {
 /// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a
 /// plane; over a cylinder balls out of sight beyond the ends of the stretch. Pre: validate(scene) has passed;
 /// the base is a sphere or a cylinder.
-RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
+RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1,
+                                      std::optional<double> probe = std::nullopt);
 
 /// |c|^2 - (rho - R0)^2 of a ball over a sphere base, to some roundings: of the scene's coordinates, as the
 /// form has them. (Near contact the canonical centre's rounding would change it.)
@@ -86,11 +90,20 @@ double ball_power(const RadialBaseProblem& problem, FormId form);
 /// Does the cylinder's axis meet that of the base, the y axis, exactly? Pre: they are not parallel.
 bool meets_base_axis(const Cylinder& cylinder);
 
+/// Is it a side of the box?
+inline bool is_wall(const RadialBaseProblem& problem, FormId f) {
+    return problem.sites[f].front().kind == Site::Kind::BoxSide;
+}
+/// Is it the cap?
+inline bool is_cap(const RadialBaseProblem& problem, FormId f) {
+    return problem.sites[f].front().kind == Site::Kind::Cap;
+}
+
 /// Is the bisector a plane (a side of the box included)? Exact.
 bool is_flat(const RadialBaseProblem& problem, FormId form);
 
-/// The bisector's name for cell files, decided exactly: "box", "plane", "paraboloid", "hyperboloid", ... or
-/// "quartic" (primitives/bisectors/bisector.hpp).
+/// The bisector's name for cell files, decided exactly: "box", "cap", "plane", "paraboloid", "hyperboloid",
+/// ... or "quartic" (primitives/bisectors/bisector.hpp).
 std::string_view bisector_name(const RadialBaseProblem& problem, FormId form);
 
 }  // namespace vcell

@@ -52,6 +52,7 @@ struct SphereFrame {
     LinearHeight height(const WorldSide& side) const {
         return {ExactVector(side.normal()), Exact(), side.distance(center)};
     }
+    LinearHeight cap(double probe) const { return {ExactVector(), 1.0, Exact(radius) + probe}; }
 
     // With P = matrix^T p and N = norm, p.u = (2 P0 x + 2 P1 y + P2 (1 - x^2 - y^2)) / (N W).
     ExactForm form(const LinearHeight& h) const {
@@ -229,7 +230,7 @@ bool is_in_range(double coefficient) {
 
 // What the forms are made of, for those who ask for their exact coefficients.
 struct FormSources {
-    enum class Kind : std::uint8_t { Ball, Plane, Side };
+    enum class Kind : std::uint8_t { Ball, Plane, Side, Cap };
     struct Source {
         Kind kind;
         std::uint32_t index;  // of `balls` or `planes`, or as in Site::box_side()
@@ -238,11 +239,13 @@ struct FormSources {
     Box box;
     std::vector<Ball> balls;
     std::vector<ExactForm> planes;
+    std::optional<double> probe;
     IdVector<FormId, Source> forms;
 
     ExactForm exact(FormId f) const {
         const Source& source = forms[f];
         if (source.kind == Kind::Plane) return planes[source.index];
+        if (source.kind == Kind::Cap) return frame.form(frame.cap(*probe));
         return frame.form(source.kind == Kind::Ball ? frame.height(balls[source.index])
                                                     : frame.height(WorldSide(box, source.index)));
     }
@@ -250,8 +253,8 @@ struct FormSources {
 
 class SphereProblem {
 public:
-    SphereProblem(const Scene& scene, const Sphere& base, double unit)
-        : scene_(scene), unit_(unit), frame_{base.center, base.radius, {}}, objects_(scene) {}
+    SphereProblem(const Scene& scene, const Sphere& base, double unit, std::optional<double> probe)
+        : scene_(scene), unit_(unit), probe_(probe), frame_{base.center, base.radius, {}}, objects_(scene) {}
 
     RadialBaseProblem build() {
         check_box();
@@ -384,6 +387,7 @@ private:
             const WorldSide side(scene_.box, s);
             nearness.linear.push_back({Vec3::Unit(side.axis) / (side.bound - center[side.axis]), 0});
         }
+        if (probe_) nearness.linear.push_back({Vec3::Zero(), 1 / (radius + *probe_)});
         for (std::size_t i = 0; i < objects_.cylinders.size(); ++i) {
             if (!objects_.is_kept(objects_.cylinders.objects[i])) continue;
             const CylinderForm& f = objects_.cylinders.items[i];
@@ -404,7 +408,8 @@ private:
     RadialBaseProblem make_problem() {
         const std::size_t n = scene_.objects.size();
         FoundForms found(scene_);
-        const auto sources = std::make_shared<FormSources>(FormSources{frame_, scene_.box, {}, {}, {}});
+        const auto sources =
+            std::make_shared<FormSources>(FormSources{frame_, scene_.box, {}, {}, probe_, {}});
         RadialBaseProblem problem;
         IdVector<FormId, CircularForm>& forms = problem.family.forms;
         sources->forms.reserve(n + 6);
@@ -445,6 +450,9 @@ private:
             const Vec3 foot = (side.bound - frame_.center[side.axis]) * Vec3::Unit(side.axis);
             add(site, Plane{foot, side.normal()}, rounded_form(side, frame_), {Kind::Side, s});
         }
+        if (probe_)
+            add(Site::cap(), Sphere{Vec3::Zero(), frame_.radius + *probe_},
+                rounded(frame_.form(frame_.cap(*probe_))), {Kind::Cap, 0});
         sources->balls = std::move(objects_.balls.items);
 
         for (std::size_t k = 0; k < objects_.cylinders.size(); ++k) {
@@ -470,6 +478,7 @@ private:
 
     const Scene& scene_;
     const double unit_;
+    const std::optional<double> probe_;
     SphereFrame frame_;
     RadialObjects objects_;
     std::vector<BallPower> powers_;  // of objects_.balls
@@ -478,8 +487,9 @@ private:
 
 }  // namespace
 
-RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit) {
-    return SphereProblem(scene, base, unit).build();
+RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit,
+                                      std::optional<double> probe) {
+    return SphereProblem(scene, base, unit, probe).build();
 }
 
 }  // namespace vcell

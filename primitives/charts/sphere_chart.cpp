@@ -91,7 +91,7 @@ Vec3 nearest_direction(const Nearness& n) {
         const double length = f.p.norm();
         if (!(length + f.s > best)) continue;
         best = length + f.s;
-        direction = f.p / length;
+        direction = length > 0 ? Vec3(f.p / length) : Vec3(Vec3::UnitZ());
     }
     // A cylinder comes nearest where its axis does, at (|foot| - delta) / 2.
     for (const auto& f : n.cylindrical) {

@@ -8,6 +8,7 @@ std::string to_string(Site site) {
         case Site::Kind::Object: return std::to_string(site.index);
         case Site::Kind::BoxSide: return sides[site.index];
         case Site::Kind::End: return site.index == 0 ? "end:-" : "end:+";
+        case Site::Kind::Cap: return "cap";
         case Site::Kind::Base: break;
     }
     return "base";

@@ -8,9 +8,10 @@
 
 namespace vcell {
 
-/// An object of the scene, the base, a side of the box, or an end of a base cylinder's stretch.
+/// An object of the scene, the base, a side of the box, an end of a base cylinder's stretch, or the cap where
+/// clearance ends (CellOptions::probe).
 struct Site {
-    enum class Kind : std::uint8_t { Object, Base, BoxSide, End };
+    enum class Kind : std::uint8_t { Object, Base, BoxSide, End, Cap };
 
     Kind kind = Kind::Base;
     /// Object: index into Scene::objects. BoxSide: 0..5 = -x +x -y +y -z +z. End: 0 = '-', 1 = '+'.
@@ -20,12 +21,13 @@ struct Site {
     static Site base() { return {Kind::Base, 0}; }
     static Site box_side(std::uint32_t side) { return {Kind::BoxSide, side}; }
     static Site end(std::uint32_t which) { return {Kind::End, which}; }
+    static Site cap() { return {Kind::Cap, 0}; }
 
     bool is_object() const { return kind == Kind::Object; }
     friend auto operator<=>(const Site&, const Site&) = default;
 };
 
-/// "3", "base", "box:-x", "end:+": as cell files write it (objects as numbers).
+/// "3", "base", "box:-x", "end:+", "cap": as files write it (objects as numbers).
 std::string to_string(Site site);
 
 }  // namespace vcell

@@ -1,6 +1,8 @@
 // vcell diagram from outside.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -109,4 +111,25 @@ TEST_CASE("program: diagram says what is wrong") {
     CHECK(cells[1][3] == "refused");
     CHECK(cells[2][3] == "refused");
     CHECK(cells[3][3] == "computed");
+}
+
+TEST_CASE("program: diagram with a probe tells the accessible surface and the contacts within its reach") {
+    const Workplace work;
+    // Grown by the probe the first two meet in a circle of radius sqrt(3); the third is out of reach.
+    work.write("balls.txt", "0 0 0 1\n2 0 0 1\n9 0 0 1\n");
+    const Outcome done = work.run("diagram balls.txt --probe 1 --cells cells.tsv --contacts contacts.tsv");
+    CAPTURE(done.err);
+    REQUIRE(done.status == 0);
+    const auto cells = table(work.read("cells.tsv")), contacts = table(work.read("contacts.tsv"));
+    REQUIRE(cells.size() == 4);
+    const auto exposed = [&](std::size_t i) {
+        const auto column = std::ranges::find(cells[0], "exposed_area") - cells[0].begin();
+        return std::stod(cells[i][static_cast<std::size_t>(column)]);
+    };
+    constexpr double pi = std::numbers::pi;
+    CHECK(exposed(1) == doctest::Approx(12 * pi));
+    CHECK(exposed(3) == doctest::Approx(16 * pi));
+    REQUIRE(contacts.size() == 2);
+    CHECK(std::stod(contacts[1][6]) == doctest::Approx(3 * pi));
+    CHECK(work.run("diagram balls.txt --probe 0").status == 2);
 }

@@ -26,7 +26,7 @@ TEST_CASE("diagram file: everything in JSON arrives, a base is the last object")
         R"({"vcell": 1, "base": {"plane": {"point": [0, 0, -1], "normal": [0, 0, 1]}, "name": "floor"},
             "objects": [{"sphere": {"center": [1, 2, 3], "radius": 0.5}},
                         {"sphere": {"center": [3, 2, 1], "radius": 0.25}, "name": "b", "group": "g"}],
-            "box": {"min": [-1, -2, -3], "max": [4, 5, 6]}, "periodic": [true, false, true], "tilt": [0.5, 0, 0.25],
+            "box": {"min": [-1, -2, -3], "max": [4, 5, 6]}, "periodic": [true, false, true], "tilt": [0.5, 0, 0.25], "probe": 1.4,
             "units": "nm", "tolerance": 1e-5})");
     REQUIRE(scene.objects.size() == 3);
     CHECK(scene.objects[0] == Object(Sphere{{1, 2, 3}, 0.5}));
@@ -36,6 +36,7 @@ TEST_CASE("diagram file: everything in JSON arrives, a base is the last object")
     CHECK(scene.box.min == Vec3(-1, -2, -3));
     CHECK(scene.periodic == std::array{true, false, true});
     CHECK(scene.tilt == std::array{0.5, 0.0, 0.25});
+    CHECK(scene.probe == 1.4);
     CHECK(scene.units == "nm");
     CHECK(scene.tolerance == 1e-5);
 }

@@ -1,0 +1,65 @@
+#include "cap_angle.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "../../core/quadrature/bounded_sum.hpp"
+
+namespace vcell {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+// tan(phi / 2) is at most 1 for arcs that are no longer, and what h is off by counts twice in S.
+constexpr double longest = 0.5 * pi;
+
+// E + S of an arc, which is cut until its parts are short. Cuts change nothing but rounding.
+double share(const Vec3& b, const Vec3& from, const Vec3& to, const Vec3& n, double h) {
+    const Vec3 p = from - h * n, q = to - h * n;
+    const double phi = std::atan2(n.dot(p.cross(q)), p.dot(q));
+    if (std::abs(phi) > longest) {
+        const Vec3 half_way =
+            (h * n + std::cos(0.5 * phi) * p + std::sin(0.5 * phi) * n.cross(p)).normalized();
+        return share(b, from, half_way, n, h) + share(b, half_way, to, n, h);
+    }
+    const double triangle = 2 * std::atan2(b.dot(from.cross(to)), 1 + b.dot(from) + from.dot(to) + to.dot(b));
+    return triangle + 2 * std::atan(h * std::tan(0.5 * phi)) - h * phi;
+}
+
+}  // namespace
+
+CapAngle::Value CapAngle::value() const {
+    if (arcs_.empty()) return {4 * pi, 8 * u * pi};
+    // A triangle is told the worse, the nearer its corners come to -b.
+    Vec3 b = Vec3::UnitX();
+    double room = -1;
+    for (int k = 0; k < 27; ++k) {
+        const Vec3 direction(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        if (direction.isZero(0)) continue;
+        const Vec3 unit = direction.normalized();
+        double least = 2;
+        for (const Arc& arc : arcs_) least = std::min(least, 1 + unit.dot(arc.from));
+        if (least > room) {
+            room = least;
+            b = unit;
+        }
+    }
+    BoundedSum sum;
+    // The square of the triangle's two terms is 2 (1 + b.from) (1 + from.to) (1 + to.b), at least twice the
+    // square of the room, and each carries some ten roundings; all else is of the size of 1.
+    const double rounding = 2 * (2 * 16 * u / room + 64 * u);
+    for (const Arc& arc : arcs_) sum.add(arc.sign * share(b, arc.from, arc.to, arc.n, arc.h), rounding);
+    const double error = sum.bound() + 16 * u * pi;
+    double angle = std::remainder(sum.value(), 4 * pi);
+    if (!(std::abs(angle) > error)) return {2 * pi, 2 * pi * (1 + 8 * u)};
+    if (angle < 0) angle += 4 * pi;
+    return {angle, error};
+}
+
+}  // namespace vcell

@@ -1,0 +1,47 @@
+/// The solid angle of a face of the cap, from the circles that bound it.
+///
+/// The cap is a sphere about the base's centre, a face of it seen from there a part of the unit sphere
+/// between arcs of circles {n.u = h}. With any direction b the signed areas of the geodesic triangles (b,
+/// from, to) and of the segments between arcs and chords,
+///
+///     tan(E / 2) = b.(from x to) / (1 + b.from + from.to + to.b)      [Van Oosterom & Strackee 1983]
+///     S = 2 atan(h tan(phi / 2)) - h phi                              (the sector less its triangle)
+///
+/// phi being the arc's angle about n, add up to the face's area, but for multiples of 4 pi: no rule of
+/// quadrature is needed, and neither the number of the face's boundaries nor angles in its corners.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "../../primitives/objects/objects.hpp"
+
+namespace vcell {
+
+class CapAngle {
+public:
+    struct Value {
+        double angle, error;
+    };
+
+    /// An arc of {n.u = h} between unit vectors, shorter than half a turn, with the face on its left, or
+    /// (sign = -1) on its right.
+    void add(const Vec3& from, const Vec3& to, const Vec3& n, double h, double sign) {
+        arcs_.push_back({from, to, n, h, sign});
+    }
+
+    /// In [0, 4 pi]; all of the sphere without arcs. Error: rounding, to first order, doubled, of vectors
+    /// that are known to some roundings. Of a face that is told neither from nothing nor from all the
+    /// enclosure has both.
+    Value value() const;
+
+private:
+    struct Arc {
+        Vec3 from, to, n;
+        double h, sign;
+    };
+
+    std::vector<Arc> arcs_;
+};
+
+}  // namespace vcell
