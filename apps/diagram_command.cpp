@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <ostream>
+#include <utility>
 
 #include "../io/files/diagram_file.hpp"
 #include "../io/files/files.hpp"
 #include "../io/files/text.hpp"
+#include "../io/pictures/diagram_pictures.hpp"
 #include "progress.hpp"
 
 namespace vcell {
@@ -20,7 +24,43 @@ std::string axes_complaint(const std::string& text) {
     const bool is_known = !text.empty() && text.find_first_not_of("xyz") == text.npos && text.size() < 4;
     return is_known ? "" : fmt::format("must be some of x, y and z, is {}", printable(text));
 }
+// "z=0.5"
+std::string cut_complaint(const std::string& text) {
+    const bool is_plane = text.size() > 2 && text[0] >= 'x' && text[0] <= 'z' && text[1] == '=' &&
+                          number_complaint(text.substr(2)).empty();
+    return is_plane ? "" : fmt::format("must be like z=0.5, is {}", printable(text));
+}
 std::string threads_complaint(const std::string& text) { return text == "0" ? "" : count_complaint(text); }
+
+// Of a cell's diagonal: what its mesh is off by.
+constexpr double chord_part = 0.002;
+
+// One file of -o.
+struct DiagramPicture {
+    OutputFile* file = nullptr;
+    OutputFile* materials = nullptr;
+    std::string material_file;
+    std::optional<std::pair<int, double>> plane;  // of a cut
+    std::optional<DiagramObj> obj;
+    std::optional<DiagramCut> cut;
+
+    void begin(const DiagramScene& scene) {
+        if (plane)
+            cut.emplace(scene, plane->first, plane->second);
+        else
+            obj.emplace(file->stream(), material_file);
+    }
+    void add(std::uint32_t object, const Cell& cell, const CellMesh& mesh) {
+        if (cut)
+            cut->add(object, cell, mesh);
+        else
+            obj->add(object, cell, mesh);
+    }
+    void end() {
+        if (cut) cut->write(file->stream());
+        if (materials != nullptr) DiagramObj::write_mtl(materials->stream());
+    }
+};
 
 }  // namespace
 
@@ -36,6 +76,14 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         ->type_name("FILE");
     command_.add_option("--groups", groups_, "table of the groups of objects: their cells as one")
         ->type_name("FILE");
+    command_
+        .add_option("-o,--output", outputs_,
+                    "mesh of all cells, .obj (with .mtl), or a cut through them, .svg; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("FILE");
+    command_.add_option("--cut", cut_, "the plane of an .svg: x, y or z = a coordinate")
+        ->check(cut_complaint)
+        ->type_name("z=VALUE");
     command_
         .add_option("--box", box_,
                     "the box of x y z r lines, instead of one that leaves half their diagonal of room")
@@ -69,6 +117,25 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         "a cell could not be decided; the others are in the tables all the same.");
 }
 
+static DiagramPicture open_picture(const std::string& name, const std::string& plane,
+                                   const std::function<OutputFile*(const std::string&)>& open) {
+    namespace fs = std::filesystem;
+    DiagramPicture picture;
+    picture.file = open(name);
+    const std::string ending = fs::path(name).extension().string();
+    if (ending == ".obj") {
+        const fs::path beside = fs::path(name).replace_extension(".mtl");
+        picture.material_file = beside.filename().string();
+        picture.materials = open(beside.string());
+    } else if (ending == ".svg") {
+        if (plane.empty()) throw UsageError(fmt::format("{}: a picture takes a plane, --cut z=VALUE", name));
+        picture.plane = {plane[0] - 'x', *to_double(plane.substr(plane[2] == '+' ? 3 : 2))};
+    } else {
+        throw UsageError(fmt::format("{}: an output must end in .obj or .svg", name));
+    }
+    return picture;
+}
+
 Status DiagramCommand::run() const {
     std::vector<std::unique_ptr<OutputFile>> files;
     const auto open = [&](const std::string& name) -> OutputFile* {
@@ -77,6 +144,8 @@ Status DiagramCommand::run() const {
             if (other->target() == name) throw UsageError(fmt::format("{}: given twice", name));
         return files.emplace_back(std::make_unique<OutputFile>(name)).get();
     };
+    std::vector<DiagramPicture> pictures;
+    for (const std::string& name : outputs_) pictures.push_back(open_picture(name, cut_, open));
     OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_);
     const bool is_summary_shown =
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
@@ -90,15 +159,24 @@ Status DiagramCommand::run() const {
     if (!tilt_.empty()) reading.tilt = {tilt_[0], tilt_[1], tilt_[2]};
     reading.probe = probe_;
     const DiagramScene scene = about_file(path_, "", [&] { return read_diagram_scene(path_, reading); });
+    if (scene.probe && !pictures.empty())
+        throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
+    for (DiagramPicture& picture : pictures) picture.begin(scene);
     VoronoiDiagram diagram;
     {
         ProgressBar bar;
         DiagramOptions options;
         options.threads = static_cast<unsigned>(std::stoul(threads_));
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
+        if (!pictures.empty())
+            options.visit = [&](std::uint32_t object, const Cell& cell) {
+                const CellMesh mesh = tessellate(cell, {chord_part * cell_diagonal(cell), true});
+                for (DiagramPicture& picture : pictures) picture.add(object, cell, mesh);
+            };
         diagram = about_file(path_, "", [&] { return voronoi_diagram(scene, options); });
     }
     const ContactTable table = contacts(diagram);
+    for (DiagramPicture& picture : pictures) picture.end();
     if (cells) write_cell_table(cells->stream(), scene, diagram);
     if (pairs) write_contact_table(pairs->stream(), scene, table);
     if (groups) write_group_table(groups->stream(), scene, diagram, table);

@@ -19,7 +19,8 @@ public:
 
 private:
     CLI::App& command_;
-    std::string path_, cells_, contacts_, groups_, periodic_;
+    std::string path_, cells_, contacts_, groups_, periodic_, cut_;
+    std::vector<std::string> outputs_;
     std::vector<double> box_, tilt_;
     std::optional<double> probe_;
     std::string threads_ = "0";

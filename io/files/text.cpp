@@ -49,6 +49,29 @@ std::string printable(std::string_view text) {
     return result;
 }
 
+std::string xml_escaped(std::string_view text) {
+    std::string result;
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t length = std::max<std::size_t>(utf8_length(text.substr(i)), 1);
+        const std::string_view c = text.substr(i, length);
+        if (c == "<")
+            result += "&lt;";
+        else if (c == ">")
+            result += "&gt;";
+        else if (c == "&")
+            result += "&amp;";
+        else if (c == "\"")
+            result += "&quot;";
+        else if ((length == 1 && (c[0] & 0x80 || (c[0] < 0x20 && c != "\t" && c != "\n"))) ||
+                 c == "\xEF\xBF\xBE" || c == "\xEF\xBF\xBF")
+            result += "\xEF\xBF\xBD";  // U+FFFD
+        else
+            result += c;
+        i += length;
+    }
+    return result;
+}
+
 std::string_view without_byte_order_mark(std::string_view text) {
     constexpr std::string_view mark = "\xEF\xBB\xBF";
     if (text.starts_with(mark)) text.remove_prefix(mark.size());

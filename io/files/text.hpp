@@ -15,6 +15,10 @@ std::size_t utf8_length(std::string_view text);
 /// beyond 40 bytes "...".
 std::string printable(std::string_view text);
 
+/// `text` as XML 1.0 holds it: markup escaped, and U+FFFD for control characters, broken UTF-8, U+FFFE and
+/// U+FFFF.
+std::string xml_escaped(std::string_view text);
+
 /// `text` without the UTF-8 byte order mark that some editors put before it.
 std::string_view without_byte_order_mark(std::string_view text);
 

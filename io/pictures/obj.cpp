@@ -45,29 +45,44 @@ std::string owner(Site site) {
 
 }  // namespace
 
+// material(group) is the name of its material, empty for none.
+template <class Material>
+static void write_mesh(Output& out, const Cell& cell, const CellMesh& mesh, const ObjPart& part,
+                       Material&& material) {
+    for (const Vec3& p : mesh.points) out.print(FMT_COMPILE("v {} {} {}\n"), p.x(), p.y(), p.z());
+    for (const Vec3& n : mesh.normals)
+        out.print(FMT_COMPILE("vn {:.6g} {:.6g} {:.6g}\n"), n.x(), n.y(), n.z());
+    const std::size_t v0 = part.points + 1, n0 = part.normals + 1;
+    for (const CellMesh::Group& g : mesh.groups) {
+        std::string who = "base";
+        std::string group = g.kind == CellMesh::Group::Kind::Walls ? "walls" : "base";
+        if (g.kind == CellMesh::Group::Kind::Face) {
+            who = owner(cell.faces[g.face].site);
+            group = fmt::format("face_{}_{}", g.face, who);
+        }
+        out.print(FMT_COMPILE("g {}\n"), group);
+        if (const std::string name = material(who); !name.empty())
+            out.print(FMT_COMPILE("usemtl {}\n"), name);
+        for (std::size_t t = g.begin; t < g.end; ++t) {
+            const Triangle &v = mesh.triangles[t], &n = mesh.corner_normals[t];
+            out.print(FMT_COMPILE("f {}//{} {}//{} {}//{}\n"), v0 + v[0], n0 + n[0], v0 + v[1], n0 + n[1],
+                      v0 + v[2], n0 + n[2]);
+        }
+    }
+}
+
+void write_obj_mesh(std::ostream& stream, const Cell& cell, const CellMesh& mesh, const ObjPart& part) {
+    Output out(stream);
+    write_mesh(out, cell, mesh, part, [&](const std::string&) { return part.material; });
+}
+
 void write_obj(std::ostream& stream, const Cell& cell, const CellMesh& mesh,
                const std::string& material_file) {
     Output out(stream);
     out.print(FMT_COMPILE("# Voronoi cell, {} faces\n"), cell.faces.size());
     if (!material_file.empty()) out.print(FMT_COMPILE("mtllib {}\n"), material_file);
-    for (const Vec3& p : mesh.points) out.print(FMT_COMPILE("v {} {} {}\n"), p.x(), p.y(), p.z());
-    for (const Vec3& n : mesh.normals)
-        out.print(FMT_COMPILE("vn {:.6g} {:.6g} {:.6g}\n"), n.x(), n.y(), n.z());
-    for (const CellMesh::Group& g : mesh.groups) {
-        std::string material = "base";
-        std::string group = g.kind == CellMesh::Group::Kind::Walls ? "walls" : "base";
-        if (g.kind == CellMesh::Group::Kind::Face) {
-            material = owner(cell.faces[g.face].site);
-            group = fmt::format("face_{}_{}", g.face, material);
-        }
-        out.print(FMT_COMPILE("g {}\n"), group);
-        if (!material_file.empty()) out.print(FMT_COMPILE("usemtl {}\n"), material);
-        for (std::size_t t = g.begin; t < g.end; ++t) {
-            const Triangle &v = mesh.triangles[t], &n = mesh.corner_normals[t];
-            out.print(FMT_COMPILE("f {}//{} {}//{} {}//{}\n"), v[0] + 1, n[0] + 1, v[1] + 1, n[1] + 1,
-                      v[2] + 1, n[2] + 1);
-        }
-    }
+    write_mesh(out, cell, mesh, {},
+               [&](const std::string& who) { return material_file.empty() ? std::string() : who; });
     out.print(FMT_COMPILE("g edges\n"));
     for (const auto& line : mesh.edge_lines) {
         out.print(FMT_COMPILE("l"));
@@ -76,21 +91,22 @@ void write_obj(std::ostream& stream, const Cell& cell, const CellMesh& mesh,
     }
 }
 
-void write_mtl(std::ostream& stream, const Cell& cell) {
-    Output out(stream);
-    const auto colours = object_colours(cell);
-    const auto material = [&](const std::string& name, std::string_view colour) {
-        const auto channel = [&](std::size_t i) {
-            return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16) / 255.0;
-        };
-        out.print(FMT_COMPILE("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\n"), name, channel(0), channel(1),
-                  channel(2));
+void write_material(std::ostream& stream, const std::string& name, std::string_view colour) {
+    const auto channel = [&](std::size_t i) {
+        return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16) / 255.0;
     };
+    Output(stream).print(FMT_COMPILE("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\n"), name, channel(0), channel(1),
+                         channel(2));
+}
+
+void write_mtl(std::ostream& stream, const Cell& cell) {
+    const auto colours = object_colours(cell);
     constexpr std::string_view grey = "#dddddd";
     std::set<Site> sites;
     for (const CellFace& f : cell.faces) sites.insert(f.site);
-    for (const Site s : sites) material(owner(s), s.is_object() ? palette()[colours.at(s.index)] : grey);
-    material("base", grey);
+    for (const Site s : sites)
+        write_material(stream, owner(s), s.is_object() ? palette()[colours.at(s.index)] : grey);
+    write_material(stream, "base", grey);
 }
 
 }  // namespace vcell

@@ -60,6 +60,7 @@ std::unordered_map<std::uint32_t, std::size_t> object_colours(const Cell& cell) 
 std::string site_title(const Scene& scene, Site site) {
     if (site.is_object()) return object_title(scene, site.index);
     if (site.kind == Site::Kind::Base) return "the base";
+    if (site.kind == Site::Kind::Cap) return "the cap";
     const std::string name = to_string(site);  // "box:-x", "end:+"
     return (site.kind == Site::Kind::BoxSide ? "box side " : "end ") + name.substr(name.find(':') + 1);
 }

@@ -20,7 +20,7 @@ std::span<const std::string_view> palette();
 /// adjacency graph is planar.
 std::unordered_map<std::uint32_t, std::size_t> object_colours(const Cell& cell);
 
-/// "object 3 (O1)", "the base", "box side -x", "end +".
+/// "object 3 (O1)", "the base", "box side -x", "end +", "the cap".
 std::string site_title(const Scene& scene, Site site);
 
 }  // namespace vcell

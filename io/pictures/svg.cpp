@@ -22,30 +22,6 @@ namespace vcell {
 
 namespace {
 
-// Markup, and what XML 1.0 cannot hold at all: control characters, U+FFFE, U+FFFF.
-std::string xml_escaped(std::string_view text) {
-    std::string result;
-    for (std::size_t i = 0; i < text.size();) {
-        const std::size_t length = std::max<std::size_t>(utf8_length(text.substr(i)), 1);
-        const std::string_view c = text.substr(i, length);
-        if (c == "<")
-            result += "&lt;";
-        else if (c == ">")
-            result += "&gt;";
-        else if (c == "&")
-            result += "&amp;";
-        else if (c == "\"")
-            result += "&quot;";
-        else if ((length == 1 && (c[0] & 0x80 || (c[0] < 0x20 && c != "\t" && c != "\n"))) ||
-                 c == "\xEF\xBF\xBE" || c == "\xEF\xBF\xBF")
-            result += "\xEF\xBF\xBD";  // U+FFFD
-        else
-            result += c;
-        i += length;
-    }
-    return result;
-}
-
 class Picture {
 public:
     Picture(std::ostream& out, const Cell& cell) : out_(out), cell_(cell), colours_(object_colours(cell)) {}

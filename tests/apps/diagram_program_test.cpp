@@ -133,3 +133,16 @@ TEST_CASE("program: diagram with a probe tells the accessible surface and the co
     CHECK(std::stod(contacts[1][6]) == doctest::Approx(3 * pi));
     CHECK(work.run("diagram balls.txt --probe 0").status == 2);
 }
+
+TEST_CASE("program: diagram draws a cut and a mesh of all cells") {
+    const Workplace work;
+    work.write("balls.txt", four_balls);
+    REQUIRE(work.run("diagram balls.txt -o all.obj -o cut.svg --cut z=-0.25").status == 0);
+    CHECK(work.read("all.obj").find("o cell_2_C\n") != std::string::npos);
+    CHECK(work.read("all.obj").find("mtllib all.mtl\n") != std::string::npos);
+    CHECK(work.read("all.mtl").find("newmtl c0\n") != std::string::npos);
+    CHECK(work.read("cut.svg").find("z = -0.25") != std::string::npos);
+    for (const char* wrong : {"-o cut.svg", "-o cut.png", "-o cut.svg --cut w=1",
+                              "-o cut.svg --cut z=", "-o a.obj -o a.obj", "-o a.obj --probe 1"})
+        CHECK(work.run(std::string("diagram balls.txt ") + wrong).status == 1);
+}
