@@ -265,6 +265,37 @@ TEST_CASE("probe: crambin's accessible surface") {
     check_against(scene_of(balls, 1.4, 5), Sampled(balls, 1.4, rng, 400));
 }
 
+TEST_CASE("probe: the volume of an atom that is all but buried, by counting points") {
+    // Voronota has 6.180.
+    constexpr std::size_t atom = 153;
+    const std::vector<Sphere> balls = molecule("1CRN.xyzr");
+    const VoronoiDiagram diagram = voronoi_diagram(scene_of(balls, 1.4, 5));
+    const DiagramCell& cell = diagram.cells[atom];
+    REQUIRE(cell.state == State::Computed);
+    CHECK(cell.volume_error < 1e-9);
+    const Sphere& self = balls[atom];
+    const double R = self.radius + 1.4;
+    std::vector<Sphere> near;
+    for (const Sphere& b : balls)
+        if (b != self && (b.center - self.center).norm() < 2 * 1.4 + self.radius + b.radius)
+            near.push_back(b);
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    constexpr int samples = 1'000'000;
+    int own = 0;
+    for (int s = 0; s < samples; ++s) {
+        const Vec3 p = R * Vec3(unit(rng), unit(rng), unit(rng));
+        if (!(p.norm() < R)) continue;
+        const double own_distance = p.norm() - self.radius;
+        own += std::ranges::none_of(near, [&](const Sphere& b) {
+            return (self.center + p - b.center).norm() - b.radius < own_distance;
+        });
+    }
+    const double cube = 8 * R * R * R, part = static_cast<double>(own) / samples;
+    CHECK(std::abs(cell.volume - cube * part) <= 6 * cube * std::sqrt(part * (1 - part) / samples));
+    CHECK(cell.volume == doctest::Approx(6.405).epsilon(1e-4));
+}
+
 TEST_CASE("probe: a side of the box cuts cap and cell") {
     DiagramScene scene = scene_of({{{0, 0, 0}, 1}}, 1, 8);
     scene.box.min.z() = -0.5;
