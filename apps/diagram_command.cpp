@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "../io/files/files.hpp"
 #include "../io/files/text.hpp"
 #include "../io/pictures/diagram_pictures.hpp"
+#include "../io/pictures/mesh_formats.hpp"
 #include "progress.hpp"
 
 namespace vcell {
@@ -41,23 +43,27 @@ struct DiagramPicture {
     OutputFile* materials = nullptr;
     std::string material_file;
     std::optional<std::pair<int, double>> plane;  // of a cut
+    std::string format;
     std::optional<DiagramObj> obj;
+    std::optional<LabelledMesh> mesh;
     std::optional<DiagramCut> cut;
 
     void begin(const DiagramScene& scene) {
         if (plane)
             cut.emplace(scene, plane->first, plane->second);
-        else
+        else if (format == "obj")
             obj.emplace(file->stream(), material_file);
-    }
-    void add(std::uint32_t object, const Cell& cell, const CellMesh& mesh) {
-        if (cut)
-            cut->add(object, cell, mesh);
         else
-            obj->add(object, cell, mesh);
+            mesh.emplace();
+    }
+    void add(std::uint32_t object, const Cell& cell, const CellMesh& of_cell) {
+        if (cut) cut->add(object, cell, of_cell);
+        if (obj) obj->add(object, cell, of_cell);
+        if (mesh) mesh->add(static_cast<std::int32_t>(object), cell, of_cell);
     }
     void end() {
         if (cut) cut->write(file->stream());
+        if (mesh) write_mesh(file->stream(), format, *mesh);
         if (materials != nullptr) DiagramObj::write_mtl(materials->stream());
     }
 };
@@ -77,8 +83,9 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_.add_option("--groups", groups_, "table of the groups of objects: their cells as one")
         ->type_name("FILE");
     command_
-        .add_option("-o,--output", outputs_,
-                    "mesh of all cells, .obj (with .mtl), or a cut through them, .svg; may be repeated")
+        .add_option(
+            "-o,--output", outputs_,
+            "mesh of all cells, .obj (with .mtl), .stl, .ply or .vtu, or a cut through them, .svg; may be repeated")
         ->allow_extra_args(false)
         ->type_name("FILE");
     command_.add_option("--cut", cut_, "the plane of an .svg: x, y or z = a coordinate")
@@ -122,7 +129,10 @@ static DiagramPicture open_picture(const std::string& name, const std::string& p
     namespace fs = std::filesystem;
     DiagramPicture picture;
     picture.file = open(name);
-    const std::string ending = fs::path(name).extension().string();
+    std::string ending = fs::path(name).extension().string();
+    std::ranges::transform(ending, ending.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    picture.format = ending.empty() ? ending : ending.substr(1);
     if (ending == ".obj") {
         const fs::path beside = fs::path(name).replace_extension(".mtl");
         picture.material_file = beside.filename().string();
@@ -130,8 +140,8 @@ static DiagramPicture open_picture(const std::string& name, const std::string& p
     } else if (ending == ".svg") {
         if (plane.empty()) throw UsageError(fmt::format("{}: a picture takes a plane, --cut z=VALUE", name));
         picture.plane = {plane[0] - 'x', *to_double(plane.substr(plane[2] == '+' ? 3 : 2))};
-    } else {
-        throw UsageError(fmt::format("{}: an output must end in .obj or .svg", name));
+    } else if (ending != ".stl" && ending != ".ply" && ending != ".vtu") {
+        throw UsageError(fmt::format("{}: an output must end in .obj, .stl, .ply, .vtu or .svg", name));
     }
     return picture;
 }

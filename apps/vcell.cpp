@@ -151,28 +151,29 @@ public:
         scene_.add_to(command_);
         command_
             .add_option("-o,--output", outputs_,
-                        "output file, .json, .svg or .obj (with .mtl); may be repeated")
+                        "output file, .json, .svg, .obj (with .mtl), .stl, .ply or .vtu; may be repeated")
             ->required()
             ->allow_extra_args(false)
             ->type_name("FILE");
-        command_.add_option("--format", format_, "format of standard output: json, svg or obj")
-            ->check(CLI::IsMember({"json", "svg", "obj"}))
+        command_
+            .add_option("--format", format_, "format of standard output: json, svg, obj, stl, ply or vtu")
+            ->check(CLI::IsMember({"json", "svg", "obj", "stl", "ply", "vtu"}))
             ->capture_default_str();
         command_
             .add_option(
                 "--chord", chord_,
-                "OBJ: largest distance of a triangle side from the surface, a length, or with % a part "
+                "meshes: largest distance of a triangle side from the surface, a length, or with % a part "
                 "of the cell's diagonal")
             ->check(chord_complaint)
             ->type_name("LENGTH")
             ->capture_default_str();
         command_
             .add_option("--triangles", most_triangles_,
-                        "OBJ: about as many at most; the chord grows until they do")
+                        "meshes: about as many at most; the chord grows until they do")
             ->check(count_complaint)
             ->type_name("N")
             ->capture_default_str();
-        command_.add_flag("--solid", solid_, "OBJ: with walls and base, a closed mesh");
+        command_.add_flag("--solid", solid_, "meshes: with walls and base, closed");
         command_.add_flag(
             "--complete", complete_,
             "of a base plane: all that is nearest to it in the box, over base points outside it, "
@@ -193,7 +194,7 @@ public:
                 "balls can be completed");
         std::optional<CellMesh> mesh;
         for (const auto& out : files_) {
-            if (out->format == "obj" && !mesh) mesh = mesh_of(cell);
+            if (is_mesh(out->format) && !mesh) mesh = mesh_of(cell);
             write(*out, cell, mesh);
         }
         for (const auto& out : files_) out->file.close();
@@ -208,6 +209,10 @@ private:
         std::string material_file;
     };
 
+    static bool is_mesh(const std::string& format) {
+        return format == "obj" || format == "stl" || format == "ply" || format == "vtu";
+    }
+
     void add(const std::string& target) {
         namespace fs = std::filesystem;
         std::string format = format_;
@@ -216,9 +221,10 @@ private:
             format = fs::path(target).extension().string();
             std::transform(format.begin(), format.end(), format.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-            if (format != ".json" && format != ".svg" && format != ".obj")
-                throw UsageError(fmt::format("{}: an output must end in .json, .svg or .obj", target));
-            format.erase(0, 1);
+            if (!format.empty()) format.erase(0, 1);
+            if (format != "json" && format != "svg" && !is_mesh(format))
+                throw UsageError(
+                    fmt::format("{}: an output must end in .json, .svg, .obj, .stl, .ply or .vtu", target));
         }
         if (format == "obj" && target != "-") {
             const fs::path beside = fs::path(target).replace_extension(".mtl");
@@ -252,6 +258,11 @@ private:
         if (out.format == "svg") write_svg(stream, cell);
         if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);
         if (out.format == "mtl") write_mtl(stream, cell);
+        if (out.format == "obj" || !is_mesh(out.format)) return;
+        LabelledMesh labelled;
+        const auto base = cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1;
+        labelled.add(base, cell, *mesh);
+        write_mesh(stream, out.format, labelled);
     }
 
     CLI::App& command_;

@@ -6,6 +6,8 @@
 #include "files/diagram_file.hpp"
 #include "files/files.hpp"
 #include "files/scene_file.hpp"
+#include "pictures/diagram_pictures.hpp"
 #include "pictures/mesh.hpp"
+#include "pictures/mesh_formats.hpp"
 #include "pictures/obj.hpp"
 #include "pictures/svg.hpp"

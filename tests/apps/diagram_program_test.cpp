@@ -142,6 +142,9 @@ TEST_CASE("program: diagram draws a cut and a mesh of all cells") {
     CHECK(work.read("all.obj").find("mtllib all.mtl\n") != std::string::npos);
     CHECK(work.read("all.mtl").find("newmtl c0\n") != std::string::npos);
     CHECK(work.read("cut.svg").find("z = -0.25") != std::string::npos);
+    REQUIRE(work.run("diagram balls.txt -o all.VTU -o all.ply -o all.stl").status == 0);
+    CHECK(work.read("all.VTU").find("Name=\"neighbor\"") != std::string::npos);
+    CHECK(work.read("all.ply").starts_with("ply\n"));
     for (const char* wrong : {"-o cut.svg", "-o cut.png", "-o cut.svg --cut w=1",
                               "-o cut.svg --cut z=", "-o a.obj -o a.obj", "-o a.obj --probe 1"})
         CHECK(work.run(std::string("diagram balls.txt ") + wrong).status == 1);

@@ -1,0 +1,177 @@
+// Mesh files, read back byte by byte.
+#include "../../io/pictures/mesh_formats.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../../envelope/voronoi_cell.hpp"
+
+namespace vcell {
+namespace {
+
+LabelledMesh two_cells() {
+    LabelledMesh mesh;
+    Scene scene;
+    scene.box = {Vec3::Zero(), {2, 1, 1}};
+    for (const int i : {0, 1}) {
+        scene.base = Sphere{{i == 0 ? 0.5 : 1.5, 0.5, 0.5}, 0.25};
+        scene.objects = {Sphere{{i == 0 ? 1.5 : 0.5, 0.5, 0.5}, 0.25}};
+        const Cell cell = voronoi_cell(scene);
+        mesh.add(i, cell, tessellate(cell));
+    }
+    return mesh;
+}
+
+template <class T>
+T take(const std::string& bytes, std::size_t& at) {
+    T value;
+    REQUIRE(at + sizeof(T) <= bytes.size());
+    std::memcpy(&value, bytes.data() + at, sizeof(T));
+    at += sizeof(T);
+    return value;
+}
+
+/// Of triangles as six numbers each, counter-clockwise from outside.
+double volume(const std::vector<std::array<Vec3, 3>>& triangles) {
+    double sum = 0;
+    for (const auto& [a, b, c] : triangles) sum += a.dot(b.cross(c)) / 6;
+    return sum;
+}
+
+std::string decoded(const std::string& text) {
+    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string bytes;
+    std::uint32_t word = 0;
+    int bits = 0;
+    for (const char c : text) {
+        if (c == '=') break;
+        const std::size_t digit = digits.find(c);
+        REQUIRE(digit != digits.npos);
+        word = word << 6 | static_cast<std::uint32_t>(digit);
+        bits += 6;
+        if (bits < 8) continue;
+        bits -= 8;
+        bytes += static_cast<char>(word >> bits & 255U);
+    }
+    return bytes;
+}
+
+/// The bytes of an array of a .vtu, after their number.
+std::string array_of(const std::string& file, const std::string& name) {
+    const std::size_t at = file.find("Name=\"" + name + "\""), begin = file.find(">\n", at) + 2,
+                      end = file.find('\n', begin);
+    REQUIRE(at != file.npos);
+    const std::string bytes = decoded(file.substr(begin, end - begin));
+    std::size_t start = 0;
+    CHECK(take<std::uint64_t>(bytes, start) == bytes.size() - 8);
+    return bytes.substr(start);
+}
+
+}  // namespace
+
+TEST_CASE("mesh formats: labels say whose cell it is and what is beyond, clearances how far away that is") {
+    const LabelledMesh mesh = two_cells();
+    CHECK(mesh.cell.size() == mesh.triangles.size());
+    CHECK(mesh.clearance.size() == mesh.points.size());
+    std::set<std::pair<std::int32_t, std::int32_t>> seen;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        seen.emplace(mesh.cell[t], mesh.neighbor[t]);
+        for (const std::uint32_t p : mesh.triangles[t]) {
+            const Vec3& at = mesh.points[p];
+            if (mesh.neighbor[t] >= 0) CHECK(at.x() == doctest::Approx(1));
+            if (mesh.neighbor[t] == -5) CHECK(at.z() == doctest::Approx(0).epsilon(1e-12));  // box:-z
+            const Vec3 center(mesh.cell[t] == 0 ? 0.5 : 1.5, 0.5, 0.5);
+            CHECK(mesh.clearance[p] == doctest::Approx((at - center).norm() - 0.25));
+        }
+    }
+    // Each has the other one and five sides of the box.
+    CHECK(seen.size() == 12);
+    CHECK(seen.contains({0, 0}));  // object 0 of its scene
+    CHECK(seen.contains({0, -1}));
+    CHECK_FALSE(seen.contains({0, -2}));
+}
+
+TEST_CASE("mesh formats: STL") {
+    std::ostringstream out;
+    const LabelledMesh mesh = two_cells();
+    write_mesh(out, "stl", mesh);
+    const std::string file = out.str();
+    std::size_t at = 80;
+    const auto count = take<std::uint32_t>(file, at);
+    CHECK(count == mesh.triangles.size());
+    std::vector<std::array<Vec3, 3>> triangles(count);
+    for (auto& triangle : triangles) {
+        Vec3 normal;
+        for (double& x : normal) x = take<float>(file, at);
+        for (Vec3& p : triangle)
+            for (double& x : p) x = take<float>(file, at);
+        CHECK(take<std::uint16_t>(file, at) == 0);
+        CHECK(normal.norm() == doctest::Approx(1));
+        CHECK(normal.dot((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0])) > 0);
+    }
+    CHECK(at == file.size());
+    CHECK(volume(triangles) == doctest::Approx(2));
+}
+
+TEST_CASE("mesh formats: PLY") {
+    std::ostringstream out;
+    const LabelledMesh mesh = two_cells();
+    write_mesh(out, "ply", mesh);
+    const std::string file = out.str();
+    CHECK(file.starts_with("ply\nformat binary_little_endian 1.0\n"));
+    CHECK(file.find("element vertex " + std::to_string(mesh.points.size()) + "\n") != file.npos);
+    CHECK(file.find("element face " + std::to_string(mesh.triangles.size()) + "\n") != file.npos);
+    std::size_t at = file.find("end_header\n") + 11;
+    std::vector<Vec3> points;
+    for (const double clearance : mesh.clearance) {
+        Vec3 p;
+        for (double& x : p) x = take<double>(file, at);
+        points.push_back(p);
+        CHECK(take<double>(file, at) == clearance);
+    }
+    std::vector<std::array<Vec3, 3>> triangles;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        CHECK(take<std::uint8_t>(file, at) == 3);
+        auto& triangle = triangles.emplace_back();
+        for (Vec3& p : triangle) p = points.at(static_cast<std::size_t>(take<std::int32_t>(file, at)));
+        CHECK(take<std::int32_t>(file, at) == mesh.cell[t]);
+        CHECK(take<std::int32_t>(file, at) == mesh.neighbor[t]);
+    }
+    CHECK(at == file.size());
+    CHECK(volume(triangles) == doctest::Approx(2));
+}
+
+TEST_CASE("mesh formats: VTK's unstructured grid") {
+    std::ostringstream out;
+    const LabelledMesh mesh = two_cells();
+    write_mesh(out, "vtu", mesh);
+    const std::string file = out.str(), points = array_of(file, "Points"),
+                      corners = array_of(file, "connectivity"), offsets = array_of(file, "offsets"),
+                      types = array_of(file, "types"), cells = array_of(file, "cell"),
+                      clearances = array_of(file, "clearance");
+    const std::size_t count = mesh.triangles.size();
+    CHECK(file.find("NumberOfPoints=\"" + std::to_string(mesh.points.size()) + "\" NumberOfCells=\"" +
+                    std::to_string(count) + "\"") != file.npos);
+    CHECK(types == std::string(count, '\5'));
+    CHECK(clearances.size() == 8 * mesh.points.size());
+    CHECK(cells.size() == 4 * count);
+    std::vector<std::array<Vec3, 3>> triangles(count);
+    std::size_t at = 0, offset = 0;
+    for (std::size_t t = 0; t < count; ++t) {
+        for (Vec3& p : triangles[t]) {
+            std::size_t place = 24 * static_cast<std::size_t>(take<std::int64_t>(corners, at));
+            for (double& x : p) x = take<double>(points, place);
+        }
+        CHECK(take<std::int64_t>(offsets, offset) == static_cast<std::int64_t>(3 * (t + 1)));
+    }
+    CHECK(at == corners.size());
+    CHECK(volume(triangles) == doctest::Approx(2));
+}
+
+}  // namespace vcell
