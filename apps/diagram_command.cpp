@@ -72,8 +72,7 @@ struct DiagramPicture {
 
 DiagramCommand::DiagramCommand(CLI::App& app)
     : command_(*app.add_subcommand("diagram", "the cells of all objects")) {
-    command_
-        .add_option("SCENE", path_, "scene file, JSON or x y z r [name [group]] lines; - is standard input")
+    command_.add_option("SCENE", path_, "scene file, JSON or a file of balls; - is standard input")
         ->required();
     command_.add_option("--cells", cells_, "table of the cells: volume, area, neighbours, clearance")
         ->type_name("FILE");
@@ -92,8 +91,9 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         ->check(cut_complaint)
         ->type_name("z=VALUE");
     command_
-        .add_option("--box", box_,
-                    "the box of x y z r lines, instead of one that leaves half their diagonal of room")
+        .add_option(
+            "--box", box_,
+            "the box of a file of balls, instead of its own or one that leaves half their diagonal of room")
         ->expected(6)
         ->check(number_complaint)
         ->type_name("X0 Y0 Z0 X1 Y1 Z1");
@@ -118,7 +118,10 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         ->check(threads_complaint)
         ->type_name("N")
         ->capture_default_str();
+    files_.add_to(command_, "Files of balls");
+    files_.add_groups_to(command_, "Files of balls");
     command_.footer(
+        "Files of balls are x y z r [name [group]] lines, PDB, mmCIF, XYZ, extended XYZ or a LAMMPS dump.\n"
         "Every cell is proved complete: no object that was left out can touch it. Prints the number of cells, what\n"
         "their volumes add up to and the box's volume. Tables are tab-separated, with error bounds. Exit status 3 if\n"
         "a cell could not be decided; the others are in the tables all the same.");
@@ -161,6 +164,7 @@ Status DiagramCommand::run() const {
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
 
     DiagramSceneOptions reading;
+    reading.files = files_.options();
     if (!box_.empty()) reading.box = Box{{box_[0], box_[1], box_[2]}, {box_[3], box_[4], box_[5]}};
     if (!periodic_.empty()) {
         const auto has = [&](char axis) { return periodic_.find(axis) != periodic_.npos; };

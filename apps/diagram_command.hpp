@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ball_file_arguments.hpp"
 #include "command.hpp"
 
 namespace vcell {
@@ -23,6 +24,7 @@ private:
     std::vector<std::string> outputs_;
     std::vector<double> box_, tilt_;
     std::optional<double> probe_;
+    BallFileArguments files_;
     std::string threads_ = "0";
 };
 

@@ -23,6 +23,7 @@
 #include "../io/check/check.hpp"
 #include "../io/files/text.hpp"
 #include "../io/io.hpp"
+#include "ball_file_arguments.hpp"
 #include "command.hpp"
 #include "diagram_command.hpp"
 #include "progress.hpp"
@@ -40,10 +41,12 @@ Examples:
   vcell query scene.json points.txt
   vcell measure scene.json
   vcell diagram balls.xyzr --cells cells.tsv --contacts contacts.tsv
+  vcell diagram protein.pdb --no-water --group residue --groups residues.tsv
   vcell compute scene.json -o - | vcell check -
   vcell refine cell.json --bits 200
 
-A file named - is standard input or output. Scenes are JSON or plain "x y z r" lines.
+A file named - is standard input or output. Scenes are JSON or files of balls: plain "x y z r" lines, PDB,
+mmCIF, XYZ and extended XYZ, LAMMPS dumps.
 Exit status: 0 done, 1 wrong usage or an output that cannot be written, 2 bad input, 3 a question that
 could not be decided, 4 a check that failed or left something open. "vcell COMMAND --help" tells more.)";
 
@@ -83,9 +86,9 @@ public:
     std::string path;
 
     void add_to(CLI::App& command) {
-        command.add_option("SCENE", path, "scene file, JSON or x y z r lines; - is standard input")
+        command.add_option("SCENE", path, "scene file, JSON or a file of balls; - is standard input")
             ->required();
-        const char* group = "Scenes of x y z r lines";
+        const char* group = "Files of balls";
         has_base = command.add_option("--base", base, "the ball that is the base, counted from 0")
                        ->check(ball_complaint)
                        ->type_name("K")
@@ -103,6 +106,7 @@ public:
             ->check(number_complaint)
             ->type_name("X0 Y0 Z0 X1 Y1 Z1")
             ->group(group);
+        files.add_to(command, group);
     }
 
     /// f(), whose complaints are about the scene and name its file.
@@ -113,6 +117,7 @@ public:
 
     Scene read() const {
         TextSceneOptions options;
+        options.files = files.options();
         const auto vec = [](const std::vector<double>& v, std::size_t i) {
             return Vec3(v[i], v[i + 1], v[i + 2]);
         };
@@ -125,6 +130,7 @@ public:
 private:
     std::size_t base = 0;
     std::vector<double> base_plane, box;
+    BallFileArguments files;
     CLI::Option* has_base = nullptr;
 };
 

@@ -48,6 +48,19 @@ DiagramScene parse_text(std::string_view text, const DiagramSceneOptions& option
     return scene;
 }
 
+DiagramScene scene_of(BallFile file, const DiagramSceneOptions& options) {
+    DiagramScene scene;
+    scene.names = std::move(file.names);
+    scene.groups = std::move(file.groups);
+    scene.periodic = file.periodic;
+    scene.tilt = file.tilt;
+    if (!file.units.empty()) scene.units = file.units;
+    const std::optional<Box>& box = options.box ? options.box : file.box;
+    scene.box = box ? *box : default_box(file.balls, std::nullopt);
+    scene.objects.assign(file.balls.begin(), file.balls.end());
+    return scene;
+}
+
 DiagramScene parse_json(std::string_view text) {
     JsonReader in(text);
     DiagramScene scene;
@@ -117,13 +130,15 @@ std::string group_of(const DiagramScene& scene, std::uint32_t i) {
 DiagramScene parse_diagram_scene(std::string_view text, const DiagramSceneOptions& options) {
     text = without_byte_order_mark(text);
     DiagramScene scene;
-    if (is_plain_text(text)) {
+    if (std::optional<BallFile> file = parse_ball_file(text, options.files)) {
+        scene = scene_of(*std::move(file), options);
+    } else if (is_plain_text(text)) {
         scene = parse_text(text, options);
     } else {
         refuse_foreign_format(text);
         if (options.box)
             throw InputError(InputError::Kind::Unsupported, InputError::no_object, "--box",
-                             "is for x y z r files, this scene is JSON");
+                             "is for files of balls, this scene is JSON");
         scene = parse_json(text);
     }
     if (options.periodic) scene.periodic = *options.periodic;

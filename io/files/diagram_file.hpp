@@ -8,22 +8,25 @@
 #include <string_view>
 
 #include "../../envelope/voronoi_diagram.hpp"
+#include "ball_file.hpp"
 
 namespace vcell {
 
 /// What a scene file may leave open.
 struct DiagramSceneOptions {
-    std::optional<Box> box;  ///< of text files; default: as TextSceneOptions::box
+    /// Of files of balls, in place of what they say; default: as TextSceneOptions::box.
+    std::optional<Box> box;
     std::optional<std::array<bool, 3>> periodic;
     std::optional<std::array<double, 3>> tilt;
     std::optional<double> probe;
+    BallFileOptions files;
 };
 
-/// JSON or text. JSON has the keys of a scene; "base" may be missing, and is an object like the others
-/// otherwise, the last one (unless it is among them, "base_object"); objects may have a "group", and the box
-/// may repeat: "periodic": [true, true, false], "tilt": [xy, xz, yz]; cells may end: "probe": 1.4. A line of
-/// text is `x y z r [name [group]]`. Throws InputError with the path or line of what is wrong; objects are
-/// validated by voronoi_diagram().
+/// JSON, text or a file of another program (ball_file.hpp), by what it begins with. JSON has the keys of a
+/// scene; "base" may be missing, and is an object like the others otherwise, the last one (unless it is among
+/// them, "base_object"); objects may have a "group", and the box may repeat: "periodic": [true, true, false],
+/// "tilt": [xy, xz, yz]; cells may end: "probe": 1.4. A line of text is `x y z r [name [group]]`. Throws
+/// InputError with the path or line of what is wrong; objects are validated by voronoi_diagram().
 DiagramScene parse_diagram_scene(std::string_view text, const DiagramSceneOptions& options = {});
 
 /// parse_diagram_scene of a file, of standard input for "-". Throws ReadError, InputError.

@@ -232,13 +232,19 @@ Box default_box(std::span<const Sphere> balls, const std::optional<Plane>& base_
 
 namespace {
 
-Scene parse_text_scene(std::string_view text, const TextSceneOptions& options) {
+// The scene of balls, of a file or of lines: one of them, or a plane, is the base.
+Scene scene_of_balls(BallFile file, const TextSceneOptions& options) {
     if (options.base_ball && options.base_plane) fail_option("--base", "excludes --base-plane");
     if (!options.base_ball && !options.base_plane)
-        fail_option("--base-plane", "missing: an x y z r file does not say what its base is");
-    const std::vector<Sphere> balls = read_balls(text);
+        fail_option("--base-plane", "missing: a file of balls does not say what its base is");
+    if (file.periodic != std::array{false, false, false})
+        fail_format("the box of this file repeats; vcell diagram computes its cells");
+    const std::vector<Sphere>& balls = file.balls;
     Scene scene;
-    scene.box = options.box ? *options.box : default_box(balls, options.base_plane);
+    scene.names = std::move(file.names);
+    if (!file.units.empty()) scene.units = file.units;
+    const std::optional<Box>& box = options.box ? options.box : file.box;
+    scene.box = box ? *box : default_box(balls, options.base_plane);
     scene.objects.assign(balls.begin(), balls.end());
     if (options.base_plane) {
         scene.base = *options.base_plane;
@@ -249,6 +255,7 @@ Scene parse_text_scene(std::string_view text, const TextSceneOptions& options) {
                          fmt::format("must be less than the number of balls, {}, is {}", balls.size(),
                                      *options.base_ball));
     scene.base = balls[*options.base_ball];
+    if (!scene.names.empty()) scene.base_name = scene.names[*options.base_ball];
     scene.base_object = static_cast<std::uint32_t>(*options.base_ball);
     return scene;
 }
@@ -262,15 +269,6 @@ void fail_format(const char* what) {
 void refuse_foreign_format(std::string_view text) {
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
         fail_format("this is UTF-16 text, a scene is UTF-8");
-    for (const std::string_view record :
-         {"HEADER", "OBSLTE", "TITLE ", "COMPND", "SOURCE", "KEYWDS", "EXPDTA", "AUTHOR", "REMARK", "CRYST1",
-          "MODEL ", "ATOM  ", "HETATM"})
-        if (text.starts_with(record))
-            fail_format(
-                "this is a PDB file, which has no radii; a scene is JSON, or one ball \"x y z r\" a line");
-    if (text.starts_with("data_"))
-        fail_format(
-            "this is an mmCIF file, which has no radii; a scene is JSON, or one ball \"x y z r\" a line");
 }
 
 bool is_plain_text(std::string_view text) {
@@ -303,8 +301,12 @@ Scene parse_json_scene(std::string_view text) try {
 Scene parse_scene(std::string_view text, const TextSceneOptions& options) {
     text = without_byte_order_mark(text);
     Scene scene;
-    if (is_plain_text(text)) {
-        scene = parse_text_scene(text, options);
+    if (std::optional<BallFile> file = parse_ball_file(text, options.files)) {
+        scene = scene_of_balls(*std::move(file), options);
+    } else if (is_plain_text(text)) {
+        BallFile lines;
+        lines.balls = read_balls(text);
+        scene = scene_of_balls(std::move(lines), options);
     } else {
         refuse_foreign_format(text);
         if (options.any())
@@ -312,7 +314,7 @@ Scene parse_scene(std::string_view text, const TextSceneOptions& options) {
                              options.base_ball    ? "--base"
                              : options.base_plane ? "--base-plane"
                                                   : "--box",
-                             "is for x y z r files, this scene is JSON");
+                             "is for files of balls, this scene is JSON");
         scene = parse_json_scene(text);
     }
     validate(scene);

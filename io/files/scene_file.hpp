@@ -8,10 +8,11 @@
 #include <string_view>
 
 #include "../../primitives/objects/scene.hpp"
+#include "ball_file.hpp"
 
 namespace vcell {
 
-/// What an `x y z r` file does not say itself. JSON scenes say it all and take none of these.
+/// What files of balls do not say themselves. JSON scenes say it all and take none of these.
 struct TextSceneOptions {
     /// The ball that is the base, counted from 0; Scene::base_object. All balls keep their numbers.
     std::optional<std::size_t> base_ball;
@@ -20,14 +21,15 @@ struct TextSceneOptions {
     /// Default: the bounding box of the balls, and over a plane of their feet on it too, grown by half
     /// its diagonal on every side.
     std::optional<Box> box;
+    BallFileOptions files;
 
     bool any() const { return base_ball || base_plane || box; }
 };
 
-/// A scene from text in either form: JSON unless the first character that is not blank begins a number
-/// or a comment. In an `x y z r` file every line holds one ball; '#' begins a comment; blank lines count
-/// for nothing. A byte order mark is skipped. The scene is validated. Throws InputError; what is wrong with
-/// the options has a path like the program's: "--base".
+/// A scene from text: a file of another program if it begins like one (ball_file.hpp), otherwise JSON unless
+/// the first character that is not blank begins a number or a comment. In an `x y z r` file every line holds
+/// one ball; '#' begins a comment; blank lines count for nothing. A byte order mark is skipped. The scene is
+/// validated. Throws InputError; what is wrong with the options has a path like the program's: "--base".
 Scene parse_scene(std::string_view text, const TextSceneOptions& options = {});
 
 /// parse_scene of a file, of standard input for "-". Throws ReadError, InputError.

@@ -81,6 +81,42 @@ TEST_CASE("program: diagram of a box that repeats, from JSON and from options") 
     CHECK(work.run("diagram scene.json --threads 2 --contacts -").out == from_json.out);
 }
 
+TEST_CASE("program: diagram reads molecules and dumps") {
+    const Workplace work;
+    const std::string data = VCELL_TEST_DATA "/";
+    const Outcome pdb =
+                      work.run("diagram " + data + "crambin_head.pdb --cells cells.tsv --groups groups.tsv"),
+                  cif = work.run("diagram - --cells -", contents(data + "crambin_head.cif"));
+    CAPTURE(pdb.err);
+    REQUIRE(pdb.status == 0);
+    CHECK(cif.out == work.read("cells.tsv"));
+    const auto cells = table(cif.out), residues = table(work.read("groups.tsv"));
+    REQUIRE(cells.size() == 27);
+    CHECK(cells[1][1] == "A:THR1:N");
+    REQUIRE(residues.size() == 5);
+    CHECK(residues[4][0] == "A:CYS4");
+    const Outcome chains = work.run("diagram " + data + "crambin_head.pdb --group chain --groups -");
+    CHECK(table(chains.out).size() == 2);
+    // A body-centred lattice: two balls of types 1 and 2 in a cube, the second one's cell the smaller.
+    work.write("last.dump",
+               "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 2\n0 2\n0 2\n"
+               "ITEM: ATOMS id type xs ys zs\n1 1 0 0 0\n2 2 0.5 0.5 0.5\n");
+    const Outcome dump = work.run("diagram last.dump --radius 1=0.5 --radius 2=0.25 --cells - --frame 0");
+    CAPTURE(dump.err);
+    REQUIRE(dump.status == 0);
+    const auto lattice = table(dump.out);
+    CHECK(std::stod(lattice[1][4]) + std::stod(lattice[2][4]) == doctest::Approx(8));
+    CHECK(std::stod(lattice[1][4]) > std::stod(lattice[2][4]));
+    const Outcome unknown = work.run("diagram last.dump");
+    CHECK(unknown.status == 2);
+    CHECK(unknown.err.find("last.dump: line 10: there is no radius of '1' in the table") !=
+          std::string::npos);
+    const Outcome one = work.run("measure " + data + "crambin_head.pdb --base 3");
+    CHECK(one.status == 0);
+    CHECK(work.run("diagram last.dump --radius 1").status == 1);
+    CHECK(work.run("diagram last.dump --radius 1=0.5 --radius 2=0.5 --no-water").status == 2);
+}
+
 TEST_CASE("program: diagram says what is wrong") {
     const Workplace work;
     work.write("balls.txt", four_balls);

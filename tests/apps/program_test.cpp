@@ -172,7 +172,7 @@ TEST_CASE("program: plain balls") {
     CHECK(cell.at("scene").at("box").at("min") == json{-1, -1, -1});
     CHECK(w.run("measure balls.xyzr --base-plane 0 0 0 0 0 1").status == 0);
     CHECK(w.run("measure balls.xyzr").err ==
-          "vcell: --base-plane: missing: an x y z r file does not say what its base is\n");
+          "vcell: --base-plane: missing: a file of balls does not say what its base is\n");
     CHECK(w.run("measure balls.xyzr --base 7").status == 2);
     const std::string mark = "\xEF\xBB\xBF";
     w.write("marked.xyzr", mark + w.read("balls.xyzr"));

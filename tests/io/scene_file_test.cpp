@@ -251,11 +251,9 @@ TEST_CASE("scene file: a byte order mark before either form") {
 }
 
 TEST_CASE("scene file: what is no scene is called by its name") {
-    CHECK(scene_complaint("HEADER    PLANT PROTEIN                           30-APR-81   1CRN\n")
-              .find("this is a PDB file") == 0);
-    CHECK(scene_complaint("ATOM      1  N   THR A   1      17.047  14.099   3.625\n")
-              .find("this is a PDB file") == 0);
-    CHECK(scene_complaint("data_1CRN\n#\n").find("this is an mmCIF file") == 0);
+    CHECK(scene_complaint("HEADER    PLANT PROTEIN                           30-APR-81   1CRN\n") ==
+          "there is no atom among what is read");
+    CHECK(scene_complaint("data_1CRN\n#\n").starts_with("_atom_site.cartn_x: missing"));
     CHECK(scene_complaint("\xFF\xFE{\0") == "this is UTF-16 text, a scene is UTF-8");
     CHECK(scene_complaint(cell_text(island_cell())).find("this is a cell, not a scene") == 0);
     CHECK(scene_complaint(with("/faces", 1)).find("this is a cell, not a scene") == 0);
@@ -274,14 +272,15 @@ TEST_CASE("scene file: mistakes in plain balls name the line, or the option") {
     CHECK(text_complaint("0 0 1 1\n0 0 1 -1\n", plane) == "objects[1].sphere.radius: must be >= 0, is -1");
     CHECK(text_complaint("# nothing\n", plane) == "--box: missing, and there is no ball to derive it from");
     CHECK(text_complaint("0 0 1 1\n", {}) ==
-          "--base-plane: missing: an x y z r file does not say what its base is");
+          "--base-plane: missing: a file of balls does not say what its base is");
     TextSceneOptions ball;
     ball.base_ball = 2;
     CHECK(text_complaint("0 0 1 1\n0 0 5 1\n", ball) ==
           "--base: must be less than the number of balls, 2, is 2");
     ball.base_plane = plane.base_plane;
     CHECK(text_complaint("0 0 1 1\n", ball) == "--base: excludes --base-plane");
-    CHECK(text_complaint(complete.dump(), plane) == "--base-plane: is for x y z r files, this scene is JSON");
+    CHECK(text_complaint(complete.dump(), plane) ==
+          "--base-plane: is for files of balls, this scene is JSON");
 }
 
 TEST_CASE("scene file: a million spheres") {
