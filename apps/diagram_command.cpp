@@ -13,6 +13,7 @@
 
 #include "../io/files/diagram_file.hpp"
 #include "../io/files/files.hpp"
+#include "../io/files/network_file.hpp"
 #include "../io/files/text.hpp"
 #include "../io/pictures/diagram_pictures.hpp"
 #include "../io/pictures/mesh_formats.hpp"
@@ -92,6 +93,11 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         ->type_name("z=VALUE");
     command_
         .add_option(
+            "--network", network_,
+            "tables of the void network of balls: what spheres fit in and get through, vertices, edges")
+        ->type_name("FILE");
+    command_
+        .add_option(
             "--box", box_,
             "the box of a file of balls, instead of its own or one that leaves half their diagonal of room")
         ->expected(6)
@@ -159,7 +165,7 @@ Status DiagramCommand::run() const {
     };
     std::vector<DiagramPicture> pictures;
     for (const std::string& name : outputs_) pictures.push_back(open_picture(name, cut_, open));
-    OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_);
+    OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_), *voids = open(network_);
     const bool is_summary_shown =
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
 
@@ -177,13 +183,17 @@ Status DiagramCommand::run() const {
         throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
     for (DiagramPicture& picture : pictures) picture.begin(scene);
     VoronoiDiagram diagram;
+    std::optional<VoidNetworkBuilder> network;
+    if (voids) about_file(path_, "", [&] { network.emplace(scene); });
     {
         ProgressBar bar;
         DiagramOptions options;
         options.threads = static_cast<unsigned>(std::stoul(threads_));
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
-        if (!pictures.empty())
+        if (network || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {
+                if (network) network->add(object, cell);
+                if (pictures.empty()) return;
                 const CellMesh mesh = tessellate(cell, {chord_part * cell_diagonal(cell), true});
                 for (DiagramPicture& picture : pictures) picture.add(object, cell, mesh);
             };
@@ -194,6 +204,15 @@ Status DiagramCommand::run() const {
     if (cells) write_cell_table(cells->stream(), scene, diagram);
     if (pairs) write_contact_table(pairs->stream(), scene, table);
     if (groups) write_group_table(groups->stream(), scene, diagram, table);
+    // Where there is no network, the other tables are written all the same.
+    bool has_network = true;
+    if (network) try {
+            write_network(voids->stream(), about_file(path_, "", [&] { return network->finish(diagram); }));
+        } catch (const UndecidedError& e) {
+            warn(e.what());
+            has_network = false;
+            std::erase_if(files, [&](const auto& file) { return file.get() == voids; });
+        }
     for (const auto& file : files) file->close();
     for (const auto& file : files) file->commit();
 
@@ -216,7 +235,7 @@ Status DiagramCommand::run() const {
                                     sum.volume, sum.error, sum.box, sum.is_estimated);
         out.commit();
     }
-    const bool is_whole = computed + empty == diagram.cells.size() && table.faults.empty();
+    const bool is_whole = computed + empty == diagram.cells.size() && table.faults.empty() && has_network;
     const Status status = report_assumed(assumed);
     return is_whole ? status : undecided;
 }

@@ -20,7 +20,7 @@ public:
 
 private:
     CLI::App& command_;
-    std::string path_, cells_, contacts_, groups_, periodic_, cut_;
+    std::string path_, cells_, contacts_, groups_, network_, periodic_, cut_;
     std::vector<std::string> outputs_;
     std::vector<double> box_, tilt_;
     std::optional<double> probe_;

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -115,6 +116,34 @@ TEST_CASE("program: diagram reads molecules and dumps") {
     CHECK(one.status == 0);
     CHECK(work.run("diagram last.dump --radius 1").status == 1);
     CHECK(work.run("diagram last.dump --radius 1=0.5 --radius 2=0.5 --no-water").status == 2);
+}
+
+TEST_CASE("program: diagram writes the void network") {
+    const Workplace work;
+    work.write("cubic.txt", "0 0 0 0.25\n");
+    const Outcome done = work.run("diagram cubic.txt --box 0 0 0 2 2 2 --periodic xyz --network -");
+    CAPTURE(done.err);
+    REQUIRE(done.status == 0);
+    const auto rows = table(done.out);
+    REQUIRE(rows.size() == 7 + 1 + 2 + 1 + 4);
+    CHECK(rows[0] == std::vector<std::string>{"sphere", "diameter", "error"});
+    CHECK(rows[1][0] == "Di");
+    CHECK(std::abs(std::stod(rows[1][1]) - (2 * std::sqrt(3.0) - 0.5)) <= std::stod(rows[1][2]));
+    CHECK(rows[2][0] == "Df");
+    CHECK(std::abs(std::stod(rows[2][1]) - (2 * std::sqrt(2.0) - 0.5)) <= std::stod(rows[2][2]));
+    CHECK(rows[7].empty());
+    CHECK(rows[9].size() == rows[8].size());
+    CHECK(rows[9].back() == "0 0(0,0,1) 0(0,1,0) 0(0,1,1) 0(1,0,0) 0(1,0,1) 0(1,1,0) 0(1,1,1)");
+    for (std::size_t i = 12; i < rows.size(); ++i) CHECK(rows[i].size() == rows[11].size());
+    CHECK(work.run("diagram cubic.txt --box 0 0 0 2 2 2 --periodic xyz --network - --threads 2").out ==
+          done.out);
+    work.write("plane.json",
+               R"({"vcell": 1, "objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}],
+                                 "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}})");
+    const Outcome plane = work.run("diagram plane.json --network n.tsv");
+    CHECK(plane.status == 2);
+    CHECK(plane.err.find("objects[0]: is no ball, and a void network is that of balls") != std::string::npos);
+    CHECK(!fs::exists(work.path("n.tsv")));
 }
 
 TEST_CASE("program: diagram says what is wrong") {

@@ -260,7 +260,7 @@ TEST_CASE("program: messages name the file that they are about") {
 TEST_CASE("program: mistakes are said in one line") {
     Workplace w;
     w.write("balls.xyzr", "0 0 0 1\n4 0 0 1\n");
-    w.write("atoms.pdb", "HEADER    PLANT PROTEIN\nATOM      1  N   THR A   1      17.047  14.099   3.625\n");
+    w.write("atoms.pdb", "HEADER    PLANT PROTEIN\nATOM      1  N   THR A   1      17.047  14.099   3.6x5\n");
     const std::string scene = example("three_spheres.json");
     CHECK(w.run("compute " + scene + " -o cell.json").status == 0);
     for (const auto& [arguments, status, message] :
@@ -278,7 +278,7 @@ TEST_CASE("program: mistakes are said in one line") {
           {"measure balls.xyzr --base 0 --box 0 0 0 1 1 x", 1, "--box: must be a finite number, is x"},
           {"check " + scene, 2, scene + ": this is a scene, not a cell"},
           {"measure cell.json", 2, "cell.json: this is a cell, not a scene"},
-          {"measure atoms.pdb --base 0", 2, "atoms.pdb: this is a PDB file"},
+          {"measure atoms.pdb --base 0", 2, "atoms.pdb: line 2: '3.6x5' is not a number"},
           {"measure balls.xyzr", 2, "--base-plane: missing"},
           {"", 1, ""}}) {
         CAPTURE(arguments);

@@ -1,0 +1,67 @@
+#include "network_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include <cmath>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace vcell {
+
+namespace {
+
+std::string image_text(const std::array<std::int16_t, 3>& image) {
+    return fmt::format("{},{},{}", image[0], image[1], image[2]);
+}
+
+std::string sites_text(const std::vector<NetworkSite>& sites) {
+    std::string text;
+    for (const NetworkSite& s : sites) {
+        if (!text.empty()) text += ' ';
+        text += to_string(s.site);
+        if (s.image != std::array<std::int16_t, 3>{0, 0, 0}) text += '(' + image_text(s.image) + ')';
+    }
+    return text;
+}
+
+std::string number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : "-"; }
+
+}  // namespace
+
+void write_network(std::ostream& out, const VoidNetwork& network) {
+    const auto sphere = [&](const char* name, const std::optional<NetworkSphere>& s) {
+        if (s)
+            fmt::print(out, "{}\t{}\t{}\n", name, s->diameter, s->error);
+        else
+            fmt::print(out, "{}\t-\t-\n", name);
+    };
+    out << "sphere\tdiameter\terror\n";
+    sphere("Di", network.included);
+    sphere("Df", network.free);
+    sphere("Dif", network.included_along_free);
+    sphere("Df_x", network.free_along[0]);
+    sphere("Df_y", network.free_along[1]);
+    sphere("Df_z", network.free_along[2]);
+    out << "\nvertex\tx\ty\tz\tclearance\terror\ttouching\tsites\n";
+    for (std::size_t i = 0; i < network.vertices.size(); ++i) {
+        const NetworkVertex& v = network.vertices[i];
+        fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{}\n", i, v.point.x(), v.point.y(), v.point.z(),
+                   v.clearance, v.error, v.is_touching, sites_text(v.sites));
+    }
+    out << "\nedge\tfirst\tsecond\timage\tsites\tbottleneck\tbottleneck_error\tlength\tlength_error\n";
+    for (std::size_t i = 0; i < network.edges.size(); ++i) {
+        const NetworkEdge& e = network.edges[i];
+        fmt::print(out, "{}", i);
+        if (e.vertices)
+            fmt::print(out, "\t{}\t{}", (*e.vertices)[0], (*e.vertices)[1]);
+        else
+            out << "\t-\t-";
+        fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\n", image_text(e.image), sites_text(e.sites), e.bottleneck,
+                   e.bottleneck_error, number(e.length), number(e.length_error));
+    }
+}
+
+}  // namespace vcell
