@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "../../core/errors.hpp"
@@ -23,7 +24,9 @@ Image minus(const Image& a, const Image& b) {
     return difference;
 }
 
-void move_back(std::vector<NetworkSite>& sites, const Image& by) {
+Image plus(const Image& a, const Image& b) { return minus(a, minus(here, b)); }
+
+void move_back(std::vector<NetworkSite>& sites, const Image by) {
     for (NetworkSite& s : sites)
         if (s.site.is_object()) s.image = minus(s.image, by);
 }
@@ -37,7 +40,9 @@ std::string names_of(const std::vector<NetworkSite>& sites) {
 }  // namespace
 
 VoidNetworkBuilder::VoidNetworkBuilder(const DiagramScene& scene)
-    : decided_(std::make_unique<whole::DecidedDiagram>(scene)), has_cell_(scene.objects.size(), false) {
+    : decided_(std::make_unique<whole::DecidedDiagram>(scene)),
+      has_cell_(scene.objects.size(), false),
+      sights_of_(scene.objects.size(), {0, 0}) {
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
         if (!decided_->is_ball(i))
             throw InputError(InputError::Kind::Unsupported, i, "objects[" + std::to_string(i) + "]",
@@ -70,15 +75,8 @@ VoidNetworkBuilder::Sites VoidNetworkBuilder::sites_in(const Cell& cell, std::ui
                                                        const std::vector<Site>& sites) const {
     Sites result{{Site::object(object), here}};
     for (const Site& site : sites) result.push_back(site_in(cell, site));
+    std::ranges::sort(result);
     return result;
-}
-
-// The smallest object may be there in several images; the least of them counts, whatever all are moved by.
-VoidNetworkBuilder::Seen VoidNetworkBuilder::seen_from_smallest(Sites sites) {
-    std::ranges::sort(sites);
-    const Image by = sites.front().image;
-    move_back(sites, by);
-    return {std::move(sites), by};
 }
 
 void VoidNetworkBuilder::add(std::uint32_t object, const Cell& cell) try {
@@ -90,23 +88,16 @@ void VoidNetworkBuilder::add(std::uint32_t object, const Cell& cell) try {
 
 void VoidNetworkBuilder::add_vertices_and_edges(std::uint32_t object, const Cell& cell) {
     std::vector<std::uint32_t> sights(cell.vertices.size(), UINT32_MAX);
+    sights_of_[object][0] = static_cast<std::uint32_t>(sights_.size());
     for (std::size_t i = 0; i < cell.vertices.size(); ++i) {
         const CellVertex& v = cell.vertices[i];
         const auto balls = std::ranges::count_if(v.sites, [](const Site& s) { return s.is_object(); });
         if (balls < 2) continue;
-        Seen seen = seen_from_smallest(sites_in(cell, object, {v.sites.begin(), v.sites.end()}));
-        const NetworkSite self{Site::object(object), minus(here, seen.by)};
-        const auto owner = std::ranges::find(seen.sites, self) - seen.sites.begin();
         sights[i] = static_cast<std::uint32_t>(sights_.size());
-        // The place as seen from the smallest site: moving rounds each coordinate once.
-        const Vec3 shift = decided_->shift(seen.by);
-        const Vec3 point = v.point - shift;
-        const double rounding =
-            seen.by == here ? 0 : std::numeric_limits<double>::epsilon() * point.cwiseAbs().sum();
-        vertices_[std::move(seen.sites)].push_back(sights[i]);
-        sights_.push_back({static_cast<std::uint32_t>(owner), seen.by, point, v.radius,
-                           Interval::up(v.error + rounding), v.is_touching});
+        sights_.push_back({object, sites_in(cell, object, {v.sites.begin(), v.sites.end()}), v.point,
+                           v.radius, v.error, v.is_touching});
     }
+    sights_of_[object][1] = static_cast<std::uint32_t>(sights_.size());
     for (const CellEdge& edge : cell.edges) add_edge(object, cell, edge, sights);
 }
 
@@ -115,16 +106,18 @@ void VoidNetworkBuilder::add_edge(std::uint32_t object, const Cell& cell, const 
     std::vector<Site> sites(edge.sites.begin(), edge.sites.end());
     sites.insert(sites.end(), edge.extra_sites.begin(), edge.extra_sites.end());
     if (!std::ranges::all_of(sites, [](const Site& s) { return s.is_object(); })) return;
-    Seen seen = seen_from_smallest(sites_in(cell, object, sites));
-    const NetworkSite self{Site::object(object), minus(here, seen.by)};
-    const auto owner = static_cast<std::size_t>(std::ranges::find(seen.sites, self) - seen.sites.begin());
-    ArcCount& count = edges_[seen.sites];
-    count.of_owner.resize(seen.sites.size());
+    // As seen from the smallest site, which is the first: whatever sites are moved by, their order stays.
+    Sites seen = sites_in(cell, object, sites);
+    const NetworkSite self{Site::object(object), minus(here, seen.front().image)};
+    move_back(seen, seen.front().image);
+    const auto owner = static_cast<std::size_t>(std::ranges::find(seen, self) - seen.begin());
+    ArcCount& count = edges_[seen];
+    count.of_owner.resize(seen.size());
     ++count.of_owner[owner];
     if (owner != 0) return;
 
     Arc arc;
-    arc.edge.sites = std::move(seen.sites);
+    arc.edge.sites = std::move(seen);
     arc.edge.length = edge.length;
     arc.edge.length_error = edge.length_error;
     if (!edge.vertices.empty()) {
@@ -174,48 +167,100 @@ Interval VoidNetworkBuilder::bottleneck(std::uint32_t object, const Cell& cell, 
                          std::to_string(object) + " could not be enclosed");
 }
 
-// Of a set of sites with one vertex all sights are of that one. Of others each is of the only one that its
-// error and theirs leave.
-void VoidNetworkBuilder::find_vertices(VoidNetwork& network) {
-    for (auto& [sites, sights] : vertices_) {
-        std::vector<std::vector<std::uint32_t>> of_owner(sites.size());
-        for (const std::uint32_t s : sights) of_owner[sights_[s].owner].push_back(s);
-        const std::vector<std::uint32_t>& own = of_owner[0];
-        const auto first = static_cast<std::uint32_t>(network.vertices.size());
-        // Errors of touching vertices do not bound places.
-        const bool are_apart = std::ranges::none_of(sights, [&](auto s) { return sights_[s].is_touching; });
-        for (const std::uint32_t s : own) {
-            Sight& sight = sights_[s];
-            sight.vertex = static_cast<std::uint32_t>(network.vertices.size());
-            network.vertices.push_back({sight.point, sight.clearance, sight.error, sites, sight.is_touching});
+// Do the errors tell that b, of a cell that is at `image` of a's, is another vertex than a? Those of touching
+// vertices bound no places.
+bool VoidNetworkBuilder::are_apart(const Sight& a, const Sight& b, const Image& image) const {
+    const Vec3 other = b.point + decided_->shift(image);
+    const double rounding = 8 * std::numeric_limits<double>::epsilon() *
+                            (a.point.cwiseAbs().sum() + b.point.cwiseAbs().sum() + other.cwiseAbs().sum());
+    return !a.is_touching && !b.is_touching && (a.point - other).norm() > a.error + b.error + rounding;
+}
+
+// The vertex as the cell of one of its sites has it: that cell has it, as the site ties there. It is the one
+// of the same sites, or, where these are of two vertices or where a cell leaves some out, the one that is not
+// apart. Balls that a cell meets in a vertex alone may have been left out of it, as they own nothing there.
+std::uint32_t VoidNetworkBuilder::sight_of(const Sight& sight, const NetworkSite& site) const {
+    const auto [from, to] = sights_of_[site.site.index];
+    const auto has_same_sites = [&](const Sight& other) {
+        return std::ranges::equal(sight.sites, other.sites, [&](const NetworkSite& a, const NetworkSite& b) {
+            return a.site == b.site && (!a.site.is_object() || minus(a.image, b.image) == site.image);
+        });
+    };
+    for (const bool is_by_sites : {true, false}) {
+        std::uint32_t found = UINT32_MAX, count = 0, left = 0, last = UINT32_MAX;
+        for (std::uint32_t s = from; s < to; ++s) {
+            if (is_by_sites && !has_same_sites(sights_[s])) continue;
+            ++count;
+            last = s;
+            if (are_apart(sight, sights_[s], site.image)) continue;
+            ++left;
+            found = s;
         }
-        for (std::size_t o = 1; o < sites.size(); ++o) {
-            if (!sites[o].site.is_object()) continue;
-            if (of_owner[o].size() != own.size())
-                throw UndecidedError("void network: cells do not agree about vertices of objects " +
-                                     names_of(sites));
-            std::vector<bool> is_taken(own.size(), false);
-            for (const std::uint32_t s : of_owner[o]) {
-                Sight& sight = sights_[s];
-                std::size_t possible = 0, which = 0;
-                for (std::size_t k = 0; k < own.size(); ++k) {
-                    const NetworkVertex& v = network.vertices[first + k];
-                    const double distance = (sight.point - v.point).norm(),
-                                 doubt = sight.error + v.error +
-                                         4 * std::numeric_limits<double>::epsilon() *
-                                             (sight.point.cwiseAbs().sum() + v.point.cwiseAbs().sum());
-                    if (own.size() > 1 && are_apart && distance > doubt) continue;
-                    ++possible;
-                    which = k;
-                }
-                if (possible != 1 || is_taken[which])
-                    throw UndecidedError("void network: errors do not tell apart the vertices of objects " +
-                                         names_of(sites));
-                is_taken[which] = true;
-                sight.vertex = first + static_cast<std::uint32_t>(which);
+        if (is_by_sites && count == 1) return last;
+        if (left == 1) return found;
+        if (count > 0 && is_by_sites) break;
+    }
+    throw UndecidedError("void network: the vertex of objects " + names_of(sight.sites) +
+                         " is not told from others in the cell of object " + to_string(site.site));
+}
+
+// A vertex, found from one cell's sight of it; all cells' sights are told its number.
+NetworkVertex VoidNetworkBuilder::vertex_of(std::uint32_t sight, std::uint32_t number) {
+    // Where the cells are that have it, in images as seen from the first.
+    std::map<NetworkSite, std::uint32_t> seen{{{Site::object(sights_[sight].cell), here}, sight}};
+    Sites waiting{seen.begin()->first}, sides;
+    while (!waiting.empty()) {
+        const NetworkSite at = waiting.back();
+        waiting.pop_back();
+        const Sight& a = sights_[seen.at(at)];
+        for (const NetworkSite& site : a.sites) {
+            if (!site.site.is_object()) {
+                sides.push_back(site);
+                continue;
             }
+            const NetworkSite there{site.site, plus(at.image, site.image)};
+            if (seen.contains(there)) continue;
+            seen.emplace(there, sight_of(a, site));
+            waiting.push_back(there);
         }
     }
+    const Image by = seen.begin()->first.image;
+    NetworkVertex vertex;
+    for (const auto& [site, s] : seen) {
+        vertex.sites.push_back({site.site, minus(site.image, by)});
+        Sight& a = sights_[s];
+        if (std::exchange(a.vertex, number) != UINT32_MAX)
+            throw UndecidedError("void network: two vertices of objects " + names_of(a.sites) +
+                                 " are the same one in the cell of object " + std::to_string(a.cell));
+        a.by = minus(by, site.image);
+    }
+    std::ranges::sort(sides);
+    sides.erase(std::ranges::unique(sides).begin(), sides.end());
+    vertex.sites.insert(vertex.sites.end(), sides.begin(), sides.end());
+    const Sight& own = sights_[seen.begin()->second];
+    vertex.point = own.point;
+    vertex.clearance = own.clearance;
+    vertex.error = own.error;
+    vertex.is_touching = own.is_touching;
+    return vertex;
+}
+
+void VoidNetworkBuilder::find_vertices(VoidNetwork& network) {
+    for (std::uint32_t s = 0; s < sights_.size(); ++s)
+        if (sights_[s].vertex == UINT32_MAX)
+            network.vertices.push_back(vertex_of(s, static_cast<std::uint32_t>(network.vertices.size())));
+    std::vector<std::uint32_t> order(network.vertices.size()), place(order.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {},
+                             [&](std::uint32_t i) -> const Sites& { return network.vertices[i].sites; });
+    std::vector<NetworkVertex> sorted;
+    sorted.reserve(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+        place[order[i]] = i;
+        sorted.push_back(std::move(network.vertices[order[i]]));
+    }
+    network.vertices = std::move(sorted);
+    for (Sight& sight : sights_) sight.vertex = place[sight.vertex];
 }
 
 void VoidNetworkBuilder::find_edges(VoidNetwork& network) const {
@@ -231,7 +276,6 @@ void VoidNetworkBuilder::find_edges(VoidNetwork& network) const {
                 edge.vertices = {a.vertex, b.vertex};
                 edge.image = minus(b.by, a.by);
                 move_back(edge.sites, a.by);
-                std::ranges::sort(edge.sites);
             }
             network.edges.push_back(std::move(edge));
         }

@@ -2,9 +2,10 @@
 /// along which three are; what spheres fit in there, and which of them get through a box that repeats
 /// [Willems12].
 ///
-/// Each vertex and each edge appears in the cells of all its sites. It is identified by its sites, images
-/// included, as seen from the smallest of them, whose cell owns it; where a set of sites has two vertices, by
-/// the distance between them, which their errors must tell. No distance is compared with a tolerance.
+/// Each vertex and each edge appears in the cells of all its sites, and the smallest of them owns it. In all
+/// of them it has the same sites, images included: by these it is identified. Where a set of sites has two
+/// vertices, and where a cell does not list a ball that it meets in the vertex alone, the vertex is the only
+/// one that the errors of both cells leave. No distance is compared with a tolerance.
 #pragma once
 
 #include <array>
@@ -97,19 +98,16 @@ private:
     using Image = std::array<std::int16_t, 3>;
     using Sites = std::vector<NetworkSite>;
 
-    // Sites as seen from the smallest of them: what is at `by` there is at 0, 0, 0 in `sites`.
-    struct Seen {
-        Sites sites;
-        Image by;
-    };
-    // A vertex as a cell has it.
+    // A vertex as a cell has it; its sites, the cell's ball among them, ascending.
     struct Sight {
-        std::uint32_t owner;  // which of the sites has the cell
-        Image by;
-        Vec3 point;  // where its sites are as seen from the smallest
+        std::uint32_t cell;
+        Sites sites;
+        Vec3 point;
         double clearance, error;
         bool is_touching;
-        std::uint32_t vertex = UINT32_MAX;  // of the network, when it is known
+        // Of the network, when it is known, and where its smallest site's own image is here.
+        std::uint32_t vertex = UINT32_MAX;
+        Image by{0, 0, 0};
     };
     struct Arc {
         std::optional<std::array<std::uint32_t, 2>> ends;  // sights
@@ -123,12 +121,14 @@ private:
     const Sphere& ball_in(const Cell& cell, const Site& site) const;
     NetworkSite site_in(const Cell& cell, const Site& site) const;
     Sites sites_in(const Cell& cell, std::uint32_t object, const std::vector<Site>& sites) const;
-    static Seen seen_from_smallest(Sites sites);
     void add_vertices_and_edges(std::uint32_t object, const Cell& cell);
     void add_edge(std::uint32_t object, const Cell& cell, const CellEdge& edge,
                   const std::vector<std::uint32_t>& sights);
     Interval bottleneck(std::uint32_t object, const Cell& cell, const CellEdge& edge,
                         const std::vector<Site>& sites) const;
+    bool are_apart(const Sight& a, const Sight& b, const Image& image) const;
+    std::uint32_t sight_of(const Sight& sight, const NetworkSite& site) const;
+    NetworkVertex vertex_of(std::uint32_t sight, std::uint32_t number);
     void find_vertices(VoidNetwork& network);
     void find_edges(VoidNetwork& network) const;
 
@@ -136,7 +136,7 @@ private:
     std::vector<bool> has_cell_;
     std::string undecided_;  // what the first cell with such a question has
     std::vector<Sight> sights_;
-    std::map<Sites, std::vector<std::uint32_t>> vertices_;  // sights
+    std::vector<std::array<std::uint32_t, 2>> sights_of_;  // of each cell: from, to
     std::map<Sites, ArcCount> edges_;
 };
 

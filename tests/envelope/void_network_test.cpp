@@ -222,6 +222,24 @@ TEST_CASE("void network: face-centred and body-centred lattices, in cubes and in
     CHECK(encloses(primitive.free, whole.free->diameter));
 }
 
+TEST_CASE("void network: a ball that a cell meets in a vertex alone is a site of it all the same") {
+    // Corners of unit cubes, 24 of 64: the cell of 23 does not list 22 at the centre of the cube they share.
+    const std::array<std::array<int, 3>, 24> corners{
+        {{2, 0, 2}, {0, 3, 0}, {0, 3, 3}, {3, 1, 2}, {3, 3, 2}, {0, 2, 1}, {2, 3, 3}, {1, 1, 0},
+         {3, 0, 3}, {1, 1, 3}, {2, 0, 1}, {2, 1, 2}, {2, 2, 1}, {0, 3, 2}, {1, 2, 1}, {1, 3, 2},
+         {1, 1, 2}, {2, 0, 0}, {0, 3, 1}, {3, 1, 3}, {1, 2, 3}, {3, 1, 0}, {3, 3, 3}, {0, 0, 2}}};
+    DiagramScene scene = cube(4, {}, 0.25);
+    for (const auto& [x, y, z] : corners)
+        scene.objects.push_back(Sphere{Vec3(x, y, z) + Vec3::Constant(0.5), 0.25});
+    const VoidNetwork network = void_network(scene);
+    check_places(scene, network);
+    CHECK(std::ranges::any_of(network.vertices, [](const NetworkVertex& v) {
+        std::vector<std::uint32_t> numbers;
+        for (const NetworkSite& s : v.sites) numbers.push_back(s.site.index);
+        return numbers == std::vector<std::uint32_t>{2, 4, 8, 13, 22, 23};
+    }));
+}
+
 TEST_CASE("void network: balls of any radii, by brute force; vertices of degree four, and Euler's relation") {
     std::mt19937_64 rng(test_seed());
     for (const auto& [least, most] : {std::pair(0.0, 0.0), std::pair(0.02, 0.08), std::pair(0.0, 0.2)}) {
@@ -360,6 +378,12 @@ TEST_CASE("void network: planes and balls centred outside the box have none") {
     CHECK_THROWS_AS(void_network(scene), InputError);
     scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}, Sphere{{1.1, 0.5, 0.5}, 0.1}};
     CHECK_THROWS_AS(void_network(scene), InputError);
+    // Nor has a diagram of which a cell is missing.
+    scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}};
+    VoidNetworkBuilder builder(scene);
+    VoronoiDiagram diagram = voronoi_diagram(scene);
+    diagram.cells[0].state = DiagramCell::State::Undecided;
+    CHECK_THROWS_AS(builder.finish(diagram), UndecidedError);
 }
 
 }  // namespace vcell
