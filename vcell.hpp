@@ -15,5 +15,6 @@
 #include "envelope/point_query.hpp"
 #include "envelope/voronoi_cell.hpp"
 #include "envelope/voronoi_diagram.hpp"
+#include "envelope/whole/void_network.hpp"
 #include "primitives/bisectors/trisector.hpp"
 #include "primitives/objects/scene.hpp"

@@ -9,3 +9,4 @@
 #include "vertex_refinement.hpp"
 #include "voronoi_cell.hpp"
 #include "voronoi_diagram.hpp"
+#include "whole/void_network.hpp"

@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/LU>
+#include <array>
+#include <random>
 #include <string>
 
 #include "../../core/errors.hpp"
@@ -283,6 +285,38 @@ TEST_CASE("ball file: mistakes in dumps are named by line") {
     CHECK(complaint("ITEM: TIMESTEP\n0\nITEM: ATOMS x y z radius\n") ==
           "line 3: atoms come after their number and the BOX BOUNDS");
     CHECK(complaint("ITEM: NUMBER OF ATOMS\n0\n") == "line 1: a dump begins with ITEM: TIMESTEP");
+}
+
+TEST_CASE("ball file: damaged files are read or refused by line, and nothing else") {
+    const std::array<std::string, 4> texts{
+        read_file(test_data("crambin_head.pdb")), read_file(test_data("crambin_head.cif")),
+        "2\nLattice=\"4 0 0 1 5 0 0.5 0.25 6\" pbc=\"T T F\" Properties=species:S:1:pos:R:3:radius:R:1\nC 0 0 0 1\nO 1 1 1 1\n",
+        dump("xy xz yz pp pp pp\n0 5.5 -1\n2 9 0.5\n3 9 2", "id mol type xs ys zs diameter",
+             "1 4 1 0.5 0.5 0.5 3\n2 4 1 0 0 1 1\n")};
+    std::mt19937_64 rng(test_seed());
+    int read_ones = 0, refused = 0;
+    for (const std::string& text : texts)
+        for (int i = 0; i < 500 * rounds(); ++i) {
+            std::string damaged = text;
+            for (int k = 0; k < 3; ++k) {
+                const std::size_t at = rng() % damaged.size();
+                switch (rng() % 4) {
+                    case 0: damaged[at] = static_cast<char>(rng() % 256); break;
+                    case 1: damaged.erase(at, rng() % 9); break;
+                    case 2: damaged.insert(at, damaged.substr(rng() % damaged.size(), rng() % 9)); break;
+                    default: damaged.resize(at + 1); break;
+                }
+            }
+            try {
+                parse_ball_file(damaged);
+                ++read_ones;
+            } catch (const InputError& e) {
+                CHECK(!std::string(e.what()).empty());
+                ++refused;
+            }
+        }
+    CHECK(read_ones > 0);
+    CHECK(refused > 0);
 }
 
 TEST_CASE("ball file: other texts are left to others, and options without a use are refused") {
