@@ -240,7 +240,7 @@ TEST_CASE("void network: a ball that a cell meets in a vertex alone is a site of
     }));
 }
 
-TEST_CASE("void network: balls of any radii, by brute force; vertices of degree four, and Euler's relation") {
+TEST_CASE("void network: balls of any radii, by brute force, vertices of degree four, and Euler's relation") {
     std::mt19937_64 rng(test_seed());
     for (const auto& [least, most] : {std::pair(0.0, 0.0), std::pair(0.02, 0.08), std::pair(0.0, 0.2)}) {
         CAPTURE(most);

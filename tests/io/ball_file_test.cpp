@@ -298,7 +298,7 @@ TEST_CASE("ball file: damaged files are read or refused by line, and nothing els
     for (const std::string& text : texts)
         for (int i = 0; i < 500 * rounds(); ++i) {
             std::string damaged = text;
-            for (int k = 0; k < 3; ++k) {
+            for (int k = 0; k < 3 && !damaged.empty(); ++k) {
                 const std::size_t at = rng() % damaged.size();
                 switch (rng() % 4) {
                     case 0: damaged[at] = static_cast<char>(rng() % 256); break;
