@@ -165,7 +165,8 @@ Status DiagramCommand::run() const {
     };
     std::vector<DiagramPicture> pictures;
     for (const std::string& name : outputs_) pictures.push_back(open_picture(name, cut_, open));
-    OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_), *voids = open(network_);
+    OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_),
+               *voids = open(network_);
     const bool is_summary_shown =
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
 

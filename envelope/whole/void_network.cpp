@@ -43,6 +43,9 @@ VoidNetworkBuilder::VoidNetworkBuilder(const DiagramScene& scene)
     : decided_(std::make_unique<whole::DecidedDiagram>(scene)),
       has_cell_(scene.objects.size(), false),
       sights_of_(scene.objects.size(), {0, 0}) {
+    if (scene.probe)
+        throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe",
+                         "ends cells before their vertices, of which a void network is made");
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
         if (!decided_->is_ball(i))
             throw InputError(InputError::Kind::Unsupported, i, "objects[" + std::to_string(i) + "]",

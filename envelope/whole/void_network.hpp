@@ -80,7 +80,7 @@ class DecidedDiagram;
 /// Makes the network while a diagram is computed.
 class VoidNetworkBuilder {
 public:
-    /// Throws InputError for objects that are no balls, and as voronoi_diagram().
+    /// Throws InputError for objects that are no balls and for a probe, and as voronoi_diagram().
     explicit VoidNetworkBuilder(const DiagramScene& scene);
     ~VoidNetworkBuilder();
     VoidNetworkBuilder(const VoidNetworkBuilder&) = delete;

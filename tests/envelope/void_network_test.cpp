@@ -378,6 +378,11 @@ TEST_CASE("void network: planes and balls centred outside the box have none") {
     CHECK_THROWS_AS(void_network(scene), InputError);
     scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}, Sphere{{1.1, 0.5, 0.5}, 0.1}};
     CHECK_THROWS_AS(void_network(scene), InputError);
+    // Nor have cells that end at a probe.
+    scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}};
+    scene.probe = 0.1;
+    CHECK_THROWS_AS(void_network(scene), InputError);
+    scene.probe.reset();
     // Nor has a diagram of which a cell is missing.
     scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}};
     VoidNetworkBuilder builder(scene);
