@@ -156,14 +156,16 @@ public:
         : command_(*app.add_subcommand("compute", "compute the cell of a scene")) {
         scene_.add_to(command_);
         command_
-            .add_option("-o,--output", outputs_,
-                        "output file, .json, .svg, .obj (with .mtl), .stl, .ply or .vtu; may be repeated")
+            .add_option(
+                "-o,--output", outputs_,
+                "output file, .json, .svg, .obj (with .mtl), .stl, .ply, .vtu or .itd; may be repeated")
             ->required()
             ->allow_extra_args(false)
             ->type_name("FILE");
         command_
-            .add_option("--format", format_, "format of standard output: json, svg, obj, stl, ply or vtu")
-            ->check(CLI::IsMember({"json", "svg", "obj", "stl", "ply", "vtu"}))
+            .add_option("--format", format_,
+                        "format of standard output: json, svg, obj, stl, ply, vtu or itd")
+            ->check(CLI::IsMember({"json", "svg", "obj", "stl", "ply", "vtu", "itd"}))
             ->capture_default_str();
         command_
             .add_option(
@@ -228,9 +230,9 @@ private:
             std::transform(format.begin(), format.end(), format.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
             if (!format.empty()) format.erase(0, 1);
-            if (format != "json" && format != "svg" && !is_mesh(format))
-                throw UsageError(
-                    fmt::format("{}: an output must end in .json, .svg, .obj, .stl, .ply or .vtu", target));
+            if (format != "json" && format != "svg" && format != "itd" && !is_mesh(format))
+                throw UsageError(fmt::format(
+                    "{}: an output must end in .json, .svg, .obj, .stl, .ply, .vtu or .itd", target));
         }
         if (format == "obj" && target != "-") {
             const fs::path beside = fs::path(target).replace_extension(".mtl");
@@ -262,6 +264,7 @@ private:
         std::ostream& stream = out.file.stream();
         if (out.format == "json") write_cell(stream, cell);
         if (out.format == "svg") write_svg(stream, cell);
+        if (out.format == "itd") write_itd(stream, cell);
         if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);
         if (out.format == "mtl") write_mtl(stream, cell);
         if (out.format == "obj" || !is_mesh(out.format)) return;

@@ -5,6 +5,7 @@
 #include "files/cell_file.hpp"
 #include "files/diagram_file.hpp"
 #include "files/files.hpp"
+#include "files/itd_file.hpp"
 #include "files/network_file.hpp"
 #include "files/scene_file.hpp"
 #include "pictures/diagram_pictures.hpp"
