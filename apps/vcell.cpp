@@ -158,14 +158,14 @@ public:
         command_
             .add_option(
                 "-o,--output", outputs_,
-                "output file, .json, .svg, .obj (with .mtl), .stl, .ply, .vtu or .itd; may be repeated")
+                "output file, .json, .svg, .obj (with .mtl), .stl, .ply, .vtu, .step or .itd; may be repeated")
             ->required()
             ->allow_extra_args(false)
             ->type_name("FILE");
         command_
             .add_option("--format", format_,
-                        "format of standard output: json, svg, obj, stl, ply, vtu or itd")
-            ->check(CLI::IsMember({"json", "svg", "obj", "stl", "ply", "vtu", "itd"}))
+                        "format of standard output: json, svg, obj, stl, ply, vtu, step or itd")
+            ->check(CLI::IsMember({"json", "svg", "obj", "stl", "ply", "vtu", "step", "itd"}))
             ->capture_default_str();
         command_
             .add_option(
@@ -230,9 +230,10 @@ private:
             std::transform(format.begin(), format.end(), format.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
             if (!format.empty()) format.erase(0, 1);
-            if (format != "json" && format != "svg" && format != "itd" && !is_mesh(format))
+            if (format != "json" && format != "svg" && format != "itd" && format != "step" &&
+                !is_mesh(format))
                 throw UsageError(fmt::format(
-                    "{}: an output must end in .json, .svg, .obj, .stl, .ply, .vtu or .itd", target));
+                    "{}: an output must end in .json, .svg, .obj, .stl, .ply, .vtu, .step or .itd", target));
         }
         if (format == "obj" && target != "-") {
             const fs::path beside = fs::path(target).replace_extension(".mtl");
@@ -265,6 +266,7 @@ private:
         if (out.format == "json") write_cell(stream, cell);
         if (out.format == "svg") write_svg(stream, cell);
         if (out.format == "itd") write_itd(stream, cell);
+        if (out.format == "step") write_step(stream, cell);
         if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);
         if (out.format == "mtl") write_mtl(stream, cell);
         if (out.format == "obj" || !is_mesh(out.format)) return;

@@ -8,6 +8,7 @@
 #include "files/itd_file.hpp"
 #include "files/network_file.hpp"
 #include "files/scene_file.hpp"
+#include "files/step_file.hpp"
 #include "pictures/diagram_pictures.hpp"
 #include "pictures/mesh.hpp"
 #include "pictures/mesh_formats.hpp"

@@ -1,0 +1,291 @@
+#include "step_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "../pictures/site_style.hpp"
+
+namespace vcell {
+
+namespace {
+
+// A number as STEP has it: always with a point.
+std::string real(double x) {
+    std::string text = fmt::format("{}", x);
+    const std::size_t e = text.find('e');
+    if (text.find('.') == text.npos) text.insert(std::min(e, text.size()), ".");
+    std::ranges::replace(text, 'e', 'E');
+    return text;
+}
+
+template <class Values>
+std::string reals(const Values& values) {
+    std::vector<std::string> texts;
+    for (const double x : values) texts.push_back(real(x));
+    return fmt::format("({})", fmt::join(texts, ","));
+}
+
+std::string references(const std::vector<int>& ids) {
+    std::vector<std::string> texts;
+    for (const int id : ids) texts.push_back(fmt::format("#{}", id));
+    return fmt::format("({})", fmt::join(texts, ","));
+}
+
+std::string_view flag(bool is) { return is ? ".T." : ".F."; }
+
+// The same curve from its end to its start.
+RationalCurve2 reversed(RationalCurve2 curve) {
+    std::ranges::reverse(curve.points);
+    const double sum = curve.domain_begin() + curve.domain_end();
+    std::ranges::reverse(curve.knots);
+    for (double& knot : curve.knots) knot = sum - knot;
+    return curve;
+}
+
+class StepFile {
+public:
+    explicit StepFile(const Cell& cell) : cell_(cell) {}
+
+    void write(std::ostream& out) {
+        require_solid();
+        add_vertices();
+        add_surfaces();
+        add_edges();
+        std::vector<int> faces;
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f) faces.push_back(face(f));
+        const int shell = add("CLOSED_SHELL('',{})", references(faces));
+        const int solid = add("MANIFOLD_SOLID_BREP('cell',#{})", shell);
+        add_product(solid);
+        out << "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('Voronoi cell'),'2;1');\n"
+               "FILE_NAME('cell','',(''),(''),'vcell','vcell','');\n"
+               "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n";
+        for (std::size_t i = 0; i < lines_.size(); ++i) out << '#' << i + 1 << '=' << lines_[i] << ";\n";
+        out << "ENDSEC;\nEND-ISO-10303-21;\n";
+    }
+
+private:
+    // Has each face one patch, and each edge one on both sides?
+    void require_solid() const {
+        std::vector<int> balance(cell_.edges.size(), 0), uses(cell_.edges.size(), 0);
+        bool is_solid = true;
+        for (const CellFace& face : cell_.faces) {
+            is_solid = is_solid && face.patches.size() == 1;
+            for (const TrimmedPatch& patch : face.patches)
+                for (const auto& loop : patch.loops)
+                    for (const TrimCurve& trim : loop) {
+                        is_solid = is_solid && trim.edge;
+                        if (!trim.edge) continue;
+                        ++uses[*trim.edge];
+                        balance[*trim.edge] += trim.reversed ? -1 : 1;
+                    }
+        }
+        is_solid = is_solid && std::ranges::all_of(uses, [](int n) { return n == 2; }) &&
+                   std::ranges::all_of(balance, [](int n) { return n == 0; });
+        if (!is_solid)
+            throw InputError(
+                InputError::Kind::Unsupported, InputError::no_object, "STEP",
+                "is written of closed cells whose faces have one patch each, those around balls");
+    }
+
+    template <class... Args>
+    int add(fmt::format_string<Args...> format, Args&&... args) {
+        lines_.push_back(fmt::format(format, std::forward<Args>(args)...));
+        return static_cast<int>(lines_.size());
+    }
+
+    template <class Point>
+    int point(const Point& p) {
+        return add("CARTESIAN_POINT('',{})", reals(p));
+    }
+
+    template <int Dim>
+    int curve(const RationalCurve<Dim>& c) {
+        std::vector<int> poles;
+        std::vector<double> weights, knots;
+        std::vector<int> multiplicities;
+        for (const auto& p : c.points) {
+            poles.push_back(point(Eigen::Matrix<double, Dim, 1>(p.template head<Dim>())));
+            weights.push_back(p[Dim]);
+        }
+        for (const double knot : c.knots) {
+            if (!knots.empty() && knot == knots.back()) {
+                ++multiplicities.back();
+                continue;
+            }
+            knots.push_back(knot);
+            multiplicities.push_back(1);
+        }
+        return add(
+            "(BOUNDED_CURVE() B_SPLINE_CURVE({},{},.UNSPECIFIED.,.F.,.F.) "
+            "B_SPLINE_CURVE_WITH_KNOTS(({}),{},.UNSPECIFIED.) CURVE() GEOMETRIC_REPRESENTATION_ITEM() "
+            "RATIONAL_B_SPLINE_CURVE({}) REPRESENTATION_ITEM(''))",
+            c.degree, references(poles), fmt::join(multiplicities, ","), reals(knots), reals(weights));
+    }
+
+    void add_vertices() {
+        for (const CellVertex& v : cell_.vertices)
+            vertices_.push_back(add("VERTEX_POINT('',#{})", point(v.point)));
+    }
+
+    void add_surfaces() {
+        for (const CellFace& face : cell_.faces) {
+            const RationalPatch& s = face.patches.front().surface;
+            std::vector<std::string> poles, weights;
+            for (int i = 0; i <= s.degree_u; ++i) {
+                std::vector<int> row;
+                std::vector<double> weight_row;
+                for (int j = 0; j <= s.degree_v; ++j) {
+                    row.push_back(point(Vec3(s.point(i, j).head<3>())));
+                    weight_row.push_back(s.point(i, j)[3]);
+                }
+                poles.push_back(references(row));
+                weights.push_back(reals(weight_row));
+            }
+            surfaces_.push_back(add(
+                "(BOUNDED_SURFACE() B_SPLINE_SURFACE({0},{1},({2}),.UNSPECIFIED.,.F.,.F.,.F.) "
+                "B_SPLINE_SURFACE_WITH_KNOTS(({3},{3}),({4},{4}),{5},{6},.UNSPECIFIED.) "
+                "GEOMETRIC_REPRESENTATION_ITEM() RATIONAL_B_SPLINE_SURFACE(({7})) REPRESENTATION_ITEM('') "
+                "SURFACE())",
+                s.degree_u, s.degree_v, fmt::join(poles, ","), s.degree_u + 1, s.degree_v + 1,
+                reals(s.domain_u), reals(s.domain_v), fmt::join(weights, ",")));
+        }
+    }
+
+    void add_edges() {
+        // The curves in parameters of both faces, in the edges' own sense.
+        std::vector<std::vector<int>> in_parameters(cell_.edges.size());
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
+            for (const auto& loop : cell_.faces[f].patches.front().loops)
+                for (const TrimCurve& trim : loop) {
+                    const int c = curve(trim.reversed ? reversed(trim.curve) : trim.curve);
+                    const int context =
+                        add("(GEOMETRIC_REPRESENTATION_CONTEXT(2) PARAMETRIC_REPRESENTATION_CONTEXT() "
+                            "REPRESENTATION_CONTEXT('2D SPACE',''))");
+                    const int rep = add("DEFINITIONAL_REPRESENTATION('',(#{}),#{})", c, context);
+                    in_parameters[*trim.edge].push_back(add("PCURVE('',#{},#{})", surfaces_[f], rep));
+                }
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
+            const CellEdge& edge = cell_.edges[e];
+            const Vec3 start = edge.curve.evaluate(edge.curve.domain_begin()),
+                       end = edge.curve.evaluate(edge.curve.domain_end());
+            std::array<int, 2> ends;
+            off_ = std::max(off_, edge.error);
+            if (edge.vertices.empty()) {
+                ends.fill(add("VERTEX_POINT('',#{})", point(start)));
+                off_ = std::max(off_, (end - start).norm());
+            } else {
+                for (const int k : {0, 1}) {
+                    const std::uint32_t v = edge.vertices[static_cast<std::size_t>(k)];
+                    ends[static_cast<std::size_t>(k)] = vertices_[v];
+                    off_ = std::max(off_, (cell_.vertices[v].point - (k == 0 ? start : end)).norm());
+                }
+            }
+            const int on_surfaces =
+                add("SURFACE_CURVE('',#{},{},.CURVE_3D.)", curve(edge.curve), references(in_parameters[e]));
+            edges_.push_back(add("EDGE_CURVE('',#{},#{},#{},.T.)", ends[0], ends[1], on_surfaces));
+        }
+    }
+
+    // Counter-clockwise seen from outside, where the surface's normal points.
+    int face(std::size_t f) {
+        const CellFace& of = cell_.faces[f];
+        std::vector<int> bounds;
+        for (const auto& loop : of.patches.front().loops) {
+            std::vector<int> sides;
+            for (const TrimCurve& trim : loop)
+                sides.push_back(
+                    add("ORIENTED_EDGE('',*,*,#{},{})", edges_[*trim.edge], flag(!trim.reversed)));
+            const int edge_loop = add("EDGE_LOOP('',{})", references(sides));
+            bounds.push_back(
+                add("{}('',#{},.T.)", bounds.empty() ? "FACE_OUTER_BOUND" : "FACE_BOUND", edge_loop));
+        }
+        const int face =
+            add("ADVANCED_FACE('{}',{},#{},.T.)", to_string(of.site), references(bounds), surfaces_[f]);
+        colour(face,
+               of.site.is_object() ? palette()[colours_.at(of.site.index)] : std::string_view("#dddddd"));
+        return face;
+    }
+
+    void colour(int face, std::string_view colour) {
+        std::array<double, 3> rgb{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            int channel = 0;
+            std::from_chars(colour.data() + 1 + 2 * k, colour.data() + 3 + 2 * k, channel, 16);
+            rgb[k] = channel / 255.0;
+        }
+        const int c = add("COLOUR_RGB('',{},{},{})", real(rgb[0]), real(rgb[1]), real(rgb[2]));
+        const int fill = add("FILL_AREA_STYLE('',(#{}))", add("FILL_AREA_STYLE_COLOUR('',#{})", c));
+        const int side = add("SURFACE_SIDE_STYLE('',(#{}))", add("SURFACE_STYLE_FILL_AREA(#{})", fill));
+        const int style =
+            add("PRESENTATION_STYLE_ASSIGNMENT((#{}))", add("SURFACE_STYLE_USAGE(.BOTH.,#{})", side));
+        styled_.push_back(add("STYLED_ITEM('',(#{}),#{})", style, face));
+    }
+
+    int direction(double x, double y, double z) {
+        return add("DIRECTION('',{})", reals(std::array{x, y, z}));
+    }
+
+    // "m" has no prefix, and what is not known is taken for mm.
+    std::string_view prefix() const {
+        const std::array<std::pair<std::string_view, std::string_view>, 5> known{
+            {{"m", "$"}, {"cm", ".CENTI."}, {"um", ".MICRO."}, {"\u00b5m", ".MICRO."}, {"nm", ".NANO."}}};
+        const auto unit = std::ranges::find(known, cell_.scene.units, [](const auto& k) { return k.first; });
+        return unit == known.end() ? std::string_view(".MILLI.") : unit->second;
+    }
+
+    void add_product(int solid) {
+        constexpr double least_uncertainty = 1e-7, room = 1.2;  // OCCT's floor; what readers round
+        const int length = add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT({},.METRE.))", prefix());
+        const int angle = add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
+        const int solid_angle = add("(NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT())");
+        const int uncertainty =
+            add("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#{},'distance_accuracy_value','')",
+                real(std::max(least_uncertainty, room * off_)), length);
+        const int context =
+            add("(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{})) "
+                "GLOBAL_UNIT_ASSIGNED_CONTEXT((#{},#{},#{})) REPRESENTATION_CONTEXT('',''))",
+                uncertainty, length, angle, solid_angle);
+        const int world = add("AXIS2_PLACEMENT_3D('',#{},#{},#{})", point(Vec3::Zero().eval()),
+                              direction(0, 0, 1), direction(1, 0, 0));
+        const int representation =
+            add("ADVANCED_BREP_SHAPE_REPRESENTATION('cell',(#{},#{}),#{})", world, solid, context);
+        add("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{},#{})", references(styled_),
+            context);
+        const int application =
+            add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')");
+        add("APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2010,#{})",
+            application);
+        const int product_context = add("PRODUCT_CONTEXT('',#{},'mechanical')", application);
+        const int product = add("PRODUCT('cell','cell','',(#{}))", product_context);
+        add("PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#{}))", product);
+        const int formation = add("PRODUCT_DEFINITION_FORMATION('','',#{})", product);
+        const int definition_context =
+            add("PRODUCT_DEFINITION_CONTEXT('part definition',#{},'design')", application);
+        const int definition = add("PRODUCT_DEFINITION('design','',#{},#{})", formation, definition_context);
+        const int shape = add("PRODUCT_DEFINITION_SHAPE('','',#{})", definition);
+        add("SHAPE_DEFINITION_REPRESENTATION(#{},#{})", shape, representation);
+    }
+
+    const Cell& cell_;
+    const std::unordered_map<std::uint32_t, std::size_t> colours_ = object_colours(cell_);
+    std::vector<std::string> lines_;
+    std::vector<int> vertices_, surfaces_, edges_, styled_;
+    double off_ = 0;  // the largest distance of what should be one
+};
+
+}  // namespace
+
+void write_step(std::ostream& out, const Cell& cell) { StepFile(cell).write(out); }
+
+}  // namespace vcell
