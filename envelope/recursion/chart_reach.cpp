@@ -29,7 +29,7 @@ public:
             RadialForm inverted = f;  // seen from the other pole: u_z changes its sign
             inverted.b[2] = -f.b[2];
             inverted.a[2] = -f.a[2];
-            tubes_.emplace_back(inverted, family.chart, [](const Exact& v) { return v.enclosure(); });
+            tubes_.emplace_back(inverted, [](const Exact& v) { return v.enclosure(); });
         }
     }
 

@@ -1,6 +1,7 @@
 #include "heights.hpp"
 
 #include <cfloat>
+#include <cmath>
 
 namespace vcell {
 
@@ -96,7 +97,7 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         radial_.emplace_back(Interval(f.k), ball(f.a), ball(f.b), ball(f.e), ball(f.w));
     for (const RadialForm& f : family.radial)
         radial_.emplace_back(
-            f, family.chart, [](const Exact& v) { return v.enclosure(); }, family.tips);
+            f, [](const Exact& v) { return v.enclosure(); }, family.tips);
 }
 
 const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
@@ -126,8 +127,7 @@ RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) cons
                                                  enclosure_of<Wide>(e.B), enclosure_of<Wide>(e.C),
                                                  enclosure_of<Wide>(e.W));
     } else if (!p) {
-        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), family_.chart, enclosure_of<Wide>,
-                                                 family_.tips);
+        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), enclosure_of<Wide>, family_.tips);
     }
     return p->jet<order>(RadialNormals<Wide>(family_.chart, x, y));
 }
@@ -206,6 +206,35 @@ Wide Heights::value(FormId f, const Wide& x, const Wide& y) const {
     if (cylinder) return CylinderHeight<Wide>(*cylinder, constants, x, y).v;
     if (!family_.is_circular(f)) return CylinderHeight<Wide>(family_.cylinder(f), constants, x, y).v;
     return p[0] * (square(x) + square(y)) + p[1] * x + p[2] * y + p[3];
+}
+
+// The same in doubles.
+std::array<double, 3> Heights::near(FormId f, double x, double y) const {
+    if (is_radial()) {
+        const bool is_back = family_.chart.is_back(x);
+        const double t = is_back ? x - 2 : x, m = 2 / (1 + t * t), X = t * m, Z = m - 1;
+        auto j = radial_[f.value].near(is_back ? -X : X, is_back ? -Z : Z, m, y);
+        // Where heights agree, so do they times the distances from tips, and these grow by the distances'
+        // product as much.
+        double distances = 1;
+        if (const auto& tip = family_.tips[AxialEnd::Low]) distances *= y - *tip;
+        if (const auto& tip = family_.tips[AxialEnd::High]) distances *= *tip - y;
+        for (double& part : j) part *= distances;
+        return j;
+    }
+    if (family_.is_circular(f)) {
+        const CircularForm& c = family_.forms[f];
+        const double dx = x - c.cx, dy = y - c.cy;
+        return {(c.k * (dx * dx + dy * dy) + c.a * x + c.b * y + c.e) / c.w, (2 * c.k * dx + c.a) / c.w,
+                (2 * c.k * dy + c.b) / c.w};
+    }
+    const CylinderForm& c = family_.cylinder(f);
+    const double mx = x - c.px, my = y - c.py, cx = c.az * my + c.ay * c.pz, cy = -(c.az * mx) - c.ax * c.pz,
+                 cz = c.ay * mx - c.ax * my, level = c.ax * c.ax + c.ay * c.ay, A = c.az * c.az,
+                 C = cx * cx + cy * cy + cz * cz - (level + A) * c.rho * c.rho,
+                 beta = (level + A) * c.rho + level * c.pz + c.az * (c.ax * mx + c.ay * my),
+                 root = std::sqrt(beta * beta + A * C), v = beta < 0 ? (root - beta) / A : C / (root + beta);
+    return {v, (c.ay * cz - c.az * (cy + c.ax * v)) / root, (c.az * (cx - c.ay * v) - c.ax * cz) / root};
 }
 
 // Differentiating F = 0 once more: 2 root r_xy = C_xy - 2 beta_x r_y - 2 beta_y r_x - 2 A r_x r_y.

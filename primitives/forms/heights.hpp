@@ -86,6 +86,9 @@ public:
     /// trace on the base: the whole line.
     HeightJet<Interval> jet(FormId f, Interval x, Interval y) const;
     Interval value(FormId f, Interval x, Interval y) const;
+    /// About the height at a point and the derivatives of its differences to those that agree with it, as
+    /// double arithmetic tells them. Pre: the base is no sphere.
+    std::array<double, 3> near(FormId f, double x, double y) const;
     /// The same with more digits, for boxes so small that doubles cannot tell.
     HeightJet<Wide> jet(FormId f, const Wide& x, const Wide& y) const;
     Wide value(FormId f, const Wide& x, const Wide& y) const;

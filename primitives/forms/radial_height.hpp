@@ -15,6 +15,10 @@
 /// rounding: with C linear in y and C(e) at the tip e,
 ///
 ///     d/dy (e - y) / C = -C(e) / C^2
+///
+/// Around a cylinder the doubles of an Interval would be rounded outwards some hundred times for a height.
+/// What is linear in the normal and what is quadratic along the axis is there computed in doubles with one
+/// bound on its error (linear_ball.hpp).
 #pragma once
 
 #include <algorithm>
@@ -23,6 +27,7 @@
 
 #include "../../core/numbers/sign.hpp"
 #include "form_family.hpp"
+#include "linear_ball.hpp"
 #include "radial_form.hpp"
 #include "root_range.hpp"
 
@@ -48,8 +53,8 @@ public:
     NormalsAround() = default;
     explicit NormalsAround(const T& x)
         : is_point_(x.lower() == x.upper()), is_wide_(x.upper() - 2 > x.lower()) {
-        ends_[0] = end(T(x.lower(), x.lower()));
-        ends_[1] = is_point_ ? ends_[0] : end(T(x.upper(), x.upper()));
+        ends_[0] = TurnedEnd<T>(bottom(x));
+        ends_[1] = is_point_ ? ends_[0] : TurnedEnd<T>(top(x));
         const T one(1.0), two(2.0);
         const auto half = [&](const T& t) {
             const T m = two / (one + square(t));
@@ -65,8 +70,8 @@ public:
     }
 
     template <int order>
-    RadialJet<T> along(const std::array<T, 3>& v) const {
-        const std::array<T, 2> at_first = at(ends_[0], v), at_last = is_point_ ? at_first : at(ends_[1], v);
+    RadialJet<T> along(const LinearOfNormals<T>& v) const {
+        const auto [at_first, at_last] = at_ends(v);
         RadialJet<T> j;
         j.v = range(at_first[0], at_last[0], at_first[1], at_last[1], v);
         if constexpr (order > 0) {
@@ -82,22 +87,14 @@ public:
     }
 
 private:
-    struct End {
-        T sine, cosine;
-    };
-    static End end(const T& x) {
-        const T one(1.0), two(2.0);
-        const bool is_back = x.upper() > 1;
-        const T t = is_back ? x - two : x, m = two / (one + square(t)), X = t * m, Z = m - one;
-        return is_back ? End{-X, -Z} : End{X, Z};
-    }
-    // v.u and g
-    static std::array<T, 2> at(const End& e, const std::array<T, 3>& v) {
-        return {v[0] * e.sine + v[2] * e.cosine, v[0] * e.cosine - v[2] * e.sine};
+    // v.u and g at both ends.
+    std::array<std::array<T, 2>, 2> at_ends(const LinearOfNormals<T>& v) const {
+        const std::array<T, 2> first = v.at(ends_[0]);
+        return {first, is_point_ ? first : v.at(ends_[1])};
     }
     // From both ends' values and derivatives by phi.
     T range(const T& first, const T& last, const T& slope_first, const T& slope_last,
-            const std::array<T, 3>& v) const {
+            const LinearOfNormals<T>& v) const {
         if (is_point_) return first;
         const T ends = hull(first, last);
         const bool rises = slope_first.sign() == Sign::Positive, falls = slope_first.sign() == Sign::Negative,
@@ -106,14 +103,14 @@ private:
         if (!is_wide_ && ((rises && has_risen) || (falls && has_fallen))) return ends;
         // The slope at one end tells what extremum there may be where that at the other has no known sign;
         // where neither has, both ends are next to extrema.
-        const T size = sqrt(square(v[0]) + square(v[2]));
+        const T size = v.size();
         if (!is_wide_ && (rises || has_fallen || (!falls && !has_risen && ends.lower() > 0)))
             return hull(ends, size);
         if (!is_wide_ && (falls || has_risen || ends.upper() < 0)) return hull(ends, -size);
         return hull(hull(ends, size), -size);
     }
 
-    std::array<End, 2> ends_;
+    std::array<TurnedEnd<T>, 2> ends_;
     T m_, X_;
     bool is_point_ = true;
     bool is_wide_ = false;  // more than half a turn; 2 is subtracted exactly from what is 1 at least
@@ -213,10 +210,11 @@ public:
     /// The jet of v.u; over a half-angle chart without v_y.
     template <int order>
     RadialJet<T> along(const std::array<T, 3>& v) const {
-        if (const auto* around = std::get_if<NormalsAround<T>>(&normals_))
-            return around->template along<order>(v);
+        if (around()) return around()->template along<order>(LinearOfNormals<T>(v));
         return std::get_if<NormalsOfSphere<T>>(&normals_)->template along<order>(v);
     }
+    /// Null over a sphere.
+    const NormalsAround<T>* around() const { return std::get_if<NormalsAround<T>>(&normals_); }
 
 private:
     std::variant<NormalsAround<T>, NormalsOfSphere<T>> normals_;
@@ -229,12 +227,8 @@ class RadialHeight {
 public:
     /// `convert` takes an Exact to T.
     template <class Convert>
-    RadialHeight(const RadialForm& form, Chart chart, Convert&& convert, const AxialTips& tips = {})
-        : is_cylinder_(chart.is_cylinder()),
-          has_root_(form.has_root()),
-          tips_(tips),
-          b0_(convert(form.b0)),
-          slope_(convert(form.slope)) {
+    RadialHeight(const RadialForm& form, Convert&& convert, const AxialTips& tips = {})
+        : has_root_(form.has_root()), tips_(tips), b0_(convert(form.b0)), slope_(convert(form.slope)) {
         if (const auto own = form.falls_to()) {
             if (const std::optional<double>& y = tips_[*own]) {
                 own_tip_ = own;
@@ -246,11 +240,14 @@ public:
             b_[i] = convert(form.b[i]);
             a_[i] = convert(form.a[i]);
         }
+        around_b_ = LinearOfNormals<T>(b_);
+        around_a_ = LinearOfNormals<T>(a_);
+        axial_slope_ = NumberBall<T>(slope_);
+        along_axis_ = QuadraticOf<T>(c_);
     }
     /// A circular form (k r^2 + a x + b y + e) / w over a sphere, w > 0: with r^2 = (1 - u_z) W / 2, x = u_x
     /// W / 2, ...
-    RadialHeight(const T& k, const T& a, const T& b, const T& e, const T& w)
-        : is_cylinder_(false), has_root_(false) {
+    RadialHeight(const T& k, const T& a, const T& b, const T& e, const T& w) : has_root_(false) {
         const T quarter(-0.25), zero(0.0);
         c_ = {w, zero, zero};
         b0_ = quarter * (k + e);
@@ -270,91 +267,100 @@ public:
     /// Without the distances from tips.
     template <int order>
     RadialJet<T> plain_jet(const RadialNormals<T>& n) const {
-        const T zero(0.0), two(2.0);
         // B = b.u + slope y a.u, the two parts the larger and the more opposite to each other the farther the
-        // box is from y = 0: they are added up at the box's middle, where b + slope y a are numbers.
-        std::array<T, 3> b = b_;
-        if (is_cylinder_ && has_root_) {
-            const T at_middle = slope_ * n.middle_y();
-            for (const int i : {0, 2}) b[i] += at_middle * a_[i];
-        }
-        RadialJet<T> B = n.template along<order>(b), C{c_[0], zero, zero, zero, zero, zero},
-                     f;  // C.x is zero
+        // box is from y = 0: they are added up at the box's middle, where b + slope y a are numbers. C is
+        // constant around a cylinder, and everywhere over a sphere.
+        RadialJet<T> B, f;
+        T C = c_[0], C_y(0.0);
+        const NormalsAround<T>* around = n.around();
+        if (!around)
+            B = n.template along<order>(b_);
+        else if (has_root_)
+            B = around->template along<order>(around_b_.plus(axial_slope_, n.middle_y(), around_a_));
+        else
+            B = around->template along<order>(around_b_);
         B.v += b0_;
-        if (is_cylinder_) {
-            C.y = c_[1] + two * c_[2] * n.y();
-            C.yy = two * c_[2];
-            const auto at = [&](const T& y) { return c_[0] + y * (c_[1] + c_[2] * y); };
-            C.v = hull(at(bottom(n.y())), at(top(n.y())));
-            if (!C.y.sign() && c_[2].sign() == Sign::Positive)
-                C.v = hull(C.v, c_[0] - square(c_[1]) / (T(4.0) * c_[2]));
-            if (C.v.sign() != Sign::Positive) return unknown();
+        if (around) {
+            const auto [value, slope] = along_axis_.over(n.y());
+            C = value;
+            C_y = slope;
+            if (C.sign() != Sign::Positive) return unknown();
         }
         if (!has_root_) {
-            f.v = -two * B.v / C.v;
+            f.v = -twice(B.v) / C;
             if constexpr (order > 0) {
-                f.x = -(two * B.x) / C.v;
-                f.y = is_cylinder_ ? -(two * B.y + C.y * f.v) / C.v : -(two * B.y) / C.v;
+                f.x = -twice(B.x) / C;
+                f.y = around ? -(C_y * f.v) / C : -twice(B.y) / C;
             }
             if constexpr (order > 1) {
-                const auto second = [&](const T& Buv, const T& Cuv, const T& Cu, const T& Cv, const T& fu,
-                                        const T& fv) {
-                    return -(two * Buv + Cuv * f.v + Cu * fv + Cv * fu) / C.v;
-                };
-                f.xx = second(B.xx, C.xx, C.x, C.x, f.x, f.x);
-                f.xy = second(B.xy, C.xy, C.x, C.y, f.x, f.y);
-                f.yy = second(B.yy, C.yy, C.y, C.y, f.y, f.y);
+                f.xx = -twice(B.xx) / C;
+                f.xy = around ? -(C_y * f.x) / C : -twice(B.xy) / C;
+                f.yy = around ? -twice(c_[2] * f.v + C_y * f.y) / C : -twice(B.yy) / C;
             }
             return f;
         }
-        const RadialJet<T> A = n.template along<order>(a_);
-        if (is_cylinder_) {
-            const T s = slope_ * (n.y() - n.middle_y());
-            B.v += s * A.v;
-            if constexpr (order > 0) {
-                B.x += s * A.x;
-                B.y = slope_ * A.v;
-            }
-            if constexpr (order > 1) {
-                B.xx += s * A.xx;
-                B.xy = slope_ * A.x;
+        const RadialJet<T> A =
+            around ? around->template along<order>(around_a_) : n.template along<order>(a_);
+        if (around) {
+            if constexpr (order > 0) B.y = slope_ * A.v;
+            if constexpr (order > 1) B.xy = slope_ * A.x;
+            if (n.y().lower() != n.y().upper()) {
+                const T s = slope_ * (n.y() - n.middle_y());
+                B.v += s * A.v;
+                if constexpr (order > 0) B.x += s * A.x;
+                if constexpr (order > 1) B.xx += s * A.xx;
             }
         }
         // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All
         // of q, s and k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends
         // nothing is lost.
         const T A2 = square(A.v);
-        f.v = -root_range(B.v, A2, C.v);
+        f.v = -root_range(B.v, A2, C);
         if constexpr (order > 0) {
-            const T AC = A2 * C.v, B2 = square(B.v), root_C = sqrt(C.v), s = share(B.v, AC),
+            const T AC = A2 * C, B2 = square(B.v), root_C = sqrt(C), s = share(B.v, AC),
                     k = share(A.v * root_C, B2) / root_C;
-            const T slope = (T(1.0) + s) / C.v, half_f = T(0.5) * f.v;
+            const T slope = (T(1.0) + s) / C;
             // Over a cylinder A is constant along the axis.
             f.x = -(slope * B.x + k * A.x);
-            f.y = is_cylinder_ ? -(slope * (B.y + C.y * half_f)) : -(slope * B.y + k * A.y);
+            f.y = around ? -(slope * (B.y + 0.5 * (C_y * f.v))) : -(slope * B.y + k * A.y);
             if constexpr (order > 1) {
                 const T R = sqrt(B2 + AC);
                 if (R.sign() != Sign::Positive) {
                     f.xx = f.xy = f.yy = T::whole();
                     return f;
                 }
-                // C f^2 + 2 B f - A^2 = 0, differentiated twice; C f + B = -R.
-                const auto second = [&](const T& Buv, const T& Cuv, const T& Auv, const T& Bu, const T& Bv,
-                                        const T& Cu, const T& Cv, const T& Au, const T& Av, const T& fu,
-                                        const T& fv) {
-                    return ((Cuv * f.v + two * (Cu * fv + Cv * fu + Buv)) * f.v +
-                            two * (Bu * fv + Bv * fu + C.v * fu * fv - Au * Av - A.v * Auv)) /
-                           (two * R);
-                };
-                f.xx = second(B.xx, C.xx, A.xx, B.x, B.x, C.x, C.x, A.x, A.x, f.x, f.x);
-                f.xy = second(B.xy, C.xy, A.xy, B.x, B.y, C.x, C.y, A.x, A.y, f.x, f.y);
-                f.yy = second(B.yy, C.yy, A.yy, B.y, B.y, C.y, C.y, A.y, A.y, f.y, f.y);
+                // C f^2 + 2 B f - A^2 = 0, differentiated twice; C f + B = -R. Over a cylinder A_y, B_yy and
+                // C_x are zero, over a sphere the derivatives of C are.
+                f.xx = (B.xx * f.v + twice(B.x * f.x) + C * square(f.x) - square(A.x) - A.v * A.xx) / R;
+                if (around) {
+                    f.xy = ((C_y * f.x + B.xy) * f.v + B.x * f.y + (B.y + C * f.y) * f.x) / R;
+                    f.yy = ((c_[2] * f.v + twice(C_y * f.y)) * f.v + (twice(B.y) + C * f.y) * f.y) / R;
+                } else {
+                    f.xy = (B.xy * f.v + B.x * f.y + (B.y + C * f.y) * f.x - A.x * A.y - A.v * A.xy) / R;
+                    f.yy = (B.yy * f.v + twice(B.y * f.y) + C * square(f.y) - square(A.y) - A.v * A.yy) / R;
+                }
             }
         }
         return f;
     }
 
+    /// About the plain height and its derivatives where the angle's sine and cosine are these and x grows by
+    /// 1 / m of it. Pre: T is Interval, over a cylinder.
+    std::array<double, 3> near(double sine, double cosine, double m, double y) const {
+        const auto [C, C_y] = along_axis_.near(y);
+        auto [B, B_x] = around_b_.near(sine, cosine);
+        B += b0_.mid();
+        if (!has_root_) return {-2 * B / C, -2 * m * B_x / C, 2 * B * C_y / (C * C)};
+        const auto [A, A_x] = around_a_.near(sine, cosine);
+        const double slope = axial_slope_.middle, B_y = slope * A;
+        B += slope * y * A;
+        B_x += slope * y * A_x;
+        const double R = std::sqrt(B * B + A * A * C), f = B < 0 ? -A * A / (R - B) : -(B + R) / C;
+        return {f, m * (f * B_x - A * A_x) / R, f * (0.5 * C_y * f + B_y) / R};
+    }
+
 private:
+    static T twice(const T& t) { return t + t; }
     static RadialJet<T> unknown() {
         return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
     }
@@ -408,16 +414,20 @@ private:
                     T(4.0) * c_[1] * slope / over};
         const AxialEnd other = *own_tip_ == AxialEnd::Low ? AxialEnd::High : AxialEnd::Low;
         if (tips_[other]) k = k * distance(other, *tips_[other], y);
-        RadialJet<T> B = n.template along<order>(b_);
+        RadialJet<T> B = n.around()->template along<order>(around_b_);
         B.v += b0_;
         return times<order>(B, k);
     }
 
-    bool is_cylinder_, has_root_;
+    bool has_root_;
     AxialTips tips_;
     std::optional<AxialEnd> own_tip_;  // the form's C is linear and falls towards it
     std::array<T, 3> c_, b_, a_;
     T b0_, slope_, c_at_tip_;
+    // b, a, slope and c again, as they are evaluated around a cylinder.
+    LinearOfNormals<T> around_b_, around_a_;
+    NumberBall<T> axial_slope_;
+    QuadraticOf<T> along_axis_;
 };
 
 }  // namespace vcell

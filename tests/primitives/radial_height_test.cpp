@@ -96,5 +96,52 @@ TEST_CASE("radial heights: linear functions of normals around a cylinder hold th
     }
 }
 
+// Of numbers of any size, also where they overflow or all but vanish.
+TEST_CASE("radial heights: what is computed in doubles with one bound holds its members, and is tight") {
+    Samples samples;
+    for (const double exponents : {0.0, 20.0, 500.0, 1000.0})
+        for (int round = 0; round < 3000; ++round) {
+            const auto vector = [&] {
+                return std::array{samples.about(samples.any(exponents)), Interval(0.0),
+                                  samples.about(samples.any(exponents))};
+            };
+            const std::array<Interval, 3> v = vector(), a = vector();
+            const Interval s = samples.about(samples.any(exponents));
+            const double y = samples.any(std::min(exponents, 20.0)), x = samples.number(-1, 3);
+            const TurnedEnd<Interval> end{Interval(x)};
+            const TurnedEnd<Wide> wide_end{Wide(x)};
+            const LinearOfNormals<Interval> sum =
+                LinearOfNormals<Interval>(v).plus(NumberBall<Interval>(s), y, LinearOfNormals<Interval>(a));
+            const auto over = sum.at(end);
+            const auto number = [&](const Interval& i) { return Wide(samples.member(i)); };
+            const auto numbers = [&](const std::array<Interval, 3>& i) {
+                return LinearOfNormals<Wide>(std::array{number(i[0]), Wide(0.0), number(i[2])});
+            };
+            CAPTURE(v[0].lower());
+            CAPTURE(v[2].lower());
+            CAPTURE(y);
+            const LinearOfNormals<Wide> member =
+                numbers(v).plus(NumberBall<Wide>(number(s)), Wide(y), numbers(a));
+            const auto at = member.at(wide_end);
+            CHECK(holds(over[0], at[0]));
+            CHECK(holds(over[1], at[1]));
+            CHECK(sum.size().upper() >= member.size().enclosure().lower());
+            if (exponents == 0 && v[0].lower() == v[0].upper() && v[2].lower() == v[2].upper())
+                CHECK(LinearOfNormals<Interval>(v).at(end)[0].radius() <=
+                      0x1p-49 * (v[0].magnitude() + v[2].magnitude()) + 0x1p-1000);
+
+            std::array<Interval, 3> c{samples.about(samples.any(exponents)),
+                                      samples.about(samples.any(exponents)),
+                                      samples.about(samples.size(exponents))};
+            if (c[2].lower() < 0) c[2] = 0.0;
+            const Interval place = samples.about(y);
+            const auto range = QuadraticOf<Interval>(c).over(place);
+            const QuadraticOf<Wide> one(std::array{number(c[0]), number(c[1]), number(c[2])});
+            const auto value = one.over(number(place));
+            CHECK(holds(range.value, value.value));
+            CHECK(holds(range.slope, value.slope));
+        }
+}
+
 }  // namespace
 }  // namespace vcell
