@@ -319,25 +319,31 @@ public:
         if constexpr (order > 0) {
             const T AC = A2 * C, B2 = square(B.v), root_C = sqrt(C), s = share(B.v, AC),
                     k = share(A.v * root_C, B2) / root_C;
-            const T slope = (T(1.0) + s) / C;
+            const T slope = (T(1.0) + s) / C, half_C_y = 0.5 * C_y, w = around ? B.y + half_C_y * f.v : B.y;
             // Over a cylinder A is constant along the axis.
             f.x = -(slope * B.x + k * A.x);
-            f.y = around ? -(slope * (B.y + 0.5 * (C_y * f.v))) : -(slope * B.y + k * A.y);
+            f.y = around ? -(slope * w) : -(slope * B.y + k * A.y);
             if constexpr (order > 1) {
                 const T R = sqrt(B2 + AC);
                 if (R.sign() != Sign::Positive) {
                     f.xx = f.xy = f.yy = T::whole();
                     return f;
                 }
-                // C f^2 + 2 B f - A^2 = 0, differentiated twice; C f + B = -R. Over a cylinder A_y, B_yy and
-                // C_x are zero, over a sphere the derivatives of C are.
-                f.xx = (B.xx * f.v + twice(B.x * f.x) + C * square(f.x) - square(A.x) - A.v * A.xx) / R;
+                // C f^2 + 2 B f - A^2 = 0 differentiated twice, f_u = -((1 + s) B_u / C + k A_u) put in, and
+                // 1 - s^2 = C k^2: where C is constant
+                //
+                //     R f_uv = B_uv f - A A_uv - D_u D_v,   D_u = k B_u - s A_u.
+                //
+                // Where it depends on y and A does not, w = B_y + C_y f / 2 takes the place of B_y in f_y and
+                // D_y, and R f_xy gains C_y f f_x / 2, R f_yy, as B_yy is zero, C_yy f^2 / 2 + C_y f f_y.
+                const T D_x = k * B.x - s * A.x, D_y = around ? k * w : k * B.y - s * A.y;
+                f.xx = (B.xx * f.v - A.v * A.xx - square(D_x)) / R;
                 if (around) {
-                    f.xy = ((C_y * f.x + B.xy) * f.v + B.x * f.y + (B.y + C * f.y) * f.x) / R;
-                    f.yy = ((c_[2] * f.v + twice(C_y * f.y)) * f.v + (twice(B.y) + C * f.y) * f.y) / R;
+                    f.xy = ((B.xy + half_C_y * f.x) * f.v - D_x * D_y) / R;
+                    f.yy = (c_[2] * square(f.v) + C_y * (f.v * f.y) - square(D_y)) / R;
                 } else {
-                    f.xy = (B.xy * f.v + B.x * f.y + (B.y + C * f.y) * f.x - A.x * A.y - A.v * A.xy) / R;
-                    f.yy = (B.yy * f.v + twice(B.y * f.y) + C * square(f.y) - square(A.y) - A.v * A.yy) / R;
+                    f.xy = (B.xy * f.v - A.v * A.xy - D_x * D_y) / R;
+                    f.yy = (B.yy * f.v - A.v * A.yy - square(D_y)) / R;
                 }
             }
         }
