@@ -41,6 +41,14 @@ void MixedAnalysis::bend(const std::array<double, 4>& box, std::vector<Spread>& 
         s.bend = {heights_.jet(s.form, mx, my), heights_.curvature(s.form, X, Y), X - mx, Y - my};
 }
 
+// Of a - b over the box. Pre: both are bent.
+std::array<Interval, 2> MixedAnalysis::bent_gradient(const std::array<Interval, 2>& over, const Spread& a,
+                                                     const Spread& b) {
+    const auto &p = *a.bend, &q = *b.bend;
+    return refined_gradient(over, {p.middle.gx - q.middle.gx, p.middle.gy - q.middle.gy},
+                            p.curvature - q.curvature, p.dx, p.dy);
+}
+
 std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::array<double, 4>& box,
                                                                  std::span<const FormId> candidates) const {
     const Interval X(box[0], box[1]), Y(box[2], box[3]), mx(X.mid()), my(Y.mid());
@@ -125,6 +133,123 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box,
     return kept;
 }
 
+// As cull(), by Taylor's formula about the middle. Pre: bend() was called.
+void MixedAnalysis::cull_by_curvature(Work& work) {
+    const std::size_t before = work.rivals.size();
+    drop_dominated(work.rivals, [](const Spread& a, const Spread& b) {
+        const auto &p = *a.bend, &q = *b.bend;
+        const Interval bend = (p.curvature.xx - q.curvature.xx) * square(p.dx) +
+                              2.0 * ((p.curvature.xy - q.curvature.xy) * p.dx * p.dy) +
+                              (p.curvature.yy - q.curvature.yy) * square(p.dy);
+        return (p.middle.v - q.middle.v + (p.middle.gx - q.middle.gx) * p.dx +
+                (p.middle.gy - q.middle.gy) * p.dy + 0.5 * bend)
+                   .lower() > 0;
+    });
+    decisions_.by_interval += before - work.rivals.size();
+    if (work.rivals.size() < before) work.is_divided = false;
+}
+
+// Is g - f certainly positive all over the piece? Asked where its gradient may vanish: about that place it
+// changes least.
+bool MixedAnalysis::stays_above(const Work& work, const Spread& g, const Spread& f) const {
+    const HeightDifference d = Work::difference(g, f);
+    const auto& box = work.piece.box;
+    const auto [offset, value] = d.stationary();
+    if (!(value > 0) || !offset.allFinite()) return false;
+    const Vector2d m = work.middle();
+    const double x = std::clamp(m.x() + offset.x(), box[0], box[1]),
+                 y = std::clamp(m.y() + offset.y(), box[2], box[3]);
+    const HeightJet<Interval> p = heights_.jet(g.form, Interval(x), Interval(y)),
+                              q = heights_.jet(f.form, Interval(x), Interval(y));
+    const Interval dx = Interval(box[0], box[1]) - Interval(x), dy = Interval(box[2], box[3]) - Interval(y);
+    Interval range = (p.v - q.v) + (p.gx - q.gx) * dx + (p.gy - q.gy) * dy;
+    // A convex function lies above its tangent planes.
+    if (!d.is_convex())
+        range = range + 0.5 * (d.curvature.xx * square(dx) + 2.0 * (d.curvature.xy * dx * dy) +
+                               d.curvature.yy * square(dy));
+    return range.lower() > 0;
+}
+
+// Let g be lowest nowhere on the rim. Inside it is lowest nowhere, too,
+//
+//   * if its differences to all forms that are lowest on the rim grow in one direction all over the piece:
+//   their
+//     maximum is how far g lies above the lowest of these; it grows in that direction from where the line
+//     meets the rim, and it is not negative there;
+//   * if one form f is lowest all along the rim, and g - f is concave along some direction: on each line of
+//   that
+//     it is not negative at the ends, so positive between them;
+//   * if it lies above one of them all over the piece;
+//   * if g ties in no point with two others, and all differences grow in some direction or are concave along
+//     one. For around a component of where g is lowest alone there would be one other form f, equal to g
+//     there; of what that curve encloses g - f would be least inside, and negative.
+//
+// What ties with others in a vertex of the rim is left for the faces around that.
+void MixedAnalysis::cull_from_rim(Work& work) {
+    const auto ties_on_rim = [&](FormId f) {
+        return std::ranges::any_of(work.knots, [&](std::uint32_t v) {
+            const std::vector<FormId>& ties = work.piece.vertices[v].ties;
+            return std::ranges::find(ties, f) != ties.end();
+        });
+    };
+    const std::size_t before = work.rivals.size();
+    SmallVector<FormId, usual_rivals> rim;
+    for (const Spread& s : work.rivals)
+        if (work.is_on_rim(s.form)) rim.push_back(s.form);
+    if (rim.size() == before || rim.size() == 0) return;
+    const auto is_above = [&](const Spread& g) {
+        SmallVector<Work::Gradient, usual_rivals> gradients;
+        for (const FormId f : rim) gradients.push_back(work.gradient(g, *work.find(f)));
+        if (Work::grow_together({gradients.begin(), gradients.size()})) return true;
+        if (!g.bend) return false;
+        if (rim.size() == 1 && !work.supports && work.direction(g, *work.find(rim[0]))) return true;
+        const auto is_concave = [&](const Spread& s) {
+            return Work::difference(g, s).is_concave_somewhere();
+        };
+        if (rim.size() == 1 && is_concave(*work.find(rim[0]))) return true;
+        if (std::ranges::any_of(rim, [&](FormId f) { return stays_above(work, g, *work.find(f)); }))
+            return true;
+        if (rim.size() == 1 || work.supports || work.rivals.size() > most_divided) return false;
+        const std::vector<Spread>& r = work.rivals;
+        for (const Spread& s : r)
+            if (&s != &g && !work.direction(g, s) && !is_concave(s)) return false;
+        for (std::size_t i = 0; i < r.size(); ++i)
+            for (std::size_t j = i + 1; j < r.size(); ++j)
+                if (&r[i] != &g && &r[j] != &g && work.turn(g, r[i], r[j]) != Sign::Zero) return false;
+        return true;
+    };
+    for (std::size_t i = 0; i < work.rivals.size();)
+        if (const Spread& g = work.rivals[i]; !work.is_on_rim(g.form) && !ties_on_rim(g.form) && is_above(g))
+            work.rivals.erase(work.rivals.begin() + static_cast<std::ptrdiff_t>(i));
+        else
+            ++i;
+    decisions_.by_interval += before - work.rivals.size();
+    if (work.rivals.size() < before) work.is_divided = false;
+}
+
+// As cull(), with values that doubles do not tell apart.
+void MixedAnalysis::cull_sharply(Work& work) {
+    struct Item {
+        const Spread* spread;
+        Wide v;
+    };
+    const auto& box = work.piece.box;
+    const Vector2d m = work.middle();
+    const Interval rx(Interval::up(std::max(box[1] - m.x(), m.x() - box[0]))),
+        ry(Interval::up(std::max(box[3] - m.y(), m.y() - box[2])));
+    std::vector<Item> items;
+    for (const Spread& s : work.rivals)
+        items.push_back({&s, heights_.value(s.form, Wide(m.x()), Wide(m.y()))});
+    drop_dominated(items, [&](const Item& a, const Item& b) {
+        const auto [gx, gy] = work.gradient(*a.spread, *b.spread);
+        return ((a.v - b.v).enclosure() - gx.magnitude() * rx - gy.magnitude() * ry).lower() > 0;
+    });
+    decisions_.by_multiprecision += work.rivals.size() - items.size();
+    std::vector<Spread> kept;
+    for (const Item& i : items) kept.push_back(*i.spread);
+    work.rivals = std::move(kept);
+}
+
 std::optional<double> MixedAnalysis::steepness_across(double along_x, double along_y) const {
     if (normals_) return std::nullopt;  // supports bound no gradients of forms alone
     double x = 0, y = 0;
@@ -140,12 +265,19 @@ std::optional<bool> MixedAnalysis::asks_for_strips(const std::array<double, 4>& 
     constexpr double strip_ratio = 8;
     if (spreads_.size() < 3 || spreads_.size() > most_divided) return std::nullopt;
     const Interval X(box[0], box[1]), Y(box[2], box[3]);
+    // Without tips heights are plain, and known where a diagram was asked for.
+    const bool are_known = !heights_.family().tips.any() &&
+                           std::ranges::all_of(spreads_, [](const Spread& s) { return s.bend.has_value(); });
     SmallVector<Heights::PlainGradient, most_divided> gradients;
-    for (const Spread& s : spreads_) gradients.push_back(heights_.plain_gradient(s.form, X, Y));
+    if (!are_known)
+        for (const Spread& s : spreads_) gradients.push_back(heights_.plain_gradient(s.form, X, Y));
     double x = 0, y = 0;
-    for (std::size_t i = 0; i < gradients.size(); ++i)
+    for (std::size_t i = 0; i < spreads_.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
-            const auto [gx, gy] = Heights::difference(gradients[i], gradients[j], X, Y);
+            const auto [gx, gy] =
+                are_known ? bent_gradient({spreads_[i].gx - spreads_[j].gx, spreads_[i].gy - spreads_[j].gy},
+                                          spreads_[i], spreads_[j])
+                          : Heights::difference(gradients[i], gradients[j], X, Y);
             x += gx.magnitude() * (box[1] - box[0]);
             y += gy.magnitude() * (box[3] - box[2]);
         }

@@ -73,7 +73,10 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     piece.leaving.resize(piece.vertices.size());
 
     const bool at_floor = work.width <= floor_width * work.extent;
-    bool plain = is_plain(work);
+    cull_from_rim(work);
+    // Of more than three most triples meet where others are lower: that takes second derivatives to know.
+    const bool is_crowded = !normals_ && work.rivals.size() > 3;
+    bool plain = !is_crowded && is_plain(work);
     if (!plain) {
         // The difference of a circular form and one other is in mean value form already.
         const auto has_root = [&](const Spread& s) { return !heights_.family().is_circular(s.form); };
@@ -82,10 +85,12 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
             bend(work.piece.box, work.rivals);
             work.directions.clear();
             cull_by_curvature(work);
+            cull_from_rim(work);
         }
         if (work.width < sharp_width * work.extent) cull_sharply(work);
         plain = bends && is_plain(work);
     }
+    remaining_ = work.forms();
     const bool near_tie =
         !plain && work.rivals.size() > 1 && work.width <= tie_width * tie_extent_at({x0, x1}, {y0, y1});
     if (!plain && !near_tie && !at_floor) return std::nullopt;
@@ -123,9 +128,6 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     std::vector<Lens> lenses;
     work.clear_inside();
     if (work.rivals.size() < 3 || !work.knots.empty()) return false;
-    const auto is_on_rim = [&](FormId f) {
-        return std::ranges::find(work.piece.rim, f, &MixedPiece::RimEdge::label) != work.piece.rim.end();
-    };
     std::vector<Touch> touches;
     // An arc that is touched inside meets the rim, or it does in a smaller piece: of all pairs those are
     // enough that change there.
@@ -196,7 +198,7 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     };
     const std::size_t before = work.rivals.size();
     for (std::size_t i = 0; i < work.rivals.size() && work.rivals.size() > 2;)
-        if (const FormId h = work.rivals[i].form; !is_on_rim(h) && stays_above(h))
+        if (const FormId h = work.rivals[i].form; !work.is_on_rim(h) && stays_above(h))
             work.rivals.erase(work.rivals.begin() + static_cast<std::ptrdiff_t>(i));
         else
             ++i;
@@ -238,45 +240,6 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     return true;
 }
 
-// As cull(), by Taylor's formula about the middle. Pre: bend() was called.
-void MixedAnalysis::cull_by_curvature(Work& work) {
-    const std::size_t before = work.rivals.size();
-    drop_dominated(work.rivals, [](const Spread& a, const Spread& b) {
-        const auto &p = *a.bend, &q = *b.bend;
-        const Interval bend = (p.curvature.xx - q.curvature.xx) * square(p.dx) +
-                              2.0 * ((p.curvature.xy - q.curvature.xy) * p.dx * p.dy) +
-                              (p.curvature.yy - q.curvature.yy) * square(p.dy);
-        return (p.middle.v - q.middle.v + (p.middle.gx - q.middle.gx) * p.dx +
-                (p.middle.gy - q.middle.gy) * p.dy + 0.5 * bend)
-                   .lower() > 0;
-    });
-    decisions_.by_interval += before - work.rivals.size();
-    if (work.rivals.size() < before) work.is_divided = false;
-}
-
-// As cull(), with values that doubles do not tell apart.
-void MixedAnalysis::cull_sharply(Work& work) {
-    struct Item {
-        const Spread* spread;
-        Wide v;
-    };
-    const auto& box = work.piece.box;
-    const Vector2d m = work.middle();
-    const Interval rx(Interval::up(std::max(box[1] - m.x(), m.x() - box[0]))),
-        ry(Interval::up(std::max(box[3] - m.y(), m.y() - box[2])));
-    std::vector<Item> items;
-    for (const Spread& s : work.rivals)
-        items.push_back({&s, heights_.value(s.form, Wide(m.x()), Wide(m.y()))});
-    drop_dominated(items, [&](const Item& a, const Item& b) {
-        const auto [gx, gy] = work.gradient(*a.spread, *b.spread);
-        return ((a.v - b.v).enclosure() - gx.magnitude() * rx - gy.magnitude() * ry).lower() > 0;
-    });
-    decisions_.by_multiprecision += work.rivals.size() - items.size();
-    std::vector<Spread> kept;
-    for (const Item& i : items) kept.push_back(*i.spread);
-    work.rivals = std::move(kept);
-}
-
 bool MixedAnalysis::is_plain(const Work& work) const {
     const std::vector<Spread>& r = work.rivals;
     const std::size_t n = r.size();
@@ -284,7 +247,9 @@ bool MixedAnalysis::is_plain(const Work& work) const {
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j)
             for (std::size_t k = j + 1; k < n; ++k)
-                if (!work.turn(r[i], r[j], r[k]) && !work.is_apart(r[i], r[j], r[k])) return false;
+                if (!work.turn(r[i], r[j], r[k]) && !work.is_hidden(r[i], r[j], r[k]) &&
+                    !work.is_apart(r[i], r[j], r[k]))
+                    return false;
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j)
             if (!work.direction(r[i], r[j])) return false;
@@ -427,7 +392,7 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
                 if (std::ranges::any_of(inner, meet, &Inner::forms) ||
                     std::ranges::any_of(knots, meet, &Knot::ties))
                     continue;
-                if (work.turn(r[i], r[j], r[k]) == Sign::Zero) continue;
+                if (work.turn(r[i], r[j], r[k]) == Sign::Zero || work.is_hidden(r[i], r[j], r[k])) continue;
                 Inner v;
                 Inside inside = Inside::No;
                 if (n > 3 || !knots.empty())

@@ -11,9 +11,12 @@
 ///     then in none.
 ///
 /// Both are needed only where two forms are equal and lowest, and all over a box around the points where
-/// three are: over a sphere, where forms are compared cheaply (sphere_supports.hpp), the piece is looked at
-/// in parts, and most of them are left out. What is said about lines then holds for each visible stretch of
-/// the trisector; where there is more than one of them, it is asked of all of it.
+/// three are. Taylor's formula tells that box (height_difference.hpp); three forms that meet only where
+/// another is lower need nothing, nor does a form that is lowest nowhere: if it is so nowhere on the rim,
+/// slopes and bends often tell that it is so nowhere inside (mixed_culling.cpp). Over a sphere, where forms
+/// are compared cheaply (sphere_supports.hpp), the piece is looked at in parts, and most of them are left
+/// out. What is said about lines then holds for each visible stretch of the trisector; where there is more
+/// than one of them, it is asked of all of it.
 ///
 /// Then the labels along the piece's boundary and the points in which three competitors are lowest determine
 /// the diagram inside: on each trisector's graph the ends of its visible stretches alternate. In the common
@@ -192,6 +195,9 @@ public:
     /// The diagram of the forms that the last cull() left over the piece, if it is plain. Pre: that was about
     /// its box, and not asked before.
     std::optional<MixedPiece> resolve(const PieceBoundary& boundary);
+    /// Those of them that may be lowest somewhere inside the piece, as resolve() came to know where it found
+    /// no diagram.
+    const std::vector<FormId>& remaining() const { return remaining_; }
 
 private:
     static constexpr std::size_t usual_rivals = 8;
@@ -215,6 +221,8 @@ private:
         return supports_ && width > supports_width * extent;
     }
     void bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const;
+    static std::array<Interval, 2> bent_gradient(const std::array<Interval, 2>& over, const Spread& a,
+                                                 const Spread& b);
     std::vector<Spread> lowest_spreads(const std::array<double, 4>& box,
                                        std::span<const FormId> candidates) const;
     struct Rival {
@@ -249,6 +257,8 @@ private:
     struct Change;
     struct Work;
     void cull_by_curvature(Work& work);
+    bool stays_above(const Work& work, const Spread& g, const Spread& f) const;
+    void cull_from_rim(Work& work);
     void cull_sharply(Work& work);
     bool is_plain(const Work& work) const;
     bool join_changes(Work& work);
@@ -295,6 +305,7 @@ private:
     std::size_t stretches_ = 0;         // that sides were divided into
     std::size_t wide_before_side_ = 0;  // evaluations with many digits before the side in work
     std::vector<Spread> spreads_;       // of the forms that the last cull() left
+    std::vector<FormId> remaining_;     // of these, after resolve()
     std::optional<DividedBox> parts_;   // of the last piece that was divided
     std::optional<NormalBox> normals_;  // over its box, if that is how they compare
 };

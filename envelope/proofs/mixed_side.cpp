@@ -129,7 +129,13 @@ MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0
         const IntervalPoint p = line.at(Interval(root.s));
         const double x = p[0].mid(), y = p[1].mid();
         const PointNormal n = supports_ ? PointNormal(x, y) : PointNormal();
-        const auto jet = [&](FormId f) { return supports_ ? supports_->jet(f, n) : heights_.near(f, x, y); };
+        // Next to a tip only intervals take heights together without cancellation.
+        const auto jet = [&](FormId f) {
+            if (supports_) return supports_->jet(f, n);
+            if (!heights_.family().tips.any()) return heights_.near(f, x, y);
+            const HeightJet<Interval> j = heights_.jet(f, p[0], p[1]);
+            return std::array{j.v.mid(), j.gx.mid(), j.gy.mid()};
+        };
         const auto f = jet(before), g = jet(after);
         const double v = f[0] - g[0], dx = f[1] - g[1], dy = f[2] - g[2];
         root.slope = line.by_x ? dx + side_slope * dy : dy + side_slope * dx;

@@ -21,6 +21,16 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
         if (!part) return Inside::No;
         box = *part;
     }
+    const Spread &a = *work.find(forms[0]), &b = *work.find(forms[1]), &c = *work.find(forms[2]);
+    if (!by_supports && a.bend && b.bend && c.bend) {
+        const auto offsets = common_zeros(Work::difference(b, a), Work::difference(c, a));
+        if (!offsets) return Inside::No;
+        for (const int i : {0, 1}) {
+            const Interval part = Interval(work.middle()[i]) + (*offsets)[i];
+            box[2 * i] = std::max(box[2 * i], part.lower());
+            box[2 * i + 1] = std::min(box[2 * i + 1], part.upper());
+        }
+    }
     const auto system = model_of<Interval>([&](const IntervalBox<2>& p) {
         return by_supports ? equal_heights(*work.supports, forms, p) : equal_heights(heights_, forms, p);
     });

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "height_difference.hpp"
 #include "mixed_systems.hpp"
 #include "touching.hpp"
 
@@ -99,16 +100,45 @@ struct MixedAnalysis::Work {
     std::array<Interval, 2> gradient(const Spread& a, const Spread& b) const {
         const auto over =
             normals ? normals->gradient(a.support, b.support) : std::array{a.gx - b.gx, a.gy - b.gy};
-        if (!a.bend || !b.bend) return over;
-        const auto &p = *a.bend, &q = *b.bend;
-        return refined_gradient(over, {p.middle.gx - q.middle.gx, p.middle.gy - q.middle.gy},
-                                p.curvature - q.curvature, p.dx, p.dy);
+        return a.bend && b.bend ? bent_gradient(over, a, b) : over;
     }
     // The same of heights that are not multiplied by the distances from tips: near one the product of those
     // that do not grow there is nearly zero, and changes little but with the distance.
     std::array<Interval, 2> plain_gradient(const Spread& a, const Spread& b) const {
         const auto& box = piece.box;
         return heights.plain_gradient_difference(a.form, b.form, {box[0], box[1]}, {box[2], box[3]});
+    }
+    using Gradient = std::array<Interval, 2>;
+    // Of a gradient the least one: in its direction all of them grow. Zero if it may vanish.
+    static Vector2d least(const Gradient& g) {
+        const auto least = [](const Interval& i) {
+            return i.lower() > 0 ? i.lower() : i.upper() < 0 ? i.upper() : 0;
+        };
+        return {least(g[0]), least(g[1])};
+    }
+    static bool grows(const Gradient& g, const Vector2d& d) {
+        return d.allFinite() && (Interval(d.x()) * g[0] + Interval(d.y()) * g[1]).lower() > 0;
+    }
+    // Do all of these grow in one direction, as far as directions near their middles or ends tell?
+    static bool grow_together(std::span<const Gradient> gradients) {
+        Vector2d middle(0, 0), end(0, 0);
+        for (const Gradient& g : gradients) {
+            if (least(g).isZero(0)) return false;
+            middle += Vector2d(g[0].mid(), g[1].mid()).normalized();
+            end += least(g).normalized();
+        }
+        const auto all_grow = [&](const Vector2d& d) {
+            return std::ranges::all_of(gradients, [&](const Gradient& g) { return grows(g, d); });
+        };
+        return all_grow(middle) || all_grow(end);
+    }
+    // Pre: both are bent.
+    static HeightDifference difference(const Spread& a, const Spread& b) {
+        const auto &p = *a.bend, &q = *b.bend;
+        return {p.middle, q.middle, p.curvature - q.curvature, p.dx, p.dy};
+    }
+    bool is_on_rim(FormId f) const {
+        return std::ranges::find(piece.rim, f, &MixedPiece::RimEdge::label) != piece.rim.end();
     }
     // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b
     // are lowest.
@@ -122,7 +152,6 @@ struct MixedAnalysis::Work {
         return directions.back().d;
     }
     std::optional<Vector2d> find_direction(const Spread& a, const Spread& b) const {
-        using Gradient = std::array<Interval, 2>;
         // Beside a tip pieces are as narrow along the axis as they are near to it: where they are squares, so
         // to speak.
         const auto& box = piece.box;
@@ -131,12 +160,15 @@ struct MixedAnalysis::Work {
         const auto along = [&](const Gradient& g) {
             return Vector2d(g[0].mid(), aspect * aspect * g[1].mid()).normalized();
         };
-        const auto grows = [](const Gradient& g, const Vector2d& d) {
-            return d.allFinite() && (Interval(d.x()) * g[0] + Interval(d.y()) * g[1]).lower() > 0;
-        };
         const Gradient g = gradient(a, b);
-        const Vector2d d = along(g);
+        const Vector2d d = along(g), end(least(g).x(), aspect * aspect * least(g).y());
         if (grows(g, d)) return d;
+        if (grows(g, end)) return end.normalized();
+        if (a.bend && b.bend) {
+            const HeightDifference bent = difference(a, b);
+            for (const Vector2d& e : {d, across_ends(a.form, b.form).value_or(d)})
+                if (e.allFinite() && bent.slope_along(e).lower() > 0) return e;
+        }
         if (has_tips) {
             const Gradient plain = plain_gradient(a, b);
             if (grows(plain, along(plain))) return along(plain);
@@ -199,10 +231,26 @@ struct MixedAnalysis::Work {
         };
         if (const auto sign = orientation(gradient(b, a), gradient(c, a))) return sign;
         if (are_apart(a, b, c)) return Sign::Zero;
+        if (a.bend && b.bend && c.bend) {
+            const HeightDifference p = difference(b, a), q = difference(c, a);
+            const auto where = common_zeros(p, q);
+            if (!where) return Sign::Zero;
+            const auto& [x, y] = *where;
+            if (const auto sign = orientation(p.gradient(x, y), q.gradient(x, y))) return sign;
+        }
         if (heights.family().tips.any()) return orientation(plain_gradient(b, a), plain_gradient(c, a));
         if (!supports || rivals.size() > most_divided) return std::nullopt;
         const auto sign = divided().turn(place(a), place(b), place(c));
         return sign == Sign::Zero ? std::nullopt : sign;
+    }
+    // Wherever the three are equal, is another rival certainly lower?
+    bool is_hidden(const Spread& a, const Spread& b, const Spread& c) const {
+        if (supports || rivals.size() < 4 || !a.bend || !b.bend || !c.bend) return false;
+        const auto where = common_zeros(difference(b, a), difference(c, a));
+        return !where || std::ranges::any_of(rivals, [&](const Spread& s) {
+            return &s != &a && &s != &b && &s != &c && s.bend &&
+                   difference(s, a).value((*where)[0], (*where)[1]).upper() < 0;
+        });
     }
     // Of forms in a point where all are equal: the one after `p` on the convex hull of their gradients,
     // counter-clockwise. None if p is not on it.

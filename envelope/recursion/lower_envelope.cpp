@@ -39,7 +39,7 @@ constexpr Sizes region_sizes{64, 16}, sphere_sizes{32, 4};
 // is.
 constexpr int most_stalled_splits = 8;
 // Pieces with more competitors than this are not plain: looking closer is a waste.
-constexpr std::size_t most_competitors = 6;
+constexpr std::size_t most_competitors = 6, most_around_cylinder = 4;
 // More that tie in a point are seen to where pieces are so small that nothing else is left in them.
 constexpr std::size_t most_tied = 8;
 // A tube's circumference is cut into such parts of it as long as there are more competitors than this.
@@ -86,6 +86,7 @@ public:
     // The region is [-1, 3] x [y0, y1] of half-angle coordinates; both halves are smooth pieces, and together
     // they close. The seams are labelled once.
     MinimizationDiagram once_around() {
+        most_competitors_ = most_around_cylinder;
         const double circumference = family_.chart.circumference();
         const double y0 = root_.rect.y0, y1 = root_.rect.y1;
         const std::uint32_t middle = patchwork_.new_seam(), left = patchwork_.new_seam(),
@@ -216,7 +217,7 @@ private:
         const bool at_floor = size <= MixedAnalysis::floor_width,
                    is_small = extent(r) <=
                               MixedAnalysis::tie_width * analysis_.tie_extent_at({r.x0, r.x1}, {r.y0, r.y1});
-        if (candidates.size() <= most_competitors || (is_small && candidates.size() <= most_tied) ||
+        if (candidates.size() <= most_competitors_ || (is_small && candidates.size() <= most_tied) ||
             size <= MixedAnalysis::node_width) {
             if (const auto resolved = analysis_.resolve(
                     {part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
@@ -225,6 +226,7 @@ private:
                 ++resolved_;
                 return patchwork_.add(*resolved);
             }
+            candidates = analysis_.remaining();
         }
         if (size >= small_part) {
             small_pieces_in_place_ = 0;  // those of the places before are done
@@ -316,6 +318,7 @@ private:
     MixedAnalysis analysis_;
     PieceCutter cutter_;
     Sizes sizes_ = region_sizes;
+    std::size_t most_competitors_ = most_competitors;
     std::size_t resolved_ = 0, splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
     double done_ = 0;
 };
