@@ -198,8 +198,7 @@ public:
         const Cell cell = scene_.about([&] { return compute_cell(scene, complete_); });
         if (complete_ && !cell.is_complete)
             warn(
-                "the cell stands over what the box holds of the base: only those of planes among planes and "
-                "balls can be completed");
+                "the cell stands over what the box holds of the base: only those of planes can be completed");
         std::optional<CellMesh> mesh;
         for (const auto& out : files_) {
             if (is_mesh(out->format) && !mesh) mesh = mesh_of(cell);

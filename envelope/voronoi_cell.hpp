@@ -19,11 +19,11 @@ struct CellOptions {
     /// False: around a ball among balls and planes faces have neither patches nor a bisector's name, and
     /// edges no trims, which their errors then leave out. All other cells have them anyway.
     bool patches = true;
-    /// True: of a base plane among planes and balls the cell is all of the box, on the side of the plane's
-    /// normal, that is nearest to it (lift/complete_lift.hpp): where the plane leans, rays from base points
-    /// outside come into the box through its sides, which have faces of the cell, too. Then objects must stay
-    /// clear of the plane as far as its rays come into the box, and a little farther. Cells over other bases,
-    /// and of planes among tubes, stay as they are; Cell::is_complete says which it is.
+    /// True: of a base plane the cell is all of the box, on the side of the plane's normal, that is nearest
+    /// to it (lift/complete_lift.hpp): where the plane leans, rays from base points outside come into the box
+    /// through its sides, which have faces of the cell, too. Then objects must stay clear of the plane as far
+    /// as its rays come into the box, and a little farther. Cells over other bases stay as they are;
+    /// Cell::is_complete says which it is.
     bool complete = false;
     /// Around a ball among balls and planes: the cell is cut off where its clearance is this (> 0, the
     /// scene's unit; the field's probe radius), by a cap that is a sphere of radius base + probe. It competes

@@ -132,6 +132,14 @@ struct MinimizationDiagram {
         const bool l = is_of_floor(left), r = is_of_floor(right);
         return (l && r) || (!is_below_floor && (l || r));
     }
+    /// On which side of an edge the face of its left (0) or right form lies; and the other way round.
+    unsigned side_of(EdgeId e, unsigned form) const {
+        return !edges[e].on_rim() && has_lower_across(edges[e].left, edges[e].right) ? 1 - form : form;
+    }
+    /// The form of the face on the left (side 0) or right of an edge.
+    FormId form_beside(EdgeId e, unsigned side) const {
+        return side_of(e, side) == 0 ? edges[e].left : edges[e].right;
+    }
     /// Where half-edge 2e begins and ends; none where the edge is closed.
     VertexId start(EdgeId e) const { return dcel.origin(Dcel::half_edge(e)); }
     VertexId end(EdgeId e) const { return dcel.target(Dcel::half_edge(e)); }
@@ -183,10 +191,10 @@ struct EnvelopeOptions {
     /// Forms that are sides of the box. The axis of a cylinder may all but lie on one of these, which then
     /// tells nothing of the cell's size in other directions. Changes the time taken only.
     std::vector<FormId> box_sides;
-    /// Circular forms that do not compete: their upper envelope is a floor. The diagram is that of the
+    /// Forms that do not compete: their upper envelope is a floor. The diagram is that of the
     /// greater one of it and of the lower envelope of the others, or of the lesser one if it
-    /// `is_below_floor`: where the floor is the greater one rays that begin there have been met before. Over
-    /// a plane, among circular forms.
+    /// `is_below_floor`: where the floor is the greater one rays that begin there have been met before. Not
+    /// over a sphere; over a plane circular forms.
     std::vector<FormId> floor;
     bool is_below_floor = false;
 };

@@ -153,7 +153,8 @@ public:
         result_.cell.report.decisions += floor_.cell.report.decisions;
         keep_edges(above_, roof_, 0);
         keep_edges(below_, floor_, 1);
-        // Trims of the floor along shared edges are the roof's.
+        // Trims of the floor along shared edges are those of the faces that the diagram above has beside
+        // them, which lie on the same sides of the box.
         trims_.resize(result_.cell.edges.size());
         keep_faces(above_, roof_.cell, 0);
         keep_faces(below_, floor_.cell, 1);
@@ -205,35 +206,46 @@ private:
 
     void keep_faces(const MinimizationDiagram& d, Cell& from, unsigned part) {
         for (std::uint32_t i = 0; i < from.faces.size(); ++i) {
-            if (!shows(d, FaceId{i + 1})) continue;
+            if (!shows(d, FaceId{i + 1})) {
+                if (part == 0) note_trims(d, from.faces[i]);
+                continue;
+            }
             CellFace& face = result_.cell.faces.emplace_back(std::move(from.faces[i]));
             for (TrimmedPatch& patch : face.patches) {
                 if (part == 1) mirror(patch.surface);
                 for (auto& loop : patch.loops) {
-                    for (TrimCurve& trim : loop) part == 0 ? number_trim(d, trim) : turn_trim(d, trim);
+                    for (TrimCurve& trim : loop) part == 0 ? number_trim(trim) : turn_trim(d, trim);
                     if (part == 1) std::reverse(loop.begin(), loop.end());
                 }
             }
         }
     }
 
-    void number_trim(const MinimizationDiagram& d, TrimCurve& trim) {
-        const EdgeId e{*trim.edge};
-        trim.edge = edges_[0][e.value];
-        if (is_shared(d, e)) trims_[*trim.edge] = trim;
+    void number_trim(TrimCurve& trim) { trim.edge = edges_[0][*trim.edge]; }
+
+    // Of a face above that is none of the cell's.
+    void note_trims(const MinimizationDiagram& d, CellFace& face) {
+        for (TrimmedPatch& patch : face.patches)
+            for (auto& loop : patch.loops)
+                for (TrimCurve& trim : loop) {
+                    if (!is_shared(d, EdgeId{*trim.edge})) continue;
+                    TrimCurve& noted = trims_[edges_[0][*trim.edge]];
+                    noted = std::move(trim);
+                    noted.edge = edges_[0][*noted.edge];
+                    mirror(noted.curve);
+                }
     }
 
     void turn_trim(const MinimizationDiagram& d, TrimCurve& trim) {
         const EdgeId e{*trim.edge};
         const std::uint32_t number = edges_[1][e.value];
         if (is_shared(d, e)) {
-            trim = trims_[number];
-            trim.reversed = !trim.reversed;
+            trim = std::move(trims_[number]);
         } else {
             trim.edge = number;
+            reverse(trim.curve);
+            mirror(trim.curve);
         }
-        reverse(trim.curve);
-        mirror(trim.curve);
     }
 
     // The floor begins on the base, next to its region in the box: its faces go down to clearance 0.
@@ -253,7 +265,7 @@ private:
     const Matching& matching_;
     LiftedCell roof_, floor_, result_;
     std::array<std::vector<std::uint32_t>, 2> vertices_, edges_;  // their numbers in the result
-    std::vector<TrimCurve> trims_;                                // of the roof, by edge
+    std::vector<TrimCurve> trims_;                                // of the floor, by edge
 };
 
 }  // namespace

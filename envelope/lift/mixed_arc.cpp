@@ -279,7 +279,7 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
         return {planes[i][0], planes[i][1], planes[i][2], -planes[i][3]};
     };
     if (planes.size() == 1) return section(0);
-    const unsigned side = diagram_.is_circular(edge.left) ? 1 : 0;
+    const unsigned side = diagram_.is_circular(diagram_.form_beside(e, 0)) ? 1 : 0;
     const CylinderHeight& height = frames_[diagram_.face(e, side)].height();
     std::array<bool, 2> leaves{};
     const auto visit = [&](const Vector2d& p, double error) {
@@ -309,7 +309,7 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     std::array<std::optional<Section>, 2> sections;
     FormId form;
     for (const int side : {1, 0}) {
-        const FormId f = side == 0 ? edge.left : edge.right;
+        const FormId f = diagram_.form_beside(e, static_cast<unsigned>(side));
         if ((side == 1 && edge.on_rim()) || diagram_.is_circular(f)) continue;
         form = f;
         const FaceId face = diagram_.face(e, static_cast<unsigned>(side));
@@ -325,7 +325,8 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const std::size_t first = spans_.size();
     SectionSpans(sections, spans_)
         .add({from.point.x(), from.point.y(), from.height}, {to.point.x(), to.point.y(), to.height});
-    const std::array sides{arc_side(e, edge.left, 0), edge.on_rim() ? ArcSide{} : arc_side(e, edge.right, 1)};
+    const std::array sides{arc_side(e, diagram_.form_beside(e, 0), 0),
+                           edge.on_rim() ? ArcSide{} : arc_side(e, diagram_.form_beside(e, 1), 1)};
     arc.error = conic_error(sides, surface(*plane), std::span(spans_).subspan(first));
     add_end_errors(e);
     return true;
@@ -372,11 +373,12 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
         const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
         return SpaceEnd{{at.point.x(), at.point.y(), at.height}, std::hypot(at.error, at.height_error)};
     };
-    const SpaceArc arc{
-        {space_site_beside(problem, e, edge.left, 0), space_site_beside(problem, e, edge.right, 1)},
-        end(diagram_.start(e)),
-        end(diagram_.end(e)),
-        diagram_.pieces(e)};
+    const std::array sides{diagram_.side_of(e, 0), diagram_.side_of(e, 1)};  // of the left and right forms
+    const SpaceArc arc{{space_site_beside(problem, e, edge.left, sides[0]),
+                        space_site_beside(problem, e, edge.right, sides[1])},
+                       end(diagram_.start(e)),
+                       end(diagram_.end(e)),
+                       diagram_.pieces(e)};
     constexpr std::size_t most_of_edge = 500;
     effort_.spans += most_of_edge;
     std::vector<SpaceSpan> fitted;
@@ -389,18 +391,18 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
         MixedSpan span;
         span.degree = 5;
         for (int k = 0; k <= 5; ++k) span.points[k] << from.points.col(k).head<3>(), 1;
-        for (const int side : {0, 1}) {
-            if (diagram_.is_circular(side == 0 ? edge.left : edge.right)) continue;
-            span.trims[side].degree = 5;
-            for (int k = 0; k <= 5; ++k)
-                span.trims[side].points[k] << from.points.col(k).segment<2>(4 + 2 * side), 1;
+        for (const int i : {0, 1}) {
+            if (diagram_.is_circular(i == 0 ? edge.left : edge.right)) continue;
+            auto& trim = span.trims[sides[i]];
+            trim.degree = 5;
+            for (int k = 0; k <= 5; ++k) trim.points[k] << from.points.col(k).segment<2>(4 + 2 * i), 1;
         }
         spans_.push_back(span);
     }
     // Trims of a face begin where others end, which are conics: their ends are computed alike, to the digit.
-    for (const int side : {0, 1}) {
-        if (!arc.start || diagram_.is_circular(side == 0 ? edge.left : edge.right)) continue;
-        const CylinderFrame& frame = frames_[diagram_.face(e, static_cast<unsigned>(side))];
+    for (const unsigned side : {0u, 1u}) {
+        if (!arc.start || diagram_.is_circular(diagram_.form_beside(e, side))) continue;
+        const CylinderFrame& frame = frames_[diagram_.face(e, side)];
         spans_[first].trims[side].points[0] << frame.parameters(arc.start->point.head<2>()), 1;
         spans_.back().trims[side].points[5] << frame.parameters(arc.end->point.head<2>()), 1;
     }

@@ -295,7 +295,7 @@ private:
 
     // An upper bound of the slope of the height on one side of a span with a cylinder on a side.
     double slope_bound(EdgeId e, unsigned side, const MixedSpan& span) const {
-        const FormId form = side == 0 ? diagram_.edges[e].left : diagram_.edges[e].right;
+        const FormId form = diagram_.form_beside(e, side);
         double slope = 0;
         if (diagram_.is_circular(form)) {
             for (int k = 0; k <= span.degree; ++k)
@@ -328,7 +328,10 @@ private:
         BoundedSum length;
         for (const MixedSpan& span : mixed_.spans(e)) {
             add(length, space_length(span));
-            if (edge.on_rim()) add(box_area_, wall_area(span));
+            if (edge.on_rim() && shows(e, 0)) {
+                const Integral wall = wall_area(span);
+                box_area_.add(diagram_.is_below_floor ? -wall.value : wall.value, wall.error);
+            }
             double polygon = 0, height = 0;
             for (int k = 0; k <= span.degree; ++k) {
                 if (k > 0) polygon += (span.points[k] - span.points[k - 1]).head<2>().norm();
@@ -477,7 +480,7 @@ private:
             }
         });
         add_face(id, volume, area.value(), area.bound());
-        add_region_minimum(frame.height(), problem_, min_clearance_);
+        if (problem_.floor.empty()) add_region_minimum(frame.height(), problem_, min_clearance_);
     }
 
     void add_face(FaceId id, const BoundedSum& volume, double area, double area_bound) {

@@ -7,7 +7,8 @@
 
 namespace vcell {
 
-MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent) : heights_(family), extent_(extent) {
+MixedAnalysis::MixedAnalysis(const FormFamily& family, double extent, const EnvelopeOptions& options)
+    : heights_(family), rule_(family, options), extent_(extent) {
     if (family.compared_over().is_sphere()) supports_.emplace(family);
 }
 
@@ -59,7 +60,7 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
         const HeightJet<Interval> all = heights_.jet(f, X, Y);
         spreads.push_back({f, {}, {}, all.gx, all.gy, all.v, {}});
     }
-    drop_out_of_range(spreads);
+    if (!rule_.is_any()) drop_out_of_range(spreads);
     for (Spread& s : spreads) s.v = heights_.value(s.form, mx, my);
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
         return a.range.lower() > b.range.upper() || (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) -
@@ -69,7 +70,14 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     const auto top = [&](const Spread& s) {
         return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
     };
-    drop_above_best(spreads, top, certainly_above);
+    const auto drop = [&](std::vector<Spread>& all) {
+        if (rule_.is_any())
+            rule_.drop_hidden(
+                all, [](const Spread& s) { return s.form; }, certainly_above);
+        else
+            drop_above_best(all, top, certainly_above);
+    };
+    drop(spreads);
     if (heights_.family().tips.any() && spreads.size() > 1) {
         // Beside a tip all that do not grow there are nearly zero.
         std::vector<Spread> plain;
@@ -77,12 +85,9 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
             const HeightJet<Interval> all = heights_.plain_jet(s.form, X, Y);
             plain.push_back({s.form, {}, heights_.plain_jet(s.form, mx, my).v, all.gx, all.gy, all.v, {}});
         }
-        drop_above_best(plain, top, certainly_above);
-        auto kept = plain.begin();  // in the same order
+        drop(plain);
         std::erase_if(spreads, [&](const Spread& s) {
-            const bool is_kept = kept != plain.end() && kept->form == s.form;
-            if (is_kept) ++kept;
-            return !is_kept;
+            return std::ranges::find(plain, s.form, &Spread::form) == plain.end();
         });
     }
     return spreads;
@@ -136,7 +141,7 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box,
 // As cull(), by Taylor's formula about the middle. Pre: bend() was called.
 void MixedAnalysis::cull_by_curvature(Work& work) {
     const std::size_t before = work.rivals.size();
-    drop_dominated(work.rivals, [](const Spread& a, const Spread& b) {
+    const auto certainly_above = [](const Spread& a, const Spread& b) {
         const auto &p = *a.bend, &q = *b.bend;
         const Interval bend = (p.curvature.xx - q.curvature.xx) * square(p.dx) +
                               2.0 * ((p.curvature.xy - q.curvature.xy) * p.dx * p.dy) +
@@ -144,7 +149,12 @@ void MixedAnalysis::cull_by_curvature(Work& work) {
         return (p.middle.v - q.middle.v + (p.middle.gx - q.middle.gx) * p.dx +
                 (p.middle.gy - q.middle.gy) * p.dy + 0.5 * bend)
                    .lower() > 0;
-    });
+    };
+    if (rule_.is_any())
+        rule_.drop_hidden(
+            work.rivals, [](const Spread& s) { return s.form; }, certainly_above);
+    else
+        drop_dominated(work.rivals, certainly_above);
     decisions_.by_interval += before - work.rivals.size();
     if (work.rivals.size() < before) work.is_divided = false;
 }
@@ -192,6 +202,8 @@ void MixedAnalysis::cull_from_rim(Work& work) {
             return std::ranges::find(ties, f) != ties.end();
         });
     };
+    // Beside a floor what is lowest need not show.
+    if (!rule_.spares(work.forms())) return;
     const std::size_t before = work.rivals.size();
     SmallVector<FormId, usual_rivals> rim;
     for (const Spread& s : work.rivals)
@@ -240,10 +252,15 @@ void MixedAnalysis::cull_sharply(Work& work) {
     std::vector<Item> items;
     for (const Spread& s : work.rivals)
         items.push_back({&s, heights_.value(s.form, Wide(m.x()), Wide(m.y()))});
-    drop_dominated(items, [&](const Item& a, const Item& b) {
+    const auto certainly_above = [&](const Item& a, const Item& b) {
         const auto [gx, gy] = work.gradient(*a.spread, *b.spread);
         return ((a.v - b.v).enclosure() - gx.magnitude() * rx - gy.magnitude() * ry).lower() > 0;
-    });
+    };
+    if (rule_.is_any())
+        rule_.drop_hidden(
+            items, [](const Item& i) { return i.spread->form; }, certainly_above);
+    else
+        drop_dominated(items, certainly_above);
     decisions_.by_multiprecision += work.rivals.size() - items.size();
     std::vector<Spread> kept;
     for (const Item& i : items) kept.push_back(*i.spread);

@@ -16,6 +16,7 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
               normals_ ? &*normals_ : nullptr,
               normals_ ? &*supports_ : nullptr,
               heights_,
+              rule_,
               decisions_,
               parts_,
               false,
@@ -127,7 +128,7 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     };
     std::vector<Lens> lenses;
     work.clear_inside();
-    if (work.rivals.size() < 3 || !work.knots.empty()) return false;
+    if (work.rivals.size() < 3 || !work.knots.empty() || !rule_.spares(work.forms())) return false;
     std::vector<Touch> touches;
     // An arc that is touched inside meets the rim, or it does in a smaller piece: of all pairs those are
     // enough that change there.
@@ -328,6 +329,7 @@ std::optional<MixedAnalysis::Knot> MixedAnalysis::forms_around_knot(const Work& 
     const std::size_t rim = work.piece.rim.size();
     const FormId first = work.piece.rim[v].label, last = work.piece.rim[(v + rim - 1) % rim].label;
     Knot knot{v, work.piece.vertices[v].ties, {first}};
+    if (!work.rule.spares(knot.ties)) return std::nullopt;
     SmallVector<const Spread*, usual_rivals> ties;
     for (const FormId f : knot.ties) {
         const Spread* s = work.find(f);
@@ -403,6 +405,18 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
                 if (inside == Inside::No) continue;
                 v.forms.assign(forms.begin(), forms.end());
                 std::vector<const Spread*> present{&r[i], &r[j], &r[k]};
+                if (!rule_.spares(work.forms())) {
+                    const auto is_visible = shows_beside_floor(work, v.vertex, forms);
+                    if (!is_visible) return false;
+                    if (!*is_visible) continue;
+                    std::optional<Sign> turn = work.turn(r[i], r[j], r[k]);
+                    if (!turn) return false;
+                    if (rule_.turns_round(forms[0], forms[1], forms[2])) turn = -*turn;
+                    if (turn == Sign::Negative) std::swap(present[1], present[2]);
+                    v.hull = present;
+                    inner.push_back(std::move(v));
+                    continue;
+                }
                 bool visible = true;
                 for (std::size_t l = 0; l < n && visible; ++l) {
                     if (l == i || l == j || l == k) continue;
@@ -475,6 +489,21 @@ bool MixedAnalysis::join_all(Work& work, std::span<const Knot> knots) {
         sort_around(knot.vertex, std::span(knot.around).first(knot.around.size() - 1),
                     [](FormId f) { return f; });
     return true;
+}
+
+// Does a vertex of three forms show? None if it is not told, or another one ties with them.
+std::optional<bool> MixedAnalysis::shows_beside_floor(const Work& work, const MixedPiece::Vertex& v,
+                                                      const std::array<FormId, 3>& three) {
+    std::vector<FormId> others = work.forms();
+    std::erase_if(others, [&](FormId f) { return std::ranges::find(three, f) != three.end(); });
+    std::vector<Sign> signs;
+    for (const FormId f : others) {
+        const auto s = sign_at_vertex(v, three, f);
+        if (!s || *s == Sign::Zero) return std::nullopt;
+        signs.push_back(*s);
+    }
+    return rule_.shows_vertex(three, others,
+                              [&](FormId f) { return signs[std::ranges::find(others, f) - others.begin()]; });
 }
 
 // Along e the direction in which f - g grows points to the left: there g is lower. Vertices that doubles do

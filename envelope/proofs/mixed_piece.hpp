@@ -37,6 +37,11 @@
 /// other they are, as long as doubles tell them apart. Where they do not, and the form is lowest over a strip
 /// narrower than 2^-40 of the heights, the strip is taken for a point.
 ///
+/// With a floor (EnvelopeOptions::floor) "lowest" reads "showing" in all of this (floor_rule.hpp): three
+/// forms that tie have a face each around the vertex, and on a trisector's graph the ends of visible
+/// stretches alternate as before. Ties of more forms, touching ones among them, are decided where none is of
+/// the floor.
+///
 /// Coincidences below 2^-200, such strips, and what is left of pieces narrower than `floor_width` of the
 /// region, are taken for points, counted in Decisions::assumed, and listed.
 #pragma once
@@ -51,6 +56,7 @@
 #include "../../primitives/forms/heights.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../sphere/sphere_supports.hpp"
+#include "floor_rule.hpp"
 #include "tie_fan.hpp"
 
 namespace vcell {
@@ -140,7 +146,7 @@ public:
     /// As floor_width, along a side, where no more than one direction has to be told apart.
     static constexpr double side_floor_width = 0x1p-44;
 
-    MixedAnalysis(const FormFamily& family, double extent);
+    MixedAnalysis(const FormFamily& family, double extent, const EnvelopeOptions& options = {});
 
     /// What widths about a place are parts of: the region's extent. Over a sphere, whose chart reaches the
     /// farther the nearer a vertex is to its pole, not that but the place's distance from the pole in the
@@ -164,7 +170,7 @@ public:
     /// The tie that the last seam was given up for.
     const std::optional<Assumption>& obstacle() const { return obstacle_; }
 
-    /// The candidates that may be lowest somewhere in the rectangle.
+    /// The candidates that may be lowest, with a floor show, somewhere in the rectangle.
     std::vector<FormId> cull(const std::array<double, 4>& box, std::span<const FormId> candidates);
 
     /// How many times more the differences of what the last cull() left, about a box of these sides, change
@@ -245,6 +251,8 @@ private:
     Lowest lowest_at(const IntervalPoint& p, std::span<const FormId> candidates, Exactly&& exactly);
     RimTransition locate(const Line& line, double s0, double s1, FormId before, FormId after,
                          double least_slope);
+    RimTransition locate_rise(const Line& line, double s0, double s1, FormId before, FormId after,
+                              double least_slope);
     struct Guess {
         double s, slope;
     };
@@ -292,11 +300,14 @@ private:
     bool is_met(FormId f, const Interval& x, const Interval& y) const;
     std::optional<IntervalPoint> exact_touch(std::span<const FormId> forms, bool is_tie,
                                              const std::array<Wide, 2>& at, const std::array<double, 4>& box);
+    std::optional<bool> shows_beside_floor(const Work& work, const MixedPiece::Vertex& v,
+                                           const std::array<FormId, 3>& three);
     std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms,
                                        FormId other);
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
 
     Heights heights_;
+    FloorRule rule_;
     std::optional<SphereSupports> supports_;  // over a sphere
     double extent_;
     Decisions decisions_;

@@ -87,13 +87,23 @@ MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span
         ++decisions_.by_double;
         return {*f};
     }
-    std::vector<FormId> lowest =
-        possibly_lowest(candidates, [&](FormId f) { return heights_.value(f, p[0], p[1]); });
+    const auto value = [&](FormId f) { return heights_.value(f, p[0], p[1]); };
+    const bool is_exact = is_point(p[0]) && is_point(p[1]);
+    if (rule_.is_any()) {
+        std::vector<FormId> showing = rule_.possibly_showing(candidates, value);
+        ++decisions_.by_interval;
+        if (showing.size() > 1) {
+            const RationalPoint at = is_exact ? RationalPoint{p[0].mid(), p[1].mid()} : exactly();
+            showing = rule_.exactly_showing(
+                showing, [&](FormId f, FormId g) { return heights_.compare(f, g, at, decisions_); });
+        }
+        return {showing.begin(), showing.end()};
+    }
+    std::vector<FormId> lowest = possibly_lowest(candidates, value);
     ++decisions_.by_interval;
     if (lowest.size() > 1)
-        lowest = is_point(p[0]) && is_point(p[1])
-                     ? exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_)
-                     : lowest_in_many_digits(heights_, exactly(), lowest, decisions_);
+        lowest = is_exact ? exactly_lowest(heights_, p[0].mid(), p[1].mid(), lowest, decisions_)
+                          : lowest_in_many_digits(heights_, exactly(), lowest, decisions_);
     return {lowest.begin(), lowest.end()};
 }
 
@@ -152,6 +162,15 @@ MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0
 // and bisection.
 RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after,
                                     double least_slope) {
+    if (!rule_.shows_greater(before, after)) return locate_rise(line, s0, s1, before, after, least_slope);
+    RimTransition t = locate_rise(line, s0, s1, after, before, least_slope);
+    std::swap(t.before, t.after);
+    return t;
+}
+
+// Likewise of before - after, negative at s0 and positive at s1.
+RimTransition MixedAnalysis::locate_rise(const Line& line, double s0, double s1, FormId before, FormId after,
+                                         double least_slope) {
     const Guess guess = approximate_root(line, s0, s1, before, after);
     const IntervalPoint near = line.at(Interval(guess.s));
     double lo = s0, hi = s1;
@@ -234,15 +253,20 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
         items.push_back({f, {}, line.along(all), all.v});
     }
-    drop_out_of_range(items);
+    if (!rule_.is_any()) drop_out_of_range(items);
     for (Item& i : items) i.v = heights_.value(i.form, middle[0], middle[1]);
     const auto top = [&](const Item& i) {
         return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r);
     };
-    drop_above_best(items, top, [&](const Item& a, const Item& b) {
+    const auto certainly_above = [&](const Item& a, const Item& b) {
         return a.range.lower() > b.range.upper() ||
                (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
-    });
+    };
+    if (rule_.is_any())
+        rule_.drop_hidden(
+            items, [](const Item& i) { return i.form; }, certainly_above);
+    else
+        drop_above_best(items, top, certainly_above);
     if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
     if (items.size() == 2 && out.least_slope == 0) {
         items[0].slope = line.mean_slope_difference(heights_, items[0].form, items[1].form, Interval(s0, s1));
@@ -250,9 +274,11 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         out.least_slope = least(items[0].slope);
         const Interval difference = items[0].v - items[1].v,
                        reach = Interval(items[0].slope.magnitude()) * Interval(r);
-        if ((difference - reach).lower() > 0)
+        const bool is_above = (difference - reach).lower() > 0, is_below = (difference + reach).upper() < 0,
+                   shows_greater = rule_.shows_greater(items[0].form, items[1].form);
+        if (shows_greater ? is_below : is_above)
             items.erase(items.begin());
-        else if ((difference + reach).upper() < 0)
+        else if (is_above || is_below)
             items.pop_back();
     }
     if (items.size() > 1 && out.least_slope == 0 && s1 - s0 < sharp_width * extent) {
@@ -261,11 +287,16 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         };
         std::vector<SharpItem> sharp;
         for (const Item& i : items) sharp.push_back({i, line.sharp_height(heights_, i.form, m)});
-        drop_dominated(sharp, [&](const SharpItem& a, const SharpItem& b) {
+        const auto sharply_above = [&](const SharpItem& a, const SharpItem& b) {
             return ((a.height - b.height).enclosure() -
                     Interval((a.slope - b.slope).magnitude()) * Interval(r))
                        .lower() > 0;
-        });
+        };
+        if (rule_.is_any())
+            rule_.drop_hidden(
+                sharp, [](const SharpItem& i) { return i.form; }, sharply_above);
+        else
+            drop_dominated(sharp, sharply_above);
         decisions_.by_multiprecision += items.size() - sharp.size();
         items.assign(sharp.begin(), sharp.end());
     }

@@ -221,6 +221,7 @@ bool MixedAnalysis::is_tie_of_planes(const Work& work, const Apex& apex) const {
 // A convex piece shows the directions around the apex once each, in their order: when its rim has as many
 // changes as the fan has arms, each arm ends in one of them.
 bool MixedAnalysis::join_at_tie(Work& work) {
+    if (!rule_.spares(work.forms())) return false;
     const auto apex = find_apex(work);
     if (!apex) return false;
     // Between given ones in a position that input does not favour: an arm may not be one.
@@ -349,6 +350,7 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
 // away from zero; that line joins two stretches of the rim and cuts the other two off.
 bool MixedAnalysis::join_at_saddle(Work& work) {
     if (work.rivals.size() != 2 || work.width > node_width * work.extent) return false;
+    if (!rule_.spares(work.forms())) return false;
     const FormId f = work.rivals[0].form, g = work.rivals[1].form;
     const Interval X(work.piece.box[0], work.piece.box[1]), Y(work.piece.box[2], work.piece.box[3]);
     const HeightCurvature<Interval> p = heights_.curvature(f, X, Y), q = heights_.curvature(g, X, Y);
@@ -410,6 +412,7 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
 bool MixedAnalysis::join_at_pinch(Work& work) {
     const auto& changes = work.changes;
     if (work.rivals.size() != 3 || !work.knots.empty() || changes.size() != 4) return false;
+    if (!rule_.spares(work.forms())) return false;
     // f before the first change, h before the second and the fourth, g before the third.
     std::array<Change, 4> c{changes[0], changes[1], changes[2], changes[3]};
     if (c[0].before == c[2].before) std::ranges::rotate(c, c.begin() + 1);

@@ -39,6 +39,7 @@ struct MixedAnalysis::Work {
     const NormalBox* normals;  // these two are null unless rivals compare by supports
     const SphereSupports* supports;
     const Heights& heights;
+    const FloorRule& rule;
     Decisions& decisions;
     std::optional<DividedBox>& parts;  // an earlier piece's until this one is divided
     mutable bool is_divided;
@@ -140,15 +141,17 @@ struct MixedAnalysis::Work {
     bool is_on_rim(FormId f) const {
         return std::ranges::find(piece.rim, f, &MixedPiece::RimEdge::label) != piece.rim.end();
     }
-    // A unit vector in which a - b certainly grows all over the piece; over a sphere at least wherever a = b
-    // are lowest.
+    // A unit vector in which a - b certainly grows all over the piece, or falls if the greater one of the two
+    // shows; over a sphere at least wherever a = b are lowest.
     std::optional<Vector2d> direction(const Spread& a, const Spread& b) const {
         for (const Direction& known : directions) {
             if (known.a == a.form && known.b == b.form) return known.d;
             if (known.a == b.form && known.b == a.form)
                 return known.d ? std::optional<Vector2d>(-*known.d) : known.d;
         }
-        directions.push_back({a.form, b.form, find_direction(a, b)});
+        auto d = find_direction(a, b);
+        if (d && rule.shows_greater(a.form, b.form)) *d = -*d;
+        directions.push_back({a.form, b.form, d});
         return directions.back().d;
     }
     std::optional<Vector2d> find_direction(const Spread& a, const Spread& b) const {
@@ -243,9 +246,10 @@ struct MixedAnalysis::Work {
         const auto sign = divided().turn(place(a), place(b), place(c));
         return sign == Sign::Zero ? std::nullopt : sign;
     }
-    // Wherever the three are equal, is another rival certainly lower?
+    // Wherever the three are equal, is another rival certainly lower? Not asked beside a floor.
     bool is_hidden(const Spread& a, const Spread& b, const Spread& c) const {
-        if (supports || rivals.size() < 4 || !a.bend || !b.bend || !c.bend) return false;
+        if (supports || rivals.size() < 4 || !rule.spares(forms())) return false;
+        if (!a.bend || !b.bend || !c.bend) return false;
         const auto where = common_zeros(difference(b, a), difference(c, a));
         return !where || std::ranges::any_of(rivals, [&](const Spread& s) {
             return &s != &a && &s != &b && &s != &c && s.bend &&

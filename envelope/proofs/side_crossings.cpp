@@ -18,6 +18,7 @@ namespace vcell {
 std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const Line& line, double s0,
                                                                          FormId l0, double s1, FormId l1,
                                                                          std::span<const FormId> forms) {
+    if (!rule_.spares(forms)) return std::nullopt;
     constexpr int most_steps = 20, enough = -200;
     const double m = Interval(s0, s1).mid();
     // Where f and g are equal, f being lower before.
@@ -76,6 +77,7 @@ std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const L
 // keep their signs, so does D on both sides of p.
 std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0, FormId l0, double s1,
                                                      FormId l1, std::span<const FormId> forms) {
+    if (!rule_.spares(forms)) return std::nullopt;
     const std::size_t n = forms.size();
     const double m = Interval(s0, s1).mid();
     const IntervalPoint range = line.at(Interval(s0, s1));

@@ -66,7 +66,7 @@ public:
           patchwork_(family),
           merger_(family, options),
           root_(make_piece(sides_of(region))),
-          analysis_(family, extent(root_.rect)),
+          analysis_(family, extent(root_.rect), options),
           cutter_(family) {}
 
     MinimizationDiagram over_region() {
@@ -97,24 +97,27 @@ public:
         back.labels[3] = front.labels[1].reversed();
         back.labels[1] = front.labels[3].reversed();
         for (RimTransition& t : back.labels[1].transitions) t.point.x() += circumference;
-        const Patchwork::Index all = patchwork_.glue(solve_labelled(front, all_forms(), 0.5),
-                                                     solve_labelled(back, all_forms(), 0.5), middle);
+        const Patchwork::Index all = patchwork_.glue(solve_labelled(front, with_floor(), 0.5),
+                                                     solve_labelled(back, with_floor(), 0.5), middle);
         patchwork_.close(all, right, left, circumference, top.id);
         return finish();
     }
 
 private:
-    std::vector<FormId> all_forms() const {
+    std::vector<FormId> with_floor() const {
         std::vector<FormId> all(family_.size());
         for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = FormId{i};
-        std::erase_if(all,
-                      [&](FormId f) { return std::ranges::find(options_.floor, f) != options_.floor.end(); });
         return all;
+    }
+    std::vector<FormId> without_floor(std::vector<FormId> forms) const {
+        std::erase_if(forms,
+                      [&](FormId f) { return std::ranges::find(options_.floor, f) != options_.floor.end(); });
+        return forms;
     }
 
     Patchwork::Index solve_all(const RegionPiece& piece, double share) {
-        if (family_.is_all_circular()) return solve(piece, all_forms(), share, 0);
-        return solve_labelled(label(piece), all_forms(), share);
+        if (family_.is_all_circular()) return solve(piece, without_floor(with_floor()), share, 0);
+        return solve_labelled(label(piece), with_floor(), share);
     }
 
     MinimizationDiagram finish() {
@@ -179,7 +182,7 @@ private:
 
     LabelledPiece label(const RegionPiece& piece) {
         const Rectangle& r = piece.rect;
-        const std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, all_forms());
+        const std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, with_floor());
         const std::size_t n = piece.sides.size();
         LabelledPiece out{piece, {}, {}};
         std::vector<FormId> first(n), last(n);
@@ -212,7 +215,9 @@ private:
         const Rectangle& r = part.piece.rect;
         std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, inherited);
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
-            return solve(part.piece, candidates, share, 0);
+            // Of the floor alone there is nothing to merge: it stays one of the pieces that follow.
+            if (const std::vector<FormId> others = without_floor(candidates); !others.empty())
+                return solve(part.piece, others, share, 0);
         const double size = extent(r) / analysis_.extent_at({r.x0, r.x1}, {r.y0, r.y1});
         const bool at_floor = size <= MixedAnalysis::floor_width,
                    is_small = extent(r) <=

@@ -253,7 +253,7 @@ private:
         const CylinderTrace trace = trace_on_base(form);
         Sign clear = region_.lowest(trace, Exact());
         // A base that has turned by rounding may part from what touches it in the scene.
-        if (!frame_->is_exact())
+        if (!frame_->is_exact() && !has_floor_)
             clear = std::min(clear, lowest_in_world(cylinder, base_, scene_.box, world_corners()));
         if (clear != Sign::Positive) fail_touching(i, -clear, region_.lowest_point(trace));
         const bool is_level = dot(ExactVector(cylinder.axis), ExactVector(base_.normal)).sign() == Sign::Zero;
@@ -452,7 +452,7 @@ private:
                 add({side.m.x(), side.m.y(), -side.k, -side.m.z()}, Site::box_side(side.index));
     }
 
-    // Cylinders come after the circular forms, in the order of their objects.
+    // Cylinders come after the circular forms, the floor among them, in the order of their objects.
     void add_cylinders() {
         for (const std::uint32_t object : cylinder_objects_) {
             const FormId form = sites_.add(site(object));
@@ -527,11 +527,7 @@ bool lets_rays_in(const Scene& scene, std::uint32_t side) {
     return side % 2 == 0 ? along > 0 : along < 0;
 }
 
-bool may_be_completed(const Scene& scene) {
-    for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (scene.competes(i) && std::holds_alternative<Cylinder>(scene.objects[i])) return false;
-    return std::holds_alternative<Plane>(scene.base);
-}
+bool may_be_completed(const Scene& scene) { return std::holds_alternative<Plane>(scene.base); }
 
 std::optional<PlaneBaseProblem> complete_plane_base_problem(const Scene& scene, double unit) {
     if (!may_be_completed(scene)) return std::nullopt;

@@ -42,7 +42,7 @@ struct PlaneBaseProblem : BaseProblem {
     /// Of complete_plane_base_problem(): the part of the base in the box, of which `region` is then more.
     std::vector<RegionSide> region_in_box;
     /// Likewise: over all of these rays begin, the base itself first, then sides of the box. They are forms,
-    /// the last ones, but do not compete.
+    /// the last ones but for cylinders', but do not compete.
     std::vector<FormId> floor;
 
     /// Holds the region {x0, x1, y0, y1}, but for the rounding of its corners.
@@ -51,7 +51,8 @@ struct PlaneBaseProblem : BaseProblem {
     /// Those above have the floor's faces where all rays have been met, or none has come in.
     bool shows(FormId f, bool is_below_floor) const {
         if (floor.empty()) return true;
-        return is_below_floor ? f > floor.front() : f < floor.front();
+        return is_below_floor ? f > floor.front() && f <= floor.back()
+                              : f < floor.front() || f > floor.back();
     }
 };
 
@@ -75,12 +76,12 @@ PlaneBaseProblem plane_base_problem(const Scene& scene, double unit = 1);
 /// points from which rays come into the box, and a margin around them; objects must stay clear of all of
 /// that.
 ///
-/// None: the box holds all base points from which rays come into it, or there are tubes.
+/// None: the box holds all base points from which rays come into it.
 /// Throws as plane_base_problem() does, and InputError (Unsupported) where a plane lies so that it bounds
 /// what is nearest to the base along all of a side of the box through which rays come in.
 std::optional<PlaneBaseProblem> complete_plane_base_problem(const Scene& scene, double unit = 1);
 
-/// Can complete_plane_base_problem() tell? Not where tubes are among the objects.
+/// Can complete_plane_base_problem() tell? Not of other bases.
 bool may_be_completed(const Scene& scene);
 
 /// Do a base plane's rays come into the box through this side (Site::box_side)? False over other bases.

@@ -63,9 +63,27 @@ Scene random_scene(std::mt19937_64& rng, std::size_t balls, bool is_upright_on_a
     return scene;
 }
 
+/// The same with tubes that run along the plane, or lean against it by little.
+Scene random_scene_with_tubes(std::mt19937_64& rng, std::size_t tubes) {
+    Scene scene = random_scene(rng, rng() % 4, false);
+    const auto& base = std::get<Plane>(scene.base);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const std::size_t all = scene.objects.size() + tubes;
+    for (int tries = 0; scene.objects.size() < all && tries < 1000; ++tries) {
+        const double radius = 0.05 + 0.4 * unit(rng), height = radius + 1 + 2 * unit(rng);
+        const Vec3 along = base.normal.cross(random_direction(rng)).normalized(),
+                   across = base.normal.cross(along), axis = along + 0.04 * (unit(rng) - 0.5) * base.normal;
+        const Vec3 point = base.point + 8 * (unit(rng) - 0.5) * across + height * base.normal;
+        scene.objects.push_back(Cylinder{point, axis, radius});
+    }
+    return scene;
+}
+
 double distance(const Object& object, const Vec3& p) {
     if (const auto* plane = std::get_if<Plane>(&object))
         return std::abs(plane->normal.normalized().dot(p - plane->point));
+    if (const auto* tube = std::get_if<Cylinder>(&object))
+        return tube->axis.normalized().cross(p - tube->point).norm() - tube->radius;
     const auto& sphere = std::get<Sphere>(object);
     return (p - sphere.center).norm() - sphere.radius;
 }
@@ -168,6 +186,28 @@ TEST_CASE("complete cells: measures and points, closed meshes and proofs of rand
         check_certificate(cell);
     }
     CHECK(with_floor > 6 * rounds());
+}
+
+TEST_CASE("complete cells: measures and points, closed meshes and proofs of planes among tubes") {
+    std::mt19937_64 rng(test_seed());
+    int with_floor = 0;
+    for (int round = 0; round < 6 * rounds(); ++round) {
+        const Scene scene = random_scene_with_tubes(rng, 1 + rng() % 4);
+        CAPTURE(round);
+        const Cell cell = complete_cell(scene);
+        REQUIRE(cell.is_complete);
+        with_floor += std::ranges::any_of(cell.faces, [&](const CellFace& f) { return is_entered(cell, f); });
+        check_measures(cell);
+        MeshOptions options;
+        options.closed = true;
+        options.chord = 0.01;
+        const CellMesh mesh = tessellate(cell, options);
+        CHECK(is_closed(mesh));
+        CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(0.01));
+        check_points(cell, mesh, rng);
+        check_certificate(cell);
+    }
+    CHECK(with_floor > 3 * rounds());
 }
 
 namespace {
@@ -328,7 +368,7 @@ TEST_CASE("complete cells: files, pictures, refined vertices and changed scenes"
     CHECK(inserted.measures.volume == doctest::Approx(cell.measures.volume).epsilon(1e-12));
 }
 
-TEST_CASE("complete cells: where rays come in nowhere, and among tubes, cells stay as they are") {
+TEST_CASE("complete cells: where rays come in nowhere cells stay as they are") {
     Scene level;
     level.base = Plane{{0, 0, 1}, {0, 0, 1}};
     level.box = {Vec3::Zero(), Vec3::Constant(10)};
@@ -338,11 +378,27 @@ TEST_CASE("complete cells: where rays come in nowhere, and among tubes, cells st
     CHECK(cell.measures.volume == voronoi_cell(level).measures.volume);
     CHECK(certify(cell).holds());
 
-    Scene tube;
-    tube.base = Plane{{5, 5, 5}, {0.2, 0.3, 1}};
-    tube.box = level.box;
-    tube.objects = {Cylinder{{5, 5, 10}, {1, 0, -0.2}, 0.5}};
-    cell = complete_cell(tube);
+    Scene ball;
+    ball.base = Sphere{{5, 5, 5}, 1};
+    ball.box = level.box;
+    ball.objects = {Cylinder{{5, 5, 10}, {1, 0, -0.2}, 0.5}};
+    cell = complete_cell(ball);
     CHECK_FALSE(cell.is_complete);
-    CHECK(cell.measures.volume == voronoi_cell(tube).measures.volume);
+    CHECK(cell.measures.volume == voronoi_cell(ball).measures.volume);
+}
+
+TEST_CASE("complete cells: a plane among tubes in small integers") {
+    // The tube and the ball in a plane of symmetry, upright on the plane and on two sides of the box.
+    Scene scene;
+    scene.base = Plane{{0, 0, 5}, {0, 3, 4}};
+    scene.box = {Vec3::Constant(-10), Vec3::Constant(10)};
+    for (const Object& tube :
+         {Object(Cylinder{{0, 0, 15}, {1, 0, 0}, 1}), Object(Cylinder{{0, 0, 20}, {0, 4, -3}, 2}),
+          Object(Cylinder{{0, 8, 9}, {1, 0, 0}, 1})}) {
+        scene.objects = {tube, Sphere{{0, -5, 15}, 1}};
+        const Cell cell = complete_cell(scene);
+        CHECK(cell.is_complete);
+        check_measures(cell);
+        check_certificate(cell);
+    }
 }
