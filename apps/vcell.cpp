@@ -184,8 +184,8 @@ public:
         command_.add_flag("--solid", solid_, "meshes: with walls and base, closed");
         command_.add_flag(
             "--complete", complete_,
-            "of a base plane: all that is nearest to it in the box, over base points outside it, "
-            "too");
+            "of a base plane or an oblique tube: all that is nearest to it in the box, over base points outside "
+            "it, too");
         command_.footer("No output appears before all of them are complete.");
     }
 
@@ -198,7 +198,8 @@ public:
         const Cell cell = scene_.about([&] { return compute_cell(scene, complete_); });
         if (complete_ && !cell.is_complete)
             warn(
-                "the cell stands over what the box holds of the base: only those of planes can be completed");
+                "the cell stands over what the box holds of the base: only those of planes and of "
+                "oblique tubes can be completed");
         std::optional<CellMesh> mesh;
         for (const auto& out : files_) {
             if (is_mesh(out->format) && !mesh) mesh = mesh_of(cell);

@@ -16,6 +16,7 @@
 #include "../primitives/bases/cylinder_base.hpp"
 #include "../primitives/bases/sphere_base.hpp"
 #include "../primitives/objects/decided_scene.hpp"
+#include "axis_parts.hpp"
 #include "base_diagram.hpp"
 #include "lift/lift.hpp"
 #include "voronoi_cell.hpp"
@@ -24,10 +25,9 @@ namespace vcell {
 
 namespace {
 
-// Rays start this far from a side's plane at least, as a part of the box's diagonal. Nearer to it edges are
-// so small beside their distance from the origin that few digits are left to prove their curves; where those
-// are too few all the same, the next one is taken. What is left out counts in full.
-constexpr std::array<double, 3> least_rooms{0x1p-32, 0x1p-26, 0x1p-20};
+// Rays of planes and balls start this far from a side's plane at least, as a part of the box's diagonal. What
+// is left out counts in full.
+constexpr double least_room = AxisParts::least_rooms.front();
 
 // Measures added and taken away.
 class Sum {
@@ -112,7 +112,7 @@ constexpr int sign_of(unsigned subset) { return std::popcount(subset) % 2 == 0 ?
 // points on it are in the box: its corners tell.
 std::array<double, 3> steps_before(const Box& box, const Plane& base) {
     const double rounding = 0x1p-48 * (base.point.norm() + box.min.norm() + box.max.norm()),
-                 least = least_rooms.front() * box.diagonal() + rounding;
+                 least = least_room * box.diagonal() + rounding;
     const Vec3 n = base.normal.stableNormalized();
     std::array<double, 3> steps{0, 0, 0};
     for (unsigned corner = 0; corner < 8; ++corner) {
@@ -202,7 +202,7 @@ void add_rooms(Sum& sum, const Sides& sides, const Box& around, double tolerance
 double tolerance_of(const Scene& scene) { return scene.tolerance.value_or(1e-7 * scene.box.diagonal()); }
 
 CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit) {
-    const double least = least_rooms.front() * scene.box.diagonal();
+    const double least = least_room * scene.box.diagonal();
     Sides sides{scene.box, {}};
     for (unsigned s = 0; s < 6; ++s) {
         double& bound = (s % 2 == 0 ? sides.box.min : sides.box.max)[s / 2];
@@ -229,55 +229,27 @@ public:
           base_(base),
           unit_(unit),
           diagonal_(scene.box.diagonal()),
-          least_(least_rooms.front() * diagonal_),
+          least_(least_room * diagonal_),
           frame_(cylinder_frame(scene, base)),
           box_(scene.box) {}
 
     CompleteMeasures operator()() {
-        const std::array<double, 2> range = find_range();
-        move_sides(range);
-        ends_ = {{range[0], 0}, {range[1], 0}};
-        for (const BoxSide& side : canonical_box(box_, frame_))
-            if (side.m.y() != 0 && !is_across(side))
-                ends_.push_back({side.k / side.m.y(), 1 / std::abs(side.m.y())});
-        std::ranges::sort(ends_, {}, &End::y);
-        for (std::size_t i = 0; i + 1 < ends_.size(); ++i)
-            if (ends_[i].y >= range[0] && ends_[i + 1].y <= range[1] && ends_[i].y < ends_[i + 1].y)
-                add({ends_[i].y, ends_[i + 1].y});
+        move_sides(AxisParts::range(box_, frame_));
+        const AxisParts axis(box_, frame_);
+        for (const std::array<double, 2>& part : axis.parts()) add(axis, part);
         sum_.leave_out(left_out_, diagonal_);
         return sum_.result(unit_);
     }
 
 private:
-    // A part of the axis ends where it crosses a side's plane, or where the box does. The way along the axis
-    // is so many times as long as its distance from the plane.
-    struct End {
-        double y, slant;
-    };
-
-    static bool is_across(const BoxSide& side) { return side.m.x() == 0 && side.m.z() == 0; }
-
-    // Where planes across the axis meet the box, and a little more, so that it does not end with an edge of
-    // the box along which two sides tie; but no more where it ends with a side.
-    std::array<double, 2> find_range() const {
-        constexpr double infinity = std::numeric_limits<double>::infinity();
-        std::array<double, 2> range{infinity, -infinity};
-        for (unsigned corner = 0; corner < 8; ++corner) {
-            const double y = frame_.to_canonical(corner_of(box_, corner)).y();
-            range = {std::min(range[0], y), std::max(range[1], y)};
-        }
-        const bool ends_with_sides = std::ranges::any_of(canonical_box(box_, frame_), is_across);
-        const double more = ends_with_sides ? 0 : 0x1p-10 * (range[1] - range[0]);
-        return {range[0] - more, range[1] + more};
-    }
-
     // Sides that the axis runs along so closely that less is left out if they move out of its way than if the
     // axis is cut where it crosses them.
     void move_sides(const std::array<double, 2>& range) {
         for (const BoxSide& side : canonical_box(box_, frame_)) {
             const double slope = std::abs(side.m.y()), low = side.k - side.m.y() * range[0],
                          high = side.k - side.m.y() * range[1];
-            if (is_across(side) || std::min(low, high) > least_ || std::max(low, high) < -least_) continue;
+            if (AxisParts::is_across(side) || std::min(low, high) > least_ || std::max(low, high) < -least_)
+                continue;
             if (slope * std::max(std::abs(low), std::abs(high)) > least_) continue;
             const double step = least_ - std::min(low, high);
             double& bound = (side.index % 2 == 0 ? box_.min : box_.max)[side.index / 2];
@@ -286,39 +258,28 @@ private:
         }
     }
 
-    void add(const std::array<double, 2>& part) {
-        const double middle = 0.5 * part[0] + 0.5 * part[1];
-        for (const double least : least_rooms) {
-            std::array<double, 2> stretch = part;
-            for (const End& end : ends_) {
-                const double room = least * diagonal_ * end.slant;
-                if (end.y < middle)
-                    stretch[0] = std::max(stretch[0], end.y + room);
-                else
-                    stretch[1] = std::min(stretch[1], end.y - room);
-            }
+    void add(const AxisParts& axis, const std::array<double, 2>& part) {
+        for (const double least : AxisParts::least_rooms) {
+            const std::array<double, 2> stretch = axis.clear_of_planes(part, least * diagonal_);
             if (!(stretch[0] < stretch[1])) break;
             try {
                 Sum sum = sum_;
-                add(sum, stretch);
+                add(sum, axis.beyond(part), stretch);
                 sum_ = std::move(sum);
                 left_out_ += (part[1] - stretch[1]) + (stretch[0] - part[0]);
                 return;
             } catch (const UndecidedError&) {
-                if (least == least_rooms.back() || stretch == part) throw;
+                if (least == AxisParts::least_rooms.back() || stretch == part) throw;
             }
         }
         left_out_ += part[1] - part[0];
     }
 
-    void add(Sum& sum, const std::array<double, 2>& stretch) const {
-        Sides sides{box_, {}};
-        const double middle = 0.5 * (stretch[0] + stretch[1]);
-        for (const BoxSide& side : canonical_box(box_, frame_))
-            sides.beyond[side.index] = !is_across(side) && side.k < side.m.y() * middle;
+    void add(Sum& sum, const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) const {
+        const Sides sides{box_, beyond};
         const Vec3 p = frame_.to_world({0, stretch[0], 0}), q = frame_.to_world({0, stretch[1], 0});
         add_rooms(sum, sides, {p.cwiseMin(q), p.cwiseMax(q)}, tolerance_of(scene_), [&](const Box& room) {
-            const CylinderPart part{room, stretch};
+            const CylinderPart part{room, stretch, {}};
             return cylinder_base_problem(scene_, base_, unit_, &part);
         });
     }
@@ -328,7 +289,6 @@ private:
     const double unit_, diagonal_, least_;
     const BaseFrame frame_;
     Box box_;
-    std::vector<End> ends_;
     double left_out_ = 0;
     Sum sum_;
 };

@@ -15,6 +15,7 @@
 #include "../primitives/bases/radial_base.hpp"
 #include "../primitives/objects/decided_scene.hpp"
 #include "base_diagram.hpp"
+#include "complete_tube.hpp"
 #include "lift/complete_lift.hpp"
 #include "lift/lift.hpp"
 #include "lift/scene_motion.hpp"
@@ -154,6 +155,47 @@ struct Steps {
     LiftedCell (*lift)(const Problem&, const Diagrams&, double tolerance, const CellOptions&);
 };
 
+// How far things have moved, in the decided scene's unit, and what parameters are multiplied by.
+struct MotionBack {
+    double moved, moved_apart, of_parameters;
+};
+
+// The cell in the user's unit, with what moving the scene has done to it.
+Cell moved_back(LiftedCell lifted, DecidedScene decided, const Scene& scene, const MotionBack& motion,
+                const CellOptions& options) {
+    Cell& cell = lifted.cell;
+    drop_isolated_vertices(cell);
+    cell.report.moved = std::max(motion.moved, decided.moved);
+    cell.scene = std::move(decided.scene);
+    add_scene_motion(lifted, cell.report.moved, std::max(motion.moved_apart, decided.moved));
+    scale(cell, decided.unit, motion.of_parameters);
+    cell.scene = scene;
+    require_numbers(cell, options.measure);
+    return std::move(cell);
+}
+
+void set(Report& report, const EnvelopeWork& work) {
+    report.insertions = work.insertions;
+    report.merges = work.merges;
+    report.pieces = work.pieces;
+}
+
+// Of an oblique tube, if it is one.
+std::optional<Cell> complete_tube_cell(const Scene& scene, const CellOptions& options) {
+    Stopwatch watch;
+    validate(scene);
+    DecidedScene decided = decide(scene);
+    std::optional<CompleteTube> tube = lift_complete_tube(decided, options.measure);
+    if (!tube) return std::nullopt;
+    Cell cell = moved_back(std::move(tube->lifted), std::move(decided), scene,
+                           {tube->moved, tube->moved_apart, tube->unit_of_parameters}, options);
+    cell.is_complete = true;
+    set(cell.report, tube->work);
+    cell.report.seconds_envelope = watch.lap();
+    cell.report.warnings.insert(cell.report.warnings.begin(), tube->warnings.begin(), tube->warnings.end());
+    return cell;
+}
+
 // From the scene's heights to its cell.
 template <class Problem>
 Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Problem>& steps) {
@@ -177,20 +219,12 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     report("patches", 0);
     LiftedCell lifted = steps.lift(
         problem, diagrams, decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options);
-    Cell& cell = lifted.cell;
-    drop_isolated_vertices(cell);
-    cell.is_complete = options.complete && may_be_completed(decided.scene);
-    cell.report.moved = std::max(problem.moved, decided.moved);
-    cell.scene = std::move(decided.scene);
-    add_scene_motion(lifted, cell.report.moved, std::max(problem.moved_apart, decided.moved));
-    scale(cell, decided.unit, problem.chart.unit_of_coordinates(decided.unit));
-    cell.scene = scene;
-    require_numbers(cell, options.measure);
+    lifted.cell.is_complete = options.complete && may_be_completed(decided.scene);
+    const MotionBack motion{problem.moved, problem.moved_apart,
+                            problem.chart.unit_of_coordinates(decided.unit)};
+    Cell cell = moved_back(std::move(lifted), std::move(decided), scene, motion, options);
     report("patches", 1);
-    const EnvelopeWork work = diagrams.work();
-    cell.report.insertions = work.insertions;
-    cell.report.merges = work.merges;
-    cell.report.pieces = work.pieces;
+    set(cell.report, diagrams.work());
     cell.report.seconds_bisectors = seconds_bisectors;
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();
@@ -198,13 +232,15 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     for (const Assumption& a : diagrams.all.assumptions)
         warnings.push_back(message(a, "taken to meet in one point over", problem));
     warnings.insert(warnings.begin(), problem.warnings.begin(), problem.warnings.end());
-    return std::move(cell);
+    return cell;
 }
 
 }  // namespace
 
 Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     return in_ieee_arithmetic("voronoi_cell()", [&] {
+        if (options.complete)
+            if (auto cell = complete_tube_cell(scene, options)) return *std::move(cell);
         return std::holds_alternative<Plane>(scene.base)
                    ? cell_over<PlaneBaseProblem>(scene, options, {plane_problem, with_floor, lift_from_floor})
                    : cell_over<RadialBaseProblem>(scene, options,

@@ -21,8 +21,10 @@ struct CellOptions {
     bool patches = true;
     /// True: of a base plane the cell is all of the box, on the side of the plane's normal, that is nearest
     /// to it (lift/complete_lift.hpp): where the plane leans, rays from base points outside come into the box
-    /// through its sides, which have faces of the cell, too. Then objects must stay clear of the plane as far
-    /// as its rays come into the box, and a little farther. Cells over other bases stay as they are;
+    /// through its sides, which have faces of the cell, too. Of a base tube that runs into sides of the box
+    /// obliquely it is all of the box that is nearest to the tube, cut across the axis where that crosses the
+    /// plane of a side (complete_tube.hpp). Then objects must stay clear of the base as far as its rays come
+    /// into the box, and over a plane a little farther. Cells over other bases stay as they are;
     /// Cell::is_complete says which it is.
     bool complete = false;
     /// Around a ball among balls and planes: the cell is cut off where its clearance is this (> 0, the

@@ -28,6 +28,11 @@ struct BasedDiagram {
             return {main_site(edge.right), main_site(edge.left)};
         return {main_site(edge.left), edge.on_rim() ? problem.region[edge.side].site : main_site(edge.right)};
     }
+    /// Is there no face with a form on either side of an edge? So it is beyond what rays of the cell reach.
+    bool is_bare(EdgeId e) const {
+        return !diagram.face_forms[diagram.face(e, 0)].valid() &&
+               !diagram.face_forms[diagram.face(e, 1)].valid();
+    }
     /// Adds the sites of the rims where a vertex lies on some.
     void add_rim_sites(VertexId v, SmallVector<Site, 4>& sites) const {
         for (const std::uint32_t side : diagram.sides(v)) sites.push_back(problem.region[side].site);

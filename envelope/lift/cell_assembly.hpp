@@ -93,6 +93,10 @@ private:
         for (const EdgeId e : diagram_.edges.ids()) {
             CellEdge& edge = append_new(cell_.edges);
             edge.sites = of_.sites(e);
+            if (of_.is_bare(e)) {
+                positions_.push_back(0);
+                continue;
+            }
             for (const FormId f : diagram_.label(e))
                 for (const Site site : problem_.sites[f])
                     if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);

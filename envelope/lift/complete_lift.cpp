@@ -1,5 +1,6 @@
 #include "complete_lift.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,10 +29,10 @@ bool is_shared(const MinimizationDiagram& d, EdgeId e) {
 }
 
 // Vertices and edges of D's boundary below the floor, and which of those above they are.
+template <class Problem>
 class Matching {
 public:
-    Matching(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
-             const MinimizationDiagram& below)
+    Matching(const Problem& problem, const MinimizationDiagram& above, const MinimizationDiagram& below)
         : problem_(problem),
           above_(above),
           below_(below),
@@ -68,7 +70,9 @@ private:
             for (const VertexId w : named[name(below_, v)]) {
                 const MinimizationDiagram::Vertex& other = above_.vertices[w];
                 const double rounding = 0x1p-48 * (at.point.norm() + other.point.norm());
-                if ((at.point - other.point).norm() <= at.error + other.error + rounding) near.push_back(w);
+                Eigen::Vector2d between = at.point - other.point;
+                between.x() = std::remainder(between.x(), problem_.chart.circumference());
+                if (between.norm() <= at.error + other.error + rounding) near.push_back(w);
             }
             if (near.size() != 1) fail(at);
             vertices[v.value] = near.front().value;
@@ -101,12 +105,12 @@ private:
     }
 
     [[noreturn]] void fail(const MinimizationDiagram::Vertex& at) const {
-        const Vec3 place = problem_.frame.to_world({at.point.x(), at.point.y(), at.height});
+        const Vec3 place = problem_.frame.to_world(problem_.chart.base_point(at.point));
         throw UndecidedError("vertices where rays come into the box are not told apart around " +
                              to_text(Vec3(problem_.unit * place)));
     }
 
-    const PlaneBaseProblem& problem_;
+    const Problem& problem_;
     const MinimizationDiagram &above_, &below_;
 
 public:
@@ -133,10 +137,29 @@ void mirror(RationalPatch& s) {
         for (int j = 0; j <= s.degree_v; ++j) s.points[i * (s.degree_v + 1) + j] = from.point(j, i);
 }
 
+// A curve in the plane of a patch in the patch's parameters, on the same knots and weights.
+RationalCurve2 image_on(const RationalPatch& plane, const RationalCurve3& curve) {
+    const Vec3 origin = plane.point(0, 0).head<3>();
+    Eigen::Matrix<double, 3, 2> sides;
+    sides << plane.point(1, 0).head<3>() - origin, plane.point(0, 1).head<3>() - origin;
+    const auto solve = sides.colPivHouseholderQr();
+    RationalCurve2 image;
+    image.degree = curve.degree;
+    image.knots = curve.knots;
+    for (const Eigen::Vector4d& p : curve.points) {
+        const Eigen::Vector2d part = solve.solve(Vec3(p.head<3>()) - origin);
+        image.points.push_back({plane.domain_u[0] + part.x() * (plane.domain_u[1] - plane.domain_u[0]),
+                                plane.domain_v[0] + part.y() * (plane.domain_v[1] - plane.domain_v[0]),
+                                p.w()});
+    }
+    return image;
+}
+
+template <class Problem>
 class Joint {
 public:
-    Joint(const PlaneBaseProblem& problem, const MinimizationDiagram& above, const MinimizationDiagram& below,
-          const Matching& matching, LiftedCell roof, LiftedCell floor)
+    Joint(const Problem& problem, const MinimizationDiagram& above, const MinimizationDiagram& below,
+          const Matching<Problem>& matching, LiftedCell roof, LiftedCell floor)
         : problem_(problem),
           above_(above),
           below_(below),
@@ -164,6 +187,8 @@ public:
     }
 
 private:
+    static constexpr bool is_over_plane = std::is_same_v<Problem, PlaneBaseProblem>;
+
     bool shows(const MinimizationDiagram& d, FaceId f) const {
         return d.face_forms[f].valid() && problem_.shows(d.face_forms[f], d.is_below_floor);
     }
@@ -191,6 +216,7 @@ private:
                 continue;
             }
             edges_[part][e.value] = static_cast<std::uint32_t>(result_.cell.edges.size());
+            is_right_of_.push_back(!shown[0]);
             CellEdge& edge = result_.cell.edges.emplace_back(std::move(from.cell.edges[e.value]));
             result_.positions.push_back(from.positions[e]);
             for (std::uint32_t& v : edge.vertices) v = keep_vertex(from, part, v);
@@ -205,8 +231,12 @@ private:
     }
 
     void keep_faces(const MinimizationDiagram& d, Cell& from, unsigned part) {
-        for (std::uint32_t i = 0; i < from.faces.size(); ++i) {
-            if (!shows(d, FaceId{i + 1})) {
+        std::size_t next = 0;
+        for (const FaceId id : d.face_forms.ids()) {
+            // Over a cylinder faces that do not show are not lifted.
+            if (!d.face_forms[id].valid() || (!is_over_plane && !shows(d, id))) continue;
+            const std::size_t i = next++;
+            if (!shows(d, id)) {
                 if (part == 0) note_trims(d, from.faces[i]);
                 continue;
             }
@@ -214,14 +244,17 @@ private:
             for (TrimmedPatch& patch : face.patches) {
                 if (part == 1) mirror(patch.surface);
                 for (auto& loop : patch.loops) {
-                    for (TrimCurve& trim : loop) part == 0 ? number_trim(trim) : turn_trim(d, trim);
+                    for (TrimCurve& trim : loop)
+                        part == 0 ? number_trim(trim) : turn_trim(d, patch.surface, trim);
                     if (part == 1) std::reverse(loop.begin(), loop.end());
                 }
             }
         }
     }
 
-    void number_trim(TrimCurve& trim) { trim.edge = edges_[0][*trim.edge]; }
+    void number_trim(TrimCurve& trim) {
+        if (trim.edge) trim.edge = edges_[0][*trim.edge];
+    }
 
     // Of a face above that is none of the cell's.
     void note_trims(const MinimizationDiagram& d, CellFace& face) {
@@ -236,11 +269,19 @@ private:
                 }
     }
 
-    void turn_trim(const MinimizationDiagram& d, TrimCurve& trim) {
+    void turn_trim(const MinimizationDiagram& d, const RationalPatch& surface, TrimCurve& trim) {
         const EdgeId e{*trim.edge};
         const std::uint32_t number = edges_[1][e.value];
-        if (is_shared(d, e)) {
+        if (is_shared(d, e) && trims_[number].edge) {
             trim = std::move(trims_[number]);
+        } else if (is_shared(d, e)) {
+            // Another one than the roof's, and turned: its error has room for the rounding of the image.
+            CellEdge& edge = result_.cell.edges[number];
+            trim = {number, std::nullopt, !is_right_of_[number], image_on(surface, edge.curve)};
+            if (trim.reversed) reverse(trim.curve);
+            double size = 0;
+            for (const Eigen::Vector4d& p : edge.curve.points) size = std::max(size, p.head<3>().norm());
+            edge.error += 0x1p-48 * size;
         } else {
             trim.edge = number;
             reverse(trim.curve);
@@ -254,31 +295,72 @@ private:
         Measures& m = result_.cell.measures = roof;
         m.volume = roof.volume - floor.volume;
         m.volume_error = roof.volume_error + floor.volume_error + 0x1p-52 * (roof.volume + floor.volume);
+        m.is_estimated = roof.is_estimated || floor.is_estimated;
+        if constexpr (!is_over_plane) return add_measures_of_part();
         m.box_area = roof.box_area + floor.box_area;
         m.box_area_error = roof.box_area_error + floor.box_area_error +
                            0x1p-52 * (std::abs(roof.box_area) + std::abs(floor.box_area));
         m.min_clearance = m.min_clearance_error = 0;
     }
 
-    const PlaneBaseProblem& problem_;
+    // Of a tube what its body and its ends add to the measures is the caller's.
+    void add_measures_of_part() {
+        const Measures& floor = floor_.cell.measures;
+        Measures& m = result_.cell.measures;
+        m.area = m.area_error = m.box_area = m.box_area_error = 0;
+        for (const CellFace& f : result_.cell.faces) {
+            (f.site.is_object() ? m.area : m.box_area) += f.area;
+            (f.site.is_object() ? m.area_error : m.box_area_error) += f.area_error + 0x1p-52 * f.area;
+        }
+        if (!(m.min_clearance <= floor.min_clearance)) {
+            m.min_clearance = floor.min_clearance;
+            m.min_clearance_error = floor.min_clearance_error;
+        }
+        if (!(m.max_clearance >= floor.max_clearance)) {
+            m.max_clearance = floor.max_clearance;
+            m.max_clearance_error = floor.max_clearance_error;
+        }
+        m.body_volume = m.body_volume_error = m.base_area = m.base_area_error = 0;
+    }
+
+    const Problem& problem_;
     const MinimizationDiagram &above_, &below_;
-    const Matching& matching_;
+    const Matching<Problem>& matching_;
     LiftedCell roof_, floor_, result_;
     std::array<std::vector<std::uint32_t>, 2> vertices_, edges_;  // their numbers in the result
+    std::vector<bool> is_right_of_;                               // the roof's or floor's face, by edge
     std::vector<TrimCurve> trims_;                                // of the floor, by edge
 };
 
 }  // namespace
 
-LiftedCell lift_complete(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
-                         MinimizationDiagram below, double tolerance, bool with_measures) {
-    const Matching matching(problem, above, below);
+namespace {
+
+template <class Problem>
+LiftedCell joint_of(const Problem& problem, const MinimizationDiagram& above, MinimizationDiagram below,
+                    bool with_measures, const auto& lift) {
+    const Matching<Problem> matching(problem, above, below);
     for (const VertexId v : below.vertices.ids())
         if (matching.vertices[v.value] != none)
             below.vertices[v] = above.vertices[VertexId{matching.vertices[v.value]}];
-    LiftedCell roof = lift_over_region(problem, above, tolerance, with_measures),
-               floor = lift_over_region(problem, below, tolerance, with_measures);
-    return Joint(problem, above, below, matching, std::move(roof), std::move(floor))(with_measures);
+    LiftedCell roof = lift(above), floor = lift(below);
+    return Joint<Problem>(problem, above, below, matching, std::move(roof), std::move(floor))(with_measures);
+}
+
+}  // namespace
+
+LiftedCell lift_complete(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
+                         MinimizationDiagram below, double tolerance, bool with_measures) {
+    return joint_of(problem, above, std::move(below), with_measures, [&](const MinimizationDiagram& d) {
+        return lift_over_region(problem, d, tolerance, with_measures);
+    });
+}
+
+LiftedCell lift_complete_part(const RadialBaseProblem& problem, const MinimizationDiagram& above,
+                              MinimizationDiagram below, double tolerance, bool with_measures) {
+    return joint_of(problem, above, std::move(below), with_measures, [&](const MinimizationDiagram& d) {
+        return lift_all_around(problem, d, tolerance, with_measures);
+    });
 }
 
 }  // namespace vcell

@@ -1,4 +1,4 @@
-/// The cell of all of the box that is nearest to a base plane.
+/// The cell of all of the box that is nearest to a base plane, or to a part of a base tube.
 ///
 /// Let e be the upper envelope of the problem's floor and h the lower envelope of its other forms: the ray of
 /// the base point q is in the cell from e(q) to h(q) where e <= h. So the cell's boundary is the roof, h over
@@ -20,6 +20,7 @@
 #pragma once
 
 #include "../../primitives/bases/plane_base.hpp"
+#include "../../primitives/bases/radial_base.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "lift.hpp"
 
@@ -31,5 +32,10 @@ namespace vcell {
 /// Pre: the diagrams are those of problem.family with problem.floor, over problem.region; tolerance > 0.
 LiftedCell lift_complete(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
                          MinimizationDiagram below, double tolerance, bool with_measures);
+
+/// As lift_all_around(), of a part of a base cylinder with a floor (CylinderPart): with areas and lengths,
+/// but without Cell::measures.
+LiftedCell lift_complete_part(const RadialBaseProblem& problem, const MinimizationDiagram& above,
+                              MinimizationDiagram below, double tolerance, bool with_measures);
 
 }  // namespace vcell

@@ -12,6 +12,10 @@ EdgeEquations::EdgeEquations(const RadialDiagram& of)
     kinds_.reserve(diagram_.edges.size());
     for (const EdgeId e : diagram_.edges.ids()) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        if (of.is_bare(e)) {
+            kinds_.push_back(CurveKind::Spline);
+            continue;
+        }
         const bool is_conic =
             diagram_.is_circular(edge.left) && !edge.on_rim() && diagram_.is_circular(edge.right);
         kinds_.push_back(is_conic ? conic_kind(edge.left, edge.right, hyperplanes_[edge.left].functional(),

@@ -52,6 +52,7 @@ double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<Di
     for (const unsigned side : {0u, 1u}) {
         if (side == 1 && edge.on_rim()) continue;
         if (patches_.is_flat(side == 0 ? edge.left : edge.right)) continue;
+        if (!of_.diagram.face_forms[of_.diagram.face(e, of_.diagram.side_of(e, side))].valid()) continue;
         if (!planes) planes = equations_.planes(e);
         // Rays that graze the bisector tell little of where a point of it is.
         constexpr double grazing = 64;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "conic_trim.hpp"
 #include "joined_spans.hpp"
@@ -16,7 +17,8 @@ void EdgeFits::fit(EdgeId e) {
     const RadialBaseProblem& problem = of_.problem;
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
     const RadialVertices& vertices = curves_.vertices();
-    SpaceArc arc{{patches_.site(e, 0), {}},
+    const bool is_turned = of_.diagram.side_of(e, 0) == 1;  // the left form has the face on the right
+    SpaceArc arc{{patches_.site(e, is_turned ? 1 : 0), {}},
                  vertices.end(of_.diagram.start(e)),
                  vertices.end(of_.diagram.end(e)),
                  of_.diagram.pieces(e)};
@@ -24,11 +26,17 @@ void EdgeFits::fit(EdgeId e) {
         arc.sites[1] = end_wall(problem, edge.side);
         arc.turn = std::abs(patches_.turns().along(e)[1]);
     } else {
-        arc.sites[1] = patches_.site(e, 1);
+        arc.sites[1] = patches_.site(e, is_turned ? 0 : 1);
         arc.sites_cross = problem.cross_equally(edge.left, edge.right);
     }
     curves_.set_spline(e, [&](std::vector<SpaceSpan>& spans) {
-        return fit_space_spline(problem.chart, arc, tolerance_, spans, effort_);
+        const SpaceFitError error = fit_space_spline(problem.chart, arc, tolerance_, spans, effort_);
+        if (is_turned)
+            for (SpaceSpan& span : spans) {
+                span.points.middleRows<2>(4).swap(span.points.middleRows<2>(6));
+                std::swap(span.part[0], span.part[1]);
+            }
+        return error;
     });
 }
 
@@ -76,7 +84,7 @@ bool EdgeFits::refine() {
 }
 
 void EdgeFits::require_proof(EdgeId e) const {
-    if (!curves_.is_spline(e) || error(e) <= most_error()) return;
+    if (!curves_.is_spline(e) || of_.is_bare(e) || error(e) <= most_error()) return;
     const SpaceFitError& error = curves_.fit_error(e);
     throw of_.unproved(e, "no curve is proved to be the one between them",
                        of_.problem.frame.to_world(error.unproved.value_or(error.worst)));

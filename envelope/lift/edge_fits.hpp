@@ -17,7 +17,9 @@ public:
     EdgeFits(const RadialDiagram& of, const FacePatches& patches, RadialCurves& curves, double tolerance)
         : of_(of), patches_(patches), curves_(curves), tolerance_(tolerance) {}
 
-    bool is_asked_for(EdgeId e) const { return curves_.is_spline(e) || curves_.is_axial_conic(e); }
+    bool is_asked_for(EdgeId e) const {
+        return !of_.is_bare(e) && (curves_.is_spline(e) || curves_.is_axial_conic(e));
+    }
     /// Lets so many more edges be fitted, each at the price of some spans.
     void grant(std::size_t edges) { effort_.spans += 500 * edges; }
 

@@ -45,6 +45,11 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
     const std::size_t count = diagram_.dcel.face_count();
     patches_.reserve(count);
     sectors_.resize(count);
+    for (const FormId form : problem_.floor) is_flat_[form] = true;
+    if (!problem_.floor.empty())
+        for (const EdgeId e : diagram_.edges.ids())
+            for (const FormId form : {diagram_.edges[e].left, diagram_.edges[e].right})
+                if (form.valid() && !of.is_bare(e)) is_flat_[form] = vcell::is_flat(problem_, form);
     for (const FaceId face : diagram_.face_forms.ids()) {
         const FormId form = diagram_.face_forms[face];
         if (!form.valid()) {
@@ -82,11 +87,12 @@ bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
 
 SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     const FaceId face = diagram_.face(e, side);
-    const FormId form = diagram_.face_forms[face];
+    const FormId form = diagram_.form_beside(e, side);
     const Object& object = problem_.objects[form];
     const auto* cylinder = std::get_if<Cylinder>(&object);
     const double delta = cylinder != nullptr ? cylinder->radius - problem_.chart.radius : 0;
     SpaceSite site{object, is_wall(problem_, form), {}};
+    if (!diagram_.face_forms[face].valid()) return site;
     if (!is_cut(face)) {
         site.parts.push_back({.patch = coordinates(patches_[face], delta), .surface = &patches_[face]});
         return site;

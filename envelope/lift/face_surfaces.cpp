@@ -183,7 +183,12 @@ double FaceSurfaces::rounding_along(const RadialPatch& patch, const Rectangle& b
 void FaceSurfaces::halve_for_trims() {
     sort_unique(bent_);
     for (const EdgeId e : bent_) {
-        const std::array patches{&patches_[diagram_.face(e, 0)], &patches_[diagram_.face(e, 1)]};
+        // Where one face is none of the cell's the other one tells.
+        const auto patch = [&](unsigned side) {
+            const bool is_there = diagram_.face_forms[diagram_.face(e, side)].valid();
+            return &patches_[diagram_.face(e, is_there ? side : 1 - side)];
+        };
+        const std::array patches{patch(0), patch(1)};
         std::vector<ConicSpan> halved;
         for (const ConicSpan& span : curves_.conics(e)) add_halves(span, patches, halved);
         curves_.set_conics(e, [&](std::vector<ConicSpan>& spans) {
@@ -191,6 +196,7 @@ void FaceSurfaces::halve_for_trims() {
         });
         for (const unsigned side : {0u, 1u}) {
             const FaceId face = diagram_.face(e, side);
+            if (!diagram_.face_forms[face].valid()) continue;
             for (std::vector<TrimCurve>& loop : whole(face).loops)
                 for (TrimCurve& trim : loop)
                     if (trim.edge == e.value) trims_.set(patches_[face], e, trim.reversed, trim);

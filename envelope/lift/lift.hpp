@@ -47,7 +47,11 @@ LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationD
 ///
 /// Everything else (faces of cylinders over a sphere, edges beside them or beside balls and skew cylinders
 /// over a cylinder) has patches of the bisector's rational parametrization and splines within `tolerance`
-/// (length) of the true arc. Pre: diagram is the lower envelope of problem.family over the whole base;
+/// (length) of the true arc.
+///
+/// With a floor (RadialBaseProblem::floor) of faces that the problem shows only: edges beside none of them
+/// have no curve, and vertices of such edges alone no place. Measures are those of the faces, and the volume
+/// that between them and the axis. Pre: diagram is the lower envelope of problem.family over the whole base;
 /// tolerance > 0.
 LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                            double tolerance, bool with_measures);

@@ -146,7 +146,15 @@ private:
 
 LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                            double tolerance, bool with_measures) {
-    RadialLift lift({problem, diagram}, tolerance);
+    if (problem.floor.empty()) {
+        RadialLift lift({problem, diagram}, tolerance);
+        return CellAssembly(lift)(with_measures);
+    }
+    // Where the cell has no faces the diagram has no forms.
+    MinimizationDiagram shown = diagram;
+    for (FormId& form : shown.face_forms)
+        if (form.valid() && !problem.shows(form, diagram.is_below_floor)) form = {};
+    RadialLift lift({problem, shown}, tolerance);
     return CellAssembly(lift)(with_measures);
 }
 

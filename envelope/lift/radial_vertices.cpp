@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "space_spline.hpp"
 
@@ -23,8 +24,14 @@ SpaceSite end_wall(const RadialBaseProblem& problem, std::uint32_t side) {
 
 RadialVertices::RadialVertices(const RadialDiagram& of, EdgeEquations& equations)
     : problem_(of.problem), diagram_(of.diagram), origin_(of.problem.frame.origin.norm()) {
+    std::vector<bool> is_asked(diagram_.vertices.size(), problem_.floor.empty());
+    if (!problem_.floor.empty())
+        for (const EdgeId e : diagram_.edges.ids())
+            if (const VertexId start = diagram_.start(e); start.valid() && !of.is_bare(e))
+                is_asked[start.value] = is_asked[diagram_.end(e).value] = true;
     vertices_.reserve(diagram_.vertices.size());
-    for (const VertexId v : diagram_.vertices.ids()) vertices_.push_back(lifted(v, equations));
+    for (const VertexId v : diagram_.vertices.ids())
+        vertices_.push_back(is_asked[v.value] ? lifted(v, equations) : Vertex{Vector4d::Zero(), 0});
 }
 
 RadialVertices::Vertex RadialVertices::lifted(VertexId v, EdgeEquations& equations) const {

@@ -118,6 +118,7 @@ private:
         std::vector<Reach> reaches(are_asked ? diagram_.dcel.face_count() : 0);
         if (are_asked)
             for (const EdgeId e : diagram_.edges.ids()) {
+                if (cell_.edges[e.value].curve.points.empty()) continue;
                 const Vec3 p =
                     problem_.frame.to_canonical(cell_.edges[e.value].curve.points.front().head<3>());
                 for (const unsigned side : {0u, 1u})
@@ -145,6 +146,7 @@ private:
 
     void measure_edge(EdgeId e) {
         CellEdge& edge = cell_.edges[e.value];
+        if (face(e, 0) == no_face && face(e, 1) == no_face) return;
         const RationalCurve3& curve = edge.curve;
         points_.clear();
         for (const Vector4d& p : curve.points) {
@@ -158,7 +160,8 @@ private:
         for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
             const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
             if (!is_smooth(e)) {
-                add_span(span, edge.kind != CurveKind::Spline, chart, faces_[left], right_face, sum);
+                add_span(span, edge.kind != CurveKind::Spline, chart, faces_[left != no_face ? left : right],
+                         left != no_face ? right_face : nullptr, sum);
             } else if (curve.degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {
@@ -179,14 +182,18 @@ private:
             for (const std::uint32_t f : {left, right})
                 if (f != no_face) cell_.faces[f].is_estimated = true;
         }
-        add_side(left, sum.sides[0], 1);
+        if (left != no_face) add_side(left, sum.sides[0], 1);
         if (right != no_face) {
-            add_side(right, sum.sides[1], -1);
-        } else {
+            add_side(right, sum.sides[left != no_face ? 1 : 0], -1);
+        } else if (diagram_.edges[e].on_rim()) {
             // The rim at the lower end runs about the axis counter-clockwise.
             box_area_.add(std::abs(sum.end_area.value), sum.end_area.error);
         }
         add_position_error(positions_[e], left, right, sum, is_smooth(e));
+        // What lies under the face ends there, with a wall as high as the distance.
+        if (!diagram_.edges[e].on_rim() && (left == no_face || right == no_face))
+            volume_.add(0, (2 * sum.length.value + 4 * positions_[e]) * (positions_[e] + sum.gap.from_curve) *
+                               sum.distance[1]);
     }
 
     // A span that a face of the cap, if it is one, has on its left, or right (sign = -1).

@@ -1,5 +1,8 @@
 #include "check.hpp"
 
+#include <cmath>
+#include <variant>
+
 #include "edges.hpp"
 #include "entries.hpp"
 #include "faces.hpp"
@@ -17,6 +20,11 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     const SceneGeometry geometry(cell.scene);
     certify_structure(cell, geometry, certificate);
     if (!certificate.holds()) return certificate;  // what follows evaluates all of it
+    if (cell.is_complete && std::holds_alternative<Cylinder>(cell.scene.base)) {
+        // In its parts rays come in on both sides of a side's plane.
+        certificate.leave_open("cell", "complete cells around tubes are not judged", HUGE_VAL);
+        return certificate;
+    }
     // Two of each edge and about three of each face.
     certificate.elements.reserve(cell.vertices.size() + 2 * cell.edges.size() + 3 * cell.faces.size() +
                                  cell.neighbors.size() + 32);

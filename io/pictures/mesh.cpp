@@ -364,7 +364,7 @@ private:
     }
 
     // A plane base: the rim stands on its own foot, with walls between, and the polygon of the feet is the
-    // floor. A cylinder base: each rim is the boundary of an end, across the axis. A sphere base has no rim.
+    // floor. A cylinder base: rims bound ends, across the axis. A sphere base has no rim.
     void add_walls_and_base() {
         if (const auto* plane = std::get_if<Plane>(&cell_.scene.base); plane && cell_.is_complete) {
             add_upright_walls_and_base(*plane);
@@ -373,9 +373,32 @@ private:
             if (rims.size() != 1) fail_rim();
             add_walls_and_floor(*plane, rims[0]);
         } else if (const auto* cylinder = std::get_if<Cylinder>(&cell_.scene.base)) {
-            const std::vector<std::vector<LoopPoint>> rims = rim_polygons();
-            if (rims.size() != 2) fail_rim();
-            for (const auto& rim : rims) add_end(*cylinder, rim);
+            add_ends(*cylinder);
+        }
+    }
+
+    // Two for each part of a complete cell. All rims of an end are at one height but for rounding, and have
+    // it on their right.
+    void add_ends(const Cylinder& base) {
+        const Vec3 axis = base.axis.stableNormalized();
+        const auto end_of = [&](const std::vector<LoopPoint>& rim) {
+            for (const Site& s : cell_.edges[rim.front().line].sites)
+                if (s.kind == Site::Kind::End) return s.index;
+            fail_rim();
+        };
+        const auto height = [&](const std::vector<LoopPoint>& rim) {
+            return axis.dot(mesh_.points[rim.front().point] - base.point);
+        };
+        for (auto rims = rim_polygons(); !rims.empty();) {
+            const std::uint32_t end = end_of(rims.front());
+            const double at = height(rims.front());
+            const auto others = std::stable_partition(rims.begin(), rims.end(), [&](const auto& rim) {
+                return end_of(rim) == end && std::abs(height(rim) - at) <= 1e-12 * cell_.scene.box.diagonal();
+            });
+            const std::size_t begin = mesh_.triangles.size();
+            add_flat_parts({rims.begin(), others}, end == 0 ? Vec3(-axis) : axis);
+            mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, begin, mesh_.triangles.size()});
+            rims.erase(rims.begin(), others);
         }
     }
 
@@ -469,28 +492,6 @@ private:
             std::swap(mesh_.corner_normals[t][1], mesh_.corner_normals[t][2]);
         }
         mesh_.groups.push_back({CellMesh::Group::Kind::Base, none, base_begin, mesh_.triangles.size()});
-    }
-
-    void add_end(const Cylinder& base, const std::vector<LoopPoint>& rim) {
-        const Vec3 axis = base.axis.stableNormalized();
-        // The rim has the cell's faces on its left, and so the end on its right: its sense around the axis
-        // tells which end it is.
-        Vec3 turn = Vec3::Zero();
-        for (std::size_t i = 0; i < rim.size(); ++i) {
-            const Vec3 a = mesh_.points[rim[i].point] - base.point,
-                       b = mesh_.points[rim[(i + 1) % rim.size()].point] - base.point;
-            turn += a.cross(b);
-        }
-        const Vec3 out = turn.dot(axis) > 0 ? Vec3(-axis) : axis;
-        const Vec3 x = out.unitOrthogonal(), y = out.cross(x);
-        std::vector<LoopPoint> end;
-        for (auto p = rim.rbegin(); p != rim.rend(); ++p) {
-            const Vec3 from_axis = mesh_.points[p->point] - base.point;
-            end.push_back({p->point, {x.dot(from_axis), y.dot(from_axis)}, p->line});
-        }
-        const std::size_t begin = mesh_.triangles.size();
-        add_flat({end}, out);
-        mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, begin, mesh_.triangles.size()});
     }
 
     void add_flat(const std::vector<std::vector<LoopPoint>>& polygons, const Vec3& normal) {

@@ -116,6 +116,7 @@ public:
           base_(base),
           unit_(unit),
           walls_(part != nullptr ? part->walls : scene.box),
+          sides_(part != nullptr ? part->sides : std::array<CylinderPart::Wall, 6>{}),
           frame_(scene, base),
           motion_(frame_.rounded()),
           stretch_(part != nullptr ? part->stretch : stretch()),
@@ -141,6 +142,7 @@ private:
 
         Exact across2() const { return normal.x * normal.x + normal.z * normal.z; }
         bool is_along_axis() const { return normal.y.sign() == Sign::Zero; }
+        Side operator-() const { return {site, {-normal.x, -normal.y, -normal.z}, -distance}; }
         bool is_across_axis() const { return normal.x.sign() == Sign::Zero && normal.z.sign() == Sign::Zero; }
     };
     Side side(std::uint32_t s) const {
@@ -194,7 +196,7 @@ private:
         std::vector<std::pair<CylinderForm, Site>> images;
         for (std::uint32_t s = 0; s < 6; ++s) {
             const Side side = this->side(s);
-            if (!side.is_along_axis()) continue;
+            if (!side.is_along_axis() || sides_[s] != CylinderPart::Wall::Inside) continue;
             const WorldSide world(walls_, s);
             Vec3 p = base_.point;
             p[world.axis] = 2 * world.bound - p[world.axis];
@@ -391,6 +393,7 @@ private:
         Object canonical;
         RadialForm form;
         bool is_kept = true;
+        bool is_of_floor = false;
         FormId id{};
     };
     std::vector<Entry> all_entries() const {
@@ -426,14 +429,28 @@ private:
         }
         for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
             const Side side = this->side(canonical.index);
-            if (!side.is_across_axis())
+            if (!side.is_across_axis() && sides_[canonical.index] == CylinderPart::Wall::Inside)
                 add(side.site, Plane{canonical.k * canonical.m, canonical.m}, form(side));
+        }
+        for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
+            if (sides_[canonical.index] != CylinderPart::Wall::Beyond) continue;
+            const Side side = -this->side(canonical.index);
+            if (!side.is_across_axis()) {
+                add(side.site, Plane{canonical.k * canonical.m, -canonical.m}, form(side));
+                entries.back().is_of_floor = true;
+            }
         }
         // What is equally near everywhere is the first one's.
         const std::vector<std::uint32_t> first = first_equal(rays);
         std::vector<bool> is_merged(entries.size(), false);
         for (std::size_t k = 0; k < rays.size(); ++k) {
             if (first[k] == k) continue;
+            if (entries[ray_entries[k]].is_of_floor)
+                throw InputError(Kind::Unsupported, InputError::no_object, "box",
+                                 "all along side " + to_string(entries[ray_entries[k]].sites.front()) +
+                                     ", through which the base's rays come in, " +
+                                     competitor_title(scene_, entries[ray_entries[first[k]]].sites.front()) +
+                                     " is as far as the base");
             Entry &kept = entries[ray_entries[first[k]]], &other = entries[ray_entries[k]];
             kept.sites.push_back(other.sites.front());
             is_merged[ray_entries[k]] = true;
@@ -461,6 +478,7 @@ private:
         std::vector<Entry> entries = all_entries();
         std::vector<RadialForm> forms;
         for (const Entry& e : entries) {
+            if (e.is_of_floor) break;  // the last ones, which compete with none of the others
             const Site site = e.sites.front();
             const bool is_tube = site.is_object() && std::holds_alternative<Cylinder>(e.canonical);
             forms.push_back(is_tube && !e.form.has_root()
@@ -482,6 +500,7 @@ private:
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
             found.add(e.sites.front(), e.canonical);
             for (const Site site : std::span(e.sites).subspan(1)) found.join(site, e.id);
+            if (e.is_of_floor) problem.floor.push_back(e.id);
             problem.family.radial.push_back(turned(e.form));
         }
         for (const AxialTie& tie : ties)
@@ -515,6 +534,7 @@ private:
     const Cylinder& base_;
     const double unit_;
     const Box walls_;  // the scene's box, or what takes its place
+    const std::array<CylinderPart::Wall, 6> sides_;
     const CylinderFrame frame_;
     const BaseFrame motion_;                         // rounded
     std::array<std::optional<Site>, 2> early_ends_;  // sides before which the stretch ends by end_radius()
@@ -527,6 +547,12 @@ private:
 double end_radius(const Cylinder& base, const Box& box) {
     constexpr double least = 0x1p-26;  // of the box's diagonal
     return std::max(base.radius, least * box.diagonal());
+}
+
+std::optional<Cylinder> oblique_tube(const Scene& scene) {
+    const auto* base = std::get_if<Cylinder>(&scene.base);
+    if (base == nullptr || (CylinderFrame(scene, *base).axis.array() != 0).count() == 1) return std::nullopt;
+    return *base;
 }
 
 BaseFrame cylinder_frame(const Scene& scene, const Cylinder& base) {

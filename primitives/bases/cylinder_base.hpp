@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
 
 #include "radial_base.hpp"
 
@@ -10,8 +12,11 @@ namespace vcell {
 /// What takes the place of a scene's box and of the stretch in it: rays start on this part of the axis, whose
 /// circles may reach beyond the walls, and end there.
 struct CylinderPart {
-    Box walls;                      ///< the axis certainly runs inside, all along the stretch
+    Box walls;
     std::array<double, 2> stretch;  ///< canonical
+    /// On which side of each wall the axis certainly runs, all along the stretch; or the wall is none.
+    enum class Wall : std::uint8_t { Inside, Beyond, None };
+    std::array<Wall, 6> sides{};
 };
 
 /// RadialBaseProblem::frame of a scene whose base is this cylinder.
@@ -20,6 +25,9 @@ BaseFrame cylinder_frame(const Scene& scene, const Cylinder& base);
 /// radial_base_problem() of a scene whose base is this cylinder, or of a part of it.
 RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit,
                                         const CylinderPart* part = nullptr);
+
+/// The base, if it is a tube that runs obliquely into sides of the box: no side is across its axis.
+std::optional<Cylinder> oblique_tube(const Scene& scene);
 
 /// The radius of the circles that end the stretch of a base cylinder obliquely on the sides of the box: its
 /// own, or half a double's digits of the box's diagonal. A line that runs into a side has no clearance there,

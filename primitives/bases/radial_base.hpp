@@ -19,6 +19,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -58,6 +59,14 @@ struct RadialBaseProblem : BaseProblem {
         bool is_decided;       ///< exact, or in the scene as it was moved; otherwise up to narrow_tie
     };
     std::vector<GeneratorTie> generator_ties;
+    /// Of a part of a cylinder (CylinderPart): the sides of the box through which rays come in, forms as
+    /// those of sides of what is beyond them (EnvelopeOptions::floor).
+    std::vector<FormId> floor;
+
+    /// As PlaneBaseProblem::shows().
+    bool shows(FormId f, bool is_below_floor) const {
+        return floor.empty() || (std::ranges::find(floor, f) != floor.end()) == is_below_floor;
+    }
 
     /// Holds all chart points {x0, x1, y0, y1}, but for a millionth of a sphere.
     std::array<double, 4> chart_box() const;

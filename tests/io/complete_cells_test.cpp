@@ -22,6 +22,7 @@
 #include "../../io/pictures/mesh.hpp"
 #include "../../io/pictures/svg.hpp"
 #include "../test_support.hpp"
+#include "closed_meshes.hpp"
 
 using namespace vcell;
 
@@ -95,35 +96,6 @@ double lead(const Scene& scene, const Vec3& p) {
     double least = own;
     for (const Object& o : scene.objects) least = std::min(least, distance(o, p) - own);
     return least;
-}
-
-/// How often the mesh winds around p.
-double winding(const CellMesh& mesh, const Vec3& p) {
-    double sum = 0;
-    for (const Triangle& t : mesh.triangles) {
-        const Vec3 a = mesh.points[t[0]] - p, b = mesh.points[t[1]] - p, c = mesh.points[t[2]] - p;
-        const double la = a.norm(), lb = b.norm(), lc = c.norm();
-        sum +=
-            2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-    }
-    return sum / (4 * M_PI);
-}
-
-double volume(const CellMesh& mesh) {
-    double six = 0;
-    for (const Triangle& t : mesh.triangles)
-        six += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
-    return six / 6;
-}
-
-bool is_closed(const CellMesh& mesh) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
-    for (const Triangle& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k) {
-            ++sides[{t[k], t[(k + 1) % 3]}];
-            --sides[{t[(k + 1) % 3], t[k]}];
-        }
-    return std::ranges::all_of(sides, [](const auto& side) { return side.second == 0; });
 }
 
 void check_measures(const Cell& cell) {

@@ -1,0 +1,47 @@
+/// The axis of a base tube, cut where it crosses the planes of the box's sides: between them it is on the
+/// same side of each.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "../primitives/bases/canonical.hpp"
+
+namespace vcell {
+
+class AxisParts {
+public:
+    /// Rays start this far from a side's plane at least, as a part of the box's diagonal. Nearer to it edges
+    /// are so small beside their distance from the origin that few digits are left to prove their curves;
+    /// where those are too few all the same, the next one is taken.
+    static constexpr std::array<double, 3> least_rooms{0x1p-32, 0x1p-26, 0x1p-20};
+
+    /// In the frame of a base along y.
+    AxisParts(const Box& box, const BaseFrame& frame);
+
+    /// Is a side across the axis, so that rays never reach it?
+    static bool is_across(const BoxSide& side) { return side.m.x() == 0 && side.m.z() == 0; }
+    /// Where planes across the axis meet the box, and a little more, so that it does not end with an edge of
+    /// the box along which two sides tie; but no more where it ends with a side.
+    static std::array<double, 2> range(const Box& box, const BaseFrame& frame);
+
+    /// The parts of the range, heights along the axis, ascending.
+    const std::vector<std::array<double, 2>>& parts() const { return parts_; }
+    /// What of a part keeps so far clear of the planes at its ends; empty if from >= to.
+    std::array<double, 2> clear_of_planes(const std::array<double, 2>& part, double room) const;
+    /// Which sides of the box a part of the axis is beyond.
+    std::array<bool, 6> beyond(const std::array<double, 2>& part) const;
+
+private:
+    // A part of the axis ends where it crosses a side's plane, or where the box does. The way along the axis
+    // is so many times as long as its distance from the plane.
+    struct End {
+        double y, slant;
+    };
+
+    std::array<BoxSide, 6> sides_;
+    std::vector<End> ends_;
+    std::vector<std::array<double, 2>> parts_;
+};
+
+}  // namespace vcell

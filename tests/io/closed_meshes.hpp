@@ -1,0 +1,43 @@
+/// Closed triangle meshes: what they hold, and whether they are closed.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "../../io/pictures/mesh.hpp"
+
+namespace vcell {
+
+/// How often the mesh winds around p.
+inline double winding(const CellMesh& mesh, const Vec3& p) {
+    double sum = 0;
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3 a = mesh.points[t[0]] - p, b = mesh.points[t[1]] - p, c = mesh.points[t[2]] - p;
+        const double la = a.norm(), lb = b.norm(), lc = c.norm();
+        sum +=
+            2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    }
+    return sum / (4 * M_PI);
+}
+
+inline double volume(const CellMesh& mesh) {
+    double six = 0;
+    for (const Triangle& t : mesh.triangles)
+        six += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
+    return six / 6;
+}
+
+inline bool is_closed(const CellMesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) {
+            ++sides[{t[k], t[(k + 1) % 3]}];
+            --sides[{t[(k + 1) % 3], t[k]}];
+        }
+    return std::ranges::all_of(sides, [](const auto& side) { return side.second == 0; });
+}
+
+}  // namespace vcell

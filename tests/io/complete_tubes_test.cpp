@@ -1,0 +1,237 @@
+// Cells of all of the box that is nearest to an oblique base tube: against complete_measures(), which gets
+// there by other cells, against distances at random points, and as closed surfaces that fill the box
+// together.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <sstream>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/complete_measures.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/check.hpp"
+#include "../../io/files/cell_file.hpp"
+#include "../../io/pictures/mesh.hpp"
+#include "../../io/pictures/svg.hpp"
+#include "../test_support.hpp"
+#include "closed_meshes.hpp"
+
+using namespace vcell;
+
+namespace {
+
+const Box cube{Vec3::Zero(), Vec3::Constant(10)};
+
+Cell complete_cell(const Scene& scene) {
+    CellOptions options;
+    options.complete = true;
+    return voronoi_cell(scene, options);
+}
+
+Scene scene_of(const std::vector<Object>& objects, std::size_t base) {
+    Scene scene;
+    scene.base = objects[base];
+    scene.objects = objects;
+    scene.objects.erase(scene.objects.begin() + static_cast<std::ptrdiff_t>(base));
+    scene.box = cube;
+    return scene;
+}
+
+double distance(const Object& object, const Vec3& p) {
+    if (const auto* plane = std::get_if<Plane>(&object))
+        return std::abs(plane->normal.normalized().dot(p - plane->point));
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return (p - sphere->center).norm() - sphere->radius;
+    const auto& tube = std::get<Cylinder>(object);
+    return tube.axis.normalized().cross(p - tube.point).norm() - tube.radius;
+}
+
+double lead(const Scene& scene, const Vec3& p) {
+    const double own = distance(scene.base, p);
+    double least = HUGE_VAL;
+    for (const Object& o : scene.objects) least = std::min(least, distance(o, p) - own);
+    return least;
+}
+
+std::vector<Object> random_tubes(std::mt19937_64& rng, std::size_t count, double most_radius) {
+    std::uniform_real_distribution<double> coordinate(0, 10), component(-1, 1), radius(0, most_radius);
+    std::vector<Object> tubes;
+    while (tubes.size() < count) {
+        const auto random = [&](auto& from) {
+            const double x = from(rng), y = from(rng), z = from(rng);
+            return Vec3(x, y, z);
+        };
+        const Vec3 point = random(coordinate), axis = random(component);
+        const Cylinder tube{point, axis, radius(rng)};
+        const bool is_clear = std::ranges::all_of(tubes, [&](const Object& o) {
+            const auto& other = std::get<Cylinder>(o);
+            const Vec3 across = tube.axis.cross(other.axis).normalized();
+            return std::abs(across.dot(tube.point - other.point)) > tube.radius + other.radius + 0.02;
+        });
+        if (is_clear) tubes.push_back(tube);
+    }
+    return tubes;
+}
+
+void check_measures(const Cell& cell) {
+    const CompleteMeasures m = complete_measures(cell.scene);
+    CHECK(std::abs(cell.measures.volume - m.volume) <= cell.measures.volume_error + m.volume_error);
+    CHECK(std::abs(cell.measures.area - m.area) <= cell.measures.area_error + m.area_error);
+    CHECK(cell.measures.volume_error <= 5e-2);
+    std::map<std::uint32_t, std::array<double, 2>> areas;
+    for (const CellFace& f : cell.faces)
+        if (f.site.is_object()) {
+            areas[f.site.index][0] += f.area;
+            areas[f.site.index][1] += f.area_error;
+        }
+    for (const auto& n : m.neighbors) {
+        REQUIRE(areas.contains(n.object));
+        CHECK(std::abs(areas[n.object][0] - n.area) <= areas[n.object][1] + n.area_error + 1e-9);
+    }
+}
+
+void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64& rng) {
+    std::uniform_real_distribution<double> unit(0, 10);
+    const double radius = std::get<Cylinder>(cell.scene.base).radius;
+    for (int i = 0; i < 60; ++i) {
+        const double x = unit(rng), y = unit(rng), z = unit(rng);
+        const Vec3 p(x, y, z);
+        const double ahead = lead(cell.scene, p);
+        if (std::abs(ahead) < 0.05 || std::abs(distance(cell.scene.base, p)) < 0.01 + radius) continue;
+        CAPTURE(p.transpose());
+        CHECK(winding(mesh, p) == doctest::Approx(ahead > 0 ? 1 : 0).epsilon(1e-6));
+    }
+}
+
+void check_cell(const Cell& cell, std::mt19937_64& rng) {
+    REQUIRE(cell.is_complete);
+    check_measures(cell);
+    MeshOptions options;
+    options.closed = true;
+    options.chord = 0.01;
+    const CellMesh mesh = tessellate(cell, options);
+    CHECK(is_closed(mesh));
+    CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(0.01));
+    check_points(cell, mesh, rng);
+    for (const Vec3& p : mesh.points) {
+        CHECK(p.minCoeff() > -*options.chord);
+        CHECK(p.maxCoeff() < 10 + *options.chord);
+    }
+}
+
+/// The volume of the complete cells, and their bounds together.
+std::array<double, 2> tile(const std::vector<Object>& objects, std::mt19937_64& rng) {
+    std::array<double, 2> sum{};
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+        CAPTURE(i);
+        const Cell cell = complete_cell(scene_of(objects, i));
+        check_cell(cell, rng);
+        sum[0] += cell.measures.volume;
+        sum[1] += cell.measures.volume_error;
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("complete tubes: random oblique tubes tile their box") {
+    std::mt19937_64 rng(test_seed());
+    const int tubes = rounds() > 1 ? 30 : 8;
+    for (int i = 0; i < rounds(); ++i) {
+        const auto [volume, bound] = tile(random_tubes(rng, tubes, 0.15), rng);
+        CHECK(std::abs(volume - 1000) <= bound + 1e-9);
+        CHECK(bound <= 1e-2);
+    }
+}
+
+TEST_CASE("complete tubes: thick ones tile their box, too") {
+    std::mt19937_64 rng(test_seed());
+    for (int i = 0; i < 2 * rounds(); ++i) {
+        const auto [volume, bound] = tile(random_tubes(rng, 5, 0.6), rng);
+        CHECK(std::abs(volume - 1000) <= bound + 1e-9);
+    }
+}
+
+TEST_CASE("complete tubes: in small integers they tile their box") {
+    std::mt19937_64 rng(test_seed());
+    const auto [volume, bound] = tile({Cylinder{{0, 0, 0}, {1, 2, 3}, 1}, Cylinder{{8, 0, 2}, {1, -2, 2}, 1},
+                                       Cylinder{{0, 8, 0}, {2, 1, 3}, 0}},
+                                      rng);
+    CHECK(std::abs(volume - 1000) <= bound + 1e-9);
+}
+
+TEST_CASE("complete tubes: among balls and planes, and with the axis beside the box") {
+    std::mt19937_64 rng(test_seed());
+    Scene scene;
+    scene.box = cube;
+    scene.base = Cylinder{{5, 4, 5}, {1, 2, 3}, 0.5};
+    scene.objects = {Sphere{{8, 2, 5}, 1}, Sphere{{2, 8, 4}, 0.5}, Cylinder{{1, 1, 0}, {1, -1, 2}, 0.25}};
+    check_cell(complete_cell(scene), rng);
+    scene.base = Cylinder{{-1, 5, 5}, {0.05, 3, 4}, 0.25};
+    check_cell(complete_cell(scene), rng);
+}
+
+TEST_CASE("complete tubes: through edges and corners of the box, along its sides and beside it") {
+    std::mt19937_64 rng(test_seed());
+    const Cylinder other{{6, 5, 3}, {1, -2, 2}, 0.5};
+    for (const Cylinder& tube : {
+             Cylinder{{10, 0, 0}, {-1, 2, 2}, 0.25},  // through a corner
+             Cylinder{{0, 0, 0}, {1, 1, 1}, 0.25},    // through two
+             Cylinder{{0, 0, 4}, {1, 2, 3}, 0.25},    // through an edge
+             Cylinder{{5, 5, 5}, {1, 1, 0}, 0.25},    // through two
+             Cylinder{{5, 5, 5}, {1, 2, 2}, 0},       // through two
+             Cylinder{{4, 5, 5}, {3, 4, 0}, 0.5},     // along two sides
+             Cylinder{{5, 5, 5}, {1e-9, 3, 4}, 0.5},  // all but along two
+             Cylinder{{-1, 5, 5}, {0, 3, 4}, 1},      // touches a side from outside
+             Cylinder{{-1, -2, 3}, {1, -2, 2}, 0.5},  // meets the box nowhere
+         }) {
+        CAPTURE(tube.point.transpose());
+        CAPTURE(tube.axis.transpose());
+        const auto [volume, bound] = tile({tube, other}, rng);
+        CHECK(std::abs(volume - 1000) <= bound + 1e-9);
+    }
+}
+
+TEST_CASE("complete tubes: where the axis lies on a side of the box they are refused") {
+    Scene scene;
+    scene.box = cube;
+    scene.base = Cylinder{{0, 5, 5}, {0, 1, 1}, 0.25};
+    scene.objects = {Cylinder{{6, 5, 3}, {1, -2, 2}, 0.5}};
+    CHECK_THROWS_AS(complete_cell(scene), UndecidedError);
+}
+
+TEST_CASE("complete tubes: along an axis of the box they stay as they are") {
+    Scene scene;
+    scene.box = cube;
+    scene.base = Cylinder{{5, 4, 5}, {0, 0, 1}, 0.5};
+    scene.objects = {Sphere{{8, 2, 5}, 1}};
+    const Cell cell = complete_cell(scene);
+    CHECK_FALSE(cell.is_complete);
+    CHECK(cell.measures.volume == voronoi_cell(scene).measures.volume);
+}
+
+TEST_CASE("complete tubes: files hold them, pictures show them, and they are left open by the check") {
+    std::mt19937_64 rng(test_seed());
+    const Cell cell = complete_cell(scene_of(random_tubes(rng, 4, 0.3), 0));
+    std::stringstream file;
+    write_cell(file, cell);
+    const Cell read = parse_cell(file.str());
+    CHECK(read.is_complete);
+    std::stringstream again;
+    write_cell(again, read);
+    CHECK(again.str() == file.str());
+    const Certificate certificate = certify(cell);
+    CHECK(certificate.count(Verdict::refuted) == 0);
+    CHECK(std::ranges::any_of(certificate.elements, [](const Element& e) {
+        return e.where == "cell" && e.verdict == Verdict::open;
+    }));
+    std::stringstream picture;
+    write_svg(picture, cell);
+    CHECK(picture.str().find("class=\"face") != std::string::npos);
+}
