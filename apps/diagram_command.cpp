@@ -29,9 +29,9 @@ std::string axes_complaint(const std::string& text) {
 }
 // "z=0.5"
 std::string cut_complaint(const std::string& text) {
-    const bool is_plane = text.size() > 2 && text[0] >= 'x' && text[0] <= 'z' && text[1] == '=' &&
+    const bool is_known = text.size() > 2 && text[0] >= 'x' && text[0] <= 'z' && text[1] == '=' &&
                           number_complaint(text.substr(2)).empty();
-    return is_plane ? "" : fmt::format("must be like z=0.5, is {}", printable(text));
+    return is_known ? "" : fmt::format("must be like z=0.5, is {}", printable(text));
 }
 std::string threads_complaint(const std::string& text) { return text == "0" ? "" : count_complaint(text); }
 

@@ -88,15 +88,15 @@ void drop_isolated_vertices(Cell& cell) {
     throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe", what);
 }
 
-void validate_probe(const Scene& scene, const CellOptions& options) {
+void validate_probe(const CellOptions& options) {
     const double probe = *options.probe;
     if (!(probe > 0) || !std::isfinite(probe))
         throw InputError(InputError::Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
-    if (!std::holds_alternative<Sphere>(scene.base)) fail_probe("is around balls: the base is none");
     if (options.patches) fail_probe("makes a cap, which has no patches (CellOptions::patches)");
 }
 
 PlaneBaseProblem plane_problem(const Scene& scene, double unit, const CellOptions& options) {
+    if (options.probe) fail_probe("is around balls: the base is none");
     if (options.complete)
         if (auto problem = complete_plane_base_problem(scene, unit)) return *std::move(problem);
     return plane_base_problem(scene, unit);
@@ -205,7 +205,7 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     Stopwatch watch;
     report("bisectors", 0);
     validate(scene);
-    if (options.probe) validate_probe(scene, options);
+    if (options.probe) validate_probe(options);
     DecidedScene decided = decide(scene);
     const Problem problem = steps.problem(decided.scene, decided.unit, options);
     report("bisectors", 1);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <variant>
 
+#include "../../core/errors.hpp"
 #include "../bisectors/bisector.hpp"
 #include "../forms/crossing.hpp"
 #include "cylinder_base.hpp"
@@ -16,6 +17,9 @@ namespace vcell {
 RadialBaseProblem radial_base_problem(const Scene& scene, double unit, std::optional<double> probe) {
     if (const auto* sphere = std::get_if<Sphere>(&scene.base))
         return sphere_base_problem(scene, *sphere, unit, probe);
+    if (probe)
+        throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe",
+                         "is around balls: the base is none");
     return cylinder_base_problem(scene, std::get<Cylinder>(scene.base), unit);
 }
 
