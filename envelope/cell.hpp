@@ -110,12 +110,14 @@ struct Cell {
     Measures measures;
     Report report;
     /// Are the faces all of the boundary, sides of the box through which rays come in included
-    /// (CellOptions::complete)? Otherwise they stand over what the box holds of the base.
+    /// (CellOptions::complete)? Around a tube they come in parts, each with ends (complete_tube.hpp).
+    /// Otherwise they stand over what the box holds of the base.
     bool is_complete = false;
 };
 
-/// Is it a face through which the base's rays come into a complete cell? Others stand over the base, these
-/// are seen against its normals' sense.
+/// Is it a face through which a base plane's rays come into a complete cell? Others stand over the base,
+/// these are seen against its normals' sense. (Around a tube rays may come in through one part of a side and
+/// leave through another one.)
 bool is_entered(const Cell& cell, const CellFace& face);
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
