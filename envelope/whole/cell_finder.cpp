@@ -240,7 +240,17 @@ private:
     void find_ball_cell(std::optional<Cell>* kept) {
         const Sphere& base = decided_.ball(object_);
         const Box room = decided_.room(object_);
-        gather(bound(base, room));
+        CellBound bound = this->bound(base, room);
+        gather(bound);
+        // On the surface of a packing the nearest balls leave much of the room to a cell: what was found then
+        // bounds it better.
+        constexpr std::size_t crowd = 192;
+        if (candidates_.size() > crowd) {
+            for (const Candidate& c : candidates_)
+                if (c.other == nullptr) bound.add(c.ball);
+            bound.settle(width_);
+            gather(bound);
+        }
         CellOptions options;
         options.probe = decided_.scene().probe;
         options.patches = kept != nullptr && !options.probe;
@@ -286,7 +296,8 @@ private:
                 last = std::max(last, distance);
             }
         }
-        bound.settle(narrow * last);
+        width_ = narrow * last;
+        bound.settle(width_);
         return bound;
     }
 
@@ -422,6 +433,7 @@ private:
     const DecidedDiagram& decided_;
     const std::uint32_t object_;
     std::vector<Candidate> candidates_;
+    double width_ = 0;  // of the parts of directions that bound a cell
     DiagramCell result_;
 };
 
