@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../core/curves/reversed_curve.hpp"
 #include "../../core/errors.hpp"
 #include "../../primitives/objects/message.hpp"
 #include "../measures/measures.hpp"
@@ -117,14 +118,6 @@ public:
     std::vector<std::uint32_t> vertices, edges;
 };
 
-template <int Dim>
-void reverse(RationalCurve<Dim>& curve) {
-    std::reverse(curve.points.begin(), curve.points.end());
-    const double sum = curve.domain_begin() + curve.domain_end();
-    std::reverse(curve.knots.begin(), curve.knots.end());
-    for (double& knot : curve.knots) knot = sum - knot;
-}
-
 // u for v and v for u.
 void mirror(RationalCurve2& curve) {
     for (auto& p : curve.points) std::swap(p[0], p[1]);
@@ -226,7 +219,7 @@ private:
             std::erase(edge.extra_sites, Site::base());
             if (part == 0) continue;
             std::reverse(edge.vertices.begin(), edge.vertices.end());
-            reverse(edge.curve);
+            edge.curve = reversed(std::move(edge.curve));
         }
     }
 
@@ -256,7 +249,7 @@ private:
         if (trim.edge) trim.edge = edges_[0][*trim.edge];
     }
 
-    // Of a face above that is none of the cell's.
+    // The floor's trims are made of those of the roof's faces, of this one, too, though the cell has it not.
     void note_trims(const MinimizationDiagram& d, CellFace& face) {
         for (TrimmedPatch& patch : face.patches)
             for (auto& loop : patch.loops)
@@ -278,13 +271,13 @@ private:
             // Another one than the roof's, and turned: its error has room for the rounding of the image.
             CellEdge& edge = result_.cell.edges[number];
             trim = {number, std::nullopt, !is_right_of_[number], image_on(surface, edge.curve)};
-            if (trim.reversed) reverse(trim.curve);
+            if (trim.reversed) trim.curve = reversed(std::move(trim.curve));
             double size = 0;
             for (const Eigen::Vector4d& p : edge.curve.points) size = std::max(size, p.head<3>().norm());
             edge.error += 0x1p-48 * size;
         } else {
             trim.edge = number;
-            reverse(trim.curve);
+            trim.curve = reversed(std::move(trim.curve));
             mirror(trim.curve);
         }
     }
@@ -303,7 +296,8 @@ private:
         m.min_clearance = m.min_clearance_error = 0;
     }
 
-    // Of a tube what its body and its ends add to the measures is the caller's.
+    // Measures are those of the faces alone: a tube's body and ends are added by the caller, who knows its
+    // parts.
     void add_measures_of_part() {
         const Measures& floor = floor_.cell.measures;
         Measures& m = result_.cell.measures;

@@ -240,7 +240,7 @@ private:
     void find_ball_cell(std::optional<Cell>* kept) {
         const Sphere& base = decided_.ball(object_);
         const Box room = decided_.room(object_);
-        CellBound bound = this->bound(base, room);
+        CellBound bound = bound_by_nearest(base, room);
         gather(bound);
         // On the surface of a packing the nearest balls leave much of the room to a cell: what was found then
         // bounds it better.
@@ -272,7 +272,7 @@ private:
     }
 
     // The nearest balls bound the cell, most of the time nearly as well as all of them.
-    CellBound bound(const Sphere& base, const Box& room) {
+    CellBound bound_by_nearest(const Sphere& base, const Box& room) {
         constexpr std::size_t first_candidates = 28;
         // Balls of sectors are narrowed to this part of where the last of them is.
         constexpr double narrow = 0.375;

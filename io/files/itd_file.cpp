@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
+#include <fmt/ranges.h>
 
-#include <charconv>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -52,17 +52,6 @@ void write_surface(std::ostream& out, const RationalPatch& patch) {
     out << "]\n";
 }
 
-// "#77aadd" as "119,170,221".
-std::string decimal(std::string_view colour) {
-    std::string text;
-    for (std::size_t at = 1; at < colour.size(); at += 2) {
-        int channel = 0;
-        std::from_chars(colour.data() + at, colour.data() + at + 2, channel, 16);
-        text += fmt::format("{}{}", text.empty() ? "" : ",", channel);
-    }
-    return text;
-}
-
 }  // namespace
 
 void write_itd(std::ostream& out, const Cell& cell) {
@@ -73,8 +62,8 @@ void write_itd(std::ostream& out, const Cell& cell) {
             face.site.is_object() ? palette()[colours.at(face.site.index)] : std::string_view("#dddddd");
         for (std::size_t p = 0; p < face.patches.size(); ++p) {
             const TrimmedPatch& patch = face.patches[p];
-            fmt::print(out, "[OBJECT [RGB \"{}\"] [neighbor \"{}\"] FACE{}_{}\n[TRIMSRF\n", decimal(colour),
-                       to_string(face.site), f, p);
+            fmt::print(out, "[OBJECT [RGB \"{}\"] [neighbor \"{}\"] FACE{}_{}\n[TRIMSRF\n",
+                       fmt::join(channels(colour), ","), to_string(face.site), f, p);
             write_surface(out, patch.surface);
             for (const auto& loop : patch.loops) {
                 out << "[TRIMCRV\n";

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <ostream>
 #include <string>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../core/curves/reversed_curve.hpp"
 #include "../../core/errors.hpp"
 #include "../pictures/site_style.hpp"
 
@@ -43,15 +43,6 @@ std::string references(const std::vector<int>& ids) {
 }
 
 std::string_view flag(bool is) { return is ? ".T." : ".F."; }
-
-// The same curve from its end to its start.
-RationalCurve2 reversed(RationalCurve2 curve) {
-    std::ranges::reverse(curve.points);
-    const double sum = curve.domain_begin() + curve.domain_end();
-    std::ranges::reverse(curve.knots);
-    for (double& knot : curve.knots) knot = sum - knot;
-    return curve;
-}
 
 class StepFile {
 public:
@@ -218,13 +209,9 @@ private:
     }
 
     void colour(int face, std::string_view colour) {
-        std::array<double, 3> rgb{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            int channel = 0;
-            std::from_chars(colour.data() + 1 + 2 * k, colour.data() + 3 + 2 * k, channel, 16);
-            rgb[k] = channel / 255.0;
-        }
-        const int c = add("COLOUR_RGB('',{},{},{})", real(rgb[0]), real(rgb[1]), real(rgb[2]));
+        const std::array<int, 3> rgb = channels(colour);
+        const int c =
+            add("COLOUR_RGB('',{},{},{})", real(rgb[0] / 255.0), real(rgb[1] / 255.0), real(rgb[2] / 255.0));
         const int fill = add("FILL_AREA_STYLE('',(#{}))", add("FILL_AREA_STYLE_COLOUR('',#{})", c));
         const int side = add("SURFACE_SIDE_STYLE('',(#{}))", add("SURFACE_STYLE_FILL_AREA(#{})", fill));
         const int style =

@@ -92,11 +92,9 @@ void write_obj(std::ostream& stream, const Cell& cell, const CellMesh& mesh,
 }
 
 void write_material(std::ostream& stream, const std::string& name, std::string_view colour) {
-    const auto channel = [&](std::size_t i) {
-        return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16) / 255.0;
-    };
-    Output(stream).print(FMT_COMPILE("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\n"), name, channel(0), channel(1),
-                         channel(2));
+    const auto [red, green, blue] = channels(colour);
+    Output(stream).print(FMT_COMPILE("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\n"), name, red / 255.0,
+                         green / 255.0, blue / 255.0);
 }
 
 void write_mtl(std::ostream& stream, const Cell& cell) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <set>
 #include <utility>
 #include <vector>
@@ -14,6 +15,15 @@ constexpr std::array<std::string_view, 8> colours{"#77aadd", "#ee8866", "#eedd88
 }
 
 std::span<const std::string_view> palette() { return colours; }
+
+std::array<int, 3> channels(std::string_view colour) {
+    std::array<int, 3> rgb{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const char* digits = colour.data() + 1 + 2 * k;
+        std::from_chars(digits, digits + 2, rgb[k], 16);
+    }
+    return rgb;
+}
 
 // Take away an object of smallest remaining degree until none is left; colour in the opposite order.
 // A planar graph always has a vertex of degree 5 at most, so each object then meets at most five colours.

@@ -1,6 +1,7 @@
 /// How sites look and are called in pictures, the same in every format.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -14,6 +15,9 @@ namespace vcell {
 /// Eight light colours as "#rrggbb" that stay apart for colour-blind readers (Paul Tol's "light" scheme,
 /// its grey left to the box).
 std::span<const std::string_view> palette();
+
+/// Red, green and blue, 0 to 255, of "#rrggbb".
+std::array<int, 3> channels(std::string_view colour);
 
 /// A colour of palette() for every object that owns a face. Objects whose faces share an edge differ
 /// wherever greedy colouring by last-smallest degree manages with eight colours: always, if the
