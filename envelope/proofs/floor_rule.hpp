@@ -19,6 +19,7 @@
 
 #include "../../core/numbers/interval.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "dominated.hpp"
 
 namespace vcell {
 
@@ -46,8 +47,8 @@ public:
         return !is_any_ || std::ranges::none_of(forms, [&](FormId f) { return is_of_floor_[f.value]; });
     }
 
-    /// Of three forms that tie in a vertex and have gradients that turn one way: do they follow each other
-    /// around it the other way round than the lowest ones of three do? Of the six orders of three values that
+    /// Do three forms that tie in a vertex, with gradients that turn one way, follow each other around it the
+    /// other way round than the lowest ones of three do? Of the six orders of three values that
     /// follow each other around the vertex the lowest, and the greatest, of the three owns two each. Where a
     /// form is hidden by the greatest, or the least, of the two of the other kind, it shows in four and each
     /// of these in one of the two that are left, in the other succession.
@@ -56,9 +57,11 @@ public:
         return of_floor == (is_below_ ? 2 : 1);
     }
 
-    /// Leaves out what certainly shows nowhere; above(a, b): is a certainly above b?
+    /// Leaves out what certainly shows nowhere; above(a, b): is a certainly above b? Without a floor what is
+    /// above another one.
     template <class Items, class Form, class Above>
     void drop_hidden(Items& items, Form&& form, Above&& above) const {
+        if (!is_any_) return drop_dominated(items, above);
         const auto floor = [&](const auto& i) { return is_of_floor(form(i)); };
         std::vector<char> hidden(items.size(), false);
         bool is_floor_higher = false;

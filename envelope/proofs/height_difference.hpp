@@ -16,7 +16,8 @@ struct HeightDifference {
     HeightCurvature<Interval> curvature;  // all over the box
     Interval dx, dy;                      // the box less its middle
 
-    // Of a and b, given at the middle and all over the box.
+    // This is a - b, whose jets are those at the middle; `over` is the difference of curvatures all over the
+    // box.
     HeightDifference(const HeightJet<Interval>& a, const HeightJet<Interval>& b,
                      const HeightCurvature<Interval>& over, const Interval& x, const Interval& y)
         : v(a.v - b.v), gx(a.gx - b.gx), gy(a.gy - b.gy), curvature(over), dx(x), dy(y) {}

@@ -42,7 +42,8 @@ void MixedAnalysis::bend(const std::array<double, 4>& box, std::vector<Spread>& 
         s.bend = {heights_.jet(s.form, mx, my), heights_.curvature(s.form, X, Y), X - mx, Y - my};
 }
 
-// Of a - b over the box. Pre: both are bent.
+// The gradient of a - b over the box, of which `over` is known, made narrower by second derivatives. Pre:
+// both are bent.
 std::array<Interval, 2> MixedAnalysis::bent_gradient(const std::array<Interval, 2>& over, const Spread& a,
                                                      const Spread& b) {
     const auto &p = *a.bend, &q = *b.bend;
@@ -141,20 +142,12 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box,
 // As cull(), by Taylor's formula about the middle. Pre: bend() was called.
 void MixedAnalysis::cull_by_curvature(Work& work) {
     const std::size_t before = work.rivals.size();
-    const auto certainly_above = [](const Spread& a, const Spread& b) {
-        const auto &p = *a.bend, &q = *b.bend;
-        const Interval bend = (p.curvature.xx - q.curvature.xx) * square(p.dx) +
-                              2.0 * ((p.curvature.xy - q.curvature.xy) * p.dx * p.dy) +
-                              (p.curvature.yy - q.curvature.yy) * square(p.dy);
-        return (p.middle.v - q.middle.v + (p.middle.gx - q.middle.gx) * p.dx +
-                (p.middle.gy - q.middle.gy) * p.dy + 0.5 * bend)
-                   .lower() > 0;
-    };
-    if (rule_.is_any())
-        rule_.drop_hidden(
-            work.rivals, [](const Spread& s) { return s.form; }, certainly_above);
-    else
-        drop_dominated(work.rivals, certainly_above);
+    rule_.drop_hidden(
+        work.rivals, [](const Spread& s) { return s.form; },
+        [](const Spread& a, const Spread& b) {
+            const HeightDifference d = Work::difference(a, b);
+            return d.value(d.dx, d.dy).lower() > 0;
+        });
     decisions_.by_interval += before - work.rivals.size();
     if (work.rivals.size() < before) work.is_divided = false;
 }
@@ -256,11 +249,8 @@ void MixedAnalysis::cull_sharply(Work& work) {
         const auto [gx, gy] = work.gradient(*a.spread, *b.spread);
         return ((a.v - b.v).enclosure() - gx.magnitude() * rx - gy.magnitude() * ry).lower() > 0;
     };
-    if (rule_.is_any())
-        rule_.drop_hidden(
-            items, [](const Item& i) { return i.spread->form; }, certainly_above);
-    else
-        drop_dominated(items, certainly_above);
+    rule_.drop_hidden(
+        items, [](const Item& i) { return i.spread->form; }, certainly_above);
     decisions_.by_multiprecision += work.rivals.size() - items.size();
     std::vector<Spread> kept;
     for (const Item& i : items) kept.push_back(*i.spread);

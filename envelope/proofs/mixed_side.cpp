@@ -292,11 +292,8 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
                     Interval((a.slope - b.slope).magnitude()) * Interval(r))
                        .lower() > 0;
         };
-        if (rule_.is_any())
-            rule_.drop_hidden(
-                sharp, [](const SharpItem& i) { return i.form; }, sharply_above);
-        else
-            drop_dominated(sharp, sharply_above);
+        rule_.drop_hidden(
+            sharp, [](const SharpItem& i) { return i.form; }, sharply_above);
         decisions_.by_multiprecision += items.size() - sharp.size();
         items.assign(sharp.begin(), sharp.end());
     }

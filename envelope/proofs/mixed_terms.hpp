@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "dominated.hpp"
 #include "mixed_piece.hpp"
 
 namespace vcell {
@@ -37,19 +38,6 @@ inline bool is_point(Interval i) { return i.lower() == i.upper(); }
 
 // Bounds the distance of all points of a box from its middle.
 inline double reach(Interval x, Interval y) { return Interval::up(std::hypot(x.radius(), y.radius())); }
-
-// Removes what is certainly above another one: v at the middle, slopes times half the extent on both sides.
-template <class Items, class Above>
-void drop_dominated(Items& items, Above&& certainly_above) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        bool above = false;
-        for (std::size_t j = 0; j < items.size() && !above; ++j)
-            above = j != i && certainly_above(items[i], items[j]);
-        if (!above) std::swap(items[kept++], items[i]);
-    }
-    items.resize(kept);
-}
 
 // More items than this are not compared with each other: pairs would take longer than what they spare.
 inline constexpr std::size_t most_compared_in_pairs = 16;
