@@ -19,20 +19,15 @@
 #include "../../io/files/cell_file.hpp"
 #include "../../io/pictures/mesh.hpp"
 #include "../../io/pictures/svg.hpp"
+#include "../random_tubes.hpp"
 #include "../test_support.hpp"
-#include "closed_meshes.hpp"
+#include "complete_checks.hpp"
 
 using namespace vcell;
 
 namespace {
 
 const Box cube{Vec3::Zero(), Vec3::Constant(10)};
-
-Cell complete_cell(const Scene& scene) {
-    CellOptions options;
-    options.complete = true;
-    return voronoi_cell(scene, options);
-}
 
 Scene scene_of(const std::vector<Object>& objects, std::size_t base) {
     Scene scene;
@@ -59,45 +54,6 @@ double lead(const Scene& scene, const Vec3& p) {
     return least;
 }
 
-std::vector<Object> random_tubes(std::mt19937_64& rng, std::size_t count, double most_radius) {
-    std::uniform_real_distribution<double> coordinate(0, 10), component(-1, 1), radius(0, most_radius);
-    std::vector<Object> tubes;
-    while (tubes.size() < count) {
-        const auto random = [&](auto& from) {
-            const double x = from(rng), y = from(rng), z = from(rng);
-            return Vec3(x, y, z);
-        };
-        const Vec3 point = random(coordinate), axis = random(component);
-        const Cylinder tube{point, axis, radius(rng)};
-        const bool is_clear = std::ranges::all_of(tubes, [&](const Object& o) {
-            const auto& other = std::get<Cylinder>(o);
-            const Vec3 across = tube.axis.cross(other.axis).normalized();
-            return std::abs(across.dot(tube.point - other.point)) > tube.radius + other.radius + 0.02;
-        });
-        if (is_clear) tubes.push_back(tube);
-    }
-    return tubes;
-}
-
-void check_measures(const Cell& cell) {
-    const CompleteMeasures m = complete_measures(cell.scene);
-    CHECK(std::abs(cell.measures.volume - m.volume) <= cell.measures.volume_error + m.volume_error);
-    CHECK(std::abs(cell.measures.area - m.area) <= cell.measures.area_error + m.area_error);
-    CHECK(cell.measures.volume_error <= 5e-2);
-    std::map<std::uint32_t, std::array<double, 2>> areas;
-    for (const CellFace& f : cell.faces)
-        if (f.site.is_object()) {
-            areas[f.site.index][0] += f.area;
-            areas[f.site.index][1] += f.area_error;
-        }
-    for (const auto& n : m.neighbors) {
-        REQUIRE(areas.contains(n.object));
-        // What parts leave out between them is in the bound of all of the area.
-        CHECK(std::abs(areas[n.object][0] - n.area) <=
-              areas[n.object][1] + n.area_error + cell.measures.area_error);
-    }
-}
-
 void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64& rng) {
     std::uniform_real_distribution<double> unit(0, 10);
     const double radius = std::get<Cylinder>(cell.scene.base).radius;
@@ -113,17 +69,13 @@ void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64& rng) 
 
 void check_cell(const Cell& cell, std::mt19937_64& rng) {
     REQUIRE(cell.is_complete);
-    check_measures(cell);
-    MeshOptions options;
-    options.closed = true;
-    options.chord = 0.01;
-    const CellMesh mesh = tessellate(cell, options);
-    CHECK(is_closed(mesh));
-    CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(0.01));
+    CHECK(cell.measures.volume_error <= 5e-2);
+    check_complete_measures(cell, complete_measures(cell.scene), cell.measures.area_error);
+    const CellMesh mesh = checked_mesh(cell);
     check_points(cell, mesh, rng);
     for (const Vec3& p : mesh.points) {
-        CHECK(p.minCoeff() > -*options.chord);
-        CHECK(p.maxCoeff() < 10 + *options.chord);
+        CHECK(p.minCoeff() > -chord);
+        CHECK(p.maxCoeff() < 10 + chord);
     }
 }
 
