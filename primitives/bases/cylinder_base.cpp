@@ -83,7 +83,9 @@ struct CylinderFrame {
         }
         const auto bundle =
             std::ranges::find_if(leaning, [](const auto& known) { return known.second >= fewest; });
-        return bundle == leaning.end() ? own : bundle->first;
+        if (bundle == leaning.end()) return own;
+        // A tube's axis points to either side, that of the base to end:+.
+        return bundle->first.dot(own) < 0 ? Vec3(-bundle->first) : bundle->first;
     }
     // A cosine of pi/2 in a direction that was turned in doubles is no lean: the base would end on sides of
     // the box that it runs along. The base turns with its frame anyhow, by about as much, and `turn` counts

@@ -172,8 +172,12 @@ TEST_CASE("ties: around a tube of a square bundle that was turned in doubles fou
         const Vec3 axis = Vec3(normal(rng), normal(rng), normal(rng)).normalized();
         const Eigen::Matrix3d frame = rotation_from_z(axis).toRotationMatrix();
         const double radius = i % 2 == 0 ? 0.2 : 0;
+        const Vec3 own = i % 3 == 0 ? Vec3(-axis) : axis;  // the base may point against its bundle
         const Cell cell = check_decided_around(
-            scene_around(Cylinder{Vec3::Zero(), axis, radius}, 2, square_bundle(frame, radius)));
+            scene_around(Cylinder{Vec3::Zero(), own, radius}, 2, square_bundle(frame, radius)));
+        for (const CellVertex& v : cell.vertices)
+            for (const Site site : v.sites)
+                if (site.kind == Site::Kind::End) CHECK((own.dot(v.point) > 0) == (site.index == 1));
         CHECK(cell.report.moved > 0);
         CHECK(cell.report.moved < 1e-13);
         std::set<Site> extra;
