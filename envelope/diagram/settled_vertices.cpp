@@ -9,6 +9,7 @@
 #include "../../core/numbers/exact.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../core/solver/newton/kantorovich.hpp"
+#include "chart_arc.hpp"
 
 namespace vcell {
 
@@ -16,10 +17,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Is such an error next to nothing against the numbers themselves? Any larger one is worth exact residuals.
+// Is such an error next to nothing against the numbers themselves, also where it is lifted, which takes it
+// times the steepest slope? Any larger one is worth exact residuals.
 constexpr double enough_digits = 0x1p-33;
-bool is_point_settled(const MinimizationDiagram::Vertex& v, double error) {
-    return error <= enough_digits * (std::abs(v.point.x()) + std::abs(v.point.y()));
+bool is_point_settled(const MinimizationDiagram::Vertex& v, double error, double slope) {
+    return error * (1 + slope) <= enough_digits * (std::abs(v.point.x()) + std::abs(v.point.y()));
 }
 bool is_height_settled(const MinimizationDiagram::Vertex& v) {
     return v.height_error <= enough_digits * std::abs(v.height);
@@ -87,8 +89,14 @@ class Settler {
 public:
     Settler(const FormFamily& family, MinimizationDiagram& diagram) : family_(family), diagram_(diagram) {}
 
+    bool is_settled(VertexId v) const {
+        const MinimizationDiagram::Vertex& vertex = diagram_.vertices[v];
+        return is_point_settled(vertex, vertex.error, steepest(v));
+    }
+
     void settle(VertexId v) {
         MinimizationDiagram::Vertex& vertex = diagram_.vertices[v];
+        const double slope = steepest(v);
         const auto forms = diagram_.label(v);
         if (forms.empty() || !std::ranges::all_of(forms, [&](FormId f) { return diagram_.is_circular(f); }))
             return;
@@ -101,7 +109,7 @@ public:
         }
         std::optional<Meeting> best;
         for (std::size_t i = 0; i < curves.size(); ++i)
-            for (std::size_t j = 0; j < i && !(best && is_point_settled(vertex, best->error)); ++j) {
+            for (std::size_t j = 0; j < i && !(best && is_point_settled(vertex, best->error, slope)); ++j) {
                 const auto found = meeting(curves[i], curves[j], vertex.point, vertex.error);
                 if (found && (!best || found->error < best->error)) best = found;
             }
@@ -119,6 +127,15 @@ public:
     }
 
 private:
+    // Of the circular heights that meet there, as doubles tell.
+    double steepest(VertexId v) const {
+        double slope = 0;
+        for (const FormId f : diagram_.label(v))
+            if (diagram_.is_circular(f))
+                slope = std::max(slope, gradient(diagram_.forms[f], diagram_.vertices[v].point).norm());
+        return slope;
+    }
+
     // By how much the height changes on the way to the true vertex: (2 K p + (A, B)) / W and K / W tell.
     static void set_height(MinimizationDiagram::Vertex& vertex, const ExactForm& f) {
         const Exact x(vertex.point.x()), y(vertex.point.y()), two(2.0);
@@ -145,9 +162,8 @@ private:
 void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram) {
     Settler settler(family, diagram);
     for (const VertexId v : diagram.vertices.ids()) {
-        const MinimizationDiagram::Vertex& vertex = diagram.vertices[v];
-        if (!is_point_settled(vertex, vertex.error)) settler.settle(v);
-        if (!is_height_settled(vertex)) settler.settle_height(v);
+        if (!settler.is_settled(v)) settler.settle(v);
+        if (!is_height_settled(diagram.vertices[v])) settler.settle_height(v);
     }
 }
 

@@ -288,6 +288,20 @@ bool MixedAnalysis::join_changes(Work& work) {
     return join_all(work, {});
 }
 
+// Is an error of a place next to nothing, also where the place is lifted, which takes it times the steepest
+// slope?
+bool MixedAnalysis::is_well_known(const Vector2d& p, double error, std::span<const FormId> forms,
+                                  double extent) const {
+    constexpr double enough = 0x1p-33;
+    double slope = 0;
+    if (!supports_)
+        for (const FormId f : forms) {
+            const auto [height, gx, gy] = heights_.near(f, p.x(), p.y());
+            slope = std::max(slope, std::hypot(gx, gy));
+        }
+    return error * (1 + slope) <= enough * extent;
+}
+
 // The point inside in which three forms are equal, which is known to exist.
 bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>& forms,
                                   MixedPiece::Vertex& v) {
@@ -308,12 +322,14 @@ bool MixedAnalysis::locate_vertex(const Work& work, const std::array<FormId, 3>&
     };
     // Where the three all but touch, doubles tell them badly apart. Along tubes that are all but parallel
     // pieces are narrow across only.
-    constexpr double well_known = 0x1p-40;
+    constexpr double well_told = 0x1p-40;
     const MixedPiece::Vertex rough = v;
     const bool is_found = root && is_inside(),
                is_narrow = std::min(box[1] - box[0], box[3] - box[2]) <= node_width * work.extent;
-    const bool is_sharp = (is_found ? v.error > well_known * work.extent : is_narrow) &&
-                          settle_sharply(v, forms) && is_inside();
+    const bool is_sharp =
+        (is_found ? v.error > well_told * work.extent || !is_well_known(v.point, v.error, forms, work.extent)
+                  : is_narrow) &&
+        settle_sharply(v, forms) && is_inside();
     if (!is_sharp) v = rough;
     if (is_sharp || is_found) ++(is_sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     return is_sharp || is_found;

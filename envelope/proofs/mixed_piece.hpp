@@ -289,6 +289,8 @@ private:
                    std::vector<Change>& ends);
     void join_at_center(Work& work);
     enum class Inside { No, Yes, Unknown };
+    bool is_well_known(const Eigen::Vector2d& p, double error, std::span<const FormId> forms,
+                       double extent) const;
     bool locate_vertex(const Work& work, const std::array<FormId, 3>& forms, MixedPiece::Vertex& v);
     static bool leave_one_end(const Work& work, const std::array<FormId, 3>& forms);
     Inside find_vertex(const Work& work, std::array<FormId, 3> forms, MixedPiece::Vertex& out);

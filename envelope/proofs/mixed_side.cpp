@@ -202,23 +202,18 @@ RimTransition MixedAnalysis::locate_rise(const Line& line, double s0, double s1,
     }
     if (!found)
         found = narrow_by(heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]));
-    bool is_sharp = false;
-    if (!found) {
-        const auto slope = [&](const Interval& part) {
-            return line.slope_difference(heights_, before, after, part);
-        };
-        Interval root = enclose_zero(
-            Interval(lo, hi),
-            [&](const Interval& s) { return line.difference(heights_, before, after, s.lower()); }, slope);
-        is_sharp = root.width() > root_width * (s1 - s0);
-        if (is_sharp)
-            root = enclose_zero(
-                root,
-                [&](const Interval& s) { return line.sharp_difference(heights_, before, after, s.lower()); },
-                slope);
+    const auto enclose = [&](const auto& difference) {
+        const Interval root = enclose_zero(
+            Interval(lo, hi), [&](const Interval& s) { return difference(s.lower()); },
+            [&](const Interval& part) { return line.slope_difference(heights_, before, after, part); });
         lo = root.lower();
         hi = root.upper();
-    }
+    };
+    if (!found) enclose([&](double s) { return line.difference(heights_, before, after, s); });
+    const bool is_sharp = !(found || is_narrow()) ||
+                          !is_well_known({near[0].mid(), near[1].mid()}, hi - lo, std::array{before, after},
+                                         extent_at(stretch[0], stretch[1]));
+    if (is_sharp) enclose([&](double s) { return line.sharp_difference(heights_, before, after, s); });
     ++(is_sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     const IntervalPoint p = line.at(Interval(lo, hi));
     return {before, after, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}};

@@ -49,8 +49,14 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
     const Inside inside = work.where(X, Y);
     if (inside == Inside::No) return inside;
     if (inside == Inside::Unknown || !found.unique) return Inside::Unknown;
-    ++decisions_.by_interval;
-    out = {{X.mid(), Y.mid()}, reach(X, Y), forms[0], {}};
+    const MixedPiece::Vertex rough{{X.mid(), Y.mid()}, reach(X, Y), forms[0], {}};
+    out = rough;
+    const bool is_sharp =
+        !is_well_known(rough.point, rough.error, forms, work.extent) && settle_sharply(out, forms) &&
+        is_subset<Interval, 2>(
+            {Interval::ball(out.point.x(), out.error), Interval::ball(out.point.y(), out.error)}, root);
+    if (!is_sharp) out = rough;
+    ++(is_sharp ? decisions_.by_multiprecision : decisions_.by_interval);
     return Inside::Yes;
 }
 

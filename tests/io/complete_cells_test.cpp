@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
@@ -34,13 +35,15 @@ Vec3 random_direction(std::mt19937_64& rng) {
     return Vec3(x, y, z).normalized();
 }
 
-/// A plane through a box, and before it balls and up to two planes that lean against it by little.
-Scene random_scene(std::mt19937_64& rng, std::size_t balls, bool is_upright_on_a_side) {
+/// A plane through a box, and before it balls and up to two planes that lean against it by little. `lean` is
+/// what the plane's normal has of the normal of one of the sides, if it is given: of 0 the plane is upright
+/// on it.
+Scene random_scene(std::mt19937_64& rng, std::size_t balls, std::optional<double> lean) {
     std::uniform_real_distribution<double> unit(0, 1);
     Scene scene;
     scene.box = {Vec3::Zero(), Vec3(8, 9, 10)};
     Vec3 n = random_direction(rng);
-    if (is_upright_on_a_side) n[static_cast<Eigen::Index>(rng() % 3)] = 0;
+    if (lean) n[static_cast<Eigen::Index>(rng() % 3)] = *lean;
     n.normalize();
     const Vec3 size = scene.box.max - scene.box.min,
                p = scene.box.min + size.cwiseProduct(Vec3(0.3 + 0.4 * unit(rng), 0.3 + 0.4 * unit(rng),
@@ -59,8 +62,8 @@ Scene random_scene(std::mt19937_64& rng, std::size_t balls, bool is_upright_on_a
 }
 
 /// The same with tubes that run along the plane, or lean against it by little.
-Scene random_scene_with_tubes(std::mt19937_64& rng, std::size_t tubes) {
-    Scene scene = random_scene(rng, rng() % 4, false);
+Scene random_scene_with_tubes(std::mt19937_64& rng, std::size_t tubes, std::optional<double> lean = {}) {
+    Scene scene = random_scene(rng, rng() % 4, lean);
     const auto& base = std::get<Plane>(scene.base);
     std::uniform_real_distribution<double> unit(0, 1);
     const std::size_t all = scene.objects.size() + tubes;
@@ -133,7 +136,8 @@ TEST_CASE("complete cells: measures and points, closed meshes and proofs of rand
     std::mt19937_64 rng(test_seed());
     int with_floor = 0;
     for (int round = 0; round < 12 * rounds(); ++round) {
-        const Scene scene = random_scene(rng, 1 + rng() % 20, round % 3 == 0);
+        const Scene scene =
+            random_scene(rng, 1 + rng() % 20, round % 3 == 0 ? std::optional(0.0) : std::nullopt);
         CAPTURE(round);
         with_floor += check_cell(complete_cell(scene), rng);
     }
@@ -149,6 +153,17 @@ TEST_CASE("complete cells: measures and points, closed meshes and proofs of plan
         with_floor += check_cell(complete_cell(scene), rng);
     }
     CHECK(with_floor > 3 * rounds());
+}
+
+// Heights of the side along which the rays nearly run are steep: what vertices beside tubes are off by over
+// the base is that much more in the box.
+TEST_CASE("complete cells: bounds are tight where a plane among tubes is nearly upright on a side") {
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < 3 * rounds(); ++round) {
+        const Cell cell = complete_cell(random_scene_with_tubes(rng, 1 + rng() % 4, 0x1p-14));
+        CAPTURE(round);
+        check_certificate(cell);
+    }
 }
 
 namespace {
@@ -243,7 +258,7 @@ TEST_CASE("complete cells: two sides of planes and the balls between them fill t
     std::mt19937_64 rng(test_seed());
     int filled = 0;
     for (int attempt = 0; filled < 2 * rounds() && attempt < 40 * rounds(); ++attempt) {
-        const Scene scene = random_scene(rng, 8, false);
+        const Scene scene = random_scene(rng, 8, std::nullopt);
         std::vector<Object> all = scene.objects;
         all.push_back(scene.base);
         double volume = 0, bound = 0;
@@ -283,7 +298,7 @@ TEST_CASE("complete cells: two sides of planes and the balls between them fill t
 
 TEST_CASE("complete cells: files, pictures, refined vertices and changed scenes") {
     std::mt19937_64 rng(test_seed());
-    const Scene scene = random_scene(rng, 12, false);
+    const Scene scene = random_scene(rng, 12, std::nullopt);
     const Cell cell = complete_cell(scene);
     std::stringstream file, picture;
     write_cell(file, cell);
