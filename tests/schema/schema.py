@@ -1,0 +1,110 @@
+"""The schemas of docs/schema against the program: schema.py SCHEMAS PROGRAM FOLDER SCENES...
+
+What the program reads or writes is valid by the schema. What is damaged in one place is refused by both: every key
+left out, misspelt or of another type, every list with an item too few. Needs python3-jsonschema; exit status 77
+without it.
+"""
+import copy
+import json
+import pathlib
+import subprocess
+import sys
+
+try:
+    import jsonschema
+except ImportError:
+    print("python3-jsonschema is not installed")
+    sys.exit(77)
+
+
+def load(path):
+    return json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
+
+
+def validators(folder):
+    schemas = {name: load(folder / f"{name}.schema.json") for name in ("scene", "cell")}
+    store = {schema["$id"]: schema for schema in schemas.values()}
+    for schema in schemas.values():
+        jsonschema.Draft202012Validator.check_schema(schema)
+    return {
+        name: jsonschema.Draft202012Validator(s, resolver=jsonschema.RefResolver.from_schema(s, store=store))
+        for name, s in schemas.items()
+    }
+
+
+def damages(value, path=()):
+    """(where, a function that damages a document there) for every place of a document; of lists the first item."""
+    if isinstance(value, dict):
+        for key in value:
+            yield path + (key,), lambda parent, k=key: parent.pop(k)
+            yield path + (key,), lambda parent, k=key: parent.update({k + "s": parent.pop(k)})
+            yield path + (key,), lambda parent, k=key: parent.update({k: {"a": []}})
+            yield from damages(value[key], path + (key,))
+    elif isinstance(value, list) and value:
+        if isinstance(value[0], (int, float)):
+            yield path + (0,), lambda parent: parent.pop(0)
+        yield path + (0,), lambda parent: parent.__setitem__(0, {"a": []})
+        yield from damages(value[0], path + (0,))
+
+
+def damaged(document, path, damage):
+    changed = copy.deepcopy(document)
+    parent = changed
+    for step in path[:-1]:
+        parent = parent[step]
+    damage(parent)
+    return changed
+
+
+def agree(validator, document, reads, faults, what):
+    """Schema and program refuse the same damages."""
+    refused = 0
+    for path, damage in damages(document):
+        changed = damaged(document, path, damage)
+        by_schema, by_program = not validator.is_valid(changed), not reads(changed)
+        refused += by_schema
+        if by_schema != by_program:
+            faults.append(f"{what}: {path}: " + ("the schema alone refuses it" if by_schema else "the program alone does"))
+    return refused
+
+
+def main():
+    schemas, program, folder = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    folder.mkdir(parents=True, exist_ok=True)
+    valid = validators(schemas)
+    faults = []
+
+    def run(verb, path, *more):
+        return subprocess.run([program, verb, str(path), *more], capture_output=True, text=True, check=False).returncode
+
+    def reads(verb):
+        def read(document):
+            path = folder / "damaged.json"
+            path.write_text(json.dumps(document), encoding="utf-8")
+            return run(verb, path) != 2
+        return read
+
+    scenes = cells = refused = 0
+    for scene_path in sys.argv[4:]:
+        scene = load(scene_path)
+        scenes += 1
+        for error in valid["scene"].iter_errors(scene):
+            faults.append(f"{scene_path}: {list(error.path)}: {error.message}")
+        cell_path = folder / "cell.json"
+        if run("compute", scene_path, "-o", str(cell_path)) != 0:
+            faults.append(f"{scene_path}: no cell")
+            continue
+        cell = load(cell_path)
+        cells += 1
+        for error in valid["cell"].iter_errors(cell):
+            faults.append(f"cell of {scene_path}: {list(error.path)}: {error.message}")
+        if cells > 1:
+            continue
+        refused += agree(valid["scene"], scene, reads("measure"), faults, "scene")
+        refused += agree(valid["cell"], cell, reads("check"), faults, "cell")
+    print(f"{scenes} scenes, {cells} cells, {refused} damages refused", *faults, sep="\n")
+    sys.exit(bool(faults) or scenes == 0 or cells == 0 or refused < 100)
+
+
+if __name__ == "__main__":
+    main()
