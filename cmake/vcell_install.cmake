@@ -1,5 +1,6 @@
 # Installs the libraries and the program, with what find_package(vcell) and pkg-config need.
 include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 
 install(TARGETS vcell ${vcell_joined_modules} EXPORT vcellTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES vcell.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vcell)
@@ -8,7 +9,7 @@ foreach(folder IN LISTS vcell_module_folders)
           FILES_MATCHING PATTERN "*.hpp")
 endforeach()
 if(TARGET vcell_program)
-  install(TARGETS vcell_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS vcell_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 endif()
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vcell)

@@ -1,0 +1,43 @@
+# Debian packages: `cpack` in the build folder makes vcell, the program with its manual and bash completion, and
+# libvcell-dev, the libraries. Manual pages are what --help prints, so that they say the same.
+if(TARGET vcell_program)
+  install(FILES apps/completion/vcell DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+          COMPONENT program)
+  find_program(VCELL_HELP2MAN NAMES help2man)
+  if(VCELL_HELP2MAN)
+    set(pages vcell)
+    foreach(verb IN ITEMS compute query measure check refine diagram)
+      list(APPEND pages vcell-${verb})
+    endforeach()
+    foreach(page IN LISTS pages)
+      set(file ${PROJECT_BINARY_DIR}/man/${page}.1)
+      add_custom_command(OUTPUT ${file}
+        COMMAND ${CMAKE_COMMAND} -DHELP2MAN=${VCELL_HELP2MAN} -DPROGRAM=$<TARGET_FILE:vcell_program> -DPAGE=${page}
+          -DVERSION=${PROJECT_VERSION} -DOUT=${file} -P ${PROJECT_SOURCE_DIR}/cmake/man_page.cmake
+        DEPENDS vcell_program cmake/man_page.cmake VERBATIM)
+      list(APPEND man_files ${file})
+    endforeach()
+    add_custom_target(vcell_man ALL DEPENDS ${man_files})
+    install(FILES ${man_files} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  endif()
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_VENDOR "the vcell developers")
+set(CPACK_PACKAGE_CONTACT "the vcell developers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL program dev)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME vcell)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
+    "Computes the Voronoi cell of a plane, a sphere or a cylinder among others, and whole diagrams of balls.")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libvcell-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libfmt-dev")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Static libraries and headers: Voronoi cells of planes, spheres and cylinders.")
+include(CPack)
