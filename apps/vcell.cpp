@@ -367,6 +367,10 @@ public:
         scene_.add_to(command_);
         command_.add_flag("--complete", complete_,
                           "of all that is nearest to the base in the box, over base points outside it, too");
+        for (Table& table : tables_)
+            command_.add_option(table.option, table.path, table.help)
+                ->type_name("FILE")
+                ->excludes("--complete");
         command_.footer("Prints a header and one line, tab-separated.");
     }
 
@@ -386,10 +390,22 @@ public:
                                     cell.faces.size(), cell.edges.size(), cell.vertices.size(),
                                     cell.neighbors.size());
         out.commit();
+        for (const Table& table : tables_) {
+            if (table.path.empty()) continue;
+            OutputFile file(table.path);
+            table.write(file.stream(), cell);
+            file.commit();
+        }
         return report(cell);
     }
 
 private:
+    struct Table {
+        const char *option, *help;
+        void (*write)(std::ostream&, const Cell&);
+        std::string path{};
+    };
+
     Status run_complete(const Scene& scene) const {
         const CompleteMeasures m = scene_.about([&] { return complete_measures(scene); });
         OutputFile out("-");
@@ -403,6 +419,10 @@ private:
     CLI::App& command_;
     SceneArgument scene_;
     bool complete_ = false;
+    std::array<Table, 3> tables_{
+        {{"--faces", "table of the faces: site, name, bisector, area", write_faces},
+         {"--edges", "table of the edges: sites, names, kind, length, dihedral angle", write_edges},
+         {"--vertices", "table of the vertices: point, clearance, sites, names", write_vertices}}};
 };
 
 // ---- check ---------------------------------------------------------------------------------------

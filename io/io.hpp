@@ -3,6 +3,7 @@
 
 #include "check/check.hpp"
 #include "files/cell_file.hpp"
+#include "files/cell_tables.hpp"
 #include "files/diagram_file.hpp"
 #include "files/files.hpp"
 #include "files/itd_file.hpp"

@@ -1,0 +1,29 @@
+/// What a cell is made of as tables for spreadsheets and scripts, with the objects' own numbers and names.
+#pragma once
+
+#include <iosfwd>
+
+#include "../../core/platform.hpp"
+#include "../../envelope/cell.hpp"
+
+namespace vcell {
+
+// Tables: a header, then a line each, separated by tabs; numbers with the digits that read back to the same
+// doubles,
+// `-` where there is none. Sites are written as in cell files; names are those of the scene's objects.
+
+/// face site name bisector area area_error estimated
+void write_faces(std::ostream& out, const Cell& cell);
+
+/// edge site1 site2 name1 name2 kind length length_error estimated dihedral dihedral_error
+///
+/// `dihedral` is the angle inside the cell, in degrees, at which the two faces meet in the middle of the
+/// curve's parameters: 180 where they go on smoothly. Enclosed from the distances' gradients over the ball of
+/// the edge's error; atan2 is taken to be within an ulp, as the C library says of its own. `-` where only one
+/// face meets the edge, over the rim, or nothing is enclosed.
+void write_edges(std::ostream& out, const Cell& cell);
+
+/// vertex x y z clearance error touching sites names
+void write_vertices(std::ostream& out, const Cell& cell);
+
+}  // namespace vcell
