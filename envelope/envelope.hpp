@@ -6,6 +6,7 @@
 #include "complete_measures.hpp"
 #include "diagram/minimization_diagram.hpp"
 #include "point_query.hpp"
+#include "trisector/trisector_curves.hpp"
 #include "vertex_refinement.hpp"
 #include "voronoi_cell.hpp"
 #include "voronoi_diagram.hpp"

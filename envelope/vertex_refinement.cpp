@@ -17,18 +17,6 @@ namespace {
 
 using Eigen::Vector4d;
 
-std::array<double, 3> to_array(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-// The side of a plane on which its clearance counts: that of `inside`.
-PlaneSite site_of(const Plane& plane, const Vec3& inside) {
-    const Vec3 n = plane.normal.dot(inside - plane.point) < 0 ? Vec3(-plane.normal) : plane.normal;
-    return {to_array(n), 0, to_array(plane.point)};
-}
-SphereSite site_of(const Sphere& sphere, const Vec3&) { return {to_array(sphere.center), sphere.radius}; }
-CylinderSite site_of(const Cylinder& tube, const Vec3&) {
-    return {to_array(tube.point), to_array(tube.axis), tube.radius};
-}
-
 // The gradient of the distance from an object, less that of the clearance, in the unknowns of VertexSystem;
 // or of the distance from what bounds the cell. Zero where there is none.
 Vector4d with_clearance(const Vec3& g, double clearance) { return {g.x(), g.y(), g.z(), clearance}; }
@@ -106,9 +94,7 @@ public:
     }
 
 private:
-    VertexSite equation(const Object& object) const {
-        return std::visit([&](const auto& o) -> VertexSite { return site_of(o, vertex_.point); }, object);
-    }
+    VertexSite equation(const Object& object) const { return vertex_site(object, vertex_.point); }
 
     // Of all the vertex's sites. Over a plane base a side of the box is the rim of the region where rays from
     // there enter the box, unless the cell is complete, and elsewhere what rays run into; where they leave at
@@ -128,7 +114,7 @@ private:
                 const bool is_rim = leaning < 0 && !is_complete_;
                 if (!is_rim) all.push_back({site, side});
                 if (leaning != 0)
-                    (is_rim ? all : rims).push_back({site, RimSite{site_of(*base, vertex_.point), side}});
+                    (is_rim ? all : rims).push_back({site, RimSite{vertex_site(*base, vertex_.point), side}});
             }
         }
         if (all.size() < 3) all.insert(all.end(), rims.begin(), rims.end());
@@ -142,7 +128,7 @@ private:
     // Where the stretch of a base tube ends first, of all sides that its circles run into.
     EndSite end(bool is_last) const {
         const auto& base = std::get<Cylinder>(scene_.base);
-        CylinderSite tube = site_of(base, vertex_.point);
+        CylinderSite tube = vertex_site(base, vertex_.point);
         tube.radius = end_radius(base, scene_.box);
         const Vec3 d = base.axis.stableNormalized();
         EndSite first{tube, {0, 0}, true};

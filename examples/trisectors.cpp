@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <vcell/primitives/primitives.hpp>
+#include <vcell/vcell.hpp>
 
 namespace {
 
@@ -95,10 +95,10 @@ void draw(const Row& row, double left) {
     draw(row.base, left, "#345");
     draw(row.a, left, "#27c");
     draw(row.b, left, "#2a4");
-    const vcell::TrisectorCurves found = trisector(row.base, row.a, row.b, box, tolerance);
+    const std::vector<vcell::TrisectorCurve> found = trisector(row.base, row.a, row.b, box, tolerance);
     double error = 0;
     std::size_t spans = 0;
-    for (const vcell::TrisectorCurve& curve : found.curves) {
+    for (const vcell::TrisectorCurve& curve : found) {
         error = std::max(error, curve.error);
         for (const vcell::RationalCurve3& arc : curve.arcs) {
             std::vector<Vec3> points;
@@ -116,7 +116,7 @@ void draw(const Row& row, double left) {
     std::printf(
         "<text x=\"%.0f\" y=\"243\" text-anchor=\"middle\" fill=\"#666\">%zu curve%s, %zu spans, "
         "within %.1e</text>\n",
-        left + 0.5 * panel, found.curves.size(), found.curves.size() == 1 ? "" : "s", spans, error);
+        left + 0.5 * panel, found.size(), found.size() == 1 ? "" : "s", spans, error);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "../forms/round_surface.hpp"
-#include "trisector_equations.hpp"
+#include "quadratic_form.hpp"
 
 namespace vcell {
 
@@ -111,68 +111,31 @@ Basis unit_basis(std::size_t n) {
     return basis;
 }
 
-// A quadric, and what it is on the span of a basis.
-struct Condition {
-    QuadraticForm whole, form;
-};
-
-std::vector<Condition> restricted(const std::vector<Condition>& conditions, const Basis& basis) {
-    std::vector<Condition> result;
-    for (const Condition& c : conditions) result.push_back({c.whole, c.form.restricted(basis)});
+std::vector<QuadraticForm> restricted(const std::vector<QuadraticForm>& forms, const Basis& basis) {
+    std::vector<QuadraticForm> result;
+    for (const QuadraticForm& form : forms) result.push_back(form.restricted(basis));
     return result;
-}
-
-// The linear functions that vanish on all of the vectors.
-Basis annihilators(const Basis& vectors) {
-    Basis functions = unit_basis(vectors[0].size());
-    for (const LinearFunction& v : vectors) {
-        LinearFunction values;
-        for (const LinearFunction& f : functions) {
-            Exact sum;
-            for (std::size_t i = 0; i < v.size(); ++i) sum += f[i] * v[i];
-            values.push_back(sum);
-        }
-        if (!std::ranges::all_of(values, is_zero)) functions = combined(functions, kernel(values));
-    }
-    return functions;
-}
-
-// Functions of (x, y, z, 1) as such of (x, y, z, r, 1).
-Basis with_distance(const Basis& functions) {
-    Basis result;
-    for (LinearFunction f : functions) {
-        if (f.size() == 4) f.insert(f.begin() + 3, Exact());
-        result.push_back(std::move(f));
-    }
-    return result;
-}
-QuadraticForm with_distance(const QuadraticForm& form) {
-    if (form.size() == 5) return form;
-    Basis coordinates(5, LinearFunction(4));
-    for (std::size_t i = 0; i < 4; ++i) coordinates[i < 3 ? i : 4][i] = 1.0;
-    return form.restricted(coordinates);
 }
 
 class Components {
 public:
-    // `distance`, of (x, y, z, r, 1), is what tells r where it does not take part.
-    Components(Range range, std::array<int, 3> sides, std::optional<QuadraticForm> distance = std::nullopt)
-        : with_r_(!distance), range_(std::move(range)), sides_(sides), distance_(std::move(distance)) {}
+    // with_r: r takes part, as the fourth coordinate.
+    Components(Range range, bool with_r) : with_r_(with_r), range_(std::move(range)) {}
 
     // The curves in the span of `basis` where all forms, given on that span, vanish.
-    void add(const Basis& basis, const std::vector<Condition>& forms) {
+    void add(const Basis& basis, const std::vector<QuadraticForm>& forms) {
         if (std::ranges::all_of(basis, [](const auto& v) { return is_zero(v.back()); })) return;
         if (forms.empty()) return add_line(basis);
         if (forms.size() == 1) return add_conic(basis, forms[0]);
         bool irrational = false;
         for (std::size_t i = 0; i < forms.size(); ++i)
             for (std::size_t j = i + 1; j < forms.size(); ++j) {
-                const PencilSplit split = split_pencil(forms[i].form, forms[j].form);
+                const PencilSplit split = split_pencil(forms[i], forms[j]);
                 // Real common points lie where both factors vanish: no curve.
                 if (split.factors.kind == Factors::Kind::Complex) return;
                 irrational = irrational || split.factors.kind == Factors::Kind::Irrational;
                 if (split.factors.kind != Factors::Kind::Rational) continue;
-                std::vector<Condition> rest = forms;
+                std::vector<QuadraticForm> rest = forms;
                 rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(split.is_first ? i : j));
                 for (const LinearFunction& f : split.factors.linear) add_where(f, basis, rest);
                 return;
@@ -180,11 +143,10 @@ public:
         result_.splits_irrationally = result_.splits_irrationally || irrational;
         TrisectorComponent spline;
         spline.degree = 1 << forms.size();
-        spline.equations = equations(basis, forms);
         result_.components.push_back(spline);
     }
 
-    void add_where(const LinearFunction& f, const Basis& basis, const std::vector<Condition>& forms) {
+    void add_where(const LinearFunction& f, const Basis& basis, const std::vector<QuadraticForm>& forms) {
         const Basis inner = kernel(f);
         add(combined(basis, inner), restricted(forms, inner));
     }
@@ -192,14 +154,6 @@ public:
     Trisector take() { return std::move(result_); }
 
 private:
-    std::shared_ptr<const TrisectorEquations> equations(const Basis& basis,
-                                                        const std::vector<Condition>& forms) const {
-        TrisectorEquations e{with_distance(annihilators(basis)), {}, range_.lower, range_.upper, sides_};
-        for (const Condition& c : forms) e.quadratic.push_back(with_distance(c.whole));
-        if (distance_) e.quadratic.push_back(*distance_);
-        return std::make_shared<const TrisectorEquations>(std::move(e));
-    }
-
     // (x, y, z, 1) of a homogeneous vector.
     static std::array<Exact, 4> projected(const LinearFunction& v) { return {v[0], v[1], v[2], v.back()}; }
 
@@ -244,12 +198,10 @@ private:
                 Eigen::Vector4d(c.x(), c.y(), c.z(), quotient(a[3], a.back()) - c.dot(line.point));
         }
         lines_.push_back(basis);
-        line.equations = equations(basis, {});
         result_.components.push_back(line);
     }
 
-    void add_conic(const Basis& basis, const Condition& condition) {
-        const QuadraticForm& form = condition.form;
+    void add_conic(const Basis& basis, const QuadraticForm& form) {
         const Factors split = factors(form);
         if (split.kind == Factors::Kind::Complex) return;
         if (split.kind != Factors::Kind::None) {
@@ -297,7 +249,6 @@ private:
                 (*conic.clearance)(k) = quotient(sum, det);
             }
         }
-        conic.equations = equations(basis, {condition});
         result_.components.push_back(conic);
     }
 
@@ -341,8 +292,6 @@ private:
 
     const bool with_r_;
     const Range range_;
-    const std::array<int, 3> sides_;
-    const std::optional<QuadraticForm> distance_;
     std::vector<Basis> lines_;
     Trisector result_;
 };
@@ -353,8 +302,7 @@ constexpr double parallel_tangents = 0x1p-40;
 // A sphere or cylinder as a condition on (p, r): squared distance of p from its centre = (r + side rho)^2.
 struct RoundCondition {
     RoundSurface surface;
-    std::size_t object;  // of base, a, b
-    int side = 1;        // -1: seen from within
+    int side = 1;  // -1: seen from within
 };
 
 // norm |m|^2 - (m.a)^2 - norm (r + side rho)^2, or without the last term.
@@ -400,9 +348,9 @@ std::string_view to_string(TrisectorKind kind) {
 Trisector trisector(const Object& base, const Object& a, const Object& b) {
     const std::array<const Object*, 3> objects{&base, &a, &b};
     std::vector<RoundCondition> rounds;
-    for (std::size_t k = 0; k < objects.size(); ++k) {
-        if (const auto* s = std::get_if<Sphere>(objects[k])) rounds.push_back({RoundSurface(*s), k});
-        if (const auto* c = std::get_if<Cylinder>(objects[k])) rounds.push_back({RoundSurface(*c), k});
+    for (const Object* object : objects) {
+        if (const auto* s = std::get_if<Sphere>(object)) rounds.push_back({RoundSurface(*s)});
+        if (const auto* c = std::get_if<Cylinder>(object)) rounds.push_back({RoundSurface(*c)});
     }
     const bool round_base = !std::holds_alternative<Plane>(base);
     // What contains the base is seen from within; a line through a point has no inside.
@@ -415,10 +363,8 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
     }
     Range range;
     Exact norms = 1.0;
-    std::array<int, 3> sides{};
     for (const RoundCondition& c : rounds) {
         norms *= c.surface.norm;
-        sides[c.object] = c.side;
         if (c.side > 0)
             range.at_least(-c.surface.rho);
         else
@@ -441,13 +387,8 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
     std::vector<QuadraticForm> forms;
     for (std::size_t i = 0; i < rounds.size(); ++i) forms.push_back(quadric(rounds[i], !equal, scale(i)));
     if (equal) {
-        Components components(range, sides, quadric(rounds[0], true, 1.0));
-        std::vector<Condition> differences;
-        for (const int i : {1, 2}) {
-            const QuadraticForm difference = forms[0] + Exact(-1.0) * forms[i];
-            differences.push_back({difference, difference});
-        }
-        components.add(unit_basis(4), differences);
+        Components components(range, false);
+        components.add(unit_basis(4), {forms[0] + Exact(-1.0) * forms[1], forms[0] + Exact(-1.0) * forms[2]});
         return components.take();
     }
 
@@ -458,19 +399,17 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
         if (plane == nullptr) continue;
         const ExactVector n(plane->normal);
         const Exact d = -dot(n, ExactVector(plane->point)), length = rounded_sqrt(dot(n, n));
-        if (k == 0) sides[k] = 1;
-        if (round_base) sides[k] = (dot(n, rounds[0].surface.point) + d).sign() == Sign::Negative ? -1 : 1;
+        int seen = k == 0 ? 1 : 0;
+        if (round_base) seen = (dot(n, rounds[0].surface.point) + d).sign() == Sign::Negative ? -1 : 1;
         planes.emplace_back();
         for (const double side : {1.0, -1.0})
-            if (sides[k] != -side)
+            if (seen != -side)
                 planes.back().push_back({side * n.x, side * n.y, side * n.z, -length, side * d});
     }
-    Components components(range, sides);
-    std::vector<Condition> conditions;
-    for (const QuadraticForm& form : forms) conditions.push_back({form, form});
+    Components components(range, true);
     const auto choose = [&](const auto& self, std::size_t k, const Basis& basis) -> void {
         if (k == planes.size()) {
-            components.add(basis, restricted(conditions, basis));
+            components.add(basis, restricted(forms, basis));
             return;
         }
         for (const LinearFunction& plane : planes[k]) {

@@ -18,7 +18,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -33,9 +32,6 @@ enum class TrisectorKind { Line, Circle, Ellipse, Parabola, Hyperbola, Spline };
 /// "line", ..., "spline", as in cell files.
 std::string_view to_string(TrisectorKind kind);
 
-/// Three equations, exact: see trisector_equations.hpp.
-struct TrisectorEquations;
-
 /// One line, conic or unsplit curve. All numbers are exact ones rounded once.
 struct TrisectorComponent {
     TrisectorKind kind = TrisectorKind::Spline;
@@ -48,8 +44,6 @@ struct TrisectorComponent {
     Eigen::Matrix4d quadric = Eigen::Matrix4d::Zero();
     /// Lines and conics: c with r = c . (p, 1); none where the distance is no linear function (equal radii).
     std::optional<Eigen::Vector4d> clearance;
-    /// What the component is among all points and distances; always there.
-    std::shared_ptr<const TrisectorEquations> equations;
 };
 
 struct Trisector {
@@ -69,37 +63,6 @@ struct Trisector {
 /// about the doubles, as bisector(): |n| of planes is rounded once where it is irrational. Pre: no two of the
 /// objects are the same.
 Trisector trisector(const Object& base, const Object& a, const Object& b);
-
-/// A connected part of a trisector within a box.
-struct TrisectorCurve {
-    TrisectorKind kind = TrisectorKind::Spline;
-    int degree = 1;  ///< of the component it lies on
-    /// One after the other, each beginning where the one before ends: a segment; quadratic arcs of a conic,
-    /// exact but for the rounding of their ends and control points; one spline of degree 5 in spans.
-    std::vector<RationalCurve3> arcs;
-    /// Splines: certified, no point of the arcs is farther from the trisector and none of this part of it
-    /// farther from the arcs. It exceeds the tolerance where rounding blurs the curve, or near nodes;
-    /// infinite where nothing could be proved.
-    double error = 0;
-    bool is_closed = false;
-    /// Where an open part ends: a side of the box, in the order -x, +x, -y, +y, -z, +z; where the distance
-    /// may not become less or more (6, 7); or -1, in a place of `undecided`.
-    std::array<int, 2> ends{};
-};
-
-/// All of a trisector within a box.
-struct TrisectorCurves {
-    std::vector<TrisectorCurve> curves;
-    /// Places in which nothing is proved: around nodes, and where a curve touches a side.
-    std::vector<Box> undecided;
-};
-
-/// Every connected part of the trisector within the box, proved to be one and to be all (solve_curves()),
-/// with splines fitted to `tolerance` (a length) as the edges of cells are (primitives/fit/spline_fit.hpp).
-/// Objects are seen as by trisector() above. Pre: those of trisector(); the box has a positive extent along
-/// each axis; tolerance > 0.
-TrisectorCurves trisector(const Object& base, const Object& a, const Object& b, const Box& box,
-                          double tolerance);
 
 /// The arc of a line or conic between two of its points, as a segment or rational quadratic Bezier curve on
 /// [0, 1]: of an ellipse the shorter arc. None for splines, for points of different branches, and where the

@@ -10,6 +10,8 @@ namespace {
 template <class T>
 using Forms = QuadraticForms<4, T>;
 
+std::array<double, 3> to_array(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
 template <class T>
 T squared_norm(const std::array<double, 3>& v) {
     T sum(0.0);
@@ -97,6 +99,18 @@ void write(Forms<T>& f, int k, const EndSite& s) {
 }
 
 }  // namespace
+
+PlaneSite vertex_site(const Plane& plane, const Vec3& inside) {
+    const Vec3 n = plane.normal.dot(inside - plane.point) < 0 ? Vec3(-plane.normal) : plane.normal;
+    return {to_array(n), 0, to_array(plane.point)};
+}
+SphereSite vertex_site(const Sphere& sphere, const Vec3&) { return {to_array(sphere.center), sphere.radius}; }
+CylinderSite vertex_site(const Cylinder& tube, const Vec3&) {
+    return {to_array(tube.point), to_array(tube.axis), tube.radius};
+}
+VertexSite vertex_site(const Object& object, const Vec3& inside) {
+    return std::visit([&](const auto& o) -> VertexSite { return vertex_site(o, inside); }, object);
+}
 
 template <class T>
 QuadraticForms<4, T> VertexSystem::forms() const {

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "../../core/solver/systems/quadratic_system.hpp"
+#include "../objects/objects.hpp"
 
 namespace vcell {
 
@@ -44,6 +45,12 @@ struct EndSite {
     bool from_below;
 };
 using VertexSite = std::variant<PlaneSite, SphereSite, CylinderSite, BoxSideSite, RimSite, EndSite>;
+
+/// An object as such a site. The clearance of a plane counts on the side on which `inside` is.
+PlaneSite vertex_site(const Plane& plane, const Vec3& inside);
+SphereSite vertex_site(const Sphere& sphere, const Vec3& inside);
+CylinderSite vertex_site(const Cylinder& tube, const Vec3& inside);
+VertexSite vertex_site(const Object& object, const Vec3& inside);
 
 /// The points (x, y, z) with the same distance r from four objects, in the unknowns x, y, z, r:
 ///

@@ -1,5 +1,4 @@
-/// The fit of trisectors that are no conics, edges of cells as well as whole curves: quintic spans with a
-/// certified distance from the true arc.
+/// The fit of trisectors that are no conics: quintic spans with a certified distance from the true arc.
 ///
 /// The unknowns are X = (p, t): a point and its distance t from the base's centre or axis, or from a base
 /// plane. An arc lies where three equations G(X) = 0 hold, that of the base and those of its two sites (R0 =
@@ -60,9 +59,8 @@
 /// spans of the tolerance's length cannot be proved so: they are chords, as good as the guide encloses that
 /// part of the arc. All of it in double: residuals and gradients carry bounds of their rounding.
 ///
-/// Whose arc it is tells the fit by a *guide*: in cells the pieces of the minimization diagram
-/// (envelope/lift/space_guide.hpp), of trisectors within a box the tubes of solve_curves()
-/// (primitives/bisectors/trisector_fit.cpp).
+/// Whose arc it is tells the fit by a *guide*: the pieces of the minimization diagram
+/// (envelope/lift/space_guide.hpp).
 #pragma once
 
 #include <algorithm>

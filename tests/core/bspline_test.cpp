@@ -1,9 +1,11 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "../../core/curves/bspline.hpp"
+#include "../../core/curves/restricted_curve.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;
@@ -56,6 +58,36 @@ RationalPatch random_patch(std::mt19937_64& rng, int degree_u, int degree_v) {
 }
 
 }  // namespace
+
+TEST_CASE("rational curve: a part of it is the curve between its ends") {
+    std::mt19937_64 rng(test_seed());
+    for (int i = 0; i < 200; ++i) {
+        const RationalCurve3 curve = random_curve(rng, 1 + i % 5);
+        const auto place = [&] {
+            // Knots, the ends of the domain among them, and places between.
+            const double s = std::uniform_real_distribution(0.0, 1.0)(rng);
+            return rng() % 2 == 0 ? curve.knots[rng() % curve.knots.size()]
+                                  : std::lerp(curve.domain_begin(), curve.domain_end(), s);
+        };
+        const double a = place(), b = place();
+        if (a == b) continue;
+        CAPTURE(a);
+        CAPTURE(b);
+        const double from = std::min(a, b), to = std::max(a, b);
+        const RationalCurve3 part = restricted(curve, from, to);
+        CHECK(part.domain_begin() == from);
+        CHECK(part.domain_end() == to);
+        REQUIRE(part.knots.size() == part.points.size() + part.degree + 1);
+        CHECK(std::count(part.knots.begin(), part.knots.end(), from) == part.degree + 1);
+        CHECK(std::count(part.knots.begin(), part.knots.end(), to) == part.degree + 1);
+        for (int k = 0; k <= 20; ++k) {
+            const double t = std::lerp(from, to, k / 20.0);
+            // Where a knot is as often as the degree says the curve may have two points.
+            if (std::count(curve.knots.begin(), curve.knots.end(), t) > curve.degree) continue;
+            CHECK((part.evaluate(t) - curve.evaluate(t)).norm() < 1e-12);
+        }
+    }
+}
 
 TEST_CASE("RationalCurve: agrees with the basis functions' definition") {
     std::mt19937_64 rng(test_seed());

@@ -2,7 +2,7 @@
 
 layers.py includes SOURCE      every #include of a module's files is of that module or of one it depends on
 layers.py linked SOURCE MAP    every file of the modules is linked into the program (GNU ld's map file), every
-                               header included by one that is; exceptions are those of `beside`
+                               header included by one that is; exceptions are those of `beside` and `offered`
 """
 import pathlib
 import re
@@ -25,33 +25,24 @@ beside = {
     "arrangement/sweep/point_location.hpp",
     "core/curves/bernstein.cpp",
     "core/curves/bernstein.hpp",
-    "core/solver/curves/curve.cpp",
-    "core/solver/curves/curve.hpp",
-    "core/solver/curves/curve_connection.hpp",
-    "core/solver/curves/curve_faces.hpp",
-    "core/solver/curves/curve_parts.hpp",
-    "core/solver/curves/curve_slices.hpp",
-    "core/solver/curves/curve_work.hpp",
-    "core/solver/newton/curve_newton.hpp",
+}
+
+# What users of the library call and the program does not; it is made of what computes cells, and of itself.
+offered = {
+    "core/curves/restricted_curve.hpp",
     "core/solver/newton/quadratic_kernel.hpp",
     "core/solver/roots/search.hpp",
     "core/solver/roots/solver.hpp",
-    "core/solver/systems/curve_system.hpp",
-    "core/solver/systems/scaled.hpp",
-    "primitives/bisectors/trisector.cpp",
-    "primitives/bisectors/trisector.hpp",
-    "primitives/bisectors/trisector_curves.cpp",
-    "primitives/bisectors/trisector_equations.hpp",
-    "primitives/bisectors/trisector_fit.cpp",
-    "primitives/bisectors/trisector_fit.hpp",
-    "primitives/bisectors/vertex_roots.cpp",
-    "primitives/bisectors/vertex_roots.hpp",
-}
-
-# What users of the library call and the program does not; it is made of what computes cells.
-offered = {
     "envelope/cell_changes.cpp",
     "envelope/cell_changes.hpp",
+    "envelope/trisector/trisector_curves.cpp",
+    "envelope/trisector/trisector_curves.hpp",
+    "primitives/bases/feet.cpp",
+    "primitives/bases/feet.hpp",
+    "primitives/bisectors/trisector.cpp",
+    "primitives/bisectors/trisector.hpp",
+    "primitives/bisectors/vertex_roots.cpp",
+    "primitives/bisectors/vertex_roots.hpp",
 }
 
 
@@ -124,14 +115,17 @@ def check_linked(tree, map_file):
             continue
         is_beside = tree.short(path) in beside
         if tree.short(path) in offered:
+            for target, to in tree.includes(path):
+                if to.exists() and to not in live and tree.short(to) not in offered:
+                    yield f"{tree.short(path)}: includes {target}, which computes no cell and is not offered"
             continue
         if path not in live and not is_beside:
             yield f"{tree.short(path)}: nothing that computes a cell uses it"
         if path in live and is_beside:
             yield f"{tree.short(path)}: cells are computed with it; strike it from `beside`"
-    for name in sorted(beside):
+    for name in sorted(beside | offered):
         if not (tree.source / name).exists():
-            yield f"{name}: is gone; strike it from `beside`"
+            yield f"{name}: is gone; strike it off"
 
 
 def main():

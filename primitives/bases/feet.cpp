@@ -1,0 +1,99 @@
+#include "feet.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vcell {
+
+namespace {
+
+Vec3 foot_of(const Sphere& base, const Vec3&) { return base.center; }
+Vec3 foot_of(const Cylinder& base, const Vec3& p) {
+    const Vec3 d = base.axis.stableNormalized();
+    return base.point + d.dot(p - base.point) * d;
+}
+Vec3 foot_of(const Plane& base, const Vec3& p) {
+    const Vec3 n = base.normal.stableNormalized();
+    return p - n.dot(p - base.point) * n;
+}
+Vec3 beside(const Plane& base) { return base.point + base.normal; }
+Vec3 beside(const Sphere& base) { return base.center; }
+Vec3 beside(const Cylinder& base) { return base.point; }
+
+// A box that grows until it holds what it is asked to.
+class Surroundings {
+public:
+    explicit Surroundings(const Box& region)
+        : region_(region), margin_(0x1p-4 * region.diagonal()), box_(region) {}
+
+    // [low, high] along an axis well inside, or within the region's own sides.
+    void hold(int axis, double low, double high) {
+        if (!(region_.min[axis] < low)) box_.min[axis] = std::min(box_.min[axis], low - margin(low));
+        if (!(high < region_.max[axis])) box_.max[axis] = std::max(box_.max[axis], high + margin(high));
+    }
+    const Box& box() const { return box_; }
+
+private:
+    double margin(double at) const { return margin_ + 0x1p-40 * std::abs(at); }
+
+    Box region_;
+    double margin_;
+    Box box_;
+};
+
+void hold_feet(Surroundings& around, const Sphere& base, const Box&) {
+    for (int k = 0; k < 3; ++k) around.hold(k, base.center[k], base.center[k]);
+}
+// A plane across an axis may lie on a side of the region, if that is on the plane's side.
+void hold_feet(Surroundings& around, const Plane& base, const Box& region) {
+    const bool is_straight = (base.normal.array() != 0).count() == 1;
+    for (int i = 0; i < 8; ++i) {
+        const Vec3 corner((i & 1 ? region.max : region.min).x(), (i & 2 ? region.max : region.min).y(),
+                          (i & 4 ? region.max : region.min).z());
+        const Vec3 foot = foot_of(base, corner);
+        const double doubt = 0x1p-40 * ((corner - base.point).norm() + corner.norm());
+        for (int k = 0; k < 3; ++k) {
+            if (base.normal[k] == 0) continue;
+            if (!is_straight) {
+                around.hold(k, foot[k] - doubt, foot[k] + doubt);
+            } else if (const double at = base.point[k];
+                       at != (base.normal[k] > 0 ? region.min : region.max)[k]) {
+                around.hold(k, at, at);
+            }
+        }
+    }
+}
+// A tube runs into sides obliquely where its circles reach them: with its feet the region needs these.
+void hold_feet(Surroundings& around, const Cylinder& base, const Box& region) {
+    const bool is_straight = (base.axis.array() != 0).count() == 1;
+    const Vec3 d = base.axis.stableNormalized();
+    for (int i = 0; i < 8; ++i) {
+        const Vec3 corner((i & 1 ? region.max : region.min).x(), (i & 2 ? region.max : region.min).y(),
+                          (i & 4 ? region.max : region.min).z());
+        const Vec3 foot = foot_of(base, corner);
+        const double doubt = 0x1p-40 * ((corner - base.point).norm() + corner.norm());
+        for (int k = 0; k < 3; ++k) {
+            if (is_straight && base.axis[k] != 0) continue;
+            const double reach = is_straight ? 0 : base.radius * std::sqrt(1 - std::min(1.0, d[k] * d[k]));
+            around.hold(k, foot[k] - reach - doubt, foot[k] + reach + doubt);
+        }
+    }
+}
+
+}  // namespace
+
+Vec3 foot_of(const Object& base, const Vec3& p) {
+    return std::visit([&](const auto& o) { return foot_of(o, p); }, base);
+}
+
+Vec3 beside(const Object& base) {
+    return std::visit([](const auto& o) { return beside(o); }, base);
+}
+
+Box box_with_feet(const Object& base, const Box& region) {
+    Surroundings around(region);
+    std::visit([&](const auto& o) { hold_feet(around, o, region); }, base);
+    return around.box();
+}
+
+}  // namespace vcell
