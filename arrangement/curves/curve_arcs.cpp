@@ -6,6 +6,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "../../core/curves/restricted_curve.hpp"
+
 namespace vcell {
 
 namespace {
@@ -25,7 +27,7 @@ Exact twice(const Exact& e) { return e.scaled(1); }
 
 // --- Curves. -------------------------------------------------------------------------------------------
 
-CurveId CurveArcs::add_circular(const CircularForm& given, std::optional<Label> label) {
+CurveId CurveArcs::add_circular(const CircularForm& given) {
     CircularForm f = given;
     if (f.k < 0) f = {.k = -f.k, .cx = f.cx, .cy = f.cy, .a = -f.a, .b = -f.b, .e = -f.e};
     const Exact k(f.k), cx(f.cx), cy(f.cy), a(f.a), b(f.b), e(f.e);
@@ -43,14 +45,11 @@ CurveId CurveArcs::add_circular(const CircularForm& given, std::optional<Label> 
     };
     for (const CurveId c : curves_.ids()) {
         if (!curves_[c].circular() || !proportional(curves_[c].exact)) continue;
-        if (label) curves_[c].labels.push_back(*label);
         return c;
     }
 
     const bool line = f.k == 0;
-    const CurveId c =
-        curves_.push_back({line ? Curve::Kind::Line : Curve::Kind::Circle, {}, {}, f, form, {}});
-    if (label) curves_[c].labels.push_back(*label);
+    const CurveId c = curves_.push_back({line ? Curve::Kind::Line : Curve::Kind::Circle, {}, f, form, {}});
     if (line) {
         assert(f.a != 0 || f.b != 0);
         const bool vertical = f.b == 0;
@@ -84,7 +83,7 @@ CurveId CurveArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
             return c;
     }
     auto bezier = std::make_shared<const RationalBezier>(std::move(points));
-    const CurveId c = curves_.push_back({Curve::Kind::Bezier, {}, {}, {}, {}, bezier});
+    const CurveId c = curves_.push_back({Curve::Kind::Bezier, {}, {}, {}, bezier});
     const auto &first = bezier->points().front(), &last = bezier->points().back();
     BernsteinRoot from(0.0);
     Point from_point = point(first.x(), first.y());
@@ -108,25 +107,15 @@ CurveId CurveArcs::add_bezier(std::vector<Eigen::Vector3d> points) {
     return c;
 }
 
-CurveId CurveArcs::add_traced(const TracedCurve& curve, std::optional<Label> label) {
-    const TracedPieces cut = cut_traced_curve(curve);
-    for (const Eigen::Vector2d& p : cut.assumed) assume(p.x(), p.y());
-    const CurveId c = curves_.push_back({Curve::Kind::Traced, {}, {}, {}, {}, nullptr});
-    if (label) curves_[c].labels.push_back(*label);
-    std::map<std::shared_ptr<const TracedPlace>, Point> points;
-    const auto point_at = [&](const std::shared_ptr<const TracedPlace>& place) {
-        const auto [found, is_new] = points.try_emplace(place);
-        if (is_new) {
-            const auto [x, y] = place->enclosure<Interval>();
-            found->second = add_point({x, y, [place] { return place->enclosure<Wide>(); }, nullptr, {}, {}});
-        }
-        return found->second;
-    };
-    for (const TracedPiece& piece : cut.pieces) {
-        const Point left = point_at(piece.left), right = point_at(piece.right);
-        add_branch(c, std::make_shared<const MonotoneGraph>(piece.graph), left, right);
-    }
-    return c;
+std::vector<CurveId> CurveArcs::add_spline(RationalCurve2 curve) {
+    const int degree = curve.degree;
+    const Knots knots = curve.knots;
+    for (const double t : knots)
+        while (std::count(curve.knots.begin(), curve.knots.end(), t) < degree) curve = with_knot(curve, t);
+    std::vector<CurveId> spans;
+    for (std::size_t i = 0; i + degree < curve.points.size(); i += degree)
+        spans.push_back(add_bezier({curve.points.begin() + i, curve.points.begin() + i + degree + 1}));
+    return spans;
 }
 
 BranchId CurveArcs::add_branch(CurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left,
@@ -226,40 +215,9 @@ void CurveArcs::assume(const Interval& x, const Interval& y) {
     assumed_at_.push_back({x.mid(), y.mid()});
 }
 
-// A point on {i = j} and {j = k} lies on {i = k}: the pair of b's curve must be joined by the pairs of the
-// point's curves. Which part of {i = k} it lies on, its place tells.
 bool CurveArcs::known_on(Point p, BranchId b) const {
-    const PointData& data = points_[representative(p)];
-    if (std::find(data.on.begin(), data.on.end(), b) != data.on.end()) return true;
-    const Branch& branch = branches_[b];
-    const auto joined = [&](const Label& wanted) {
-        std::vector<std::uint32_t> reached{wanted.f};
-        for (std::size_t i = 0; i < reached.size(); ++i) {
-            const auto reach = [&](std::uint32_t from, std::uint32_t to) {
-                if (from == reached[i] && std::find(reached.begin(), reached.end(), to) == reached.end())
-                    reached.push_back(to);
-            };
-            for (const BranchId on : data.on) {
-                for (const Label& l : curves_[branches_[on].curve].labels) {
-                    reach(l.f, l.g);
-                    reach(l.g, l.f);
-                }
-            }
-        }
-        return std::find(reached.begin(), reached.end(), wanted.g) != reached.end();
-    };
-    const auto& labels = curves_[branch.curve].labels;
-    if (std::none_of(labels.begin(), labels.end(), joined)) return false;
-    if (!branch.graph) return true;
-    if (const auto* traced = std::get_if<TracedGraph>(&branch.graph->shape()))
-        return traced->holds_alone(data.x, data.y);
-    if (const auto* circular = std::get_if<CircularGraph>(&branch.graph->shape())) {
-        if (circular->half == Sign::Zero) return true;
-        const CircularForm& f = circular->form;
-        const Interval g_y = Interval(2.0) * Interval(f.k) * (data.y - Interval(f.cy)) + Interval(f.b);
-        return g_y.sign() == circular->half;
-    }
-    return false;
+    const std::vector<BranchId>& on = points_[representative(p)].on;
+    return std::find(on.begin(), on.end(), b) != on.end();
 }
 
 CurveArcs::Comparison CurveArcs::compare_coordinate(Point p, Point q, int axis) {
@@ -343,12 +301,6 @@ Sign CurveArcs::side_of(Point p, BranchId b) {
     if (known_on(p, b)) return Sign::Zero;
     const auto graph = branches_[b].graph;
     const PointData& data = points_[p];
-    if (const auto* traced = std::get_if<TracedGraph>(&graph->shape())) {
-        if (const auto s = compare_intervals(data.y, traced->rough_y(data.x)); s && *s != Sign::Zero) {
-            ++decisions_.by_double;
-            return *s;
-        }
-    }
     if (const auto s = compare_intervals(data.y, graph->y(data.x))) {
         ++decisions_.by_interval;
         if (*s == Sign::Zero) note_on(p, b);

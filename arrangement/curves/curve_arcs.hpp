@@ -1,17 +1,16 @@
-/// Arcs of lines, circles, rational Bezier curves and traced curves in any mix: a model of ArcGeometry.
+/// Arcs of lines, circles, rational Bezier and B-spline curves in any mix: a model of ArcGeometry.
 ///
 /// Every x-monotone piece of a curve is a MonotoneGraph y(x). Two of them are intersected once, by isolating
 /// the zeros of the difference of their heights: parts of the common x-range are halved until over each of
 /// them the difference has no zero, or is strictly monotone. All other answers follow from the zeros of each
 /// pair and from the differences' signs between them, so they do not contradict each other.
 ///
-/// Signs climb the ladder: bands about traced curves (counted by_double: a double with a proven bound),
-/// double intervals, exact numbers among lines and circles, 320-bit intervals. Differences below 2^-200 of
-/// the scale of the arcs' coordinates, and what 320 bits cannot tell, are assumed to be zero and counted.
+/// Signs climb the ladder: double intervals, exact numbers among lines and circles, 320-bit intervals.
+/// Differences below 2^-200 of the scale of the arcs' coordinates, and what 320 bits cannot tell, are assumed
+/// to be zero and counted.
 ///
 /// Identity is combinatorial first. A point knows the pieces on which it lies, from its origin and from what
-/// has been decided. A curve may be labelled as {f = g} for a pair of functions: a point on {i = j} and {i =
-/// k} lies on {j = k}, and the crossing of any two of the three is the same point.
+/// has been decided.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,10 +22,10 @@
 #include <utility>
 #include <vector>
 
+#include "../../core/curves/bspline.hpp"
 #include "../../core/ids.hpp"
 #include "../sweep/arc_geometry.hpp"
 #include "monotone_graph.hpp"
-#include "traced_curve.hpp"
 
 namespace vcell {
 
@@ -46,31 +45,25 @@ using BranchId = Id<BranchTag>;
 class CurveArcs {
 public:
     using Point = CurvePointId;
-    /// A piece of a branch: of a line, of half a circle, of a Bezier or traced curve between its turns in x.
+    /// A piece of a branch: of a line, of half a circle, of a Bezier curve between its turns in x.
     struct Arc {
         BranchId branch;
         Point left, right;
     };
-    /// The curve is (part of) the set where functions f and g, by the caller's numbers, are equal.
-    struct Label {
-        std::uint32_t f, g;
-    };
-
     // --- Curves. Equal lines, circles and Bezier curves become one curve. ------------------------------
 
     /// k |p - c|^2 + a x + b y + e = 0, the doubles being exact (w is ignored).
     /// Pre: a line, or a circle of positive radius.
-    CurveId add_circular(const CircularForm& form, std::optional<Label> label = {});
-    CurveId add_line(double a, double b, double e, std::optional<Label> label = {}) {
-        return add_circular({.a = a, .b = b, .e = e}, label);
-    }
-    CurveId add_circle(double cx, double cy, double squared_radius, std::optional<Label> label = {}) {
-        return add_circular({.k = 1, .cx = cx, .cy = cy, .e = -squared_radius}, label);
+    CurveId add_circular(const CircularForm& form);
+    CurveId add_line(double a, double b, double e) { return add_circular({.a = a, .b = b, .e = e}); }
+    CurveId add_circle(double cx, double cy, double squared_radius) {
+        return add_circular({.k = 1, .cx = cx, .cy = cy, .e = -squared_radius});
     }
     /// Control points (x, y, w), exact. Pre: degree 1 to 16, w > 0; x is not constant (add_line).
     CurveId add_bezier(std::vector<Eigen::Vector3d> points);
-    /// Throws InputError as cut_traced_curve does.
-    CurveId add_traced(const TracedCurve& curve, std::optional<Label> label = {});
+    /// The spans of a rational B-spline, in order: Bezier curves, whose control points are rounded once and
+    /// shared where spans meet. Pre: that of add_bezier for each.
+    std::vector<CurveId> add_spline(RationalCurve2 curve);
 
     // --- Points and arcs of them. ----------------------------------------------------------------------
 
@@ -133,9 +126,8 @@ private:
         Point anchor;                                // of a vertical line: some point on it
     };
     struct Curve {
-        enum class Kind : std::uint8_t { Line, Circle, Bezier, Traced } kind;
+        enum class Kind : std::uint8_t { Line, Circle, Bezier } kind;
         std::vector<BranchId> branches;
-        std::vector<Label> labels;
         CircularForm form;
         ExactForm exact;
         std::shared_ptr<const RationalBezier> bezier;

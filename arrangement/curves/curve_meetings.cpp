@@ -4,6 +4,7 @@
 #include <array>
 #include <type_traits>
 
+#include "../../core/solver/newton/one_unknown.hpp"
 #include "curve_arcs.hpp"
 
 namespace vcell {
@@ -14,6 +15,9 @@ template <class T>
 bool excludes_zero(const T& t) {
     return t.lower() > 0 || t.upper() < 0;
 }
+
+// Below this share of the scale of the coordinates a coincidence is assumed.
+constexpr double assumed_width = 0x1p-200;
 
 Interval in_doubles(const Interval& i) { return i; }
 Interval in_doubles(const Wide& i) { return i.enclosure(); }
@@ -149,7 +153,6 @@ private:
         const T x = hull(l.x, r.x);
         const bool common_end = l.sign == Sign::Zero || r.sign == Sign::Zero;
         if (!common_end) {
-            if (std::is_same_v<T, Interval> && bands_apart(in_doubles(x))) return close(r.sign);
             if (excludes_zero(difference(x))) {
                 count<T>();
                 return close(r.sign);
@@ -207,16 +210,6 @@ private:
             if (x.lower() == n.x.lower() && x.upper() == n.x.upper()) return {m_.fine_box(p).first, n.sign};
         }
         return as_wide(n);
-    }
-
-    bool bands_apart(const Interval& x) {
-        const auto* f = std::get_if<TracedGraph>(&f_->shape());
-        const auto* g = std::get_if<TracedGraph>(&g_->shape());
-        if (!f && !g) return false;
-        const Interval y = (f ? f->rough_y(x) : f_->y(x)) - (g ? g->rough_y(x) : g_->y(x));
-        if (!excludes_zero(y)) return false;
-        ++m_.decisions_.by_double;
-        return true;
     }
 
     // Too narrow for the number type, or a gap below what is looked at.
@@ -352,7 +345,7 @@ CurveArcs::Meeting CurveArcs::meet(BranchId a, BranchId b) {
     if (!f.graph) return g.graph ? meet_vertical(a, b) : Meeting();
     if (!g.graph) return meet_vertical(b, a);
     if (f.curve == g.curve && curves_[f.curve].kind != Curve::Kind::Bezier) {
-        // Circles and traced curves are simple: their branches share ends and nothing else.
+        // A circle is simple: its halves share ends and nothing else.
         std::vector<Point> shared;
         for (const auto& [p, q] : {std::pair(f.left, g.left), std::pair(f.left, g.right),
                                    std::pair(f.right, g.left), std::pair(f.right, g.right)}) {

@@ -6,11 +6,16 @@
 #include <cmath>
 #include <type_traits>
 
+#include "../../core/solver/newton/one_unknown.hpp"
+
 namespace vcell {
 
-using detail::signed_by;
-
 namespace {
+
+template <class T>
+T signed_by(Sign s, const T& t) {
+    return s == Sign::Negative ? -t : t;
+}
 
 template <class T>
 T lower_end(const T& t) {
@@ -204,132 +209,13 @@ Direction<T> BezierGraph::direction(const T& x) const {
             signed_by(sign, hull_of(bernstein_restricted<T>(c.dy, from, to)))};
 }
 
-// --- Traced curves. ------------------------------------------------------------------------------------
-
-template <class T>
-T TracedGraph::y_in(const Cell& cell, const T& x) const {
-    T bracket(cell.y);
-    // The lower rung's answer is the start of the higher one's.
-    if constexpr (!std::is_same_v<T, Interval>) bracket = T(y_in(cell, x.enclosure()));
-    std::optional<T> above_only, below_only;  // no sign is asked for beyond the ends of a steep cell
-    if (cell.rising != Sign::Zero) {
-        const bool rises = cell.rising == Sign::Positive;
-        above_only = (rises ? cell.left : cell.right)->template coordinate<T>(1);
-        below_only = (rises ? cell.right : cell.left)->template coordinate<T>(1);
-        bracket = clamped(bracket, T(above_only->lower(), below_only->upper()));
-    }
-    const T strip = T(cell.y0) + T(cell.slope) * (x - T(cell.x0)) + T(-cell.band, cell.band);
-    return enclose_zero(
-        clamped(bracket, strip),
-        [&](const T& y) {
-            if ((above_only && y.lower() < above_only->upper()) ||
-                (below_only && y.upper() > below_only->lower()))
-                return T::whole();
-            return signed_by(cell.above, g->value(x, y));
-        },
-        [&](const T& y) { return signed_by(cell.above, g->jet(x, y).gradient[1]); });
-}
-
-namespace {
-
-/// The range of x of a cell. That of doubles overlaps those of its neighbours where they meet at no double.
-template <class T>
-T range_of(const TracedGraph::Cell& cell) {
-    if constexpr (std::is_same_v<T, Interval>) {
-        return {cell.x0, cell.x1};
-    } else {
-        return hull(cell.left->coordinate<T>(0), cell.right->coordinate<T>(0));
-    }
-}
-
-// Calls visit(cell, part of x in the cell) for all cells that x meets; for the nearest one when it meets
-// none.
-template <class T, class Visit>
-void visit_cells(const std::vector<TracedGraph::Cell>& cells, const T& x, const Visit& visit) {
-    auto cell = std::partition_point(cells.begin(), cells.end() - 1,
-                                     [&](const TracedGraph::Cell& c) { return c.x1 < x.lower(); });
-    for (bool met = false;; ++cell) {
-        const T range = range_of<T>(*cell);
-        const bool beyond = x.upper() < range.lower(), meets = !beyond && x.lower() <= range.upper();
-        const bool last = beyond || cell + 1 == cells.end() || x.upper() < (cell + 1)->x0;
-        if (meets || (last && !met)) visit(*cell, clamped(range, x));
-        met = met || meets;
-        if (last) return;
-    }
-}
-
-}  // namespace
-
-template <class T>
-T TracedGraph::y(const T& x) const {
-    std::optional<T> all;
-    visit_cells(cells, x, [&](const Cell& cell, const T& part) {
-        const T y = y_in(cell, part);
-        all = all ? hull(*all, y) : y;
-    });
-    return *all;
-}
-
-template <class T>
-Direction<T> TracedGraph::direction(const T& x) const {
-    std::optional<Direction<T>> all;
-    visit_cells(cells, x, [&](const Cell& cell, const T& part) {
-        const auto gradient = g->jet(part, y_in(cell, part)).gradient;
-        const Direction<T> d{non_negative(signed_by(cell.above, gradient[1])),
-                             signed_by(-cell.above, gradient[0])};
-        all = all ? Direction<T>{hull(all->dx, d.dx), hull(all->dy, d.dy)} : d;
-    });
-    return *all;
-}
-
-Interval TracedGraph::rough_y(const Interval& x) const {
-    std::optional<Interval> all;
-    visit_cells(cells, x, [&](const Cell& cell, const Interval& part) {
-        const Interval strip = Interval(cell.y0) + Interval(cell.slope) * (part - Interval(cell.x0)) +
-                               Interval(-cell.band, cell.band);
-        const Interval y = clamped(cell.y, strip);
-        all = all ? hull(*all, y) : y;
-    });
-    return *all;
-}
-
-bool TracedGraph::holds_alone(Interval x, Interval y) const {
-    // Cells take away the part of the box that they cover, one after another.
-    auto cell =
-        std::partition_point(cells.begin(), cells.end(), [&](const Cell& c) { return c.x1 < x.lower(); });
-    for (; cell != cells.end() && cell->x0 <= x.upper(); ++cell) {
-        const Interval& bx = cell->box_x;
-        Interval by = cell->y;
-        if (cell->rising != Sign::Zero) {
-            // Beyond a turn there is another branch.
-            const Interval left = cell->left->coordinate<Interval>(1);
-            const Interval right = cell->right->coordinate<Interval>(1);
-            const bool rises = cell->rising == Sign::Positive;
-            by = {(rises ? left : right).upper(), (rises ? right : left).lower()};
-            if (by.lower() > by.upper()) continue;
-        }
-        const bool within_x = bx.lower() <= x.lower() && x.upper() <= bx.upper();
-        const bool within_y = by.lower() <= y.lower() && y.upper() <= by.upper();
-        if (within_x && within_y) return true;
-        if (within_y && bx.lower() <= x.lower() && x.lower() <= bx.upper())
-            x = Interval(bx.upper(), x.upper());
-        if (within_x && by.lower() <= y.lower() && y.lower() <= by.upper())
-            y = Interval(by.upper(), y.upper());
-        if (within_x && by.lower() <= y.upper() && y.upper() <= by.upper())
-            y = Interval(y.lower(), by.lower());
-    }
-    return false;
-}
-
 #define VCELL_INSTANTIATE(T)                                        \
     template T BernsteinRoot::enclosure() const;                    \
     template T CircularGraph::y(const T&) const;                    \
     template Direction<T> CircularGraph::direction(const T&) const; \
     template std::pair<T, T> RationalBezier::at(const T&) const;    \
     template T BezierGraph::y(const T&) const;                      \
-    template Direction<T> BezierGraph::direction(const T&) const;   \
-    template T TracedGraph::y(const T&) const;                      \
-    template Direction<T> TracedGraph::direction(const T&) const;
+    template Direction<T> BezierGraph::direction(const T&) const;
 VCELL_INSTANTIATE(Interval)
 VCELL_INSTANTIATE(Wide)
 #undef VCELL_INSTANTIATE

@@ -1,9 +1,8 @@
 /// x-monotone pieces of curves as functions y(x), evaluated over intervals on both rungs of the ladder.
 ///
 /// All decisions on curves of mixed kinds rest on these evaluations: whatever a curve is given by
-/// (coefficients, control points, a defining function), an enclosure of y and of the direction of travel over
-/// any interval of x is all that the arrangement asks of it. Bands about traced curves are filters only:
-/// rough_y().
+/// (coefficients, control points), an enclosure of y and of the direction of travel over any interval of x is
+/// all that the arrangement asks of it.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +14,9 @@
 
 #include "../../core/curves/bernstein.hpp"
 #include "../../core/curves/circular_form.hpp"
-#include "defining_function.hpp"
-#include "traced_place.hpp"
+#include "../../core/numbers/enclosure.hpp"
+#include "../../core/numbers/interval.hpp"
+#include "../../core/numbers/wide_interval.hpp"
 
 namespace vcell {
 
@@ -103,41 +103,10 @@ private:
     T parameter(const T& x) const;
 };
 
-/// Part of a traced curve: a row of cells from left to right, each beginning where the one before ends.
-struct TracedGraph {
-    /// In the box the zeros of g are this part of the curve alone. Right above a point of it g has the sign
-    /// `above`, right below -above, and so on up to the ends of the box. Of a steep cell only the part of the
-    /// box above and below between the heights of its ends counts.
-    struct Cell {
-        Interval box_x, y;
-        Sign above;
-        Sign rising = Sign::Zero;  ///< of a steep cell, where y is monotone in x; Zero: a flat one
-        std::shared_ptr<const TracedPlace> left, right;
-        // The band: y is within `band` of y0 + slope (x - x0) for x in [x0, x1].
-        double x0 = 0, x1 = 0;  // the ends' x or, where these are no doubles, around them
-        double y0 = 0, slope = 0, band = 0;
-    };
-    std::shared_ptr<const DefiningFunction> g;
-    std::vector<Cell> cells;
-
-    template <class T>
-    T y(const T& x) const;
-    template <class T>
-    Direction<T> direction(const T& x) const;
-    /// By the bands alone, without g.
-    Interval rough_y(const Interval& x) const;
-    /// Is every point of {g = 0} in the box x * y sure to be one of the graph?
-    bool holds_alone(Interval x, Interval y) const;
-
-private:
-    template <class T>
-    T y_in(const Cell& cell, const T& x) const;
-};
-
 /// Any of them.
 class MonotoneGraph {
 public:
-    using Shape = std::variant<CircularGraph, BezierGraph, TracedGraph>;
+    using Shape = std::variant<CircularGraph, BezierGraph>;
     explicit MonotoneGraph(Shape shape) : shape_(std::move(shape)) {}
 
     /// y over the part of x that lies in the graph's range (there must be one).

@@ -2,7 +2,7 @@
 
 layers.py includes SOURCE      every #include of a module's files is of that module or of one it depends on
 layers.py linked SOURCE MAP    every file of the modules is linked into the program (GNU ld's map file), every
-                               header included by one that is; exceptions are those of `beside` and `offered`
+                               header included by one that is; exceptions are `offered`
 """
 import pathlib
 import re
@@ -10,25 +10,17 @@ import sys
 
 folders = ["core", "core/solver", "primitives", "arrangement", "envelope", "io"]
 
-# What no cell is computed with. What is struck off stays off: an exception that is none any more is a fault, too.
-beside = {
-    "arrangement/curves/defining_function.hpp",
+# What users of the library call and the program does not: trisectors, all roots of a system, arrangements of any
+# curves. It is made of what computes cells, and of itself. What cells are computed with one day is struck off.
+offered = {
     "arrangement/curves/curve_arcs.cpp",
     "arrangement/curves/curve_arcs.hpp",
     "arrangement/curves/curve_meetings.cpp",
     "arrangement/curves/monotone_graph.cpp",
     "arrangement/curves/monotone_graph.hpp",
-    "arrangement/curves/traced_curve.cpp",
-    "arrangement/curves/traced_curve.hpp",
-    "arrangement/curves/traced_place.cpp",
-    "arrangement/curves/traced_place.hpp",
     "arrangement/sweep/point_location.hpp",
     "core/curves/bernstein.cpp",
     "core/curves/bernstein.hpp",
-}
-
-# What users of the library call and the program does not; it is made of what computes cells, and of itself.
-offered = {
     "core/curves/restricted_curve.hpp",
     "core/solver/newton/quadratic_kernel.hpp",
     "core/solver/roots/search.hpp",
@@ -113,17 +105,16 @@ def check_linked(tree, map_file):
         # A folder's header for users includes the others.
         if path.stem == path.parent.name and tree.modules[name].folder == path.parent:
             continue
-        is_beside = tree.short(path) in beside
-        if tree.short(path) in offered:
+        is_offered = tree.short(path) in offered
+        if path in live and is_offered:
+            yield f"{tree.short(path)}: cells are computed with it; strike it off"
+        if path not in live and not is_offered:
+            yield f"{tree.short(path)}: nothing that computes a cell uses it"
+        if is_offered:
             for target, to in tree.includes(path):
                 if to.exists() and to not in live and tree.short(to) not in offered:
                     yield f"{tree.short(path)}: includes {target}, which computes no cell and is not offered"
-            continue
-        if path not in live and not is_beside:
-            yield f"{tree.short(path)}: nothing that computes a cell uses it"
-        if path in live and is_beside:
-            yield f"{tree.short(path)}: cells are computed with it; strike it from `beside`"
-    for name in sorted(beside | offered):
+    for name in sorted(offered):
         if not (tree.source / name).exists():
             yield f"{name}: is gone; strike it off"
 
