@@ -151,8 +151,8 @@ CurveArcs::Arc CurveArcs::sub_arc(const Arc& a, Point p, Point q) {
 
 CurveArcs::Point CurveArcs::add_point(PointData data) {
     const Point p = points_.push_back(data);
-    equal_to_.push_back(p);
-    equal_x_.push_back(p);
+    equal_to_.add();
+    equal_x_.add();
     for (const BranchId b : data.on) points_on_[b].push_back(p);
     return p;
 }
@@ -186,19 +186,14 @@ std::pair<Wide, Wide> CurveArcs::fine_box(Point p) {
     return *data.fine;
 }
 
-CurveArcs::Point CurveArcs::representative(Classes& classes, Point p) {
-    while (classes[p] != p) p = classes[p] = classes[classes[p]];
-    return p;
-}
-
 void CurveArcs::unite(Point p, Point q) {
     p = representative(p);
     q = representative(q);
     if (p == q) return;
     // The exact one stands for both.
     if (!points_[p].exact && points_[q].exact) std::swap(p, q);
-    equal_to_[q] = p;
-    equal_x_[representative(equal_x_, q)] = representative(equal_x_, p);
+    equal_to_.merge(q.value, p.value);
+    equal_x_.merge(q.value, p.value);
     for (const BranchId b : std::vector(points_[q].on)) note_on(p, b);
 }
 
@@ -228,7 +223,7 @@ CurveArcs::Comparison CurveArcs::compare_coordinate(Point p, Point q, int axis) 
     const auto on_vertical_of_a = [&](BranchId on) {
         return !branches_[on].graph && std::find(a.on.begin(), a.on.end(), on) != a.on.end();
     };
-    if (axis == 0 && (representative(equal_x_, p) == representative(equal_x_, q) ||
+    if (axis == 0 && (equal_x_.find(p.value) == equal_x_.find(q.value) ||
                       std::any_of(b.on.begin(), b.on.end(), on_vertical_of_a)))
         return {Sign::Zero};
     if (const auto s = axis == 0 ? compare_intervals(a.x, b.x) : compare_intervals(a.y, b.y)) {
@@ -252,7 +247,7 @@ CurveArcs::Comparison CurveArcs::compare_coordinate(Point p, Point q, int axis) 
 Sign CurveArcs::compare_x(Point p, Point q) {
     const Comparison c = compare_coordinate(p, q, 0);
     if (c.assumed) assume(points_[p].x, points_[p].y);
-    if (c.sign == Sign::Zero) equal_x_[representative(equal_x_, p)] = representative(equal_x_, q);
+    if (c.sign == Sign::Zero) equal_x_.merge(p.value, q.value);
     return c.sign;
 }
 
@@ -260,7 +255,7 @@ Sign CurveArcs::compare_xy(Point p, Point q) {
     if (representative(p) == representative(q)) return Sign::Zero;
     const Comparison by_x = compare_coordinate(p, q, 0);
     if (by_x.sign != Sign::Zero) return by_x.sign;
-    equal_x_[representative(equal_x_, p)] = representative(equal_x_, q);
+    equal_x_.merge(p.value, q.value);
     const Comparison by_y = compare_coordinate(p, q, 1);
     if (by_x.assumed || by_y.assumed) assume(points_[p].x, points_[p].y);
     if (by_y.sign == Sign::Zero) unite(p, q);

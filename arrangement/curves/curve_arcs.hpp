@@ -24,6 +24,7 @@
 
 #include "../../core/curves/bspline.hpp"
 #include "../../core/ids.hpp"
+#include "../../core/partition.hpp"
 #include "../sweep/arc_geometry.hpp"
 #include "monotone_graph.hpp"
 
@@ -141,13 +142,10 @@ private:
         std::vector<Sign> signs;
     };
 
-    using Classes = IdVector<CurvePointId, CurvePointId>;  // disjoint sets
-
     Point add_point(PointData data);
     Point add_exact_point(ExactPoint p);
     BranchId add_branch(CurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left, Point right);
-    static Point representative(Classes& classes, Point p);
-    Point representative(Point p) const { return representative(equal_to_, p); }
+    Point representative(Point p) const { return {equal_to_.find(p.value)}; }
     void unite(Point p, Point q);
     void note_on(Point p, BranchId b);
     void assume(const Interval& x, const Interval& y);
@@ -172,7 +170,7 @@ private:
     std::optional<Point> later_left(BranchId a, BranchId b);
     std::optional<Point> earlier_right(BranchId a, BranchId b);
 
-    mutable Classes equal_to_, equal_x_;
+    mutable Partition equal_to_, equal_x_;  // of points
     IdVector<CurvePointId, PointData> points_;
     IdVector<CurveId, Curve> curves_;
     IdVector<BranchId, Branch> branches_;

@@ -3,7 +3,7 @@
 namespace vcell::space_fit {
 
 Equation base_equation(const BaseChart& chart, const Vec3& foot) {
-    if (chart.is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0);
+    if (chart.is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0, false);
     const Vec3 axis = chart.is_sphere() ? Vec3::Zero().eval() : Vec3::UnitY().eval();
     return Equation::round(Vec3::Zero(), axis, chart.radius, chart.radius, foot);
 }
@@ -33,7 +33,7 @@ Equation site_equation(const BaseChart& chart, const Object& site, bool is_wall,
     const Plane& plane = std::get<Plane>(site);
     const Vec3 n = plane.normal.normalized();
     const bool inward = !is_wall && n.dot(foot - plane.point) > 0;
-    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, is_wall ? 0 : 1);
+    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, is_wall);
 }
 
 }  // namespace vcell::space_fit

@@ -13,10 +13,9 @@
 ///     a
 ///                                     base plane to the bisector of any plane
 ///
-/// Where one of base and site lies within the other, R0 - t takes the place of t - R0. The gradients are
-/// (g, -1), g the unit vector from the foot point, and (g, 0) for walls. Seen along the arc the left site is
-/// nearest on the left, so the arc runs along (g_left - g) x (g_right - g), g = grad of the base's distance
-/// (walls: g_wall instead of the difference).
+/// The gradients are (g, -1), g the unit vector from the foot point, and (g, 0) for walls. Seen along the arc
+/// the left site is nearest on the left, so the arc runs along (g_left - g) x (g_right - g), g = grad of the
+/// base's distance (walls: g_wall instead of the difference).
 ///
 /// Where cylinders of one radius have crossing axes, left and right depend on each other over the crossing,
 /// and the trisector has a node. Each of its curves lies in a plane between the axes; the plane's equation
@@ -37,11 +36,10 @@
 ///    degree 5) that all but vanishes at those six places: that bounds it closely. Divided by d + t + delta
 ///    it bounds |G(P(s))| <= e.
 /// 2. Place. Take four equations F(X) = 0, a convex D around the span (what is within some room of the hull
-///    of its control points), M the Jacobian in its middle, B nearly the inverse of M, B_i its columns.
-///    Within r of a point at distance d from a centre or axis the unit vector from there turns by asin(r / d)
-///    at most; that bounds the rows of F' - M, and so q >= |I - B F'| in D. Let q < 1. Then X - B F(X)
-///    contracts, so F is one-to-one in D; and a solution lies within x = sum |B_i| |F_i(P)| / (1 - q) of P,
-///    if D contains the ball of this radius [Deuflhard04, sec. 2.1].
+///    of its control points), M the Jacobian in its middle. Within r of a point at distance d from a centre
+///    or axis the unit vector from there turns by asin(r / d) at most; that bounds the rows of F' - M, and so
+///    the solver's q in D (core/solver/newton/root_distance.hpp). Let q < 1. Then F is one-to-one in D; and a
+///    solution lies within x of P, which it tells, if D contains the ball of this radius.
 /// 3. The curve. F = (G, N . (X - P(s))) with N the unit null vector of the gradients in the middle. So in D
 ///    the curve G = 0 is a graph over N, and meets the slice across N through each P(s) within x. Since
 ///    N . P(s) increases, these points make up the curve's arc between the slices of P(0) and P(1), in the
@@ -195,8 +193,6 @@ public:
         }
     }
     const SpaceFitError& error() const { return error_; }
-    // Is every span proved to the tolerance and to join the one before? Otherwise a budget was spent.
-    bool is_proved() const { return is_proved_; }
 
 private:
     // What a singular end needs, and what no proof in reach may cost (per piece).
@@ -268,7 +264,6 @@ private:
         }
         const Fit best = smooth(from, to, infinity), straight = chord(from, to, piece);
         const bool is_straight = (piece || straight.tube.is_proved()) && !(best.error() < straight.error());
-        is_proved_ = false;
         append(is_straight ? straight : best);
     }
 
@@ -432,7 +427,6 @@ private:
     std::optional<Tube> last_;           // the span before, the start at first; none: vouched for by a piece
     std::optional<Tube> first_, final_;  // the first span; the end
     SpaceFitError error_;
-    bool is_proved_ = true;
 };
 
 }  // namespace vcell::space_fit

@@ -2,36 +2,21 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
+#include "../../core/solver/newton/root_distance.hpp"
 #include "arc_equations.hpp"
 
 namespace vcell::space_fit {
 
-// Step 2: the distance of a solution from a point with residuals e, as far as the ball allows.
-struct Solver {
-    Matrix4d inverse;
-    std::array<double, 4> columns;
-    double q;
-
+// Step 2, as gradients are rounded.
+struct Solver : RootDistance<4> {
     // `variations`: of the rows.
-    Solver(const Matrix4d& M, const std::array<double, 4>& variations) : inverse(M.inverse()) {
-        q = (Matrix4d::Identity() - inverse * M).norm();
-        for (int i = 0; i < 4; ++i) {
-            columns[i] = inverse.col(i).norm();
-            q += columns[i] * (variations[i] + rounding);
-        }
-    }
-    bool is_regular() const { return q < 1; }
-    double distance(const std::array<double, 4>& e) const {
-        double sum = 0;
-        for (int i = 0; i < 4; ++i) sum += columns[i] * e[i];
-        return sum / (1 - q);
-    }
+    Solver(const Matrix4d& M, const std::array<double, 4>& variations)
+        : RootDistance(M, variations, rounding) {}
 };
 
 // What the certificate finds.

@@ -8,6 +8,7 @@
 #include "../../core/solver/newton/kantorovich.hpp"
 #include "../../core/solver/newton/newton.hpp"
 #include "../../core/solver/newton/one_unknown.hpp"
+#include "../../core/solver/newton/root_distance.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;
@@ -95,6 +96,35 @@ TEST_CASE("newton: Kantorovich's radius holds the root and nothing more is claim
     }
     CHECK_FALSE(kantorovich_radius(HUGE_VAL, 0));
     CHECK_FALSE(kantorovich_radius(std::nan(""), 0));
+}
+
+TEST_CASE("newton: a root is no farther than residuals tell where the Jacobian is near a matrix") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    using Vector = Eigen::Vector3d;
+    int regular = 0, singular = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const auto vector = [&] { return Vector(unit(rng), unit(rng), unit(rng)); };
+        Eigen::Matrix3d M;
+        M << vector(), vector(), vector();
+        // F(x) = M (x - r) + v (sin x - sin r): a row of its Jacobian is within v of M's.
+        const Vector r = vector(), P = vector();
+        const double v = 0.2 * std::abs(unit(rng));
+        const Vector F = M * (P - r) + v * (P.array().sin() - r.array().sin()).matrix();
+        const RootDistance<3> bound(M, {v, v, v}, 1e-15);
+        if (!bound.is_regular()) {
+            ++singular;
+            continue;
+        }
+        ++regular;
+        const double distance = bound.distance({std::abs(F[0]), std::abs(F[1]), std::abs(F[2])});
+        CHECK((P - r).norm() <= distance);
+        // And no idle bound: where F is linear it is that but for the condition.
+        if (v < 0.001)
+            CHECK(distance <= 1.5 * std::sqrt(3.0) * M.norm() * M.inverse().norm() * (P - r).norm());
+    }
+    CHECK(regular > 100);
+    CHECK(singular > 10);
 }
 
 TEST_CASE("newton: a bracket shrinks to the zero of an increasing function") {

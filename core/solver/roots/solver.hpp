@@ -22,10 +22,13 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "../../partition.hpp"
 #include "../../platform.hpp"
 #include "../newton/box.hpp"
 #include "../newton/krawczyk.hpp"
@@ -86,31 +89,28 @@ namespace detail {
 /// Groups of boxes that touch. Indices into `boxes`.
 template <int N>
 std::vector<std::vector<std::size_t>> clusters(const std::vector<IntervalBox<N>>& boxes) {
-    // Sweep along the longest side of the common hull; union-find.
+    // Sweep along the longest side of the common hull.
     IntervalBox<N> all = boxes.front();
     for (const auto& box : boxes) all = hull(all, box);
     int axis = 0;
     for (int i = 1; i < N; ++i)
         if (all[i].width() > all[axis].width()) axis = i;
-    std::vector<std::size_t> order(boxes.size()), parent(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) order[i] = parent[i] = i;
+    std::vector<std::uint32_t> order(boxes.size());
+    std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(),
               [&](auto a, auto b) { return boxes[a][axis].lower() < boxes[b][axis].lower(); });
-    const auto find = [&](std::size_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
-    std::vector<std::size_t> open;
-    for (const std::size_t i : order) {
-        std::erase_if(open, [&](std::size_t j) { return boxes[j][axis].upper() < boxes[i][axis].lower(); });
-        for (const std::size_t j : open)
-            if (overlap(boxes[i], boxes[j])) parent[find(j)] = find(i);
+    Partition touching(boxes.size());
+    std::vector<std::uint32_t> open;
+    for (const std::uint32_t i : order) {
+        std::erase_if(open, [&](std::uint32_t j) { return boxes[j][axis].upper() < boxes[i][axis].lower(); });
+        for (const std::uint32_t j : open)
+            if (overlap(boxes[i], boxes[j])) touching.merge(j, i);
         open.push_back(i);
     }
     std::vector<std::vector<std::size_t>> groups;
     std::vector<std::size_t> group_of(boxes.size(), boxes.size());
-    for (const std::size_t i : order) {
-        std::size_t& g = group_of[find(i)];
+    for (const std::uint32_t i : order) {
+        std::size_t& g = group_of[touching.find(i)];
         if (g == boxes.size()) {
             g = groups.size();
             groups.emplace_back();
