@@ -1,8 +1,9 @@
-# One module, one static library: vcell_module(name SOURCES ... [DEPENDS modules ...]).
+# One module, one static library: vcell_module(name [BESIDE_JOINED] SOURCES ... [DEPENDS modules ...]).
 # The target is vcell_<name> (vcell::<name> for users), the archive libvcell_<name>.a. Headers lie beside
-# the sources; <vcell/module/header.hpp> finds them in the build tree as it does installed.
+# the sources; <vcell/module/header.hpp> finds them in the build tree as it does installed. BESIDE_JOINED: it is no part
+# of libvcell.a, which is what it links where it is installed.
 function(vcell_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "BESIDE_JOINED" "" "SOURCES;DEPENDS" ${ARGN})
   add_library(vcell_${name} STATIC ${ARG_SOURCES})
   add_library(vcell::${name} ALIAS vcell_${name})
   set_target_properties(vcell_${name} PROPERTIES EXPORT_NAME ${name})
@@ -12,10 +13,14 @@ function(vcell_module name)
   else()
     target_precompile_headers(vcell_${name} REUSE_FROM vcell_core)
   endif()
-  foreach(module IN LISTS ARG_DEPENDS)
-    target_link_libraries(vcell_${name} PUBLIC vcell_${module})
-  endforeach()
-  set_property(GLOBAL APPEND PROPERTY VCELL_MODULES vcell_${name})
+  if(ARG_BESIDE_JOINED)
+    list(TRANSFORM ARG_DEPENDS REPLACE "(.+)" "$<BUILD_INTERFACE:vcell_\\1>" OUTPUT_VARIABLE depends)
+    list(APPEND depends $<INSTALL_INTERFACE:vcell::vcell>)
+  else()
+    list(TRANSFORM ARG_DEPENDS PREPEND vcell_ OUTPUT_VARIABLE depends)
+    set_property(GLOBAL APPEND PROPERTY VCELL_MODULES vcell_${name})
+  endif()
+  target_link_libraries(vcell_${name} PUBLIC ${depends})
 
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${vcell_SOURCE_DIR} OUTPUT_VARIABLE folder)
   set(link ${vcell_BINARY_DIR}/include/vcell/${folder})

@@ -1,4 +1,4 @@
-/// Scenes and cells as files.
+/// Scenes, cells and diagrams as files, meshes and pictures, and the check of cells.
 #pragma once
 
 #include "check/check.hpp"
