@@ -68,9 +68,7 @@ DecidedDiagram::DecidedDiagram(const DiagramScene& scene) : scene_(scene) {
 void DecidedDiagram::validate_diagram() const {
     if (scene_.objects.empty())
         throw InputError(Kind::MissingKey, InputError::no_object, "objects", "are none: there is no cell");
-    Scene as_scene;
-    as_scene.base = scene_.objects.front();
-    as_scene.base_object = 0;
+    Scene as_scene;  // none of the objects is its base: what is wrong with one is told by its number
     as_scene.objects = scene_.objects;
     as_scene.names = scene_.names;
     as_scene.box = scene_.box;

@@ -1,0 +1,295 @@
+// The cells of all objects, as arrays; what lies between them; the void network.
+#include "../../envelope/voronoi_diagram.hpp"
+
+#include <pybind11/stl.h>
+
+#include "../../envelope/whole/void_network.hpp"
+#include "arrays.hpp"
+#include "binding.hpp"
+
+namespace vcell::python {
+
+namespace {
+
+/// A diagram with the scene that it is of.
+struct Diagram {
+    DiagramScene scene;
+    VoronoiDiagram diagram;
+};
+
+const char* name_of(DiagramCell::State state) {
+    switch (state) {
+        case DiagramCell::State::Computed: return "computed";
+        case DiagramCell::State::Empty: return "empty";
+        case DiagramCell::State::Undecided: return "undecided";
+        case DiagramCell::State::Refused: return "refused";
+    }
+    return "";
+}
+
+/// What is called while a diagram is computed: signals, progress, and each cell as Python's own.
+class Listener {
+public:
+    Listener(py::object progress, py::object visit) : watch_(std::move(progress)), visit_(std::move(visit)) {}
+
+    DiagramOptions options(unsigned threads) {
+        DiagramOptions result;
+        result.threads = threads;
+        result.progress = [this](double fraction) { watch_(fraction); };
+        if (!visit_.is_none())
+            result.visit = [this](std::uint32_t object, const Cell& cell) {
+                py::gil_scoped_acquire lock;
+                visit_(object, cell);  // a copy: the engine keeps its own no longer than this call
+            };
+        return result;
+    }
+
+private:
+    Watch watch_;
+    py::object visit_;
+};
+
+template <class T, class Of>
+auto cells(Of of) {
+    return [of](const Diagram& d) { return column<T>(d.diagram.cells, of); };
+}
+template <class Of>
+auto flags(Of of) {
+    return [of](const Diagram& d) { return column<bool>(d.diagram.cells, of); };
+}
+
+void bind_contacts(py::module_& m) {
+    py::class_<ContactTable>(m, "ContactTable", "Pairs of neighbours, each once, ascending.")
+        .def_property_readonly(
+            "first",
+            [](const ContactTable& t) {
+                return column<std::int64_t>(t.contacts, [](auto& c) { return c.first; });
+            },
+            "Numbers of objects: shape (n,).")
+        .def_property_readonly(
+            "second",
+            [](const ContactTable& t) {
+                return column<std::int64_t>(t.contacts, [](auto& c) { return number_of(c.second); });
+            },
+            "Site numbers: an object that is not lower, or -1 ... -6, a side of the box: shape (n,).")
+        .def_property_readonly(
+            "image",
+            [](const ContactTable& t) {
+                return table<std::int64_t>(
+                    t.contacts, 3, [](auto& c) -> auto& { return c.image; });
+            },
+            "By how many edges of the box the second is moved: shape (n, 3).")
+        .def_property_readonly(
+            "faces",
+            [](const ContactTable& t) {
+                return column<std::int64_t>(t.contacts, [](auto& c) { return c.faces; });
+            },
+            "Connected ones: shape (n,).")
+        .def_property_readonly(
+            "area",
+            [](const ContactTable& t) { return column<double>(t.contacts, [](auto& c) { return c.area; }); },
+            "Shape (n,).")
+        .def_property_readonly(
+            "area_error",
+            [](const ContactTable& t) {
+                return column<double>(t.contacts, [](auto& c) { return c.area_error; });
+            },
+            "Shape (n,).")
+        .def_readonly("faults", &ContactTable::faults,
+                      "Pairs of cells that do not agree about what is between them: none, if all is right.")
+        .def("__len__", [](const ContactTable& t) { return t.contacts.size(); });
+
+    py::class_<FilledVolume>(m, "FilledVolume", "The sum of all volumes, beside the box's.")
+        .def_readonly("volume", &FilledVolume::volume)
+        .def_readonly("error", &FilledVolume::error)
+        .def_readonly("box", &FilledVolume::box)
+        .def_readonly("is_estimated", &FilledVolume::is_estimated)
+        .def_property_readonly("fills", &FilledVolume::fills, "Do the cells fill the box within the error?");
+}
+
+void bind_table(py::module_& m) {
+    py::class_<Diagram>(
+        m, "Diagram",
+        "The cells of all objects, as arrays with an entry for each; lengths in the scene's unit.")
+        .def_readonly("scene", &Diagram::scene)
+        .def("__len__", [](const Diagram& d) { return d.diagram.cells.size(); })
+        .def_property_readonly(
+            "states",
+            [](const Diagram& d) {
+                py::list result;
+                for (const DiagramCell& c : d.diagram.cells) result.append(name_of(c.state));
+                return result;
+            },
+            "\"computed\", \"empty\" (in another object, or equal to one), \"undecided\" or \"refused\".")
+        .def_property_readonly(
+            "reasons",
+            [](const Diagram& d) {
+                py::list result;
+                for (const DiagramCell& c : d.diagram.cells) result.append(c.reason);
+                return result;
+            },
+            "Of the states; empty for computed cells.")
+        .def_property_readonly("volume", cells<double>([](auto& c) { return c.volume; }), "Shape (n,).")
+        .def_property_readonly("volume_error", cells<double>([](auto& c) { return c.volume_error; }),
+                               "Shape (n,).")
+        .def_property_readonly("area", cells<double>([](auto& c) { return c.area; }),
+                               "Without sides of the box and caps: shape (n,).")
+        .def_property_readonly("area_error", cells<double>([](auto& c) { return c.area_error; }),
+                               "Shape (n,).")
+        .def_property_readonly("exposed_area", cells<double>([](auto& c) { return c.exposed_area; }),
+                               "Of the cap at the probe's distance, the accessible surface: shape (n,).")
+        .def_property_readonly("exposed_error", cells<double>([](auto& c) { return c.exposed_error; }),
+                               "Shape (n,).")
+        .def_property_readonly("min_clearance", cells<double>([](auto& c) { return c.min_clearance; }),
+                               "NaN for planes and cylinders: shape (n,).")
+        .def_property_readonly("max_clearance", cells<double>([](auto& c) { return c.max_clearance; }),
+                               "NaN for planes and cylinders: shape (n,).")
+        .def_property_readonly("touches_box", flags([](auto& c) { return c.touches_box; }), "Shape (n,).")
+        .def_property_readonly("is_estimated", flags([](auto& c) { return c.is_estimated; }),
+                               "Are errors estimates, no bounds? Shape (n,).")
+        .def_property_readonly("assumed", cells<std::int64_t>([](auto& c) { return c.assumed; }),
+                               "Coincidences that were taken for granted: shape (n,).")
+        .def_property_readonly("neighbor_count", cells<std::int64_t>([](auto& c) {
+                                   std::int64_t count = 0;
+                                   for (const CellContact& contact : c.contacts)
+                                       count += contact.site.is_object();
+                                   return count;
+                               }),
+                               "Neighbouring objects, each image for itself: shape (n,).")
+        .def_property_readonly(
+            "moved", [](const Diagram& d) { return d.diagram.moved; },
+            "A bound on how far coordinates were moved, to a grid on which the box repeats.")
+        .def(
+            "contacts", [](const Diagram& d) { return contacts(d.diagram); },
+            "A ContactTable of all pairs of neighbours.")
+        .def(
+            "filled_volume", [](const Diagram& d) { return filled_volume(d.scene, d.diagram); },
+            "A FilledVolume: do the cells fill the box?")
+        .def(
+            "update",
+            [](py::object self, std::uint32_t number, const Object& object, unsigned threads) {
+                auto& diagram = self.cast<Diagram&>();
+                if (number >= diagram.scene.objects.size())
+                    throw py::index_error("number: there is no such object");
+                // The change is made on a copy, without the interpreter's lock: an interrupt leaves the
+                // diagram as it was.
+                Diagram changed = diagram;
+                Listener listener{py::none(), py::none()};
+                {
+                    const py::gil_scoped_release unlocked;
+                    update(changed.diagram, changed.scene, number, object, listener.options(threads));
+                }
+                diagram = std::move(changed);
+            },
+            py::arg("number"), py::arg("object"), py::kw_only(), py::arg("threads") = 0,
+            "After objects[number] has become `object`: only cells that either may touch are computed again.")
+        .def("__repr__", [](const Diagram& d) {
+            return "<vcell.Diagram: " + std::to_string(d.diagram.cells.size()) + " cells>";
+        });
+
+    m.def(
+        "diagram",
+        [](const DiagramScene& scene, unsigned threads, py::object progress, py::object visit) {
+            Listener listener(std::move(progress), std::move(visit));
+            Diagram result{scene, {}};
+            const py::gil_scoped_release unlocked;
+            result.diagram = voronoi_diagram(result.scene, listener.options(threads));
+            return result;
+        },
+        py::arg("scene"), py::kw_only(), py::arg("threads") = 0, py::arg("progress") = py::none(),
+        py::arg("visit") = py::none(),
+        "The cells of all objects, each proved to be that among all others. What one cell runs into is in its "
+        "state.\n\n"
+        "threads: 0 is as many as there are cores; the result is the same for any number.\n"
+        "progress: called with the fraction of cells that is done, up to twenty times a second; may raise.\n"
+        "visit: called with the number and the Cell of each computed cell of a ball, ascending. The cell's scene "
+        "has the objects that were looked at; its sites are their numbers in the diagram or, where the box repeats, "
+        "places in that scene.\n\n"
+        "Ctrl-C ends it. Raises InputError.");
+}
+
+void bind_network(py::module_& m) {
+    py::class_<NetworkSphere>(m, "NetworkSphere", "The largest sphere that fits in some way.")
+        .def_readonly("diameter", &NetworkSphere::diameter, "Negative where nothing fits.")
+        .def_readonly("error", &NetworkSphere::error, "A bound.")
+        .def("__repr__", [](const NetworkSphere& s) {
+            return "<vcell.NetworkSphere of diameter " + std::string(py::repr(py::float_(s.diameter))) + ">";
+        });
+    py::class_<VoidNetwork>(m, "VoidNetwork", "Vertices and edges of all cells of balls, each once.")
+        .def_property_readonly(
+            "vertex_points",
+            [](const VoidNetwork& n) {
+                return table<double>(
+                    n.vertices, 3, [](auto& v) -> auto& { return v.point; });
+            },
+            "Shape (vertices, 3).")
+        .def_property_readonly(
+            "vertex_clearances",
+            [](const VoidNetwork& n) {
+                return column<double>(n.vertices, [](auto& v) { return v.clearance; });
+            },
+            "Distances from the balls around: shape (vertices,).")
+        .def_property_readonly(
+            "vertex_errors",
+            [](const VoidNetwork& n) { return column<double>(n.vertices, [](auto& v) { return v.error; }); },
+            "Bounds for place and clearance: shape (vertices,).")
+        .def_property_readonly(
+            "edge_vertices",
+            [](const VoidNetwork& n) {
+                return table<std::int64_t>(n.edges, 2, [](auto& e) {
+                    return e.vertices ? std::array<std::int64_t, 2>{(*e.vertices)[0], (*e.vertices)[1]}
+                                      : std::array<std::int64_t, 2>{-1, -1};
+                });
+            },
+            "Numbers of both ends, -1 for closed edges: shape (edges, 2).")
+        .def_property_readonly(
+            "edge_images",
+            [](const VoidNetwork& n) {
+                return table<std::int64_t>(
+                    n.edges, 3, [](auto& e) -> auto& { return e.image; });
+            },
+            "By how many edges of the box the second end is moved: shape (edges, 3).")
+        .def_property_readonly(
+            "edge_bottlenecks",
+            [](const VoidNetwork& n) {
+                return column<double>(n.edges, [](auto& e) { return e.bottleneck; });
+            },
+            "Least clearances along edges: shape (edges,).")
+        .def_property_readonly(
+            "edge_bottleneck_errors",
+            [](const VoidNetwork& n) {
+                return column<double>(n.edges, [](auto& e) { return e.bottleneck_error; });
+            },
+            "Bounds: shape (edges,).")
+        .def_property_readonly(
+            "edge_lengths",
+            [](const VoidNetwork& n) { return column<double>(n.edges, [](auto& e) { return e.length; }); },
+            "Shape (edges,).")
+        .def_readonly("included", &VoidNetwork::included, "Di: the largest sphere about a vertex, or None.")
+        .def_readonly("free", &VoidNetwork::free, "Df: the largest that gets through the box, or None.")
+        .def_readonly("free_along", &VoidNetwork::free_along, "Df along x, y and z.")
+        .def_readonly("included_along_free", &VoidNetwork::included_along_free,
+                      "Dif: the largest on that way, or None.")
+        .def_readonly("moved", &VoidNetwork::moved);
+    m.def(
+        "void_network",
+        [](const DiagramScene& scene, unsigned threads, py::object progress) {
+            Listener listener(std::move(progress), py::none());
+            const DiagramOptions options = listener.options(threads);
+            const py::gil_scoped_release unlocked;
+            return void_network(scene, options);
+        },
+        py::arg("scene"), py::kw_only(), py::arg("threads") = 0, py::arg("progress") = py::none(),
+        "The void network of balls, which may repeat: what spheres fit in between, and which get through. Ctrl-C "
+        "ends it. Raises InputError, UndecidedError.");
+}
+
+}  // namespace
+
+void bind_diagram(py::module_& m) {
+    bind_contacts(m);
+    bind_table(m);
+    bind_network(m);
+}
+
+}  // namespace vcell::python

@@ -1,0 +1,242 @@
+// Questions about points, checks, meshes and files.
+#include <pybind11/stl.h>
+
+#include <filesystem>
+#include <mutex>
+
+#include "../../envelope/point_query.hpp"
+#include "../../io/io.hpp"
+#include "arrays.hpp"
+#include "binding.hpp"
+
+namespace vcell::python {
+
+namespace {
+
+/// PointQuery as threads may share it: it remembers what was asked, so one asks at a time.
+class SharedQuery {
+public:
+    explicit SharedQuery(const Scene& scene) : query_(scene) {}
+
+    const std::vector<std::string>& warnings() const { return query_.warnings(); }
+
+    /// owner, clearance, inside: see the module's text.
+    py::tuple answer(py::handle given) {
+        const Doubles points = rows(given, 3, "points");
+        const py::ssize_t n = points.shape(0);
+        py::array_t<std::int64_t> owner(n);
+        py::array_t<double> clearance(n);
+        py::array_t<bool> inside(n);
+        const double* from = points.data();
+        std::int64_t* const owner_to = owner.mutable_data();
+        double* const clearance_to = clearance.mutable_data();
+        bool* const inside_to = inside.mutable_data();
+        {
+            Watch watch{py::none()};
+            const py::gil_scoped_release unlocked;
+            for (py::ssize_t i = 0; i < n; ++i) {
+                if (i % 256 == 0) watch();
+                const std::lock_guard one(mutex_);
+                const auto a = query_(Vec3(from[3 * i], from[3 * i + 1], from[3 * i + 2]));
+                const bool has_owner = a && a->site;
+                owner_to[i] = has_owner ? number_of(*a->site) : no_site;
+                clearance_to[i] = has_owner ? a->clearance : not_measured;
+                inside_to[i] = a && a->inside;
+            }
+        }
+        return py::make_tuple(owner, clearance, inside);
+    }
+
+private:
+    PointQuery query_;
+    std::mutex mutex_;
+};
+
+void bind_query(py::module_& m) {
+    py::class_<SharedQuery>(
+        m, "PointQuery",
+        "Answers about points, without computing the cell: O(n) to begin with, O(log n) each.")
+        .def(py::init([](const Scene& scene) {
+                 const py::gil_scoped_release unlocked;
+                 return std::make_unique<SharedQuery>(scene);
+             }),
+             py::arg("scene"))
+        .def(
+            "__call__", &SharedQuery::answer, py::arg("points"),
+            "points: shape (n, 3). Returns arrays of shape (n,): the site number of the owner of each point's ray, "
+            "which runs through it along the base's normal (NO_SITE: the ray starts outside the base region, or the "
+            "point is in a base sphere's centre or on a base cylinder's axis), the clearance of the cell's boundary "
+            "on that ray (NaN without an owner), and whether the point lies in the closed cell. Ctrl-C ends it.")
+        .def_property_readonly("warnings", &SharedQuery::warnings);
+    m.def(
+        "query",
+        [](const Scene& scene, py::handle points) {
+            std::unique_ptr<SharedQuery> query;
+            {
+                const py::gil_scoped_release unlocked;
+                query = std::make_unique<SharedQuery>(scene);
+            }
+            return query->answer(points);
+        },
+        py::arg("scene"), py::arg("points"), "PointQuery(scene)(points).");
+    m.attr("NO_SITE") = no_site;
+}
+
+void bind_check(py::module_& m) {
+    py::class_<Element>(m, "Element", "One statement about one place of a cell.")
+        .def_readonly("where", &Element::where, "As the cell file names it: \"vertices[3]\".")
+        .def_property_readonly(
+            "verdict", [](const Element& e) { return std::string(to_string(e.verdict)); },
+            "\"proved\", \"refuted\" or \"open\".")
+        .def_readonly("what", &Element::what, "What is wrong, or why nothing could be proved.")
+        .def_readonly(
+            "amount", &Element::amount,
+            "Proved: how far it is from the true one at most. Refuted: by how much it is wrong at least.")
+        .def("__repr__", [](const Element& e) {
+            return "<vcell.Element " + e.where + ": " + std::string(to_string(e.verdict)) + ">";
+        });
+    py::class_<Certificate>(m, "Certificate", "What a check has established. True if it holds.")
+        .def_property_readonly(
+            "elements",
+            [](py::object self) { return references(self.cast<const Certificate&>().elements, self); },
+            "A list of Element.")
+        .def_readonly(
+            "distance", &Certificate::distance,
+            "The boundary as written is everywhere within this length of the true one, if it holds.")
+        .def_property_readonly("holds", &Certificate::holds, "Nothing is refuted and nothing is open.")
+        .def_property_readonly("proved", [](const Certificate& c) { return c.count(Verdict::proved); })
+        .def_property_readonly("refuted", [](const Certificate& c) { return c.count(Verdict::refuted); })
+        .def_property_readonly("open", [](const Certificate& c) { return c.count(Verdict::open); })
+        .def("__bool__", &Certificate::holds);
+    m.def(
+        "check",
+        [](const Cell& cell, std::uint32_t samples, std::uint64_t seed, int effort) {
+            const py::gil_scoped_release unlocked;
+            return certify(cell, {samples, seed, effort});
+        },
+        py::arg("cell"), py::kw_only(), py::arg("samples") = 500, py::arg("seed") = 1, py::arg("effort") = 10,
+        "A Certificate: is the cell what it says? From the scene in it alone, with code that computed none of it.\n\n"
+        "samples, seed: points that are compared where something is not proved.\n"
+        "effort: each step allows twice as many parts before something is left open.");
+}
+
+/// Which face a triangle belongs to: -1 for walls and -2 for the base.
+py::array_t<std::int64_t> triangle_faces(const CellMesh& mesh) {
+    py::array_t<std::int64_t> result(static_cast<py::ssize_t>(mesh.triangles.size()));
+    for (const CellMesh::Group& group : mesh.groups) {
+        std::int64_t face = group.face;
+        if (group.kind == CellMesh::Group::Kind::Walls) face = -1;
+        if (group.kind == CellMesh::Group::Kind::Base) face = -2;
+        std::fill(result.mutable_data() + group.begin, result.mutable_data() + group.end, face);
+    }
+    return result;
+}
+
+void bind_mesh(py::module_& m) {
+    py::class_<CellMesh>(m, "CellMesh",
+                         "Triangles of a cell's boundary without cracks. Its arrays are read-only.")
+        .def_readonly("chord", &CellMesh::chord,
+                      "The largest distance of a side's middle from the surface that the triangles keep.")
+        .def_property_readonly(
+            "points",
+            [](py::object self) { return view<double>(self.cast<const CellMesh&>().points, 3, self); },
+            "Shape (points, 3).")
+        .def_property_readonly(
+            "normals",
+            [](py::object self) { return view<double>(self.cast<const CellMesh&>().normals, 3, self); },
+            "Unit, out of the cell: shape (normals, 3).")
+        .def_property_readonly(
+            "triangles",
+            [](py::object self) {
+                return view<std::uint32_t>(self.cast<const CellMesh&>().triangles, 3, self);
+            },
+            "Numbers of points, counter-clockwise seen from outside: shape (triangles, 3).")
+        .def_property_readonly(
+            "corner_normals",
+            [](py::object self) {
+                return view<std::uint32_t>(self.cast<const CellMesh&>().corner_normals, 3, self);
+            },
+            "Numbers of normals, corner by corner: shape (triangles, 3).")
+        .def_property_readonly("triangle_faces", &triangle_faces,
+                               "Numbers of faces, -1 for walls, -2 for the base: shape (triangles,).")
+        .def_property_readonly(
+            "edge_lines",
+            [](const CellMesh& mesh) {
+                py::list result;
+                for (const auto& line : mesh.edge_lines)
+                    result.append(column<std::uint32_t>(line, [](std::uint32_t p) { return p; }));
+                return result;
+            },
+            "For each edge of the cell numbers of points along it.")
+        .def("__repr__", [](const CellMesh& mesh) {
+            return "<vcell.CellMesh: " + std::to_string(mesh.triangles.size()) + " triangles>";
+        });
+    m.def(
+        "mesh",
+        [](const Cell& cell, std::optional<double> chord, bool closed, std::size_t most_triangles) {
+            if (chord && !(*chord > 0)) throw py::value_error("chord: must be above 0");
+            const py::gil_scoped_release unlocked;
+            return tessellate(cell, {chord, closed, most_triangles});
+        },
+        py::arg("cell"), py::kw_only(), py::arg("chord") = py::none(), py::arg("closed") = false,
+        py::arg("most_triangles") = MeshOptions().most_triangles,
+        "A CellMesh.\n\n"
+        "chord: the largest distance of a side's middle from the surface; default: a thousandth of the cell's "
+        "diagonal. It grows where it would take more than `most_triangles`.\n"
+        "closed: with walls and the base's region, the mesh of the whole solid.");
+}
+
+/// Writes a cell in the format of the file's ending.
+void write(const Cell& cell, const std::string& path, const std::optional<CellMesh>& given) {
+    const std::string ending = std::filesystem::path(path).extension().string();
+    const bool is_labelled = ending == ".stl" || ending == ".ply" || ending == ".vtu";
+    if (!is_labelled && ending != ".json" && ending != ".svg" && ending != ".itd" && ending != ".step" &&
+        ending != ".obj")
+        throw py::value_error("path: must end in .json, .svg, .obj, .stl, .ply, .vtu, .step or .itd, is " +
+                              path);
+    const py::gil_scoped_release unlocked;
+    OutputFile file(path);
+    const auto mesh = [&] { return given ? *given : tessellate(cell); };
+    if (ending == ".json") write_cell(file.stream(), cell);
+    if (ending == ".svg") write_svg(file.stream(), cell);
+    if (ending == ".itd") write_itd(file.stream(), cell);
+    if (ending == ".step") write_step(file.stream(), cell);
+    if (ending == ".obj") write_obj(file.stream(), cell, mesh(), "");
+    if (is_labelled) {
+        LabelledMesh labelled;
+        labelled.add(cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1, cell,
+                     mesh());
+        write_mesh(file.stream(), ending.substr(1), labelled);
+    }
+    file.commit();
+}
+
+void bind_files(py::module_& m) {
+    m.def(
+        "parse_cell", [](const std::string& text) { return parse_cell(text); }, py::arg("text"),
+        "The Cell of a cell file's text. Raises InputError with the place of what is wrong.");
+    m.def(
+        "read_cell", [](const py::object& path) { return read_cell(py::str(path)); }, py::arg("path"),
+        "As parse_cell(), of a file. Raises ReadError, an OSError, too.");
+    m.def(
+        "write",
+        [](const Cell& cell, const py::object& path, const CellMesh* mesh) {
+            write(cell, py::str(path), mesh ? std::optional(*mesh) : std::nullopt);
+        },
+        py::arg("cell"), py::arg("path"), py::arg("mesh") = py::none(),
+        "Writes the cell in the format of the path's ending: .json, .svg, .obj, .stl, .ply, .vtu, .step or .itd. "
+        "The file is complete or untouched.\n\n"
+        "mesh: the cell's mesh, for formats of triangles; default: mesh(cell).\n\n"
+        "Raises WriteError, an OSError.");
+}
+
+}  // namespace
+
+void bind_tools(py::module_& m) {
+    bind_query(m);
+    bind_check(m);
+    bind_mesh(m);
+    bind_files(m);
+}
+
+}  // namespace vcell::python
