@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../core/numbers/interval.hpp"
 #include "void_network.hpp"
 
 namespace vcell {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "../../core/errors.hpp"
+#include "../../core/numbers/interval.hpp"
 #include "../../core/platform.hpp"
 #include "cell_finder.hpp"
 #include "edge_clearance.hpp"

@@ -16,11 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "../../core/numbers/interval.hpp"
 #include "../cell.hpp"
 #include "../voronoi_diagram.hpp"
 
 namespace vcell {
+
+class Interval;
 
 /// A ball of the diagram, moved by so many edges of the box, or a side of the box.
 struct NetworkSite {

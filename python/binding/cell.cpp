@@ -343,7 +343,7 @@ void bind_making(py::module_& m) {
         },
         py::arg("scene"),
         "Volume, area and neighbours of all of the box that is nearest to the base, over base points outside "
-        "the box, too.");
+        "the box, too. Ctrl-C waits for its end.");
 }
 
 }  // namespace

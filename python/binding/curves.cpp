@@ -1,6 +1,9 @@
 // Rational curves and patches, to evaluate at many parameters at once.
 #include "../../core/curves/bspline.hpp"
 
+#include <pybind11/stl.h>
+
+#include "../../primitives/bisectors/trisector.hpp"
 #include "arrays.hpp"
 #include "binding.hpp"
 
@@ -74,11 +77,51 @@ std::array<Doubles, 2> parameters_of(py::handle u, py::handle v) {
     return result;
 }
 
+void bind_trisectors(py::module_& m) {
+    py::class_<TrisectorCurve>(m, "TrisectorCurve", "A connected part of a trisector within a box.")
+        .def_property_readonly(
+            "kind", [](const TrisectorCurve& c) { return std::string(to_string(c.kind)); },
+            "\"line\", \"circle\", \"ellipse\", \"parabola\", \"hyperbola\" or \"spline\".")
+        .def_readonly("degree", &TrisectorCurve::degree, "Algebraic, of the curve it is on.")
+        .def_property_readonly(
+            "arcs", [](py::object self) { return references(self.cast<const TrisectorCurve&>().arcs, self); },
+            "A list of Curve3, each of which begins where the one before ends.")
+        .def_readonly(
+            "error", &TrisectorCurve::error,
+            "Of splines: a bound on their distance from the trisector and its from them; infinite where "
+            "nothing is proved.")
+        .def_readonly("is_closed", &TrisectorCurve::is_closed);
+    py::class_<TrisectorCurves>(m, "TrisectorCurves", "All of a trisector within a box.")
+        .def_property_readonly(
+            "curves",
+            [](py::object self) { return references(self.cast<const TrisectorCurves&>().curves, self); },
+            "A list of TrisectorCurve.")
+        .def_property_readonly(
+            "undecided", [](const TrisectorCurves& t) { return t.undecided; },
+            "Boxes in which nothing is proved: around nodes, and where a curve touches a side.");
+    m.def(
+        "trisector",
+        [](const Object& base, const Object& a, const Object& b, py::handle given, double tolerance) {
+            const Box within = box(given);
+            if (!((within.max - within.min).minCoeff() > 0))
+                throw py::value_error("box: must have a positive extent along each axis");
+            if (!(tolerance > 0)) throw py::value_error("tolerance: must be above 0");
+            if (base == a || base == b || a == b) throw py::value_error("b: two of the objects are the same");
+            const py::gil_scoped_release unlocked;
+            return trisector(base, a, b, within, tolerance);
+        },
+        py::arg("base"), py::arg("a"), py::arg("b"), py::kw_only(), py::arg("box"), py::arg("tolerance"),
+        "All points of a box that are equally far from three objects, as curves: lines and conics exact, splines "
+        "within `tolerance`, a length. A base plane is seen from the side that its normal points to.");
+}
+
 }  // namespace
 
 void bind_curves(py::module_& m) {
     bind_curve<2>(m, "Curve2", "A rational B-spline curve in a patch's parameters.");
     bind_curve<3>(m, "Curve3", "A rational B-spline curve in space.");
+
+    bind_trisectors(m);
 
     py::class_<RationalPatch>(m, "Patch", "A rational tensor-product Bezier patch.")
         .def_property_readonly("degrees",

@@ -2,7 +2,9 @@
 #include "../../primitives/objects/scene.hpp"
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
+#include <filesystem>
 #include <sstream>
 
 #include "../../envelope/voronoi_diagram.hpp"
@@ -210,9 +212,9 @@ void bind_one_cell(py::module_& m) {
         py::arg("box") = py::none(), doc);
     m.def(
         "read_scene",
-        [options](const py::object& path, std::optional<std::size_t> base_ball,
+        [options](const std::filesystem::path& path, std::optional<std::size_t> base_ball,
                   const std::optional<Plane>& base_plane, const py::object& box_given) {
-            return read_scene(py::str(path), options(base_ball, base_plane, box_given));
+            return read_scene(path.string(), options(base_ball, base_plane, box_given));
         },
         py::arg("path"), py::kw_only(), py::arg("base_ball") = py::none(), py::arg("base_plane") = py::none(),
         py::arg("box") = py::none(), "As parse_scene(), of a file. Raises ReadError, an OSError, too.");
@@ -271,17 +273,17 @@ void bind_many_cells(py::module_& m) {
 
     m.def(
         "read_diagram_scene",
-        [](const py::object& path, const py::object& box_given, std::optional<std::array<bool, 3>> periodic,
-           std::optional<std::array<double, 3>> tilt, std::optional<double> probe,
-           std::optional<std::size_t> frame, std::map<std::string, double> radii, bool hydrogens, bool water,
-           bool hetero, const std::optional<std::string>& group) {
+        [](const std::filesystem::path& path, const py::object& box_given,
+           std::optional<std::array<bool, 3>> periodic, std::optional<std::array<double, 3>> tilt,
+           std::optional<double> probe, std::optional<std::size_t> frame, std::map<std::string, double> radii,
+           bool hydrogens, bool water, bool hetero, const std::optional<std::string>& group) {
             DiagramSceneOptions options;
             options.box = maybe_box(box_given);
             options.periodic = periodic;
             options.tilt = tilt;
             options.probe = probe;
             options.files = file_options(frame, std::move(radii), hydrogens, water, hetero, group);
-            return read_diagram_scene(py::str(path), options);
+            return read_diagram_scene(path.string(), options);
         },
         py::arg("path"), py::kw_only(), py::arg("box") = py::none(), py::arg("periodic") = py::none(),
         py::arg("tilt") = py::none(), py::arg("probe") = py::none(), py::arg("frame") = py::none(),

@@ -1,5 +1,6 @@
 // Questions about points, checks, meshes and files.
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <filesystem>
 #include <mutex>
@@ -117,7 +118,8 @@ void bind_check(py::module_& m) {
         py::arg("cell"), py::kw_only(), py::arg("samples") = 500, py::arg("seed") = 1, py::arg("effort") = 10,
         "A Certificate: is the cell what it says? From the scene in it alone, with code that computed none of it.\n\n"
         "samples, seed: points that are compared where something is not proved.\n"
-        "effort: each step allows twice as many parts before something is left open.");
+        "effort: each step allows twice as many parts before something is left open.\n\n"
+        "Ctrl-C waits for its end.");
 }
 
 /// Which face a triangle belongs to: -1 for walls and -2 for the base.
@@ -216,12 +218,12 @@ void bind_files(py::module_& m) {
         "parse_cell", [](const std::string& text) { return parse_cell(text); }, py::arg("text"),
         "The Cell of a cell file's text. Raises InputError with the place of what is wrong.");
     m.def(
-        "read_cell", [](const py::object& path) { return read_cell(py::str(path)); }, py::arg("path"),
-        "As parse_cell(), of a file. Raises ReadError, an OSError, too.");
+        "read_cell", [](const std::filesystem::path& path) { return read_cell(path.string()); },
+        py::arg("path"), "As parse_cell(), of a file. Raises ReadError, an OSError, too.");
     m.def(
         "write",
-        [](const Cell& cell, const py::object& path, const CellMesh* mesh) {
-            write(cell, py::str(path), mesh ? std::optional(*mesh) : std::nullopt);
+        [](const Cell& cell, const std::filesystem::path& path, const CellMesh* mesh) {
+            write(cell, path.string(), mesh ? std::optional(*mesh) : std::nullopt);
         },
         py::arg("cell"), py::arg("path"), py::arg("mesh") = py::none(),
         "Writes the cell in the format of the path's ending: .json, .svg, .obj, .stl, .ply, .vtu, .step or .itd. "
