@@ -33,7 +33,6 @@ std::string cut_complaint(const std::string& text) {
                           number_complaint(text.substr(2)).empty();
     return is_known ? "" : fmt::format("must be like z=0.5, is {}", printable(text));
 }
-std::string threads_complaint(const std::string& text) { return text == "0" ? "" : count_complaint(text); }
 
 // A mesh is off by this part of its cell's diagonal: a picture shows no more, and files stay small.
 constexpr double chord_part = 0.002;
@@ -118,12 +117,7 @@ DiagramCommand::DiagramCommand(CLI::App& app)
             "accessible surface")
         ->check(number_complaint)
         ->type_name("R");
-    command_
-        .add_option("--threads", threads_,
-                    "how many to compute with, 0 for all cores; the result is the same")
-        ->check(threads_complaint)
-        ->type_name("N")
-        ->capture_default_str();
+    threads_.add_to(command_);
     files_.add_to(command_, "Files of balls");
     files_.add_groups_to(command_, "Files of balls");
     command_.footer(
@@ -189,7 +183,7 @@ Status DiagramCommand::run() const {
     {
         ProgressBar bar;
         DiagramOptions options;
-        options.threads = static_cast<unsigned>(std::stoul(threads_));
+        options.threads = threads_.count();
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
         if (network || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {

@@ -8,6 +8,7 @@
 
 #include "ball_file_arguments.hpp"
 #include "command.hpp"
+#include "threads_argument.hpp"
 
 namespace vcell {
 
@@ -25,7 +26,7 @@ private:
     std::vector<double> box_, tilt_;
     std::optional<double> probe_;
     BallFileArguments files_;
-    std::string threads_ = "0";
+    ThreadsArgument threads_;
 };
 
 }  // namespace vcell

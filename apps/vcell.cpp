@@ -27,6 +27,7 @@
 #include "command.hpp"
 #include "diagram_command.hpp"
 #include "progress.hpp"
+#include "threads_argument.hpp"
 
 namespace vcell {
 
@@ -134,9 +135,10 @@ private:
     CLI::Option* has_base = nullptr;
 };
 
-Cell compute_cell(const Scene& scene, bool is_complete = false) {
+Cell compute_cell(const Scene& scene, unsigned threads = 1, bool is_complete = false) {
     ProgressBar bar;
     CellOptions options;
+    options.threads = threads;
     options.complete = is_complete;
     options.progress = [&](const char* stage, double fraction) { bar.show(stage, fraction); };
     return voronoi_cell(scene, options);
@@ -186,6 +188,7 @@ public:
             "--complete", complete_,
             "of a base plane or an oblique tube: all that is nearest to it in the box, over base points outside "
             "it, too");
+        threads_.add_to(command_);
         command_.footer("No output appears before all of them are complete.");
     }
 
@@ -195,7 +198,7 @@ public:
         // Every target is opened before the work: what cannot be written is known at once.
         for (const std::string& target : outputs_) add(target);
         const Scene scene = scene_.read();
-        const Cell cell = scene_.about([&] { return compute_cell(scene, complete_); });
+        const Cell cell = scene_.about([&] { return compute_cell(scene, threads_.count(), complete_); });
         if (complete_ && !cell.is_complete)
             warn(
                 "the cell stands over what the box holds of the base: only those of planes and of "
@@ -261,9 +264,9 @@ private:
         return mesh;
     }
 
-    static void write(Output& out, const Cell& cell, const std::optional<CellMesh>& mesh) {
+    void write(Output& out, const Cell& cell, const std::optional<CellMesh>& mesh) const {
         std::ostream& stream = out.file.stream();
-        if (out.format == "json") write_cell(stream, cell);
+        if (out.format == "json") write_cell(stream, cell, threads_.count());
         if (out.format == "svg") write_svg(stream, cell);
         if (out.format == "itd") write_itd(stream, cell);
         if (out.format == "step") write_step(stream, cell);
@@ -284,6 +287,7 @@ private:
     std::size_t most_triangles_ = MeshOptions().most_triangles;
     bool solid_ = false;
     bool complete_ = false;
+    ThreadsArgument threads_;
     std::vector<std::unique_ptr<Output>> files_;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "../core/errors.hpp"
+#include "../core/threads.hpp"
 #include "diagram/settled_vertices.hpp"
 
 namespace vcell {
@@ -16,7 +17,7 @@ MinimizationDiagram envelope_over(const FormFamily& family, std::span<const Regi
     for (const RegionSide& side : region) polygon.sides.push_back({side.a, side.b, side.c});
     MinimizationDiagram diagram = family.chart.is_sphere() ? lower_envelope_on_sphere(family, options)
                                                            : lower_envelope(family, polygon, options);
-    settle_vertices(family, diagram);
+    settle_vertices(family, diagram, thread_count(options.threads));
     return diagram;
 }
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "../core/threads.hpp"
 #include "../primitives/bases/plane_base.hpp"
 
 namespace vcell {
@@ -34,19 +35,19 @@ bool is_entered(const Cell& cell, const CellFace& face) {
            lets_rays_in(cell.scene, face.site.index);
 }
 
-void scale(Cell& cell, double factor, double of_parameters) {
+void scale(Cell& cell, double factor, double of_parameters, unsigned threads) {
     if (factor == 1) return;
     const double square = factor * factor, cube = square * factor;
-    for (CellVertex& v : cell.vertices) {
+    for_each(cell.vertices, threads, [&](CellVertex& v) {
         v.point *= factor;
         v.radius *= factor;
         v.error *= factor;
-    }
-    for (CellEdge& e : cell.edges) {
+    });
+    for_each(cell.edges, threads, [&](CellEdge& e) {
         for (double* length : {&e.error, &e.length, &e.length_error}) *length *= factor;
         for (Eigen::Vector4d& p : e.curve.points) p.head<3>() *= factor;
-    }
-    for (CellFace& f : cell.faces) {
+    });
+    for_each(cell.faces, threads, [&](CellFace& f) {
         f.area *= square;
         scale_bound(f.area_error, square);
         for (TrimmedPatch& patch : f.patches) {
@@ -58,7 +59,7 @@ void scale(Cell& cell, double factor, double of_parameters) {
                 for (TrimCurve& trim : loop)
                     for (Eigen::Vector3d& p : trim.curve.points) p.head<2>() *= of_parameters;
         }
-    }
+    });
     Measures& m = cell.measures;
     for (double* volume : {&m.volume, &m.body_volume}) *volume *= cube;
     for (double* error : {&m.volume_error, &m.body_volume_error}) scale_bound(*error, cube);

@@ -122,6 +122,6 @@ bool is_entered(const Cell& cell, const CellFace& face);
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
 /// power of two; the parameters of its patches times `of_parameters`.
-void scale(Cell& cell, double factor, double of_parameters);
+void scale(Cell& cell, double factor, double of_parameters, unsigned threads = 1);
 
 }  // namespace vcell

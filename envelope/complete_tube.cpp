@@ -130,9 +130,7 @@ private:
         report.warnings.insert(report.warnings.end(), part.cell.report.warnings.begin(),
                                part.cell.report.warnings.end());
         for (const MinimizationDiagram* d : diagrams) {
-            result_.work.insertions += d->work.insertions;
-            result_.work.merges += d->work.merges;
-            result_.work.pieces += d->work.pieces;
+            result_.work += d->work;
             for (const Assumption& a : d->assumptions)
                 report.warnings.push_back(message(a, "taken to meet in one point over", problem));
         }

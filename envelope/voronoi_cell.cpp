@@ -11,6 +11,7 @@
 
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
+#include "../core/threads.hpp"
 #include "../primitives/bases/plane_base.hpp"
 #include "../primitives/bases/radial_base.hpp"
 #include "../primitives/objects/decided_scene.hpp"
@@ -37,7 +38,7 @@ private:
 };
 
 // Where an element's numbers or bounds are none, digits or a budget were not enough.
-void require_numbers(const Cell& cell, bool is_measured) {
+void require_numbers(const Cell& cell, bool is_measured, unsigned threads) {
     const auto require = [](bool is_known, const char* element, const auto& sites, const Vec3& p) {
         if (is_known) return;
         std::string names;
@@ -47,19 +48,20 @@ void require_numbers(const Cell& cell, bool is_measured) {
         throw UndecidedError("objects " + names + ": no bound on the error of their " + element + " near " +
                              place);
     };
-    for (const CellVertex& v : cell.vertices)
+    for_each(cell.vertices, threads, [&](const CellVertex& v) {
         require(std::isfinite(v.point.sum() + v.radius + v.error), "vertex", v.sites, v.point);
-    for (const CellEdge& e : cell.edges) {
+    });
+    for_each(cell.edges, threads, [&](const CellEdge& e) {
         double sum = is_measured ? e.error + e.length + e.length_error : e.error;
         for (const Eigen::Vector4d& p : e.curve.points) sum += p.sum();
         require(std::isfinite(sum), "edge", e.sites, e.curve.points.front().head<3>());
-    }
+    });
     if (!is_measured) return;
-    for (const CellFace& f : cell.faces) {
+    for_each(cell.faces, threads, [&](const CellFace& f) {
         const bool has_point = !f.patches.empty() && !f.patches.front().surface.points.empty();
         require(std::isfinite(f.area + f.area_error), "face", std::array{f.site},
                 has_point ? Vec3(f.patches.front().surface.points.front().head<3>()) : Vec3::Zero().eval());
-    }
+    });
     const Measures& m = cell.measures;
     if (!std::isfinite(m.volume + m.volume_error + m.min_clearance + m.min_clearance_error + m.max_clearance +
                        m.max_clearance_error))
@@ -116,11 +118,7 @@ struct Diagrams {
 
     EnvelopeWork work() const {
         EnvelopeWork sum = all.work;
-        if (below) {
-            sum.insertions += below->work.insertions;
-            sum.merges += below->work.merges;
-            sum.pieces += below->work.pieces;
-        }
+        if (below) sum += below->work;
         return sum;
     }
 };
@@ -137,9 +135,9 @@ Diagrams without_floor(const RadialBaseProblem& problem, EnvelopeOptions options
 
 LiftedCell lift_from_floor(const PlaneBaseProblem& problem, const Diagrams& diagrams, double tolerance,
                            const CellOptions& options) {
-    const bool measures = options.measure;
-    if (!diagrams.below) return lift_over_region(problem, diagrams.all, tolerance, measures);
-    return lift_complete(problem, diagrams.all, *diagrams.below, tolerance, measures);
+    const unsigned threads = thread_count(options.threads);
+    if (!diagrams.below) return lift_over_region(problem, diagrams.all, tolerance, options.measure, threads);
+    return lift_complete(problem, diagrams.all, *diagrams.below, tolerance, options.measure, threads);
 }
 LiftedCell lift_from_body(const RadialBaseProblem& problem, const Diagrams& diagrams, double tolerance,
                           const CellOptions& options) {
@@ -168,9 +166,9 @@ Cell moved_back(LiftedCell lifted, DecidedScene decided, const Scene& scene, con
     cell.report.moved = std::max(motion.moved, decided.moved);
     cell.scene = std::move(decided.scene);
     add_scene_motion(lifted, cell.report.moved, std::max(motion.moved_apart, decided.moved));
-    scale(cell, decided.unit, motion.of_parameters);
+    scale(cell, decided.unit, motion.of_parameters, thread_count(options.threads));
     cell.scene = scene;
-    require_numbers(cell, options.measure);
+    require_numbers(cell, options.measure, thread_count(options.threads));
     return std::move(cell);
 }
 
@@ -212,6 +210,7 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     const double seconds_bisectors = watch.lap();
 
     EnvelopeOptions envelope_options;
+    envelope_options.threads = options.threads;
     if (options.progress) envelope_options.progress = [&](double fraction) { report("envelope", fraction); };
     const Diagrams diagrams = steps.diagrams(problem, envelope_options);
     const double seconds_envelope = watch.lap();

@@ -10,9 +10,13 @@
 namespace vcell {
 
 struct CellOptions {
-    /// Called now and then with the stage ("bisectors", "envelope", "patches") and the fraction of it that is
-    /// done, in [0, 1]; may throw to cancel.
+    /// Called now and then by the calling thread with the stage ("bisectors", "envelope", "patches") and the
+    /// fraction of it that is done, in [0, 1]; may throw to cancel.
     std::function<void(const char* stage, double fraction)> progress;
+    /// 0: as many as the machine has cores. The cell is the same for any number, its bytes as a file too but
+    /// for the seconds of the report. Others help where thousands of balls and planes have faces over a
+    /// plane; where tubes compete, around balls and around tubes the calling thread does nearly all.
+    unsigned threads = 1;
     /// False: edge lengths, face areas and Cell::measures stay not_measured, and neighbours come by number.
     /// They take a quarter of the time of a ball's cell among balls.
     bool measure = true;

@@ -2,56 +2,27 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <map>
-#include <thread>
 #include <tuple>
 #include <utility>
 
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
+#include "../core/threads.hpp"
 #include "whole/cell_finder.hpp"
 
 namespace vcell {
 
 namespace {
 
-// Runs task(i) for all i < count on some threads, the calling one among them; rethrows the first exception of
-// the lowest i.
-void for_all(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& task) {
-    std::atomic<std::size_t> next{0};
-    std::vector<std::pair<std::size_t, std::exception_ptr>> failures(std::max(1u, threads));
-    const auto work = [&](unsigned self) {
-        for (std::size_t i; (i = next.fetch_add(1)) < count;) try {
-                task(i);
-            } catch (...) {
-                failures[self] = {i, std::current_exception()};
-                next = count;
-            }
-    };
-    std::vector<std::thread> others;
-    for (unsigned t = 1; t < threads && t < count; ++t) others.emplace_back(work, t);
-    work(0);
-    for (std::thread& t : others) t.join();
-    std::pair<std::size_t, std::exception_ptr> first{count, nullptr};
-    for (const auto& failure : failures)
-        if (failure.second && failure.first < first.first) first = failure;
-    if (first.second) std::rethrow_exception(first.second);
-}
-
-unsigned thread_count(const DiagramOptions& options) {
-    return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-}
-
 // Some cells at a time are held for `visit`, which has them in order.
 constexpr std::size_t cells_at_a_time = 256;
 
 void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32_t>& which,
              VoronoiDiagram& diagram, const DiagramOptions& options) {
-    const unsigned threads = thread_count(options);
+    const unsigned threads = thread_count(options.threads);
     for (std::size_t begin = 0; begin < which.size(); begin += cells_at_a_time) {
         const std::size_t count = std::min(cells_at_a_time, which.size() - begin);
         std::vector<std::optional<Cell>> cells(options.visit ? count : 0);

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <numbers>
+#include <unordered_map>
 
 #include "../../arrangement/circles/circle_kernel.hpp"
 #include "../../core/errors.hpp"
@@ -50,33 +51,91 @@ Gradient gradient_of_difference(const FormFamily& family, FormId f, FormId g, co
 
 }  // namespace
 
-ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram)
-    : ChartArcs(family, diagram, diagram.edges.ids(), diagram.edges.size()) {}
+// Makes the arcs of one task's edges, ascending.
+class ChartArcs::Maker {
+public:
+    Maker(const FormFamily& family, const MinimizationDiagram& diagram, ChartArcs& arcs, Part& part)
+        : family_(family),
+          diagram_(diagram),
+          spans_(part.spans),
+          errors_(arcs.errors_),
+          is_line_(arcs.is_line_),
+          decisions_(part.decisions) {}
 
-ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram,
-                     std::span<const EdgeId> edges)
-    : ChartArcs(family, diagram, edges, edges.size()) {}
+    void add_edge(EdgeId e);
 
-template <class Edges>
-ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, const Edges& edges,
-                     std::size_t count)
-    : family_(family),
-      diagram_(diagram),
-      errors_(diagram.edges.size(), 0.0),
-      is_line_(diagram.edges.size(), true) {
-    spans_.reserve(count);
-    offsets_.reserve(diagram.edges.size() + 1);
-    const auto pass_to = [&](std::size_t edge) {
-        offsets_.resize(edge + 1, static_cast<std::uint32_t>(spans_.size()));
+private:
+    struct Circle {
+        Vector2d center;
+        double radius;
     };
-    for (const EdgeId e : edges) {
-        pass_to(e.value);
-        add_edge(e);
-    }
-    pass_to(diagram.edges.size());
+
+    void add_line(EdgeId e);
+    void add_full_circle(EdgeId e, double turn, const Circle& circle);
+    void add_circular_arc(EdgeId e, double turn);
+    void add_around_center(EdgeId e, const Circle& circle, double angle);
+    // The exact form's terms in |p|^2: a form has several edges, and making it exact is dear.
+    struct Curvature {
+        Exact K, W;
+    };
+    const Curvature& exact_curvature(FormId f);
+    Sign curvature_sign(FormId f, FormId g);
+    Circle circle(FormId f, FormId g) const;
+    double exact_turn(EdgeId e, double turn);
+    FormId circular_successor(EdgeId e, VertexId v) const;
+    bool is_lower_along(EdgeId e, FormId third) const;
+    bool ends_at_circular(EdgeId e) const;
+    bool is_taken_beyond(EdgeId e, const Circle& circle, double turn, double off);
+    bool is_major_arc(EdgeId e, const Circle& circle);
+
+    const FormFamily& family_;
+    const MinimizationDiagram& diagram_;
+    std::vector<ArcSpan>& spans_;
+    IdVector<EdgeId, double>& errors_;
+    IdVector<EdgeId, std::uint8_t>& is_line_;
+    Decisions& decisions_;
+    std::unordered_map<std::uint32_t, Curvature> curvatures_;  // of forms for which doubles did not do
+};
+
+// visit(begin, end, add) calls add(e) for those edges begin <= e < end that have arcs, ascending.
+template <class Visit>
+void ChartArcs::make(const FormFamily& family, const MinimizationDiagram& diagram, unsigned threads,
+                     const Visit& visit) {
+    const std::size_t count = diagram.edges.size();
+    parts_.resize(range_count(count));
+    errors_ = IdVector<EdgeId, double>(count, 0.0);
+    is_line_ = IdVector<EdgeId, std::uint8_t>(count, 1);
+    for_ranges(count, threads, [&](std::size_t begin, std::size_t end, std::size_t task) {
+        Part& part = parts_[task];
+        part.ends.reserve(end - begin + 1);
+        Maker maker(family, diagram, *this, part);
+        const auto pass_to = [&](std::size_t edge) {
+            part.ends.resize(edge - begin + 1, static_cast<std::uint32_t>(part.spans.size()));
+        };
+        visit(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), [&](EdgeId e) {
+            pass_to(e.value);
+            maker.add_edge(e);
+        });
+        pass_to(end);
+    });
+    for (const Part& part : parts_) decisions_ += part.decisions;
 }
 
-void ChartArcs::add_edge(EdgeId e) {
+ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, unsigned threads) {
+    make(family, diagram, threads, [](std::uint32_t begin, std::uint32_t end, const auto& add) {
+        for (std::uint32_t e = begin; e < end; ++e) add(EdgeId{e});
+    });
+}
+
+ChartArcs::ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram,
+                     std::span<const EdgeId> edges) {
+    make(family, diagram, 1, [&](std::uint32_t begin, std::uint32_t end, const auto& add) {
+        for (auto e = std::ranges::lower_bound(edges, EdgeId{begin}); e != edges.end() && e->value < end; ++e)
+            add(*e);
+    });
+}
+
+void ChartArcs::Maker::add_edge(EdgeId e) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     if (!diagram_.is_circular(edge.left) || (!edge.on_rim() && !diagram_.is_circular(edge.right))) return;
     if (edge.on_rim()) return add_line(e);
@@ -93,14 +152,14 @@ void ChartArcs::add_edge(EdgeId e) {
         add_circular_arc(e, turn);
 }
 
-void ChartArcs::add_line(EdgeId e) {
+void ChartArcs::Maker::add_line(EdgeId e) {
     const MinimizationDiagram::Vertex& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
     const MinimizationDiagram::Vertex& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
     spans_.push_back({p.point, q.point, 0});
     errors_[e] = std::max(p.error, q.error);
 }
 
-void ChartArcs::add_full_circle(EdgeId e, double turn, const Circle& c) {
+void ChartArcs::Maker::add_full_circle(EdgeId e, double turn, const Circle& c) {
     const VertexId v = diagram_.dcel.origin(Dcel::half_edge(e));
     if (v.valid()) {
         add_around_center(e, c, 2 * std::numbers::pi * turn);
@@ -117,7 +176,7 @@ void ChartArcs::add_full_circle(EdgeId e, double turn, const Circle& c) {
 }
 
 // From the edge's start about the centre by `angle`, the last span ending at the edge's end.
-void ChartArcs::add_around_center(EdgeId e, const Circle& c, double angle) {
+void ChartArcs::Maker::add_around_center(EdgeId e, const Circle& c, double angle) {
     const MinimizationDiagram::Vertex& start = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
     const MinimizationDiagram::Vertex& end = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
     const int count = std::max(1, static_cast<int>(std::ceil(std::abs(angle) / largest_turn)));
@@ -133,7 +192,7 @@ void ChartArcs::add_around_center(EdgeId e, const Circle& c, double angle) {
 
 // The chord makes the same angle (half of what the arc turns by) with the tangents at both ends. Both
 // angles come from the forms at the end points alone, so nothing grows with the radius.
-void ChartArcs::add_circular_arc(EdgeId e, double turn) {
+void ChartArcs::Maker::add_circular_arc(EdgeId e, double turn) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     const MinimizationDiagram::Vertex& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
     const MinimizationDiagram::Vertex& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
@@ -175,7 +234,7 @@ void ChartArcs::add_circular_arc(EdgeId e, double turn) {
 
 // By how much the edge's arc turns, from the exact circle: for end points that are hardly further apart than
 // their errors, and for forms so much alike that the gradient of their difference is lost in rounding.
-double ChartArcs::exact_turn(EdgeId e, double turn) {
+double ChartArcs::Maker::exact_turn(EdgeId e, double turn) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     const MinimizationDiagram::Vertex& p = diagram_.vertices[diagram_.dcel.origin(Dcel::half_edge(e))];
     const MinimizationDiagram::Vertex& q = diagram_.vertices[diagram_.dcel.target(Dcel::half_edge(e))];
@@ -197,7 +256,7 @@ double ChartArcs::exact_turn(EdgeId e, double turn) {
 }
 
 // Sign of K in f - g = K |p|^2 + ...; open where both have a quadratic part: K = k_f/w_f - k_g/w_g.
-Sign ChartArcs::curvature_sign(FormId f, FormId g) {
+Sign ChartArcs::Maker::curvature_sign(FormId f, FormId g) {
     const CircularForm &F = diagram_.forms[f], &G = diagram_.forms[g];
     if (F.k == 0 || G.k == 0) return sign_of(F.k - G.k);
     const double difference = F.k * G.w - G.k * F.w;
@@ -206,23 +265,19 @@ Sign ChartArcs::curvature_sign(FormId f, FormId g) {
         return sign_of(difference);
     }
     ++decisions_.by_exact;
-    if (curvatures_.empty()) curvatures_.resize(diagram_.forms.size());
     const Curvature &a = exact_curvature(f), &b = exact_curvature(g);
     return (a.K * b.W - b.K * a.W).sign();
 }
 
 // A form is next to several others: it is made exact once.
-const ChartArcs::Curvature& ChartArcs::exact_curvature(FormId f) {
-    std::optional<Curvature>& curvature = curvatures_[f.value];
-    if (!curvature) {
-        const ExactForm form = family_.exact(f);
-        curvature = {form.K, form.W};
-    }
-    return *curvature;
+const ChartArcs::Maker::Curvature& ChartArcs::Maker::exact_curvature(FormId f) {
+    if (const auto known = curvatures_.find(f.value); known != curvatures_.end()) return known->second;
+    const ExactForm form = family_.exact(f);
+    return curvatures_.emplace(f.value, Curvature{form.K, form.W}).first->second;
 }
 
 // f - g = (K |p|^2 + A x + B y + C) / ..., exact up to the last step.
-ChartArcs::Circle ChartArcs::circle(FormId f, FormId g) const {
+ChartArcs::Maker::Circle ChartArcs::Maker::circle(FormId f, FormId g) const {
     const ExactForm F = family_.exact(f), G = family_.exact(g);
     const Exact K = F.K * G.W - G.K * F.W, A = F.A * G.W - G.A * F.W, B = F.B * G.W - G.B * F.W,
                 C = F.C * G.W - G.C * F.W;
@@ -232,7 +287,7 @@ ChartArcs::Circle ChartArcs::circle(FormId f, FormId g) const {
 }
 
 // What takes over at an end: a circular form, if there is one.
-FormId ChartArcs::circular_successor(EdgeId e, VertexId v) const {
+FormId ChartArcs::Maker::circular_successor(EdgeId e, VertexId v) const {
     const std::span<const FormId> along = diagram_.label(e);
     for (const FormId f : diagram_.label(v))
         if (diagram_.is_circular(f) && std::find(along.begin(), along.end(), f) == along.end()) return f;
@@ -241,7 +296,7 @@ FormId ChartArcs::circular_successor(EdgeId e, VertexId v) const {
 
 // Is a form that takes over at an end the lower one along the edge? With a floor the greater of its forms
 // shows, and of it and the rest the greater one or the lesser.
-bool ChartArcs::is_lower_along(EdgeId e, FormId third) const {
+bool ChartArcs::Maker::is_lower_along(EdgeId e, FormId third) const {
     if (diagram_.floor.empty()) return false;
     const bool l = diagram_.is_of_floor(diagram_.edges[e].left),
                r = diagram_.is_of_floor(diagram_.edges[e].right);
@@ -250,7 +305,7 @@ bool ChartArcs::is_lower_along(EdgeId e, FormId third) const {
     return !diagram_.is_below_floor;
 }
 
-bool ChartArcs::ends_at_circular(EdgeId e) const {
+bool ChartArcs::Maker::ends_at_circular(EdgeId e) const {
     const auto is_known = [&](VertexId v) {
         return circular_successor(e, v).valid() || !diagram_.sides(v).empty();
     };
@@ -260,7 +315,7 @@ bool ChartArcs::ends_at_circular(EdgeId e) const {
 
 // Where the ends are within `off` of each other the longer arc is all but the whole circle, and nothing is
 // lower anywhere on it but between them.
-bool ChartArcs::is_taken_beyond(EdgeId e, const Circle& c, double turn, double off) {
+bool ChartArcs::Maker::is_taken_beyond(EdgeId e, const Circle& c, double turn, double off) {
     const FormId along = diagram_.edges[e].left;
     const auto height = [&](FormId form, const Interval& x, const Interval& y) {
         const ExactForm f = family_.exact(form);
@@ -290,7 +345,7 @@ bool ChartArcs::is_taken_beyond(EdgeId e, const Circle& c, double turn, double o
 // points on the circle. Pre: the chord is at most half the radius, circular forms or sides take over at both
 // ends. The longer arc holds the circle's leftmost or rightmost point, or both; the shorter one neither, or
 // one that is next to the end points.
-bool ChartArcs::is_major_arc(EdgeId e, const Circle& c) {
+bool ChartArcs::Maker::is_major_arc(EdgeId e, const Circle& c) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     CircleKernel kernel;
     kernel.reset(&family_);

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "../../core/threads.hpp"
 #include "../../primitives/forms/form_family.hpp"
 #include "minimization_diagram.hpp"
 
@@ -63,56 +64,39 @@ private:
 /// none here (mixed_arc.hpp).
 class ChartArcs {
 public:
-    ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram);
+    /// The same for any number of threads.
+    ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, unsigned threads = 1);
     /// Of these edges only, ascending; the others have none.
     ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, std::span<const EdgeId> edges);
 
     std::span<const ArcSpan> spans(EdgeId e) const {
-        return {spans_.data() + offsets_[e.value], spans_.data() + offsets_[e.value + 1]};
+        const Part& part = parts_[task_of(e.value)];
+        const std::uint32_t* ends = part.ends.data() + e.value % elements_of_task;
+        return {part.spans.data() + ends[0], part.spans.data() + ends[1]};
     }
     /// Bound on the distance of the spans from the true arc, in the chart.
     double error(EdgeId e) const { return errors_[e]; }
     /// Is the edge's curve a line of the chart? Decided exactly.
-    bool is_line(EdgeId e) const { return is_line_[e]; }
+    bool is_line(EdgeId e) const { return is_line_[e] != 0; }
     const Decisions& decisions() const { return decisions_; }
 
 private:
-    struct Circle {
-        Eigen::Vector2d center;
-        double radius;
+    class Maker;
+    // Of the edges of one task.
+    struct Part {
+        std::vector<ArcSpan> spans;
+        std::vector<std::uint32_t> ends;  // where one edge's spans end and the next one's begin
+        Decisions decisions;
     };
 
-    template <class Edges>
-    ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, const Edges& edges,
-              std::size_t count);
+    template <class Visit>
+    void make(const FormFamily& family, const MinimizationDiagram& diagram, unsigned threads,
+              const Visit& visit);
 
-    void add_edge(EdgeId e);
-    void add_line(EdgeId e);
-    void add_full_circle(EdgeId e, double turn, const Circle& circle);
-    void add_circular_arc(EdgeId e, double turn);
-    void add_around_center(EdgeId e, const Circle& circle, double angle);
-    // The exact form's terms in |p|^2: a form has several edges, and making it exact is dear.
-    struct Curvature {
-        Exact K, W;
-    };
-    const Curvature& exact_curvature(FormId f);
-    Sign curvature_sign(FormId f, FormId g);
-    Circle circle(FormId f, FormId g) const;
-    double exact_turn(EdgeId e, double turn);
-    FormId circular_successor(EdgeId e, VertexId v) const;
-    bool is_lower_along(EdgeId e, FormId third) const;
-    bool ends_at_circular(EdgeId e) const;
-    bool is_taken_beyond(EdgeId e, const Circle& circle, double turn, double off);
-    bool is_major_arc(EdgeId e, const Circle& circle);
-
-    const FormFamily& family_;
-    const MinimizationDiagram& diagram_;
-    std::vector<ArcSpan> spans_;
-    std::vector<std::uint32_t> offsets_;
+    std::vector<Part> parts_;
     IdVector<EdgeId, double> errors_;
-    IdVector<EdgeId, bool> is_line_;
+    IdVector<EdgeId, std::uint8_t> is_line_;  // no bits: threads write it side by side
     Decisions decisions_;
-    std::vector<std::optional<Curvature>> curvatures_;  // of forms for which doubles did not do
 };
 
 }  // namespace vcell

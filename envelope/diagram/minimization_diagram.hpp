@@ -53,6 +53,12 @@ struct EnvelopeWork {
     std::uint64_t pieces = 0;      ///< pieces of the region that certified subdivision came down to
 
     friend bool operator==(const EnvelopeWork&, const EnvelopeWork&) = default;
+    EnvelopeWork& operator+=(const EnvelopeWork& other) {
+        insertions += other.insertions;
+        merges += other.merges;
+        pieces += other.pieces;
+        return *this;
+    }
 };
 
 /// Every vertex, edge and face carries as label all functions that attain the minimum there.
@@ -181,6 +187,7 @@ private:
 struct EnvelopeOptions {
     /// Called now and then with the fraction done, in [0, 1]; may throw to cancel.
     std::function<void(double)> progress;
+    unsigned threads = 1;  ///< 0: as many as the machine has cores. The diagram is the same for any number
     /// Where more functions than this compete in a piece of the region, the diagrams of two halves of them
     /// are merged by overlay. Changes the time taken only, not the diagram. Measured where many pass one
     /// point (bench_envelope, sphere): 1,024 forms take 1.2 times as long by insertion alone.

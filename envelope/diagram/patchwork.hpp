@@ -28,11 +28,14 @@ public:
     using HalfEdgeMesh::Index;
     using HalfEdgeMesh::none;
 
-    explicit Patchwork(const FormFamily& family);
+    /// Room for what this many forms usually leave.
+    Patchwork(const FormFamily& family, std::size_t forms);
 
     /// The id of a new seam.
     std::uint32_t new_seam() { return seam_bit | seams_++; }
     static bool is_seam(std::uint32_t side) { return (side & seam_bit) != 0; }
+    /// Seams of its own have other ids than those that `other` has given.
+    void leave_seams_to(const Patchwork& other) { seams_ = other.seams_; }
 
     /// Takes over a finished piece. `line_sides[i]` is the side that the kernel's form 1 + i stands for.
     /// Returns a half-edge on its outer side, the piece's handle.
@@ -40,6 +43,11 @@ public:
 
     /// Takes over a piece that was decided by enclosures.
     Index add(const MixedPiece& piece);
+
+    /// Takes over what another patchwork has made of a part of the region: the same as if the pieces had been
+    /// added and glued here, but for what gluing has removed, which is left behind. Returns the new handle of
+    /// the part that has this one there. Pre: circular forms alone; all seams of its own have been glued.
+    Index take(Patchwork&& part, Index handle);
 
     /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
     Index glue(Index piece, Index other, std::uint32_t seam);

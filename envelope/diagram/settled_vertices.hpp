@@ -11,7 +11,8 @@ namespace vcell {
 /// Finds vertices again that are known by far fewer digits than doubles have, from exact residuals. A vertex
 /// at which no three curves are told apart, or that is not of circular forms alone, stays where it is. A
 /// height that is known by few digits is found again on the circular form that is flattest there.
-void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram);
+/// The same for any number of threads.
+void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram, unsigned threads);
 
 /// (A, B) of f - g = K |p|^2 + A x + B y + ... about p, to rounding, times a positive factor.
 Eigen::Vector2d settled_gradient(const FormFamily& family, FormId f, FormId g, const Eigen::Vector2d& p);

@@ -14,12 +14,19 @@
 ///     finish(cell)                     what else belongs to vertices and edges
 ///     measure(positions, cell)         measures, from the edges' `curve` errors
 ///     decisions()                      the signs that it has taken
+///
+/// and, if vertex(), set_patches(), kind() and set_curve() may be called for different elements at a time,
+/// those of a task (core/threads.hpp) by one thread, `static constexpr bool is_shareable = true`.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "../../core/small_vector.hpp"
+#include "../../core/threads.hpp"
 #include "../measures/measures.hpp"
 #include "based_diagram.hpp"
 #include "joined_spans.hpp"
@@ -41,8 +48,12 @@ struct LiftedEdgeErrors {
 template <class Lift>
 class CellAssembly {
 public:
-    explicit CellAssembly(Lift& lift)
-        : lift_(lift), of_(lift.of()), problem_(of_.problem), diagram_(of_.diagram) {}
+    explicit CellAssembly(Lift& lift, unsigned threads = 1)
+        : lift_(lift),
+          of_(lift.of()),
+          problem_(of_.problem),
+          diagram_(of_.diagram),
+          threads_(is_shareable ? threads : 1) {}
 
     LiftedCell operator()(bool with_measures) {
         add_vertices();
@@ -59,64 +70,93 @@ public:
     }
 
 private:
+    static constexpr bool is_shareable = requires { Lift::is_shareable; };
+
+    // set(i, element) for elements 0, 1, ... of a list.
+    template <class Element, class Set>
+    void fill(std::vector<Element>& list, std::size_t size, const Set& set) const {
+        list.reserve(size);
+        touch_room(list);
+        for (std::size_t i = 0; i < size; ++i) append_new(list);
+        for_ranges(size, threads_, [&](std::size_t begin, std::size_t end) {
+            for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) set(i, list[i]);
+        });
+    }
+
+    // A system hands out memory where it is first written, which takes longer than the elements do: all
+    // threads write a byte of each page.
+    template <class Element>
+    void touch_room(std::vector<Element>& list) const {
+        constexpr std::size_t page = 4096;
+        auto* const bytes = reinterpret_cast<volatile std::byte*>(list.data());
+        if (threads_ == 1) return;
+        for_ranges(list.capacity() * sizeof(Element) / page, threads_,
+                   [&](std::size_t begin, std::size_t end) {
+                       for (std::size_t i = begin; i < end; ++i) bytes[i * page] = std::byte{0};
+                   });
+    }
+
     void add_vertices() {
-        cell_.vertices.reserve(diagram_.vertices.size());
-        for (const VertexId v : diagram_.vertices.ids()) {
-            CellVertex& vertex = append_new(cell_.vertices);
-            const LiftedVertex lifted = lift_.vertex(v);
-            vertex.point = problem_.frame.to_world(lifted.point);
-            vertex.radius = lifted.clearance;
-            vertex.error = lifted.error;
-            for (const FormId f : diagram_.label(v))
-                for (const Site site : problem_.sites[f]) vertex.sites.push_back(site);
-            lift_.add_rim_sites(v, vertex.sites);
-            sort_unique(vertex.sites);
-        }
+        fill(cell_.vertices, diagram_.vertices.size(),
+             [this](std::uint32_t v, CellVertex& vertex) { set_vertex(VertexId{v}, vertex); });
+    }
+
+    void set_vertex(VertexId v, CellVertex& vertex) const {
+        const LiftedVertex lifted = lift_.vertex(v);
+        vertex.point = problem_.frame.to_world(lifted.point);
+        vertex.radius = lifted.clearance;
+        vertex.error = lifted.error;
+        for (const FormId f : diagram_.label(v))
+            for (const Site site : problem_.sites[f]) vertex.sites.push_back(site);
+        lift_.add_rim_sites(v, vertex.sites);
+        sort_unique(vertex.sites);
     }
 
     void add_faces() {
-        cell_.faces.reserve(diagram_.face_forms.size());
-        for (const FaceId id : diagram_.face_forms.ids()) {
-            const FormId form = diagram_.face_forms[id];
-            if (!form.valid()) continue;
-            CellFace& face = append_new(cell_.faces);
-            face.site = of_.main_site(form);
-            face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
-            face.bisector = lift_.bisector(form);
-            lift_.set_patches(id, face.patches);
-        }
+        std::vector<FaceId> faces;
+        faces.reserve(diagram_.face_forms.size());
+        for (const FaceId id : diagram_.face_forms.ids())
+            if (diagram_.face_forms[id].valid()) faces.push_back(id);
+        fill(cell_.faces, faces.size(), [&](std::uint32_t i, CellFace& face) { set_face(faces[i], face); });
+    }
+
+    void set_face(FaceId id, CellFace& face) {
+        const FormId form = diagram_.face_forms[id];
+        face.site = of_.main_site(form);
+        face.extra_sites.assign(problem_.sites[form].begin() + 1, problem_.sites[form].end());
+        face.bisector = lift_.bisector(form);
+        lift_.set_patches(id, face.patches);
     }
 
     void add_edges() {
-        cell_.edges.reserve(diagram_.edges.size());
-        positions_.reserve(diagram_.edges.size());
-        for (const EdgeId e : diagram_.edges.ids()) {
-            CellEdge& edge = append_new(cell_.edges);
-            edge.sites = of_.sites(e);
-            if (of_.is_bare(e)) {
-                positions_.push_back(0);
-                continue;
-            }
-            for (const FormId f : diagram_.label(e))
-                for (const Site site : problem_.sites[f])
-                    if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
-            sort_unique(edge.extra_sites);
-            double ends = 0;
-            if (const VertexId start = diagram_.start(e); start.valid()) {
-                edge.vertices = {start.value, diagram_.end(e).value};
-                for (const std::uint32_t v : edge.vertices) ends = std::max(ends, cell_.vertices[v].error);
-            }
-            edge.kind = lift_.kind(e);
-            const LiftedEdgeErrors errors = lift_.set_curve(e, ends, edge.curve);
-            positions_.push_back(errors.curve);
-            edge.error = errors.edge;
+        positions_.resize(diagram_.edges.size());
+        fill(cell_.edges, diagram_.edges.size(),
+             [this](std::uint32_t e, CellEdge& edge) { set_edge(EdgeId{e}, edge); });
+    }
+
+    void set_edge(EdgeId e, CellEdge& edge) {
+        edge.sites = of_.sites(e);
+        if (of_.is_bare(e)) return;
+        for (const FormId f : diagram_.label(e))
+            for (const Site site : problem_.sites[f])
+                if (site != edge.sites[0] && site != edge.sites[1]) edge.extra_sites.push_back(site);
+        sort_unique(edge.extra_sites);
+        double ends = 0;
+        if (const VertexId start = diagram_.start(e); start.valid()) {
+            edge.vertices = {start.value, diagram_.end(e).value};
+            for (const std::uint32_t v : edge.vertices) ends = std::max(ends, cell_.vertices[v].error);
         }
+        edge.kind = lift_.kind(e);
+        const LiftedEdgeErrors errors = lift_.set_curve(e, ends, edge.curve);
+        positions_[e] = errors.curve;
+        edge.error = errors.edge;
     }
 
     Lift& lift_;
     const decltype(std::declval<Lift&>().of()) of_;
     const decltype(of_.problem)& problem_;
     const MinimizationDiagram& diagram_;
+    const unsigned threads_;
     Cell cell_;
     IdVector<EdgeId, double> positions_;
 };

@@ -11,8 +11,8 @@ namespace vcell {
 
 class CircularEdges {
 public:
-    explicit CircularEdges(const PlaneDiagram& of)
-        : of_(of), diagram_(of.diagram), arcs_(of.problem.family, of.diagram) {}
+    CircularEdges(const PlaneDiagram& of, unsigned threads)
+        : of_(of), diagram_(of.diagram), arcs_(of.problem.family, of.diagram, threads) {}
 
     const ChartArcs& arcs() const { return arcs_; }
 

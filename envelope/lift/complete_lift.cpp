@@ -344,9 +344,9 @@ LiftedCell joint_of(const Problem& problem, const MinimizationDiagram& above, Mi
 }  // namespace
 
 LiftedCell lift_complete(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
-                         MinimizationDiagram below, double tolerance, bool with_measures) {
+                         MinimizationDiagram below, double tolerance, bool with_measures, unsigned threads) {
     return joint_of(problem, above, std::move(below), with_measures, [&](const MinimizationDiagram& d) {
-        return lift_over_region(problem, d, tolerance, with_measures);
+        return lift_over_region(problem, d, tolerance, with_measures, threads);
     });
 }
 

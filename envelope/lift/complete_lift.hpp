@@ -31,7 +31,7 @@ namespace vcell {
 /// Throws UndecidedError where vertices of both diagrams cannot be told to be the same.
 /// Pre: the diagrams are those of problem.family with problem.floor, over problem.region; tolerance > 0.
 LiftedCell lift_complete(const PlaneBaseProblem& problem, const MinimizationDiagram& above,
-                         MinimizationDiagram below, double tolerance, bool with_measures);
+                         MinimizationDiagram below, double tolerance, bool with_measures, unsigned threads);
 
 /// As lift_all_around(), of a part of a base cylinder with a floor (CylinderPart): with areas and lengths,
 /// but without Cell::measures.

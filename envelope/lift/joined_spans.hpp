@@ -8,6 +8,7 @@
 #include <span>
 
 #include "../../core/curves/bspline.hpp"
+#include "../../core/sort_unique.hpp"
 
 namespace vcell {
 
@@ -104,15 +105,6 @@ inline void extend_by_rational(Range& range, std::span<const double> values, std
     }
     for (const int k : {0, 1})
         extend_by_rational(range, {part_v[k].data(), n}, {part_w[k].data(), n}, divisions - 1);
-}
-
-template <class Items>
-void sort_unique(Items& items) {
-    // Most are short and in order.
-    const auto is_out_of_order = [](const auto& a, const auto& b) { return !(a < b); };
-    if (std::adjacent_find(items.begin(), items.end(), is_out_of_order) == items.end()) return;
-    std::sort(items.begin(), items.end());
-    items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
 }  // namespace vcell

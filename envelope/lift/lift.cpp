@@ -79,6 +79,9 @@ public:
         measures.max_clearance = height;
         measures.max_clearance_error = std::max(height - least, most - height) + 16 * u * height;
     }
+    void add(const Highest& other) {
+        for (int i = 0; i < 3; ++i) highest_[i] = std::max(highest_[i], other.highest_[i]);
+    }
 
 private:
     std::array<double, 3> highest_{};
@@ -86,15 +89,19 @@ private:
 
 class PlaneLift {
 public:
-    PlaneLift(const PlaneDiagram& of, double tolerance)
+    static constexpr bool is_shareable = true;
+
+    PlaneLift(const PlaneDiagram& of, double tolerance, unsigned threads)
         : of_(of),
           problem_(of.problem),
           diagram_(of.diagram),
-          circular_(of),
+          threads_(threads),
+          circular_(of, threads),
           mixed_(of.problem, of.diagram, tolerance),
           loops_(of.diagram, true),
           origin_(of.problem.frame.origin.norm()),
-          roundings_(of.diagram.dcel.face_count(), 0) {}
+          roundings_(of.diagram.dcel.face_count(), 0),
+          highest_(range_count(of.diagram.edges.size())) {}
 
     const PlaneDiagram& of() const { return of_; }
     const Decisions& decisions() const { return circular_.arcs().decisions(); }
@@ -169,7 +176,7 @@ public:
         double square = 0;
         for (const Eigen::Vector4d& p : curve.points) square = std::max(square, p.head<3>().squaredNorm());
         error += motion_back(std::sqrt(square));
-        if (shows(e)) highest_.add(heights[1], error);
+        if (shows(e)) highest_[task_of(e.value)].add(heights[1], error);
         // The patches belong to what the edge's error bounds.
         for (const unsigned side : {0u, 1u}) error += roundings_[diagram_.face(e, side)];
         return {error, error};
@@ -182,12 +189,15 @@ public:
                 for (const VertexId v : {diagram_.start(e), diagram_.end(e)})
                     if (v.valid() && shows(e)) is_shown[v.value] = true;
         for (const VertexId v : diagram_.vertices.ids())
-            if (is_shown[v.value]) highest_.add(diagram_.vertices[v].height, cell.vertices[v.value].error);
+            if (is_shown[v.value])
+                highest_.front().add(diagram_.vertices[v].height, cell.vertices[v.value].error);
     }
 
     void measure(const IdVector<EdgeId, double>&, Cell& cell) const {
-        measure_over_region(problem_, diagram_, circular_.arcs(), mixed_, cell);
-        highest_.set(cell.measures);
+        measure_over_region(problem_, diagram_, circular_.arcs(), mixed_, cell, threads_);
+        Highest highest;
+        for (const Highest& of_task : highest_) highest.add(of_task);
+        highest.set(cell.measures);
     }
 
 private:
@@ -207,20 +217,21 @@ private:
     const PlaneDiagram of_;
     const PlaneBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
+    const unsigned threads_;
     const CircularEdges circular_;
     const MixedArcs mixed_;
     const FaceLoops loops_;
     const double origin_;                 // how far the frame's is from the world's
     IdVector<FaceId, double> roundings_;  // of the patches
-    Highest highest_;
+    std::vector<Highest> highest_;        // of the edges of each task
 };
 
 }  // namespace
 
 LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
-                            double tolerance, bool with_measures) {
-    PlaneLift lift({problem, diagram}, tolerance);
-    return CellAssembly(lift)(with_measures);
+                            double tolerance, bool with_measures, unsigned threads) {
+    PlaneLift lift({problem, diagram}, tolerance, threads);
+    return CellAssembly(lift, threads)(with_measures);
 }
 
 }  // namespace vcell

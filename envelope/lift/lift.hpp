@@ -28,10 +28,11 @@ struct LiftedCell {
 /// linear or the rim, and otherwise splines within `tolerance` (length) of the true arc (space_spline.hpp).
 /// Vertex i, edge i and face i + 1 of the diagram (face 0 is the unbounded one) become vertex, edge
 /// and face i of the cell.
-/// Measures are left out (CellOptions::measure) without `with_measures`.
+/// Measures are left out (CellOptions::measure) without `with_measures`. The cell is the same for any number
+/// of threads.
 /// Pre: diagram is the lower envelope of problem.family over problem.region; tolerance > 0.
 LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
-                            double tolerance, bool with_measures);
+                            double tolerance, bool with_measures, unsigned threads = 1);
 
 /// As lift_over_region(). Face i of the cell is the i-th face of the diagram that has a form; vertices
 /// and edges keep their numbers.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
+#include "../../core/threads.hpp"
 #include "../lift/cylinder_patch.hpp"
 #include "arc_quadrature.hpp"
 #include "mixed_integrals.hpp"
@@ -204,6 +205,12 @@ struct Least {
         upper = v + error;
         value = std::max(0.0, v);
     }
+    void add(const Least& other) {
+        lower = std::min(lower, other.lower);
+        if (!(other.upper < upper)) return;
+        upper = other.upper;
+        value = other.value;
+    }
     double error() const { return std::max(value - lower, upper - value); }
 };
 
@@ -261,32 +268,59 @@ public:
           arcs_(arcs),
           mixed_(mixed),
           cell_(cell),
-          areas_(cell.faces.size()) {}
+          strips_(diagram.edges.size(), {0, 0}) {}
 
-    void run() {
-        for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
-        for (std::uint32_t i = 0; i < cell_.faces.size(); ++i) measure_face(FaceId{i + 1}, cell_.faces[i]);
-        for (std::uint32_t i = 0; i < areas_.size(); ++i) set_area(FaceId{i + 1}, cell_.faces[i], areas_[i]);
+    // Faces take what their edges leave, and all of it is added up task by task: in the same order whatever
+    // threads do what.
+    void run(unsigned threads) {
+        const std::size_t edges = diagram_.edges.size(), faces = cell_.faces.size();
+        std::vector<Sums> of_edges(range_count(edges)), of_faces(range_count(faces));
+        for_ranges(edges, threads, [&](std::size_t begin, std::size_t end, std::size_t task) {
+            for (auto e = static_cast<std::uint32_t>(begin); e < end; ++e)
+                measure_edge(EdgeId{e}, of_edges[task]);
+        });
+        for_ranges(faces, threads, [&](std::size_t begin, std::size_t end, std::size_t task) {
+            for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
+                measure_face(FaceId{i + 1}, cell_.faces[i], of_faces[task]);
+        });
+        Sums all;
+        for (const Sums& sums : of_edges) all.add(sums);
+        for (const Sums& sums : of_faces) all.add(sums);
         Measures& m = cell_.measures;
-        m.volume = volume_.value();
-        m.volume_error = volume_.bound();
-        m.area = area_.value();
-        m.area_error = area_.bound();
-        m.box_area = box_area_.value();
-        m.box_area_error = box_area_.bound();
+        m.volume = all.volume.value();
+        m.volume_error = all.volume.bound();
+        m.area = all.area.value();
+        m.area_error = all.area.bound();
+        m.box_area = all.box_area.value();
+        m.box_area_error = all.box_area.bound();
         m.body_volume = m.body_volume_error = 0;
         m.base_area = region_area(problem_.floor.empty() ? problem_.region : problem_.region_in_box);
         m.base_area_error = 0x1p-49 * m.base_area;
         // The base region is cut out by the box, so the cell always ends at its sides.
         m.touches_box = true;
         if (problem_.floor.empty()) {
-            m.min_clearance = min_clearance_.value;
-            m.min_clearance_error = min_clearance_.error();
+            m.min_clearance = all.min_clearance.value;
+            m.min_clearance_error = all.min_clearance.error();
         }
         rank_neighbors(cell_);
     }
 
 private:
+    // What a task's elements add to the measures of the cell.
+    struct Sums {
+        BoundedSum volume, area, box_area;
+        // min over the region of min_i f_i = min_i of the minimum of f_i over the region, and the minimum
+        // belongs to a form that owns a face: no face needs to be searched for its apex.
+        Least min_clearance;
+
+        void add(const Sums& other) {
+            volume.add(other.volume.value(), other.volume.bound());
+            area.add(other.area.value(), other.area.bound());
+            box_area.add(other.box_area.value(), other.box_area.bound());
+            min_clearance.add(other.min_clearance);
+        }
+    };
+
     double slope_bound(const CircularForm& f, const ArcSpan& span) const {
         // The gradient is affine and the arc lies in the triangle of its control points.
         return std::max(
@@ -323,14 +357,14 @@ private:
         return slope;
     }
 
-    void measure_mixed_edge(EdgeId e) {
+    void measure_mixed_edge(EdgeId e, Sums& sums) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         BoundedSum length;
         for (const MixedSpan& span : mixed_.spans(e)) {
             add(length, space_length(span));
             if (edge.on_rim() && shows(e, 0)) {
                 const Integral wall = wall_area(span);
-                box_area_.add(diagram_.is_below_floor ? -wall.value : wall.value, wall.error);
+                sums.box_area.add(diagram_.is_below_floor ? -wall.value : wall.value, wall.error);
             }
             double polygon = 0, height = 0;
             for (int k = 0; k <= span.degree; ++k) {
@@ -338,15 +372,15 @@ private:
                 height = std::max(height, std::abs(span.points[k].z()));
             }
             const auto slope = [&](unsigned side) { return slope_bound(e, side, span); };
-            add_position_error(e, polygon, mixed_.error(e).chart, height, slope);
+            add_position_error(e, polygon, mixed_.error(e).chart, height, slope, sums);
         }
         // Splines may wind about the true arc, for all that is proved.
         cell_.edges[e.value].is_estimated = mixed_.kind(e) == CurveKind::Spline;
         set_length(cell_.edges[e.value], length);
     }
 
-    void measure_edge(EdgeId e) {
-        if (mixed_.contains(e)) return measure_mixed_edge(e);
+    void measure_edge(EdgeId e, Sums& sums) {
+        if (mixed_.contains(e)) return measure_mixed_edge(e, sums);
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const bool right_linear = !edge.on_rim() && diagram_.forms[edge.right].k == 0;
         const CircularForm& f = diagram_.forms[right_linear ? edge.right : edge.left];
@@ -356,50 +390,47 @@ private:
             if (edge.on_rim() && shows(e, 0)) {
                 BoundedSum wall;
                 add_wall(f, span, wall);
-                box_area_.add(diagram_.is_below_floor ? -wall.value() : wall.value(), wall.bound());
+                sums.box_area.add(diagram_.is_below_floor ? -wall.value() : wall.value(), wall.bound());
             }
-            add_position_error(e, span, arcs_.error(e));
+            add_position_error(e, span, arcs_.error(e), sums);
         }
         set_length(cell_.edges[e.value], length);
     }
 
     static void add(BoundedSum& sum, const Integral& part) { sum.add(part.value, part.error); }
 
-    void add_position_error(EdgeId e, const ArcSpan& span, double error) {
+    void add_position_error(EdgeId e, const ArcSpan& span, double error, Sums& sums) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const CircularForm& f = diagram_.forms[edge.left];
         const double height = std::max(f(span.from.x(), span.from.y()), f(span.to.x(), span.to.y()));
         const auto slope = [&](unsigned side) {
             return slope_bound(diagram_.forms[diagram_.face_forms[diagram_.face(e, side)]], span);
         };
-        add_position_error(e, span.length(), error, height, slope);
+        add_position_error(e, span.length(), error, height, slope, sums);
     }
 
     // What a boundary that is off by `error` changes: a strip of twice the span's length times the error, and
     // the disks about its ends. Between two faces the heights agree on the true edge, so the volume in the
     // strip is of second order. slope(side) bounds the slope of the height on the left (0) or right.
     template <class Slope>
-    void add_position_error(EdgeId e, double length, double error, double height, const Slope& slope) {
+    void add_position_error(EdgeId e, double length, double error, double height, const Slope& slope,
+                            Sums& sums) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         const double strip = 2 * (length + 2 * error) * error;
-        const auto add_area_error = [&](unsigned side, double steepness) {
-            const FaceId face = diagram_.dcel.face(Dcel::half_edge(e, side));
-            areas_[face.value - 1].add(0, strip * std::hypot(1, steepness));
-        };
         const double left = slope(0);
-        add_area_error(0, left);
+        strips_[e][0] += strip * std::hypot(1, left);
         if (edge.on_rim()) {
             if (!shows(e, 0)) return;
-            volume_.add(0, strip * height);
-            box_area_.add(0, 2 * error * height + length * error * left);
+            sums.volume.add(0, strip * height);
+            sums.box_area.add(0, 2 * error * height + length * error * left);
             return;
         }
         const double right = slope(1);
-        add_area_error(1, right);
+        strips_[e][1] += strip * std::hypot(1, right);
         if (shows(e, 0) == shows(e, 1))
-            volume_.add(0, strip * error * (left + right));
+            sums.volume.add(0, strip * error * (left + right));
         else
-            volume_.add(0, strip * (std::abs(height) + error * (left + right)));
+            sums.volume.add(0, strip * (std::abs(height) + error * (left + right)));
     }
 
     // Does the cell have the face on that side of the edge?
@@ -408,12 +439,12 @@ private:
         return form.valid() && problem_.shows(form, diagram_.is_below_floor);
     }
 
-    void measure_face(FaceId id, const CellFace& face) {
+    void measure_face(FaceId id, CellFace& face, Sums& sums) const {
         const FormId form = diagram_.face_forms[id];
         if (diagram_.is_circular(form))
-            measure_circular_face(id, diagram_.forms[form], face);
+            measure_circular_face(id, diagram_.forms[form], face, sums);
         else
-            measure_cylinder_face(id);
+            measure_cylinder_face(id, face, sums);
     }
 
     template <class Visit>
@@ -432,7 +463,7 @@ private:
 
     static bool is_forward(HalfEdgeId h) { return h == Dcel::half_edge(Dcel::edge(h)); }
 
-    void measure_circular_face(FaceId id, const CircularForm& f, const CellFace& face) {
+    void measure_circular_face(FaceId id, const CircularForm& f, CellFace& face, Sums& sums) const {
         const RationalPatch& surface = face.patches.front().surface;
         const Vector2d origin(0.5 * surface.domain_u[0] + 0.5 * surface.domain_u[1],
                               0.5 * surface.domain_v[0] + 0.5 * surface.domain_v[1]);
@@ -456,13 +487,13 @@ private:
         });
         const double stretch = std::hypot(1, f.a / f.w, f.b / f.w);
         if (f.k != 0)
-            add_face(id, volume, curved_area.value(), curved_area.bound());
+            set_face(id, face, volume, curved_area.value(), curved_area.bound(), sums);
         else
-            add_face(id, volume, stretch * chart_area.value(), stretch * chart_area.bound());
-        if (problem_.floor.empty()) add_region_minimum(f, problem_, min_clearance_);
+            set_face(id, face, volume, stretch * chart_area.value(), stretch * chart_area.bound(), sums);
+        if (problem_.floor.empty()) add_region_minimum(f, problem_, sums.min_clearance);
     }
 
-    void measure_cylinder_face(FaceId id) {
+    void measure_cylinder_face(FaceId id, CellFace& face, Sums& sums) const {
         const CylinderFrame& frame = mixed_.frame(id);
         double extent = 0;
         for_each_half_edge(id, [&](HalfEdgeId h) {
@@ -479,22 +510,22 @@ private:
                 area.add(sign * part.area.value, part.area.error);
             }
         });
-        add_face(id, volume, area.value(), area.bound());
-        if (problem_.floor.empty()) add_region_minimum(frame.height(), problem_, min_clearance_);
+        set_face(id, face, volume, area.value(), area.bound(), sums);
+        if (problem_.floor.empty()) add_region_minimum(frame.height(), problem_, sums.min_clearance);
     }
 
-    void add_face(FaceId id, const BoundedSum& volume, double area, double area_bound) {
-        areas_[id.value - 1].add(area, area_bound);
-        if (problem_.shows(diagram_.face_forms[id], diagram_.is_below_floor))
-            volume_.add(volume.value(), volume.bound());
-    }
-
-    void set_area(FaceId id, CellFace& face, const BoundedSum& area) {
+    void set_face(FaceId id, CellFace& face, const BoundedSum& volume, double area, double area_bound,
+                  Sums& sums) const {
+        BoundedSum total;
+        total.add(area, area_bound);
+        for_each_half_edge(
+            id, [&](HalfEdgeId h) { total.add(0, strips_[Dcel::edge(h)][is_forward(h) ? 0 : 1]); });
         // A face thinner than the spacing of doubles may come out below zero by its rounding.
-        face.area = std::max(0.0, area.value());
-        face.area_error = area.bound();
+        face.area = std::max(0.0, total.value());
+        face.area_error = total.bound();
         if (!problem_.shows(diagram_.face_forms[id], diagram_.is_below_floor)) return;
-        (face.site.is_object() ? area_ : box_area_).add(face.area, face.area_error);
+        sums.volume.add(volume.value(), volume.bound());
+        (face.site.is_object() ? sums.area : sums.box_area).add(face.area, face.area_error);
     }
 
     static void set_length(CellEdge& edge, const BoundedSum& length) {
@@ -507,11 +538,8 @@ private:
     const ChartArcs& arcs_;
     const MixedArcs& mixed_;
     Cell& cell_;
-    std::vector<BoundedSum> areas_;  // of the faces
-    BoundedSum volume_, area_, box_area_;
-    // min over the region of min_i f_i = min_i of the minimum of f_i over the region, and the minimum belongs
-    // to a form that owns a face: no face needs to be searched for its apex.
-    Least min_clearance_;
+    // What edges off their places change about the areas of the faces on their left and right.
+    IdVector<EdgeId, std::array<double, 2>> strips_;
 };
 
 }  // namespace
@@ -548,8 +576,8 @@ void rank_neighbors(Cell& cell) {
 }
 
 void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
-                         const ChartArcs& arcs, const MixedArcs& mixed, Cell& cell) {
-    Measurer(problem, diagram, arcs, mixed, cell).run();
+                         const ChartArcs& arcs, const MixedArcs& mixed, Cell& cell, unsigned threads) {
+    Measurer(problem, diagram, arcs, mixed, cell).run(threads);
 }
 
 }  // namespace vcell

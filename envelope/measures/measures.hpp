@@ -19,7 +19,7 @@ namespace vcell {
 /// Errors bound truncation (proven, quadrature.hpp), rounding (first order, doubled) and the effect of the
 /// vertices' and arcs' own position errors. base_area has a relative error of 2^-49.
 void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
-                         const ChartArcs& arcs, const MixedArcs& mixed, Cell& cell);
+                         const ChartArcs& arcs, const MixedArcs& mixed, Cell& cell, unsigned threads);
 
 /// Fills in face areas, edge lengths, neighbors and all measures of a cell that is otherwise lifted: its
 /// edges have the diagram's numbers and space curves made of Bezier spans, and face i is the i-th face of the

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,14 +11,19 @@
 
 namespace vcell {
 
+/// Copies share the forms, so that each thread may cull with one.
 class CircularCulling {
+    using Forms = IdVector<FormId, CircleKernel::Form>;
+
 public:
     explicit CircularCulling(const CircularFamily& family) {
-        forms_.reserve(family.forms.size());
-        for (const CircularForm& f : family.forms) forms_.push_back(CircleKernel::make_form(f));
+        Forms forms;
+        forms.reserve(family.forms.size());
+        for (const CircularForm& f : family.forms) forms.push_back(CircleKernel::make_form(f));
+        forms_ = std::make_shared<const Forms>(std::move(forms));
     }
 
-    const CircleKernel::Form& operator[](FormId f) const { return forms_[f]; }
+    const CircleKernel::Form& operator[](FormId f) const { return (*forms_)[f]; }
 
     /// Keeps the candidates that may be lowest somewhere in the rectangle: calls keep(i) for those that are
     /// not certainly above a rival all over it. The best rival is the one whose highest value in the
@@ -30,7 +36,7 @@ public:
         box_forms_.resize(candidates.size());
         std::size_t rival = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i) {
-            box_forms_[i] = CircleKernel::box_form(forms_[candidates[i]], x, y, rx, ry);
+            box_forms_[i] = CircleKernel::box_form((*forms_)[candidates[i]], x, y, rx, ry);
             if (box_forms_[i].top < box_forms_[rival].top) rival = i;
         }
         for (std::size_t i = 0; i < candidates.size(); ++i)
@@ -38,7 +44,7 @@ public:
     }
 
 private:
-    IdVector<FormId, CircleKernel::Form> forms_;
+    std::shared_ptr<const Forms> forms_;
     std::vector<CircleKernel::BoxForm> box_forms_;  // working space
 };
 

@@ -21,23 +21,14 @@
 #include "../proofs/mixed_piece.hpp"
 #include "../sphere/sphere_diagram.hpp"
 #include "chart_reach.hpp"
-#include "piece_merger.hpp"
+#include "circular_recursion.hpp"
 #include "pieces.hpp"
 
 namespace vcell {
 
 namespace {
 
-// Measured on random scenes (bench_envelope): pieces of fewer candidates spend more on seams, larger ones
-// more on comparing faces with forms that lose there.
-struct Sizes {
-    std::size_t piece;       // candidates that are merged without splitting further
-    std::size_t quartering;  // more of them are culled in quarters before
-};
-constexpr Sizes region_sizes{64, 16}, sphere_sizes{32, 4};
-// Splitting on although the candidates hardly get fewer: this often in a row, then the piece is taken as it
-// is.
-constexpr int most_stalled_splits = 8;
+constexpr PieceSizes region_sizes{64, 16}, sphere_sizes{32, 4};
 // Pieces with more competitors than this are not plain: looking closer is a waste.
 constexpr std::size_t most_competitors = 6, most_around_cylinder = 4;
 // More that tie in a point are seen to where pieces are so small that nothing else is left in them.
@@ -59,12 +50,14 @@ constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 
 constexpr std::size_t most_splits = 80000, splits_of_form = 250;
 class EnvelopeBuilder {
 public:
-    EnvelopeBuilder(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options)
+    EnvelopeBuilder(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options,
+                    PieceSizes sizes = region_sizes)
         : family_(family),
           region_(region),
           options_(options),
-          patchwork_(family),
-          merger_(family, options),
+          progress_(options.progress),
+          patchwork_(family, family.forms.size()),
+          circular_(family, options, sizes, progress_, patchwork_),
           root_(make_piece(sides_of(region))),
           analysis_(family, extent(root_.rect), options),
           cutter_(family) {}
@@ -76,7 +69,6 @@ public:
 
     // Pre: the region's rim, and all beyond it, belongs to one form.
     MinimizationDiagram without_rim() {
-        sizes_ = sphere_sizes;
         patchwork_.drop_rim(solve_all(root_, 1.0));
         MinimizationDiagram result = finish();
         result.region = {};
@@ -116,7 +108,7 @@ private:
     }
 
     Patchwork::Index solve_all(const RegionPiece& piece, double share) {
-        if (family_.is_all_circular()) return solve(piece, without_floor(with_floor()), share, 0);
+        if (family_.is_all_circular()) return circular_.solve(piece, without_floor(with_floor()), share);
         return solve_labelled(label(piece), with_floor(), share);
     }
 
@@ -128,9 +120,9 @@ private:
         for (MinimizationDiagram::Edge& edge : result.edges)
             if (!edge.on_rim() && result.has_lower_across(edge.left, edge.right))
                 std::swap(edge.left, edge.right);
-        result.decisions = merger_.decisions();
+        result.decisions = circular_.decisions();
         result.decisions += analysis_.decisions();
-        result.work = merger_.effort();
+        result.work = circular_.effort();
         result.work.pieces = resolved_;
         result.assumptions = std::move(analysis_.assumptions());
         return result;
@@ -141,41 +133,6 @@ private:
         for (std::uint32_t i = 0; i < region.sides.size(); ++i)
             sides.push_back({region.sides[i].a, region.sides[i].b, region.sides[i].c, i});
         return sides;
-    }
-
-    // Returns the handle of the piece's diagram in the patchwork.
-    Patchwork::Index solve(const RegionPiece& piece, std::span<const FormId> inherited, double share,
-                           int stalled) {
-        std::vector<FormId> candidates;
-        merger_.cull(piece.rect, inherited, [&](std::size_t i) { candidates.push_back(inherited[i]); });
-        stalled = 8 * candidates.size() > 7 * inherited.size() ? stalled + 1 : 0;
-        if (candidates.size() > sizes_.piece && stalled <= most_stalled_splits) {
-            if (const auto halves = split(piece)) {
-                const Patchwork::Index a = solve(halves->first, candidates, share * split_ratio, stalled);
-                const Patchwork::Index b =
-                    solve(halves->second, candidates, share * (1 - split_ratio), stalled);
-                return patchwork_.glue(a, b, halves->seam);
-            }
-        }
-        return conquer(piece, candidates, share);
-    }
-
-    struct Halves {
-        RegionPiece first, second;
-        std::uint32_t seam;
-    };
-
-    std::optional<Halves> split(const RegionPiece& piece) {
-        for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07}) {
-            const auto cut = cutter_.cut_at(piece, shift);
-            if (!cut) continue;
-            const std::uint32_t seam = patchwork_.new_seam();
-            auto [first, second] = PieceCutter::halves(piece, *cut, seam);
-            // The first piece is to lie left of the upright seam; a level one is turned by a right angle.
-            if (!cut->upright) std::swap(first, second);
-            return Halves{std::move(first), std::move(second), seam};
-        }
-        return std::nullopt;
     }
 
     // --- Pieces in which cylinders compete. ---------------------------------------------------------------
@@ -217,7 +174,7 @@ private:
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             // Of the floor alone there is nothing to merge: it stays one of the pieces that follow.
             if (const std::vector<FormId> others = without_floor(candidates); !others.empty())
-                return solve(part.piece, others, share, 0);
+                return circular_.solve(part.piece, others, share);
         const double size = extent(r) / analysis_.extent_at({r.x0, r.x1}, {r.y0, r.y1});
         const bool at_floor = size <= MixedAnalysis::floor_width,
                    is_small = extent(r) <=
@@ -226,8 +183,7 @@ private:
             size <= MixedAnalysis::node_width) {
             if (const auto resolved = analysis_.resolve(
                     {part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
-                done_ += share;
-                if (options_.progress) options_.progress(done_);
+                progress_.add(share);
                 ++resolved_;
                 return patchwork_.add(*resolved);
             }
@@ -299,33 +255,24 @@ private:
             if (!labels) continue;
             second.labels[in_second] = labels->reversed();
             first.labels[in_first] = *std::move(labels);
-            // As in split().
+            // The first piece is to lie left of the upright seam; a level one is turned by a right angle.
             if (!cut->upright) std::swap(first, second);
             return LabelledHalves{std::move(first), std::move(second), seam};
         }
         return std::nullopt;
     }
 
-    Patchwork::Index conquer(const RegionPiece& piece, std::vector<FormId>& candidates, double share) {
-        const Patchwork::Index handle =
-            patchwork_.add(merger_.merge(piece, candidates, sizes_.quartering), piece.sides);
-        done_ += share;
-        if (options_.progress) options_.progress(done_);
-        return handle;
-    }
-
     const FormFamily& family_;
     const ConvexRegion& region_;
     const EnvelopeOptions& options_;
+    SharedProgress progress_;
     Patchwork patchwork_;
-    PieceMerger merger_;
+    CircularRecursion circular_;
     const RegionPiece root_;
     MixedAnalysis analysis_;
     PieceCutter cutter_;
-    Sizes sizes_ = region_sizes;
     std::size_t most_competitors_ = most_competitors;
     std::size_t resolved_ = 0, splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
-    double done_ = 0;
 };
 
 }  // namespace
@@ -348,7 +295,8 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
     if (family.is_all_circular() && options.incremental)
         if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
     const double reach = chart_reach(family);
-    return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options)
+    return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options,
+                           sphere_sizes)
         .without_rim();
 }
 

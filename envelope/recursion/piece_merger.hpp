@@ -22,11 +22,11 @@ class PieceMerger {
 
 public:
     /// The family and the options must outlive this object.
-    PieceMerger(const FormFamily& family, const EnvelopeOptions& options)
+    PieceMerger(const FormFamily& family, const EnvelopeOptions& options, const CircularCulling& forms)
         : family_(family),
           options_(options),
           largest_(options.largest_piece),
-          forms_(family),
+          forms_(forms),
           work_(kernel_),
           floor_(kernel_),
           lesser_(kernel_) {}

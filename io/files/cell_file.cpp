@@ -404,17 +404,15 @@ private:
 
 }  // namespace
 
-void write_cell(std::ostream& out, const Cell& cell) {
+void write_cell(std::ostream& out, const Cell& cell, unsigned threads) {
     JsonWriter writer(out);
     writer.object([&] {
         writer.key("vcell").value(format_version);
         write_scene_value(writer.line_key("scene"), cell.scene);
         if (cell.is_complete) writer.line_key("complete").value(true);
-        writer.line_key("vertices").lines(cell.vertices, [&](const CellVertex& v) {
-            write_vertex(writer, v);
-        });
-        writer.line_key("edges").lines(cell.edges, [&](const CellEdge& e) { write_edge(writer, e); });
-        writer.line_key("faces").lines(cell.faces, [&](const CellFace& f) { write_face(writer, f); });
+        writer.line_key("vertices").lines(cell.vertices, threads, write_vertex);
+        writer.line_key("edges").lines(cell.edges, threads, write_edge);
+        writer.line_key("faces").lines(cell.faces, threads, write_face);
         writer.line_key("neighbors").value(cell.neighbors);
         write_measures(writer.line_key("measures"), cell.measures);
         write_report(writer.line_key("report"), cell.report);

@@ -11,8 +11,9 @@ namespace vcell {
 
 /// Every double reads back as itself. The sites that coincide with an owner all along an edge or all over
 /// a face are listed under "extra_sites", where there are any.
+/// The bytes are the same for any number of threads; 0: as many as the machine has cores.
 /// Throws InternalError where a number is not finite: of cells that are not measured (CellOptions::measure).
-void write_cell(std::ostream& out, const Cell& cell);
+void write_cell(std::ostream& out, const Cell& cell, unsigned threads = 1);
 
 /// The cell of a file's text. Keys, types and shapes are checked, and the scene is validated; values are
 /// not judged. A cell from an unknown hand is safe to evaluate once check_cell finds nothing wrong.

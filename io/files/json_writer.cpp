@@ -11,8 +11,15 @@
 namespace vcell {
 
 void JsonWriter::finish() {
-    out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    out_->write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     buffer_.clear();
+}
+
+// What lines() have made elsewhere.
+void JsonWriter::append(const std::string& text) {
+    finish();
+    out_->write(text.data(), static_cast<std::streamsize>(text.size()));
+    first_ = false;
 }
 
 void JsonWriter::separate() {
@@ -24,7 +31,7 @@ void JsonWriter::separate() {
     if (new_line_) buffer_ += '\n';
     first_ = new_line_ = false;
     constexpr std::size_t enough = 1 << 16;
-    if (buffer_.size() > enough) finish();
+    if (out_ != nullptr && buffer_.size() > enough) finish();
 }
 
 void JsonWriter::open(char bracket) {

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <iosfwd>
 #include <ranges>
 #include <string>
 #include <string_view>
+
+#include "../../core/threads.hpp"
 
 namespace vcell {
 
@@ -16,7 +20,7 @@ namespace vcell {
 /// finite: JSON has no word for it, and no result of ours may hold one.
 class JsonWriter {
 public:
-    explicit JsonWriter(std::ostream& out) : out_(out) {}
+    explicit JsonWriter(std::ostream& out) : out_(&out) {}
     /// Writes what is still buffered.
     void finish();
 
@@ -40,6 +44,28 @@ public:
             new_line_ = true;
             element(e);
         }
+        if (!first_) buffer_ += '\n';
+        close(']');
+    }
+    /// The same; several threads make the text, in parts that wait to be written in their order.
+    /// element(writer, e) writes to the writer it is given.
+    template <class Elements, class F>
+    void lines(const Elements& elements, unsigned threads, const F& element) {
+        open('[');
+        in_order(
+            range_count(elements.size()), thread_count(threads),
+            [&](std::size_t task) {
+                JsonWriter part;
+                part.first_ = task == 0;
+                const std::size_t begin = task * elements_of_task,
+                                  end = std::min(elements.size(), begin + elements_of_task);
+                for (std::size_t i = begin; i < end; ++i) {
+                    part.new_line_ = true;
+                    element(part, elements[i]);
+                }
+                return std::move(part.buffer_);
+            },
+            [&](std::size_t, const std::string& text) { append(text); });
         if (!first_) buffer_ += '\n';
         close(']');
     }
@@ -72,12 +98,15 @@ public:
     }
 
 private:
+    JsonWriter() = default;  // of a part, which stays in the buffer
+
+    void append(const std::string& text);
     void open(char bracket);
     void close(char bracket);
     void separate();
     void quoted(std::string_view text);
 
-    std::ostream& out_;
+    std::ostream* out_ = nullptr;
     std::string buffer_;
     bool first_ = true;  // nothing precedes the next value in its array or object
     bool after_key_ = false;

@@ -63,6 +63,7 @@ TEST_CASE("program: wrong usage is status 1") {
                                   "query - -",
                                   "query -",
                                   "compute s.json --surprise -o a.json",
+                                  "compute s.json --threads x -o a.json",
                                   "check",
                                   "measure",
                                   "compute s.json --base 1 --base-plane 0 0 0 0 0 1 -o a.json"}) {
@@ -109,6 +110,9 @@ TEST_CASE("program: standard input and output") {
     to_file["report"].erase("seconds");
     CHECK(to_stream == to_file);
     CHECK(w.files() == Names{"a.json"});
+    json on_threads = json::parse(w.run("compute - -o - --threads 3", scene).out);
+    on_threads["report"].erase("seconds");
+    CHECK(on_threads == to_file);
 }
 
 TEST_CASE("program: an output that exists is replaced whole or not at all") {

@@ -1,0 +1,127 @@
+// Cells that several threads compute and write are those of one, byte for byte.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/files/cell_file.hpp"
+#include "../test_support.hpp"
+
+using namespace vcell;
+
+namespace {
+
+// Enough of them that the region comes in several blocks, and elements in several tasks.
+constexpr int many = 6000;
+
+Scene over_plane(double side, const Vec3& normal = {0, 0, 1}) {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, normal};
+    scene.box = {{-side, -side, -side}, {side, side, side}};
+    return scene;
+}
+
+Scene random_balls(std::mt19937_64& rng, const Vec3& normal = {0, 0, 1}) {
+    const double side = 0.5 * std::sqrt(many);
+    Scene scene = over_plane(side, normal);
+    std::uniform_real_distribution<double> at(-side, side), up(0.5, 2), radius(0, 0.25);
+    for (int i = 0; i < many; ++i) {
+        Vec3 c(at(rng), at(rng), 0);
+        c.z() = -(normal.x() * c.x() + normal.y() * c.y()) / normal.z();
+        scene.objects.push_back(Sphere{c + up(rng) * normal.normalized(), radius(rng)});
+    }
+    return scene;
+}
+
+// Every inner vertex is equally far from four balls.
+Scene lattice() {
+    constexpr int n = 76;
+    Scene scene = over_plane(n);
+    scene.box = {{0, 0, 0}, {n, n, 4}};
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) scene.objects.push_back(Sphere{{i + 0.5, j + 0.5, 0.75}, 0.25});
+    return scene;
+}
+
+Cell cell_on(unsigned threads, const Scene& scene, CellOptions options = {}) {
+    options.threads = threads;
+    Cell cell = voronoi_cell(scene, options);
+    Report& r = cell.report;
+    r.seconds_bisectors = r.seconds_envelope = r.seconds_patches = 0;
+    return cell;
+}
+
+std::string text_on(unsigned threads, const Cell& cell) {
+    std::ostringstream out;
+    write_cell(out, cell, threads);
+    return out.str();
+}
+
+void check_threads(const Scene& scene, const CellOptions& options = {}) {
+    const Cell alone = cell_on(1, scene, options);
+    const std::string text = text_on(1, alone);
+    REQUIRE(alone.faces.size() > 2500);
+    for (const unsigned threads : {2u, 3u, 8u}) {
+        CAPTURE(threads);
+        const bool is_same = text_on(threads, cell_on(threads, scene, options)) == text;
+        CHECK(is_same);
+    }
+}
+
+struct Cancel {};
+
+}  // namespace
+
+TEST_CASE("threads: a cell's bytes are the same for any number of them") {
+    std::mt19937_64 rng(test_seed());
+    SUBCASE("random balls") { check_threads(random_balls(rng)); }
+    SUBCASE("a lattice of equal balls") { check_threads(lattice()); }
+    SUBCASE("a tilted plane's complete cell, with planes and a rod") {
+        Scene scene = random_balls(rng, {0.1, -0.2, 1});
+        scene.objects.push_back(Plane{{0, 0, 30}, {0.05, 0, -1}});
+        CellOptions options;
+        options.complete = true;
+        check_threads(scene, options);
+        scene.objects.push_back(Cylinder{{0, 0, 12}, {1, 0.2, 0}, 0.5});
+        check_threads(scene);
+    }
+}
+
+TEST_CASE("threads: who cancels gets the own exception back, whatever other threads do") {
+    std::mt19937_64 rng(test_seed());
+    const Scene scene = random_balls(rng);
+    const std::thread::id caller = std::this_thread::get_id();
+    for (const unsigned threads : {1u, 2u, 3u, 8u})
+        for (const double until : {0.0, 0.3, 0.9}) {
+            CAPTURE(threads);
+            CAPTURE(until);
+            bool is_caller = true;
+            double last = 0;
+            CellOptions options;
+            options.progress = [&](const char* stage, double fraction) {
+                is_caller = is_caller && std::this_thread::get_id() == caller;
+                if (std::string(stage) != "envelope") return;
+                CHECK(fraction >= last);
+                last = fraction;
+                if (fraction >= until) throw Cancel{};
+            };
+            CHECK_THROWS_AS(cell_on(threads, scene, options), Cancel);
+            CHECK(is_caller);
+        }
+}
+
+TEST_CASE("threads: what cannot be written is the same error for any number of them") {
+    std::mt19937_64 rng(test_seed());
+    CellOptions options;
+    options.measure = false;
+    const Cell cell = cell_on(2, random_balls(rng), options);
+    for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+        CAPTURE(threads);
+        CHECK_THROWS_WITH_AS(text_on(threads, cell), "a number to be written is not finite", InternalError);
+    }
+}
