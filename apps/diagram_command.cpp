@@ -14,6 +14,7 @@
 #include "../io/files/diagram_file.hpp"
 #include "../io/files/files.hpp"
 #include "../io/files/network_file.hpp"
+#include "../io/files/stored_diagram.hpp"
 #include "../io/files/text.hpp"
 #include "../io/pictures/diagram_pictures.hpp"
 #include "../io/pictures/mesh_formats.hpp"
@@ -40,6 +41,7 @@ constexpr double chord_part = 0.002;
 // One file of -o.
 struct DiagramPicture {
     OutputFile* file = nullptr;
+    std::optional<DiagramWriter> text;  // JSON, no picture
     OutputFile* materials = nullptr;
     std::string material_file;
     std::optional<std::pair<int, double>> plane;  // of a cut
@@ -49,7 +51,9 @@ struct DiagramPicture {
     std::optional<DiagramCut> cut;
 
     void begin(const DiagramScene& scene) {
-        if (plane)
+        if (format == "json")
+            text.emplace(file->stream(), scene);
+        else if (plane)
             cut.emplace(scene, plane->first, plane->second);
         else if (format == "obj")
             obj.emplace(file->stream(), material_file);
@@ -62,6 +66,7 @@ struct DiagramPicture {
         if (mesh) mesh->add(static_cast<std::int32_t>(object), cell, of_cell);
     }
     void end() {
+        if (text) text->finish();
         if (cut) cut->write(file->stream());
         if (mesh) write_mesh(file->stream(), format, *mesh);
         if (materials != nullptr) DiagramObj::write_mtl(materials->stream());
@@ -143,8 +148,9 @@ static DiagramPicture open_picture(const std::string& name, const std::string& p
     } else if (ending == ".svg") {
         if (plane.empty()) throw UsageError(fmt::format("{}: a picture takes a plane, --cut z=VALUE", name));
         picture.plane = {plane[0] - 'x', *to_double(plane.substr(plane[2] == '+' ? 3 : 2))};
-    } else if (ending != ".stl" && ending != ".ply" && ending != ".vtu") {
-        throw UsageError(fmt::format("{}: an output must end in .obj, .stl, .ply, .vtu or .svg", name));
+    } else if (ending != ".json" && ending != ".stl" && ending != ".ply" && ending != ".vtu") {
+        throw UsageError(
+            fmt::format("{}: an output must end in .json, .obj, .stl, .ply, .vtu or .svg", name));
     }
     return picture;
 }
@@ -176,7 +182,10 @@ Status DiagramCommand::run() const {
     const DiagramScene scene = about_file(path_, "", [&] { return read_diagram_scene(path_, reading); });
     if (scene.probe && !pictures.empty())
         throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
-    for (DiagramPicture& picture : pictures) picture.begin(scene);
+    about_file(path_, "", [&] {
+        for (DiagramPicture& picture : pictures) picture.begin(scene);
+    });
+    const bool has_meshes = std::ranges::any_of(pictures, [](const DiagramPicture& p) { return !p.text; });
     VoronoiDiagram diagram;
     std::optional<VoidNetworkBuilder> network;
     if (voids) about_file(path_, "", [&] { network.emplace(scene); });
@@ -188,9 +197,12 @@ Status DiagramCommand::run() const {
         if (network || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {
                 if (network) network->add(object, cell);
-                if (pictures.empty()) return;
+                for (DiagramPicture& picture : pictures)
+                    if (picture.text) picture.text->add(object, cell);
+                if (!has_meshes) return;
                 const CellMesh mesh = tessellate(cell, {chord_part * cell_diagonal(cell), true});
-                for (DiagramPicture& picture : pictures) picture.add(object, cell, mesh);
+                for (DiagramPicture& picture : pictures)
+                    if (!picture.text) picture.add(object, cell, mesh);
             };
         diagram = about_file(path_, "", [&] { return voronoi_diagram(scene, options); });
     }

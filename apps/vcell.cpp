@@ -20,10 +20,10 @@
 #include "../envelope/point_query.hpp"
 #include "../envelope/vertex_refinement.hpp"
 #include "../envelope/voronoi_cell.hpp"
-#include "../io/check/check.hpp"
 #include "../io/files/text.hpp"
 #include "../io/io.hpp"
 #include "ball_file_arguments.hpp"
+#include "check_command.hpp"
 #include "command.hpp"
 #include "diagram_command.hpp"
 #include "progress.hpp"
@@ -429,56 +429,6 @@ private:
          {"--vertices", "table of the vertices: point, clearance, sites, names", write_vertices}}};
 };
 
-// ---- check ---------------------------------------------------------------------------------------
-
-class Check {
-public:
-    explicit Check(CLI::App& app)
-        : command_(*app.add_subcommand("check", "prove a cell file from the scene in it")) {
-        command_.add_option("CELL", path_, "cell file, JSON; - is standard input")->required();
-        command_
-            .add_option("--effort", options_.effort,
-                        "how far curves and patches are subdivided: twice as many parts with each step")
-            ->check(CLI::Range(0, 40))
-            ->capture_default_str();
-        command_.add_flag("--json", json_, "write the certificate: a verdict for each element");
-        command_.footer(
-            "Proves that the boundary as written lies everywhere within a distance of the true one, and prints\n"
-            "that distance; or a line for each element that is refuted or left open. Exit status 4 if there is\n"
-            "one: what is open has not been shown to be wrong, but not to be right, either.");
-    }
-
-    bool chosen() const { return command_.parsed(); }
-
-    Status run() const {
-        const Cell cell = about_file(path_, "", [&] { return read_cell(path_); });
-        const Certificate certificate = certify(cell, options_);
-        OutputFile out("-");
-        if (json_)
-            write_certificate(out.stream(), certificate);
-        else
-            write_verdicts(out.stream(), cell, certificate);
-        out.commit();
-        return certificate.holds() ? done : check_failed;
-    }
-
-private:
-    static void write_verdicts(std::ostream& out, const Cell& cell, const Certificate& certificate) {
-        for (const Element& e : certificate.elements)
-            if (e.verdict != Verdict::proved)
-                out << e.where << (e.verdict == Verdict::open ? ": open: " : ": ") << e.what << '\n';
-        if (!certificate.holds()) return;
-        out << fmt::format(
-            "ok: {} faces, {} edges, {} vertices; the boundary is within {:.3g} of the true one\n",
-            cell.faces.size(), cell.edges.size(), cell.vertices.size(), certificate.distance);
-    }
-
-    CLI::App& command_;
-    std::string path_;
-    CheckOptions options_;
-    bool json_ = false;
-};
-
 // ---- refine --------------------------------------------------------------------------------------
 
 class Refine {
@@ -555,7 +505,7 @@ int run(int argc, char** argv) {
     Compute compute(app);
     Query query(app);
     Measure measure(app);
-    Check check(app);
+    CheckCommand check(app);
     Refine refine(app);
     DiagramCommand diagram(app);
     try {

@@ -10,6 +10,7 @@
 #include "files/network_file.hpp"
 #include "files/scene_file.hpp"
 #include "files/step_file.hpp"
+#include "files/stored_diagram.hpp"
 #include "pictures/diagram_pictures.hpp"
 #include "pictures/mesh.hpp"
 #include "pictures/mesh_formats.hpp"

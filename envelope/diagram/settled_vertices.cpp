@@ -9,14 +9,8 @@
 #include "../../core/numbers/exact.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../core/solver/newton/kantorovich.hpp"
-void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram, unsigned threads) {
-    for_ranges(diagram.vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
-        Settler settler(family, diagram);
-        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-            if (!settler.is_settled(VertexId{i})) settler.settle(VertexId{i});
-            if (!is_height_settled(diagram.vertices[VertexId{i}])) settler.settle_height(VertexId{i});
-        }
-    });
+#include "../../core/threads.hpp"
+#include "chart_arc.hpp"
 
 namespace vcell {
 
@@ -166,24 +160,14 @@ private:
 
 }  // namespace
 
-<<<<<<< HEAD
-void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram) {
-    Settler settler(family, diagram);
-    for (const VertexId v : diagram.vertices.ids()) {
-        if (!settler.is_settled(v)) settler.settle(v);
-        if (!is_height_settled(diagram.vertices[v])) settler.settle_height(v);
-    }
-=======
 void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram, unsigned threads) {
     for_ranges(diagram.vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
         Settler settler(family, diagram);
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-            const MinimizationDiagram::Vertex& vertex = diagram.vertices[VertexId{i}];
-            if (!is_point_settled(vertex, vertex.error)) settler.settle(VertexId{i});
-            if (!is_height_settled(vertex)) settler.settle_height(VertexId{i});
+            if (!settler.is_settled(VertexId{i})) settler.settle(VertexId{i});
+            if (!is_height_settled(diagram.vertices[VertexId{i}])) settler.settle_height(VertexId{i});
         }
     });
->>>>>>> caec663 (Cells of many balls over a plane are computed and written on several threads, the same bytes for any number of them: blocks of the region are solved in patchworks of their own and taken over in order, arcs, faces, edges and measures are made task by task; vcell compute --threads, and a preset for the thread sanitizer)
 }
 
 Vector2d settled_gradient(const FormFamily& family, FormId f, FormId g, const Vector2d& p) {

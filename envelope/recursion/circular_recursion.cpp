@@ -140,6 +140,7 @@ Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<co
         }
         decisions_ += solved.decisions;
         effort_ += solved.effort;
+        progress_.add(0);  // other threads' blocks, too, are told of
     };
     progress_.cancellable(
         [&] { in_order(blocks.size(), thread_count(options_.threads), solve_block, take_block); });

@@ -36,14 +36,13 @@ struct Certificate {
     void prove(std::string where, double amount = 0, std::string what = {});
     void refute(std::string where, std::string what, double amount = 0);
     void leave_open(std::string where, std::string what, double amount);
+    void add(Element element);
 
     std::size_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
     /// Nothing is refuted and nothing is open.
     bool holds() const { return count(Verdict::refuted) == 0 && count(Verdict::open) == 0; }
 
 private:
-    void add(Element element);
-
     std::array<std::size_t, 3> counts_{};
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "cell_json.hpp"
 #include "files.hpp"
 #include "scene_json.hpp"
 
@@ -168,24 +169,35 @@ void write_report(JsonWriter& out, const Report& r) {
 
 class CellReader {
 public:
-    explicit CellReader(std::string_view text) : in_(text) {}
+    explicit CellReader(JsonReader& in) : in_(in) {}
 
     Cell read() {
-        in_.object(required_member("vcell", [&] { read_format_version(in_); }),
-                   required_member("scene", [&] { cell_.scene = read_scene_value(in_); }),
-                   optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }),
+        read_with(required_member("vcell", [&] { read_format_version(in_); }),
+                  required_member("scene", [&] { cell_.scene = read_scene_value(in_); }),
+                  optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }));
+        in_.end();
+        return std::move(cell_);
+    }
+
+    std::pair<std::uint32_t, Cell> read_of_diagram() {
+        std::uint32_t object = 0;
+        read_with(required_member("object", [&] { object = index(); }));
+        return {object, std::move(cell_)};
+    }
+
+private:
+    using Kind = InputError::Kind;
+
+    template <class... Members>
+    void read_with(Members... members) {
+        in_.object(std::move(members)...,
                    required_member("vertices", [&] { list(cell_.vertices, [&] { return vertex(); }); }),
                    required_member("edges", [&] { list(cell_.edges, [&] { return edge(); }); }),
                    required_member("faces", [&] { list(cell_.faces, [&] { return face(); }); }),
                    required_member("neighbors", [&] { list(cell_.neighbors, [&] { return index(); }); }),
                    required_member("measures", [&] { measures(cell_.measures); }),
                    required_member("report", [&] { report(cell_.report); }));
-        in_.end();
-        return std::move(cell_);
     }
-
-private:
-    using Kind = InputError::Kind;
 
     template <class Items, class F>
     void list(Items& items, F item) {
@@ -398,9 +410,22 @@ private:
             required_member("warnings", [&] { list(r.warnings, [&] { return in_.string(); }); }));
     }
 
-    JsonReader in_;
+    JsonReader& in_;
     Cell cell_;
 };
+
+}  // namespace
+
+namespace {
+
+void write_elements(JsonWriter& out, const Cell& cell, unsigned threads) {
+    out.line_key("vertices").lines(cell.vertices, threads, write_vertex);
+    out.line_key("edges").lines(cell.edges, threads, write_edge);
+    out.line_key("faces").lines(cell.faces, threads, write_face);
+    out.line_key("neighbors").value(cell.neighbors);
+    write_measures(out.line_key("measures"), cell.measures);
+    write_report(out.line_key("report"), cell.report);
+}
 
 }  // namespace
 
@@ -410,12 +435,7 @@ void write_cell(std::ostream& out, const Cell& cell, unsigned threads) {
         writer.key("vcell").value(format_version);
         write_scene_value(writer.line_key("scene"), cell.scene);
         if (cell.is_complete) writer.line_key("complete").value(true);
-        writer.line_key("vertices").lines(cell.vertices, threads, write_vertex);
-        writer.line_key("edges").lines(cell.edges, threads, write_edge);
-        writer.line_key("faces").lines(cell.faces, threads, write_face);
-        writer.line_key("neighbors").value(cell.neighbors);
-        write_measures(writer.line_key("measures"), cell.measures);
-        write_report(writer.line_key("report"), cell.report);
+        write_elements(writer, cell, threads);
     });
     writer.finish();
     out << '\n';
@@ -435,7 +455,8 @@ bool is_key_of_scene(std::string_view path) {
 Cell parse_cell(std::string_view text) {
     Cell cell = [&] {
         try {
-            return CellReader(text).read();
+            JsonReader in(text);
+            return CellReader(in).read();
         } catch (const InputError& e) {
             if (e.kind != InputError::Kind::UnknownKey || !is_key_of_scene(e.path)) throw;
             throw InputError(InputError::Kind::WrongType, InputError::no_object, "",
@@ -444,6 +465,17 @@ Cell parse_cell(std::string_view text) {
     }();
     validate(cell.scene);
     return cell;
+}
+
+void write_cell_of_diagram(JsonWriter& out, std::uint32_t object, const Cell& cell) {
+    out.object([&] {
+        out.key("object").value(object);
+        write_elements(out, cell, 1);
+    });
+}
+
+std::pair<std::uint32_t, Cell> read_cell_of_diagram(JsonReader& in) {
+    return CellReader(in).read_of_diagram();
 }
 
 Cell read_cell(const std::string& path) { return parse_cell(read_file(path)); }

@@ -24,6 +24,11 @@ public:
     /// Writes what is still buffered.
     void finish();
 
+    /// object() and array() in parts.
+    void begin_object() { open('{'); }
+    void end_object() { close('}'); }
+    void begin_array() { open('['); }
+    void end_array() { close(']'); }
     template <class F>
     void object(F members) {
         open('{');

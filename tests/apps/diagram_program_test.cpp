@@ -82,6 +82,27 @@ TEST_CASE("program: diagram of a box that repeats, from JSON and from options") 
     CHECK(work.run("diagram scene.json --threads 2 --contacts -").out == from_json.out);
 }
 
+TEST_CASE("program: a diagram's file is checked as a cell's is") {
+    const Workplace work;
+    work.write("balls.txt", "0 0 0 0.5\n1.5 0 0 0.3\n0.2 1 0.4 0.2\n0 0 0.1 0.1\n");
+    REQUIRE(work.run("diagram balls.txt -o all.json --cells cells.tsv").status == 0);
+    const Outcome checked = work.run("check all.json");
+    CAPTURE(checked.out);
+    CHECK(checked.status == 0);
+    CHECK(checked.out.starts_with("ok: 3 cells that fill their box; the boundary is within "));
+    CHECK(work.run("check all.json --json --threads 1").out ==
+          work.run("check all.json --json --threads 3").out);
+    std::string text = work.read("all.json");
+    const std::size_t radius = text.find("0.3");
+    REQUIRE(radius != text.npos);
+    text.replace(radius, 3, "0.4");
+    const Outcome damaged = work.run("check -", text);
+    CHECK(damaged.status == 4);
+    CHECK(damaged.out.find("cells[") != std::string::npos);
+    CHECK(work.run("diagram balls.txt --probe 1 -o all.json").status == 1);
+    CHECK(work.run("diagram balls.txt --box 0 0 0 3 3 3 --periodic xyz -o all.json").status == 2);
+}
+
 TEST_CASE("program: diagram reads molecules and dumps") {
     const Workplace work;
     const std::string data = VCELL_TEST_DATA "/";

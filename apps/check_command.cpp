@@ -1,0 +1,67 @@
+#include "check_command.hpp"
+
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "../io/files/cell_file.hpp"
+#include "../io/files/files.hpp"
+#include "../io/files/stored_diagram.hpp"
+
+namespace vcell {
+
+namespace {
+
+void write_verdicts(std::ostream& out, const std::string& what, const Certificate& certificate) {
+    for (const Element& e : certificate.elements)
+        if (e.verdict != Verdict::proved)
+            out << e.where << (e.verdict == Verdict::open ? ": open: " : ": ") << e.what << '\n';
+    if (certificate.holds())
+        out << fmt::format("ok: {}; the boundary is within {:.3g} of the true one\n", what,
+                           certificate.distance);
+}
+
+}  // namespace
+
+CheckCommand::CheckCommand(CLI::App& app)
+    : command_(*app.add_subcommand("check", "prove a file of a cell or a diagram from the scene in it")) {
+    command_.add_option("CELL", path_, "file of a cell or a diagram, JSON; - is standard input")->required();
+    command_
+        .add_option("--effort", options_.effort,
+                    "how far curves and patches are subdivided: twice as many parts with each step")
+        ->check(CLI::Range(0, 40))
+        ->capture_default_str();
+    threads_.add_to(command_);
+    command_.add_flag("--json", json_, "write the certificate: a verdict for each element");
+    command_.footer(
+        "Proves that the boundary as written lies everywhere within a distance of the true one, and prints\n"
+        "that distance; or a line for each element that is refuted or left open. Of a diagram also that cells\n"
+        "agree about what they share, and fill their box. Exit status 4 if there is such a line: what is open\n"
+        "has not been shown to be wrong, but not to be right, either.");
+}
+
+Status CheckCommand::run() const {
+    Certificate certificate;
+    std::string what;
+    about_file(path_, "", [&] {
+        const std::string text = read_file(path_);
+        if (const auto diagram = parse_diagram(text)) {
+            certificate = certify(*diagram, options_, threads_.count());
+            what = fmt::format("{} cells that fill their box", diagram->cells.size());
+        } else {
+            const Cell cell = parse_cell(text);
+            certificate = certify(cell, options_);
+            what = fmt::format("{} faces, {} edges, {} vertices", cell.faces.size(), cell.edges.size(),
+                               cell.vertices.size());
+        }
+    });
+    OutputFile out("-");
+    if (json_)
+        write_certificate(out.stream(), certificate);
+    else
+        write_verdicts(out.stream(), what, certificate);
+    out.commit();
+    return certificate.holds() ? done : check_failed;
+}
+
+}  // namespace vcell

@@ -1,0 +1,32 @@
+/// Diagrams of balls as files: the objects, and all cells with their elements (docs/files.md, "Diagrams as
+/// files").
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string_view>
+
+#include "../check/check_diagram.hpp"
+#include "json_writer.hpp"
+
+namespace vcell {
+
+/// Writes the file as its cells are computed: add() is made for DiagramOptions::visit.
+class DiagramWriter {
+public:
+    /// Throws InputError (Unsupported) for a scene of which cells have no patches or sites no numbers: with
+    /// planes or tubes, in a box that repeats, with a probe.
+    DiagramWriter(std::ostream& out, const DiagramScene& scene);
+
+    void add(std::uint32_t object, const Cell& cell);
+    void finish();
+
+private:
+    std::ostream& out_;
+    JsonWriter writer_;
+};
+
+/// None if the text is no diagram. Throws InputError with the JSON path of the first offender.
+std::optional<StoredDiagram> parse_diagram(std::string_view text);
+
+}  // namespace vcell

@@ -1,0 +1,139 @@
+// certify() on diagrams as files have them: whole ones, and damaged ones.
+#include <doctest/doctest.h>
+
+#include <random>
+#include <sstream>
+
+#include "../../core/errors.hpp"
+#include "../../io/files/stored_diagram.hpp"
+#include "../test_support.hpp"
+
+using namespace vcell;
+
+namespace {
+
+DiagramScene random_balls(std::mt19937_64& rng, int count) {
+    std::uniform_real_distribution<double> at(-1, 1), radius(0.05, 0.4);
+    DiagramScene scene;
+    scene.box = {{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}};
+    for (int i = 0; i < count; ++i) scene.objects.push_back(Sphere{{at(rng), at(rng), at(rng)}, radius(rng)});
+    // One in another, and one twice.
+    scene.objects.push_back(Sphere{std::get<Sphere>(scene.objects[0]).center, 0.01});
+    scene.objects.push_back(scene.objects[1]);
+    scene.names = {"first"};
+    scene.names.resize(scene.objects.size());
+    return scene;
+}
+
+std::string text_of(const DiagramScene& scene) {
+    std::ostringstream out;
+    DiagramWriter writer(out, scene);
+    DiagramOptions options;
+    options.visit = [&](std::uint32_t object, const Cell& cell) { writer.add(object, cell); };
+    voronoi_diagram(scene, options);
+    writer.finish();
+    return out.str();
+}
+
+// Is there an element of that name, or one below it, that is not proved?
+bool objects_to(const Certificate& certificate, const std::string& where) {
+    for (const Element& e : certificate.elements)
+        if (e.verdict != Verdict::proved && e.where.starts_with(where)) return true;
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("check of a diagram: cells of random balls are proved, and fill their box") {
+    std::mt19937_64 rng(test_seed());
+    const std::string text = text_of(random_balls(rng, 12));
+    const auto diagram = parse_diagram(text);
+    REQUIRE(diagram);
+    const Certificate certificate = certify(*diagram);
+    for (const Element& e : certificate.elements) {
+        CAPTURE(e.where);
+        CAPTURE(e.what);
+        CHECK(e.verdict == Verdict::proved);
+    }
+    CHECK(certificate.elements.back().where == "volume");
+    std::ostringstream alone, together;
+    write_certificate(alone, certificate);
+    write_certificate(together, certify(*diagram, {}, 3));
+    CHECK(alone.str() == together.str());
+}
+
+TEST_CASE("check of a diagram: what is damaged is objected to") {
+    std::mt19937_64 rng(test_seed() + 1);
+    const StoredDiagram whole = *parse_diagram(text_of(random_balls(rng, 12)));
+    StoredDiagram d = whole;
+    Cell& cell = d.cells[2].second;
+    const std::string name = "cells[" + std::to_string(d.cells[2].first) + "]";
+    SUBCASE("a vertex") {
+        cell.vertices[0].point.x() += 1e-3;
+        const Certificate c = certify(d);
+        CHECK(objects_to(c, name + ".vertices[0]"));
+        CHECK(objects_to(c, "pairs["));
+    }
+    SUBCASE("a volume") {
+        cell.measures.volume *= 1.001;
+        const Certificate c = certify(d);
+        CHECK(objects_to(c, name + ".measures"));
+        CHECK(objects_to(c, "volume"));
+    }
+    SUBCASE("a clearance that hides what is near") {
+        cell.measures.max_clearance *= 0.01;
+        CHECK(objects_to(certify(d), name));
+    }
+    SUBCASE("a face that only one of two cells has") {
+        for (std::size_t i = 0; i < cell.faces.size(); ++i)
+            if (cell.faces[i].site.is_object()) {
+                cell.faces.erase(cell.faces.begin() + static_cast<std::ptrdiff_t>(i));
+                break;
+            }
+        const Certificate c = certify(d);
+        CHECK(objects_to(c, name));
+        CHECK(objects_to(c, "pairs["));
+    }
+    SUBCASE("a cell that is not there") {
+        d.cells.erase(d.cells.begin() + 2);
+        const Certificate c = certify(d);
+        CHECK(objects_to(c, name));
+        CHECK(objects_to(c, "volume"));
+    }
+    SUBCASE("an object that has moved") {
+        std::get<Sphere>(d.scene.objects[d.cells[2].first]).center.x() += 1e-3;
+        CHECK(objects_to(certify(d), name));
+    }
+    SUBCASE("an object that nobody has looked at") {
+        d.scene.objects.push_back(Sphere{d.cells[2].second.vertices[0].point, 0.001});
+        d.scene.names.push_back("");
+        const Certificate c = certify(d);
+        CHECK(objects_to(c, "cells[" + std::to_string(d.scene.objects.size() - 1) + "]"));
+    }
+}
+
+TEST_CASE("diagram file: what is none, or none of balls, is refused") {
+    CHECK_FALSE(parse_diagram(R"({"vcell": 1, "scene": {}})"));
+    const auto path_of = [](const std::string& text) {
+        try {
+            parse_diagram(text);
+        } catch (const InputError& e) {
+            return e.path;
+        }
+        return std::string("none");
+    };
+    const std::string box = R"("box": {"min": [0, 0, 0], "max": [1, 1, 1]}})";
+    CHECK(
+        path_of(
+            R"({"vcell": 1, "diagram": {"objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}], )" +
+            box + R"(, "cells": []})") == "objects[0]");
+    CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], )" + box + R"(, "cells": []})") == "objects");
+    CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], "colour": 1, )" + box + R"(, "cells": []})") ==
+          "diagram.colour");
+    std::ostringstream out;
+    DiagramScene scene;
+    scene.box = {{0, 0, 0}, {1, 1, 1}};
+    scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}};
+    scene.periodic = {true, false, false};
+    CHECK_THROWS_AS(DiagramWriter(out, scene), InputError);
+}
