@@ -223,13 +223,14 @@ Status DiagramCommand::run() const {
     for (const auto& file : files) file->close();
     for (const auto& file : files) file->commit();
 
-    std::size_t computed = 0, empty = 0;
+    std::size_t computed = 0, empty = 0, walls = 0;
     std::uint64_t assumed = 0;
     for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
         const DiagramCell& cell = diagram.cells[i];
         assumed += cell.assumed;
         if (cell.state == DiagramCell::State::Computed) ++computed;
         if (cell.state == DiagramCell::State::Empty) ++empty;
+        if (cell.state == DiagramCell::State::Wall) ++walls;
         if (cell.state == DiagramCell::State::Undecided || cell.state == DiagramCell::State::Refused)
             warn(fmt::format("no cell of object {}: {}", i, cell.reason));
     }
@@ -242,7 +243,8 @@ Status DiagramCommand::run() const {
                                     sum.volume, sum.error, sum.box, sum.is_estimated);
         out.commit();
     }
-    const bool is_whole = computed + empty == diagram.cells.size() && table.faults.empty() && has_network;
+    const bool is_whole =
+        computed + empty + walls == diagram.cells.size() && table.faults.empty() && has_network;
     const Status status = report_assumed(assumed);
     return is_whole ? status : undecided;
 }

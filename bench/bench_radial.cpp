@@ -59,6 +59,13 @@ double distance(const Plane& plane, const Vec3& p) {
     return std::abs(plane.normal.normalized().dot(p - plane.point));
 }
 
+double distance(const HollowSphere& vessel, const Vec3& p) {
+    return vessel.radius - (p - vessel.center).norm();
+}
+double distance(const HollowCylinder& vessel, const Vec3& p) {
+    return -distance(Cylinder{vessel.point, vessel.axis, vessel.radius}, p);
+}
+
 double distance(const Object& object, const Vec3& p) {
     return std::visit([&](const auto& o) { return distance(o, p); }, object);
 }

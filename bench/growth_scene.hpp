@@ -138,6 +138,13 @@ private:
     static void turn_about_origin(Sphere& ball, const Eigen::Quaterniond& q) {
         ball.center = q * ball.center;
     }
+    static void turn_about_origin(HollowSphere& vessel, const Eigen::Quaterniond& q) {
+        vessel.center = q * vessel.center;
+    }
+    static void turn_about_origin(HollowCylinder& vessel, const Eigen::Quaterniond& q) {
+        vessel.point = q * vessel.point;
+        vessel.axis = q * vessel.axis;
+    }
     static void turn_about_origin(Cylinder& tube, const Eigen::Quaterniond& q) {
         tube.point = q * tube.point;
         tube.axis = q * tube.axis;

@@ -8,14 +8,20 @@
 
 namespace vcell {
 
-/// Negative in a solid. Off by a few roundings of the coordinates.
+/// Negative in a solid, and beyond the wall of a vessel. Off by a few roundings of the coordinates.
 inline double distance_from(const Object& object, const Vec3& p) {
     if (const auto* plane = std::get_if<Plane>(&object))
         return std::abs(plane->normal.stableNormalized().dot(p - plane->point));
     if (const auto* sphere = std::get_if<Sphere>(&object))
         return (p - sphere->center).norm() - sphere->radius;
+    if (const auto* vessel = std::get_if<HollowSphere>(&object))
+        return vessel->radius - (p - vessel->center).norm();
+    const auto from_axis = [&](const auto& tube) {
+        return (p - tube.point).cross(tube.axis.stableNormalized()).norm();
+    };
+    if (const auto* vessel = std::get_if<HollowCylinder>(&object)) return vessel->radius - from_axis(*vessel);
     const auto& tube = std::get<Cylinder>(object);
-    return (p - tube.point).cross(tube.axis.stableNormalized()).norm() - tube.radius;
+    return from_axis(tube) - tube.radius;
 }
 
 }  // namespace vcell

@@ -121,6 +121,9 @@ public:
         const Exact s2 =
             Exact(across.x()) * across.x() + Exact(across.y()) * across.y() + Exact(across.z()) * across.z();
         answer.inside = sign(OneRoot{f.c * s2 - f.a * W * W, 2.0 * f.b * W, s2}) != Sign::Negative;
+        // In a hollow cylinder there is another root behind.
+        if (f.c.sign() == Sign::Positive && sign(OneRoot{-(f.a * W), f.b, s2}) == Sign::Negative)
+            answer.inside = false;
         return answer;
     }
 };

@@ -26,11 +26,13 @@ Vector4d gradient(const PlaneSite& s, const Vec3&) {
     return with_clearance(vector(s.normal).stableNormalized(), -1);
 }
 Vector4d gradient(const SphereSite& s, const Vec3& p) {
-    return with_clearance((p - vector(s.center)).stableNormalized(), -1);
+    const double side = s.radius < 0 ? -1 : 1;
+    return with_clearance(side * (p - vector(s.center)).stableNormalized(), -1);
 }
 Vector4d gradient(const CylinderSite& s, const Vec3& p) {
     const Vec3 d = vector(s.direction).stableNormalized(), m = p - vector(s.point);
-    return with_clearance((m - m.dot(d) * d).stableNormalized(), -1);
+    const double side = s.radius < 0 ? -1 : 1;
+    return with_clearance(side * (m - m.dot(d) * d).stableNormalized(), -1);
 }
 Vector4d gradient(const BoxSideSite& s, const Vec3&) { return with_clearance(Vec3::Unit(s.axis), 0); }
 Vector4d gradient(const RimSite& s, const Vec3&) {

@@ -59,11 +59,12 @@ struct DiagramCell {
         Computed,
         Empty,      ///< the object lies in another one, or equals one of a lower number
         Undecided,  ///< digits or a budget were not enough
+        Wall,       ///< a vessel, or a plane in a scene with one: what is nearest to walls has no cell
         Refused,    ///< the object cuts or touches another one in a way that leaves it without a cell
     };
 
     State state = State::Computed;
-    std::string reason;  ///< of Empty, Undecided and Refused
+    std::string reason;  ///< of all but Computed
     /// The part of the box nearest to the object has it, body included; a plane has both of its sides.
     double volume = 0, volume_error = 0;
     double area = 0, area_error = 0;  ///< without the sides of the box, and without the cap
@@ -128,7 +129,8 @@ struct ContactTable {
 ContactTable contacts(const VoronoiDiagram& diagram);
 
 /// The sum of all volumes, and of the box without them, each with its error: a complete diagram leaves
-/// nothing, unless cells end at a probe.
+/// nothing, unless cells end at a probe; of scenes with vessels, what is nearest to their walls and to
+/// planes, or beyond the walls.
 struct FilledVolume {
     double volume = 0, error = 0, box = 0;
     bool is_estimated = false;

@@ -51,6 +51,20 @@ def cylinder(point, axis, radius, name=None):
     return entry
 
 
+def hollow_sphere(center, radius, name=None):
+    entry = {"hollow_sphere": {"center": center, "radius": radius}}
+    if name:
+        entry["name"] = name
+    return entry
+
+
+def hollow_cylinder(point, axis, radius, name=None):
+    entry = {"hollow_cylinder": {"point": point, "axis": axis, "radius": radius}}
+    if name:
+        entry["name"] = name
+    return entry
+
+
 def scene(objects, low, high, base=None):
     return {
         "vcell": 1,
@@ -68,6 +82,8 @@ def write(name, content):
     lines.append('  "objects": [')
     lines.append(",\n".join("    " + json.dumps(o) for o in content["objects"]))
     lines.append("  ],")
+    if "base_object" in content:
+        lines.append(f'  "base_object": {content["base_object"]},')
     lines.append(f'  "box": {json.dumps(content["box"])}')
     lines.append("}")
     made[name] = "\n".join(lines) + "\n"
@@ -254,6 +270,51 @@ def around_cylinders():
     write("bundle.json", scene(skew_tubes(20, 20, (1, 3.5), 0.5), [-4, -4, -3], [4, 4, 3], base))
 
 
+def rained(count, seed, wall, radii, above_floor):
+    """Balls that fall into a tube about the z axis one by one, each in the lowest of some places, and stay
+    where they touch the first other one, or just above the floor z = 0."""
+    random = Random(seed)
+    balls = []
+    while len(balls) < count:
+        r = random.uniform(*radii)
+        best = None
+        for _ in range(48):
+            x, y = (random.uniform(r - wall, wall - r) for _ in range(2))
+            if math.hypot(x, y) > wall - r:
+                continue
+            z = r + above_floor
+            for (a, b, c), s in balls:
+                across = (x - a) ** 2 + (y - b) ** 2
+                if across < (r + s) ** 2:
+                    z = max(z, c + math.sqrt((r + s) ** 2 - across))
+            if best is None or z < best[0][2]:
+                best = ((x, y, z), r)
+        if best:
+            balls.append(best)
+    return balls
+
+
+def in_vessels():
+    write("vessel.json", scene(
+        [hollow_sphere([0, 0, 0], 2, "vessel"),
+         sphere((-0.75, 0.5, 0.25), 0.5),
+         sphere((0.25, -0.75, 0.5), 0.375),
+         sphere((0, 0.25, -1.25), 0.25)],
+        [-2.5, -2.5, -2.5], [2.5, 2.5, 2.5], sphere((0.75, 0.5, 0.25), 0.5)))
+
+    # The box ends above the uppermost ball. Seed 240: the base lies at the wall, half-way up.
+    wall = 4
+    balls = rained(240, 240, wall, (0.45, 0.55), 0.0625)
+    top = math.ceil(max(c[2] + r for c, r in balls))
+    base = min(range(len(balls)), key=lambda i: wall - math.hypot(*balls[i][0][:2]) - balls[i][1]
+               + abs(balls[i][0][2] - top / 2))
+    silo = scene([sphere(c, r) for c, r in balls] +
+                 [hollow_cylinder([0, 0, 0], [0, 0, 1], wall, "wall"), plane([0, 0, 0], [0, 0, 1], "floor")],
+                 [-4.5, -4.5, -0.5], [4.5, 4.5, top], sphere(*balls[base]))
+    silo["base_object"] = base
+    write("silo.json", silo)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--molecules", type=pathlib.Path, metavar="FOLDER")
@@ -370,6 +431,8 @@ def main():
 
     write("pile_50.json", scene(pile(50, 5, 6, (0.4, 2.8)), [0, 0, 0], [6, 6, 4]))
     write("pile_500.json", scene(pile(500, 50, 20, (0.4, 2.8)), [0, 0, 0], [20, 20, 4]))
+
+    in_vessels()
 
     if options.check:
         files = {path.name: path.read_text(encoding="utf-8") for path in SCENES.glob("*.json")}

@@ -1,8 +1,15 @@
 #include "face_patches.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
+#include <variant>
+
+#include "../../core/errors.hpp"
+#include "trim_bounds.hpp"
 
 namespace vcell::radial {
 
@@ -14,7 +21,8 @@ constexpr double narrowest_sector = 0x1p-10;
 
 constexpr double pi = std::numbers::pi;
 
-PatchCoordinates coordinates(const RadialPatch& patch, double delta) {
+// `delta`: that of a cylinder, or `reach` that of a hollow one.
+PatchCoordinates coordinates(const RadialPatch& patch, double delta, std::optional<double> reach) {
     using Kind = RadialPatch::Kind;
     const auto& [x, y, z] = patch.axes();
     if (patch.kind() == Kind::Planar)
@@ -29,8 +37,9 @@ PatchCoordinates coordinates(const RadialPatch& patch, double delta) {
                 PatchCoordinate::half_angle(patch.origin(), z, y, 0)};
     PatchCoordinate along;
     along.numerator << patch.along(), 0, patch.along_start();
-    const double reach = patch.kind() == Kind::AboutObject ? delta : 0;
-    return {PatchCoordinate::half_angle(patch.origin(), x, y, reach), along};
+    if (reach) return {PatchCoordinate::hollow_half_angle(patch.origin(), x, y, *reach), along};
+    const double beyond = patch.kind() == Kind::AboutObject ? delta : 0;
+    return {PatchCoordinate::half_angle(patch.origin(), x, y, beyond), along};
 }
 
 }  // namespace
@@ -58,7 +67,8 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
         }
         is_flat_[form] = vcell::is_flat(problem_, form);
         if (problem_.chart.is_sphere()) {
-            patches_.push_back(RadialPatch(problem_, form, middle(face), 0));
+            const bool is_closed = std::holds_alternative<HollowSphere>(problem_.objects[form]);
+            patches_.push_back(RadialPatch(problem_, form, is_closed ? clear_pole(face) : middle(face), 0));
         } else {
             patches_.push_back({});
             add_around_cylinder(face);
@@ -76,11 +86,79 @@ Vec3 FacePatches::middle(FaceId face) const {
     return sum.isZero(0) ? Vec3::UnitZ() : sum.normalized();
 }
 
+// A face of an ellipsoid may reach all around the base. The direction of a stereographic patch that it lacks
+// is one in which another form is nearest.
+Vec3 FacePatches::clear_pole(FaceId face) const {
+    if (loops_[face].empty()) return middle(face);
+    const std::vector<Vec3> all = poles(face);
+    if (!all.empty()) return all.front();
+    throw UndecidedError("object " + to_string(problem_.sites[diagram_.face_forms[face]].front()) +
+                         ": no direction is found that its face leaves to others");
+}
+
+std::vector<Vec3> FacePatches::poles(FaceId face) const {
+    const FormId form = diagram_.face_forms[face];
+    std::vector<Vec3> all{middle(face)};
+    if (const Vec3& center = std::get<HollowSphere>(problem_.objects[form]).center; !center.isZero(0))
+        all.push_back(-center.normalized());
+    loops_.around(face, [&](EdgeId e, bool reversed) {
+        const FaceId beyond = diagram_.face(e, reversed ? 0 : 1);
+        if (diagram_.face_forms[beyond].valid()) all.push_back(-middle(beyond));
+    });
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0}) all.push_back(side * Vec3::Unit(axis));
+    std::erase_if(all, [&](const Vec3& p) { return !is_owned_by_others(form, -p); });
+    return all;
+}
+
+// About the pole from which the face needs the lowest degree.
+bool FacePatches::change_in_sphere(FaceId face) {
+    int lowest = std::numeric_limits<int>::max();
+    for (const Vec3& pole : poles(face)) {
+        const RadialPatch patch(problem_, diagram_.face_forms[face], pole, 0);
+        Rectangle box = no_rectangle;
+        const auto extend_by = [&](const Vec3& p) {
+            const Vec2 uv = patch.parameters(p);
+            extend_by_rectangle(box, {{{uv.x(), uv.x()}, {uv.y(), uv.y()}}});
+        };
+        loops_.around(face, [&](EdgeId e, bool) {
+            for (const ConicSpan& s : curves_.conics(e)) {
+                extend_by(s.from.head<3>() / s.from.w());
+                extend_by((s.from + 2 * s.middle + s.to).head<3>());
+            }
+            if (curves_.has_ends(e)) extend_by(curves_.from(e).head<3>());
+            for (const auto& piece : diagram_.pieces(e)) extend_by(problem_.chart.normal(piece.end));
+        });
+        double rounding = 0;
+        const auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);
+        if (!surface || surface->degree_u >= lowest) continue;
+        lowest = surface->degree_u;
+        patches_[face] = patch;
+    }
+    return lowest < std::numeric_limits<int>::max();
+}
+
+// By a margin, so that doubles can tell. Tubes are not asked.
+bool FacePatches::is_owned_by_others(FormId form, const Vec3& direction) const {
+    constexpr double margin = 1 + 0x1p-10;
+    const Vec3 n = problem_.chart.turn.transpose() * direction;
+    // 1 / t, as in SphereSupports.
+    const auto nearness = [&](const CircularForm& f) {
+        return -0.5 / f.w * (f.a * n.x() + f.b * n.y() + (f.e - f.k) * n.z() + (f.e + f.k));
+    };
+    const double own = nearness(problem_.family.forms[form]);
+    return std::ranges::any_of(problem_.family.forms,
+                               [&](const CircularForm& f) { return nearness(f) > margin * own; });
+}
+
 bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
     if (!problem_.chart.is_sphere()) return change_around_cylinder(face, is_too_wide);
     wide_.resize(patches_.size());
     if (wide_[face]) return false;
     wide_[face] = true;
+    const Object& object = problem_.objects[diagram_.face_forms[face]];
+    if (std::holds_alternative<HollowSphere>(object)) return change_in_sphere(face);
+    if (is_vessel(object)) return false;
     patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0, true);
     return true;
 }
@@ -91,14 +169,18 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     const Object& object = problem_.objects[form];
     const auto* cylinder = std::get_if<Cylinder>(&object);
     const double delta = cylinder != nullptr ? cylinder->radius - problem_.chart.radius : 0;
+    const auto* vessel = std::get_if<HollowCylinder>(&object);
+    const std::optional<double> reach =
+        vessel != nullptr ? std::optional(vessel->radius + problem_.chart.radius) : std::nullopt;
     SpaceSite site{object, is_wall(problem_, form), {}};
     if (!diagram_.face_forms[face].valid()) return site;
     if (!is_cut(face)) {
-        site.parts.push_back({.patch = coordinates(patches_[face], delta), .surface = &patches_[face]});
+        site.parts.push_back(
+            {.patch = coordinates(patches_[face], delta, reach), .surface = &patches_[face]});
         return site;
     }
     for (const Sector& s : sectors_[face])
-        site.parts.push_back({coordinates(s.patch, delta), {-s.reach(), s.reach()}, &s.patch});
+        site.parts.push_back({coordinates(s.patch, delta, std::nullopt), {-s.reach(), s.reach()}, &s.patch});
     return site;
 }
 

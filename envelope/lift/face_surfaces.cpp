@@ -9,6 +9,7 @@
 #include "../../primitives/objects/message.hpp"
 #include "conic_trim.hpp"
 #include "face_cut.hpp"
+#include "joined_spans.hpp"
 
 namespace vcell::radial {
 
@@ -97,7 +98,42 @@ bool FaceSurfaces::make_surface(FaceId face) {
 
 // ---- Faces with one patch ---------------------------------------------------------------------------
 
+// A face without edges is all of an ellipsoid: two patches about its poles, which share the circle half-way.
+// Seen from the base's centre, a focus, that is farther from the one than from the other.
+bool FaceSurfaces::make_closed(FaceId face) {
+    const FormId form = diagram_.face_forms[face];
+    const auto& vessel = std::get<HollowSphere>(problem_.objects[form]);
+    const double length = vessel.center.norm(), sum = vessel.radius + problem_.chart.radius,
+                 reach = std::sqrt((sum + length) / (sum - length));
+    const Vec3 pole = length > 0 ? Vec3(-vessel.center / length) : Vec3(Vec3::UnitZ());
+    const RadialPatch front(problem_, form, pole, 0), back(problem_, form, -pole, 0);
+    const std::uint32_t seam = seams_++;
+    surfaces_[face].clear();
+    for (const RadialPatch* patch : {&front, &back}) {
+        const double half = patch == &front ? reach : 1 / reach;
+        const Rectangle box{{{-half, half}, {-half, half}}};
+        double rounding = 0;
+        std::optional<RationalPatch> surface = patch->patch(box[0], box[1], problem_.frame, rounding);
+        if (!surface) return false;
+        roundings_[face] = std::max(roundings_[face], rounding);
+        // Counter-clockwise about its own pole, from one point for both.
+        RationalCurve2 circle;
+        begin_joined(circle, 2, 4);
+        const Vec3 turned = patch->axes()[2].cross(front.axes()[0]);
+        for (int k = 0; k <= 8; ++k) {
+            constexpr std::array<std::array<int, 2>, 8> corners{
+                {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+            const Vec3 p = corners[k % 8][0] * front.axes()[0] + corners[k % 8][1] * turned;
+            circle.points.push_back({half * p.dot(patch->axes()[0]), half * p.dot(patch->axes()[1]),
+                                     k % 2 == 0 ? 1 : std::sqrt(0.5)});
+        }
+        surfaces_[face].push_back({std::move(*surface), {{{{}, seam, false, std::move(circle)}}}});
+    }
+    return true;
+}
+
 bool FaceSurfaces::make_whole(FaceId face) {
+    if (loops_[face].empty()) return make_closed(face);
     if (lacks_digits(face)) return false;
     const RadialPatch& patch = patches_[face];
     TrimmedPatch& result = whole(face);

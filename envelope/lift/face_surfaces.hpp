@@ -47,6 +47,7 @@ private:
     [[noreturn]] void throw_undecided(FaceId face) const;
     bool make_surface(FaceId face);
     bool make_whole(FaceId face);
+    bool make_closed(FaceId face);
     bool make_cut(FaceId face);
     void match_seams(FaceId face, std::vector<CutPart>& parts, std::uint32_t first_seam) const;
     Rectangle bounds(FaceId face);

@@ -16,4 +16,12 @@ PatchCoordinate PatchCoordinate::half_angle(const Vec3& point, const Vec3& zero,
     return c;
 }
 
+PatchCoordinate PatchCoordinate::hollow_half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
+                                                   double reach) {
+    PatchCoordinate c;
+    c.numerator << quarter, 0, -quarter.dot(point);
+    c.divisor << zero, -1, reach - zero.dot(point);
+    return c;
+}
+
 }  // namespace vcell

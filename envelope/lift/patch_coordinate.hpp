@@ -22,6 +22,9 @@ struct PatchCoordinate {
     /// zero). Likewise for the stereographic coordinates of a direction from `point` about `zero`, each with
     /// its own `quarter`.
     static PatchCoordinate half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter, double delta);
+    /// The same at a distance reach - t from the axis.
+    static PatchCoordinate hollow_half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
+                                             double reach);
 
     double operator()(const Eigen::Vector4d& X) const {
         return (numerator.head<4>().dot(X) + numerator[4]) / (divisor.head<4>().dot(X) + divisor[4]);

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "joined_spans.hpp"
 
@@ -66,6 +68,10 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
             set_plane(0.5 * c, c.normalized());
         else
             set_stereographic(c, delta, ball_power(problem, form), middle, wide);
+    } else if (const auto* ball = std::get_if<HollowSphere>(&object)) {
+        set_in_sphere(ball->center, ball->radius + problem.chart.radius, ball_power(problem, form), middle);
+    } else if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
+        set_in_cylinder(*tube, tube->radius + problem.chart.radius, middle);
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
         if (problem.chart.is_sphere())
@@ -171,6 +177,43 @@ void RadialPatch::set_about_object(const Cylinder& cylinder, double delta) {
     const Polynomial w{length - delta, 0, -(length + delta)}, half{0.5 * squared, 0, 0.5};
     add(w, one, vector(c) + weight);
     add(w, linear, vector(d));
+    add(angle_cos, half, vector(axes_[0]));
+    add(angle_sin, half, vector(axes_[1]));
+}
+
+// S = power n / (2 (delta W - c.n)), and of any pole n and W are quadratic.
+void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle) {
+    degree_ = {2, 2};
+    const Vec3 z = middle.normalized(), x = z.unitOrthogonal();
+    set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
+    const double along = c.dot(z);
+    add(0, 0, (delta - along) * weight);
+    add(2, 0, (delta + along) * weight);
+    add(0, 2, (delta + along) * weight);
+    add(1, 0, -2 * c.dot(axes_[0]) * weight);
+    add(0, 1, -2 * c.dot(axes_[1]) * weight);
+    const Vector4d pole = 0.5 * power * vector(z);
+    add(1, 0, power * vector(axes_[0]));
+    add(0, 1, power * vector(axes_[1]));
+    add(0, 0, pole);
+    add(2, 0, -pole);
+    add(0, 2, -pole);
+}
+
+// S = c + v d + r n / W with |S| = delta - r: r = (delta^2 - |c|^2 - v^2) W / (2 (delta W + c.n)).
+void RadialPatch::set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle) {
+    degree_ = {2, 2};
+    const Vec3 axis = vessel.axis.normalized(), c = vessel.point - vessel.point.dot(axis) * axis;
+    const double length = c.norm(), squared = (delta - length) * (delta + length);
+    const double alpha = axis.dot(middle), beta = delta - c.dot(middle),
+                 t = squared / (beta + std::sqrt(std::max(0.0, beta * beta - squared * alpha * alpha)));
+    const Vec3 x = across(axis, t * middle - c);
+    set_axes(Kind::AboutObject, x, axis.cross(x), c);
+    along_ = axis;
+    const double cx = c.dot(axes_[0]), cy = c.dot(axes_[1]);
+    const Polynomial w{delta + cx, 2 * cy, delta - cx}, half{0.5 * squared, 0, -0.5};
+    add(w, one, vector(c) + weight);
+    add(w, linear, vector(axis));
     add(angle_cos, half, vector(axes_[0]));
     add(angle_sin, half, vector(axes_[1]));
 }
@@ -299,6 +342,78 @@ void RadialPatch::for_each_control(const std::array<double, 2>& u, const std::ar
     for_each_control_of<2, 2, false>(*this, u, v, use);
 }
 
+namespace {
+
+// Control points (P, w) with the sums of their terms' absolute values.
+struct ControlNet {
+    int m, n;
+    std::vector<Vector4d> h, size;
+
+    // The same of degrees that are one more.
+    ControlNet raised() const {
+        ControlNet r{m + 1, n + 1, {}, {}};
+        const auto along_v = [this](const std::vector<Vector4d>& c, int i, int j) -> Vector4d {
+            const double share = static_cast<double>(j) / (n + 1);
+            Vector4d sum = Vector4d::Zero();
+            if (j > 0) sum += share * c[i * (n + 1) + j - 1];
+            if (j <= n) sum += (1 - share) * c[i * (n + 1) + j];
+            return sum;
+        };
+        for (int i = 0; i <= m + 1; ++i)
+            for (int j = 0; j <= n + 1; ++j) {
+                const double share = static_cast<double>(i) / (m + 1);
+                for (const auto& [from, to] : {std::pair(&h, &r.h), std::pair(&size, &r.size)}) {
+                    Vector4d sum = Vector4d::Zero();
+                    if (i > 0) sum += share * along_v(*from, i - 1, j);
+                    if (i <= m) sum += (1 - share) * along_v(*from, i, j);
+                    to->push_back(sum);
+                }
+            }
+        return r;
+    }
+    bool is_positive() const {
+        return std::ranges::all_of(h, [](const Vector4d& p) { return p.w() > 0; });
+    }
+};
+
+// A spheroid's weights are positive all over, but those of its control points over a wide rectangle in higher
+// degrees only: of degree n they are above that of the middle of 1 + u^2 + v^2 less (u^2 + v^2) / (n - 1).
+constexpr int most_raised = 10;
+// Raising takes four roundings each time, and there are eight at most.
+constexpr double rounding_of_raised = 3 * rounding_each;
+
+}  // namespace
+
+std::optional<RationalPatch> RadialPatch::raised_patch(const std::array<double, 2>& u,
+                                                       const std::array<double, 2>& v, const BaseFrame& frame,
+                                                       double& rounding) const {
+    ControlNet net{degree_[0], degree_[1], {}, {}};
+    const auto count = static_cast<std::size_t>((degree_[0] + 1) * (degree_[1] + 1));
+    net.h.resize(count);
+    net.size.resize(count);
+    for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {
+        net.h[k] = h;
+        net.size[k] = size;
+        return true;
+    });
+    while (!net.is_positive()) {
+        if (net.m == most_raised) return std::nullopt;
+        net = net.raised();
+    }
+    std::optional<RationalPatch> surface(RationalPatch{net.m, net.n, u, v, {}});
+    double of_points = 0, of_weights = 0, far = 0;
+    for (std::size_t k = 0; k < net.h.size(); ++k) {
+        const Vector4d &h = net.h[k], &size = net.size[k];
+        const Vec3 p = h.head<3>() / h.w(), world = frame.to_world(p);
+        surface->points.push_back({world.x(), world.y(), world.z(), h.w() / net.h[0].w()});
+        of_points = std::max(of_points, (size[0] + size[1] + size[2]) / h.w());
+        of_weights = std::max(of_weights, size[3] / h.w());
+        far = std::max(far, p.cwiseAbs().sum());
+    }
+    rounding = rounding_of_raised * (of_points + far * of_weights + frame.origin.norm());
+    return surface;
+}
+
 std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
                                                 const std::array<double, 2>& v, const BaseFrame& frame,
                                                 double& rounding) const {
@@ -322,6 +437,7 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
     });
     rounding = rounding_each * (of_points + far * of_weights + frame.origin.norm());
     if (!is_positive) surface.reset();
+    if (!is_positive && is_closed()) return raised_patch(u, v, frame, rounding);
     return surface;
 }
 
@@ -333,6 +449,11 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
 double RadialPatch::rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
                                    const std::array<double, 2>& v, const BaseFrame& frame,
                                    double enough) const {
+    if (is_closed()) {
+        double rounding = 0;
+        patch(u, v, frame, rounding);
+        return rounding;
+    }
     // Each control point's sums of terms for points and weights, |h| and w.
     std::array<Vector4d, 9> net;
     for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {

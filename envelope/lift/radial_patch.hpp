@@ -34,6 +34,12 @@
 /// S = c + v d + (|c|^2 - delta^2 + v^2) n / (-2 (c.n + delta W)), (2, 2). The bisector is met where c.n <
 /// -delta W, an interval about 0: no pole comes near.
 ///
+/// *Vessels over a sphere base.* Ellipsoids are Stereographic, but about `middle`: that direction's opposite is
+/// the only one that a patch lacks. Their weights are positive all over, those of control points over a wide
+/// rectangle in a higher degree only, which patch() then has. Hollow cylinders are AboutObject with delta = R +
+/// R0, and u = 0 in the direction from their axis to the face; the weight is positive all around, and the pole
+/// is where the face would reach around the axis.
+///
 /// *AboutBase.* Everything else over a cylinder base: u is the tangent of half the angle about the base's
 /// axis, counted from a direction of choice; v = y for spheres (2, 2), planes and parallel cylinders (2, 1).
 /// For a cylinder of direction d (d_y > -1) through a, v = ((y - a_y) + (p - a).d) / (1 + d_y), the mean of
@@ -138,6 +144,11 @@ public:
                           const std::array<double, 2>& v, const BaseFrame& frame, double enough) const;
 
 private:
+    /// Is it all of a surface but for one point: of an ellipsoid?
+    bool is_closed() const { return kind_ == Kind::Stereographic && coefficient(2, 0).w() > 0; }
+    /// patch() of what is closed, in as high a degree as its weights need to be positive.
+    std::optional<RationalPatch> raised_patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
+                                              const BaseFrame& frame, double& rounding) const;
     /// Calls use(k, h, size) for the control points h = (P, w), k as in RationalPatch, and the sums of their
     /// terms' absolute values, as long as it returns true.
     template <class Use>
@@ -148,6 +159,8 @@ private:
     void set_stereographic(const Vec3& c, double delta, double power, const Vec3& middle, bool wide);
     void set_confocal(const Vec3& z, double length, double delta, double power, const Vec3& middle);
     void set_about_object(const Cylinder& cylinder, double delta);
+    void set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle);
+    void set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle);
     void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C);
     void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
                         double y, bool wide);

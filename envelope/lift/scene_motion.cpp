@@ -43,6 +43,7 @@ struct Direction {
 Vec3 unit_direction(const Object& object) {
     if (const auto* plane = std::get_if<Plane>(&object)) return plane->normal.stableNormalized();
     if (const auto* cylinder = std::get_if<Cylinder>(&object)) return cylinder->axis.stableNormalized();
+    if (const auto* vessel = std::get_if<HollowCylinder>(&object)) return vessel->axis.stableNormalized();
     return Vec3::Zero();
 }
 
@@ -54,19 +55,28 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
         d.normal = side * scaled_axis(plane->normal);
         return d;
     }
+    const auto from_axis = [&](const Vec3& point) {
+        d.from_center = p - point;
+        d.from_center -= unit.dot(d.from_center) * unit;
+        d.rounding += 4 * u * (p - point).norm() / d.from_center.norm();
+    };
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
         d.is_ball = true;
         d.center = &sphere->center;
         d.from_center = p - sphere->center;
-    } else {
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
         d.is_tube = true;
         d.axis = unit;
-        d.from_center = p - std::get<Cylinder>(object).point;
-        d.from_center -= unit.dot(d.from_center) * unit;
+        from_axis(cylinder->point);
+    } else if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
+        d.from_center = p - vessel->center;
+    } else {
+        from_axis(std::get<HollowCylinder>(object).point);
     }
     d.distance = d.from_center.norm();
-    if (d.is_tube) d.rounding += 4 * u * (p - std::get<Cylinder>(object).point).norm() / d.distance;
     d.g = d.distance > 0 ? Vec3(d.from_center / d.distance) : Vec3::UnitZ().eval();
+    // Towards a vessel's wall its distance falls.
+    if (is_vessel(object)) d.g = -d.g;
     return d;
 }
 

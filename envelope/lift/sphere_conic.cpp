@@ -28,6 +28,10 @@ Functional<Vec3, double> functional(const RadialBaseProblem& problem, FormId f) 
         const double square = ball_power(problem, f);
         return {sphere->center, sphere->radius - problem.chart.radius, square, 0.5 * square};
     }
+    if (const auto* vessel = std::get_if<HollowSphere>(&problem.objects[f])) {
+        const double square = ball_power(problem, f);
+        return {-vessel->center, vessel->radius + problem.chart.radius, -square, 0.5 * square};
+    }
     const Plane plane = facing(std::get<Plane>(problem.objects[f]));
     const double k = plane.normal.dot(plane.point), length = plane.normal.norm();
     if (is_wall(problem, f)) return {plane.normal, 0, length * length, k};
@@ -40,6 +44,12 @@ Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem
         const Exact delta = Exact(sphere->radius) - Exact(problem.chart.radius),
                     square = dot(c, c) - delta * delta;
         return {c, delta, square, square.scaled(-1)};
+    }
+    if (const auto* vessel = std::get_if<HollowSphere>(&problem.objects[f])) {
+        const ExactVector c(Vec3(-vessel->center));
+        const Exact reach = Exact(vessel->radius) + Exact(problem.chart.radius),
+                    square = dot(c, c) - reach * reach;
+        return {c, reach, square, -square.scaled(-1)};
     }
     const Plane plane = facing(std::get<Plane>(problem.objects[f]));
     const ExactVector n(plane.normal);

@@ -62,13 +62,19 @@ static double quotient(const Exact& above, const Exact& below) {
 
 // K is known to rounding though the base's centre may be next to the object's surface.
 TubeFace::TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face) {
-    const auto& cylinder = std::get<Cylinder>(problem.objects[form]);
-    axis = cylinder.axis.normalized();
-    foot = cylinder.point - axis.dot(cylinder.point) * axis;
-    length = foot.norm();
-    delta = cylinder.radius - problem.chart.radius;
     const RadialForm& f = problem.family.radial_form(form);
-    K = quotient(f.c[0], f.a[0] * f.a[0] + f.a[1] * f.a[1] + f.a[2] * f.a[2]);
+    const auto set = [&](const auto& cylinder) {
+        axis = cylinder.axis.normalized();
+        foot = cylinder.point - axis.dot(cylinder.point) * axis;
+        delta = side * cylinder.radius - problem.chart.radius;
+    };
+    side = f.is_hollow ? -1 : 1;
+    if (f.is_hollow)
+        set(std::get<HollowCylinder>(problem.objects[form]));
+    else
+        set(std::get<Cylinder>(problem.objects[form]));
+    length = foot.norm();
+    K = side * quotient(f.c[0], f.a[0] * f.a[0] + f.a[1] * f.a[1] + f.a[2] * f.a[2]);
     first = face.start(axis.dot(face.near));
 }
 
@@ -85,17 +91,19 @@ static double edge_square(const TubeFace& f, const V& p, double r) {
     return sum;
 }
 
-double TubeFace::distance(const Ray& ray) const {
-    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
-    return B < 0 ? (R - B) / (A * A) : K / (B + R);
+double TubeFace::distance(const Ray& ray) const { return point(ray).t; }
+
+TubeFace::Point TubeFace::point(const Ray& ray) const {
+    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u),
+                 R = side * sqrt(std::max(0.0, B * B + K * A * A));
+    return {A, R, side > 0 && B < 0 ? (R - B) / (A * A) : K / (B + R)};
 }
 
 // |p| = r - delta: the flux of p / 3 through the bisector is r (r - delta) / 3. The side of the base sees
 // alpha and v clockwise: with r^2 d alpha = d.(y x dy), y across the axis, the boundary integral is that of G
 // d alpha, G the antiderivative in v.
 Share TubeFace::share(const Ray& ray) const {
-    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
-    const double t = B < 0 ? (R - B) / (A * A) : K / (B + R);
+    const auto [A, R, t] = point(ray);
     // K q^2 - 2 B q - A^2 = 0, q = 1 / t.
     const double dq = (dot(foot, ray.du) / t + A * dot(axis, ray.du)) / R, stretch = t * t * dq;
     Vector p, dp;
@@ -118,8 +126,9 @@ Share TubeFace::share(const Ray& ray) const {
 // values. B and A are rounded by parts of their terms, which may be far larger than R. The stretch of dp
 // along u, whose terms may all but cancel, counts as the axis sees it.
 Share TubeFace::size(const Ray& ray) const {
-    const double B = dot(foot, ray.u) + delta, A = dot(axis, ray.u), R = sqrt(B * B + K * A * A);
-    const double t = B < 0 ? (R - B) / (A * A) : K / (B + R), v = t * A, r = t + delta, C = K + v * v;
+    const auto [A, signed_R, t] = point(ray);
+    const double R = std::abs(signed_R), v = t * A, r = std::abs(t + delta), C = std::abs(K + v * v),
+                 size_of_K = std::abs(K);
     const double half = r / C, rounding = noise * t, r2 = r * r;
     const double condition = 1 + (length + std::abs(delta)) / R + 4 * std::abs(v) * rounding / C;
     const double across = dot(foot, ray.du) / t, along = A * dot(axis, ray.du);
@@ -132,10 +141,11 @@ Share TubeFace::size(const Ray& ray) const {
     Vector p;
     for (int i = 0; i < 3; ++i) p[i] = t * ray.u[i] - foot[i] - v * axis[i];
     const double E2 = edge_square(*this, p, r), E = length + std::abs(delta) * (1 + (t + length) / r);
-    const double linear = tube_linear_size(K, first, v), most = K + std::max(first * first, v * v);
+    const double linear = tube_linear_size(size_of_K, first, v),
+                 most = size_of_K + std::max(first * first, v * v);
     const double volume = half * (half * most + std::abs(delta)) / 3, area = 2 * half * half;
     return {volume * (linear * off_angle + rounding * C * angle),
-            area * (tube_area_size(K, E2, first, v) * off_angle +
+            area * (tube_area_size(size_of_K, E2, first, v) * off_angle +
                     (rounding * C * sqrt(E2 + v * v) + linear * E) * angle)};
 }
 
@@ -433,7 +443,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     using namespace radial_integrals;
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
     if (problem.chart.is_sphere()) {
-        if (cylinder != nullptr) return TubeFace(problem, form, face);
+        if (!problem.family.is_circular(form)) return TubeFace(problem, form, face);
         return RoundFace(problem, form);
     }
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);

@@ -19,6 +19,10 @@
 /// M(t) the mean of sqrt(x (x + delta)) over d1 <= x <= t. Flat bisectors have delta = 0: both are multiples
 /// of the shoelace formula. Planes are the limit of d2 to infinity.
 ///
+/// *Hollow spheres over a sphere.* The bisector is an ellipsoid: with delta the sum of R and R0, the same
+/// with b towards the wall's nearest point, t (delta + c z) = 2 d1 d2, d2 - t in the place of t + d2, and
+/// M(t) the mean of sqrt(x (delta - x)).
+///
 /// *The cap over a sphere* has the volume t^3 / 3 and the area t^2 times a solid angle (cap_angle.hpp).
 ///
 /// *Cylinders over a sphere.* In cylindrical coordinates (alpha, v, r) about the object's axis, c the foot of
@@ -48,6 +52,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <variant>
@@ -82,12 +87,13 @@ struct Share {
     double volume_rest = 0, area_rest = 0;
 };
 
-/// Spheres, planes, walls and the cap over a sphere. Integrals along edges have nothing of the cap.
+/// Spheres, planes, walls, hollow spheres and the cap over a sphere. Integrals along edges have nothing of
+/// the cap, nor of the bisector with a hollow sphere about the base's own centre, which is one as well.
 struct RoundFace {
-    enum class Shape { Flat, Paraboloid, Hyperboloid, Cap };
+    enum class Shape { Flat, Paraboloid, Hyperboloid, Cap, Ellipsoid };
     Shape shape;
     Vec3 axis;                ///< b
-    double d1, d2, c, delta;  ///< of a paraboloid d1 only
+    double d1, d2, c, delta;  ///< of a paraboloid d1 only; of an ellipsoid delta = d1 + d2
     double root;              ///< sqrt(d1 d2)
     /// t = k / (e0 + e1 z)
     double k, e0, e1;
@@ -95,6 +101,9 @@ struct RoundFace {
     RoundFace(const RadialBaseProblem& problem, FormId form);
     double least_distance() const { return d1; }
     bool is_cap() const { return shape == Shape::Cap; }
+    /// An ellipsoid is closed: integrals are those of a face that has not the pole at d2, the one that is
+    /// farthest from the centre, and less by these of one that has.
+    Share whole() const;
     /// b.u where the bisector is met at distance t. Pre: no cap.
     double cosine_at(double t) const { return (k / t - e0) / e1; }
     /// What b.(p x dp) is multiplied by at distance t: a number, or an array of them.
@@ -122,17 +131,28 @@ struct Around {
     double start(double v) const { return std::abs(v) > 4 * extent ? v : 0; }
 };
 
-/// Cylinders over a sphere.
+/// Cylinders over a sphere; hollow ones with delta = -R - R0. Then K, r = t + delta and the root have the
+/// other sign, and so have dV and dS; but the base sees these faces from their other side.
+///
+/// Pre: no face of a hollow one has a point on the axis.
 struct TubeFace {
     Vec3 axis, foot;          ///< d, c
     double length, delta, K;  ///< length: |c|
     double first;             ///< along the axis, from the foot: integrals start there
+    double side;              ///< -1: hollow
 
     TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
-    double least_distance() const { return 0.5 * (length - delta); }
+    double least_distance() const { return 0.5 * std::abs(side * length - delta); }
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
+
+private:
+    /// On a ray: its part along the axis, the root of the quadratic, where it meets the bisector.
+    struct Point {
+        double A, R, t;
+    };
+    Point point(const Ray& ray) const;
 };
 
 /// Everything but skew cylinders over a cylinder.

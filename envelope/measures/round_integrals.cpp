@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "../lift/joined_spans.hpp"
@@ -42,6 +43,21 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
         k = d1 = d2 = root = std::get<Sphere>(object).radius;
         e0 = 1;
         c = delta = e1 = 0;
+        return;
+    }
+    if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
+        delta = vessel->radius + problem.chart.radius;
+        c = vessel->center.norm();
+        const double power = ball_power(problem, form);
+        d1 = 0.5 * power / (delta + c);
+        d2 = 0.5 * (delta + c);
+        root = 0.5 * sqrt(power);
+        k = 0.5 * power;
+        e0 = delta;
+        e1 = c;
+        shape = c == 0 ? Shape::Cap : Shape::Ellipsoid;
+        axis = c == 0 ? Vec3(Vec3::UnitZ()) : Vec3(-vessel->center / c);
+        if (is_cap()) k = d2 = root = d1, delta = 0, e0 = 1;
         return;
     }
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
@@ -92,6 +108,11 @@ double RoundFace::volume_slope(double near, double far) const {
         case Shape::Flat:
         case Shape::Cap: return d1 / 3;
         case Shape::Paraboloid: return (3 * far + 2 * d1) / 12;
+        case Shape::Ellipsoid: {
+            // The derivative of (t + d1) / (d2 - t) is delta / (d2 - t)^2.
+            const double room = d2 - far;
+            return room > 0 ? c / 12 * (2 * (far + d1) + delta * far / room) / room : infinity;
+        }
         case Shape::Hyperboloid: break;
     }
     const double most = std::max((near + d1) / (near + d2), (far + d1) / (far + d2));
@@ -128,6 +149,52 @@ static T atanh_excess(const T& square, int halvings = 8) {
     return excess + half * (1 + excess);
 }
 
+// asin(y) / y - 1, by its series up to y^2 = 1 / 16, relative truncation 2^-43 and less; from there on by
+// asin(y) = 2 asin(z) with z = y / sqrt(2 (1 + sqrt(1 - y^2))).
+template <class T>
+static T asin_excess(const T& square, int halvings = 8) {
+    if (!(largest(square) > 0.0625) || halvings == 0)
+        return square *
+               (1.0 / 6 +
+                square *
+                    (3.0 / 40 +
+                     square *
+                         (5.0 / 112 +
+                          square *
+                              (35.0 / 1152 +
+                               square * (63.0 / 2816 +
+                                         square * (231.0 / 13312 +
+                                                   square * (143.0 / 10240 +
+                                                             square * (6435.0 / 557056 +
+                                                                       square * (12155.0 / 1245184 +
+                                                                                 square * (46189.0 /
+                                                                                           5505024))))))))));
+    const T cosine = 1 + sqrt(1 - square), stretch = sqrt(2 / cosine);
+    // stretch - 1, of which nothing cancels.
+    const T more = square / (cosine * cosine * (1 + stretch));
+    return more + stretch * asin_excess(T(square / (2 * cosine)), halvings - 1);
+}
+
+// With x = delta sin^2 a the mean of sqrt(x (delta - x)) from d1 to t is, with h the half of how far 2 a goes
+// and P = sqrt(t d2) + sqrt((delta - t) d1),
+//
+//     sin h = y = (t - d1) / P,   cos h = (sqrt((delta - t) d2) + sqrt(t d1)) / delta,
+//     M = (P cos h + delta^2 / (2 P) (asin(y) / y - cos h)) / 2.
+template <class T>
+static T ellipsoid_mean(const RoundFace& f, const T& t) {
+    const T rest = f.delta - t, P = sqrt(t * f.d2) + sqrt(rest * f.d1), y = (t - f.d1) / P,
+            cosine = (sqrt(rest * f.d2) + sqrt(t * f.d1)) * (1 / f.delta);
+    const T y2 = y * y, more = asin_excess(y2) + y2 / (1 + cosine);
+    return 0.5 * (P * cosine + 0.5 * f.delta * f.delta * more / P);
+}
+
+// Of a spheroid with the semi-axes delta / 2 and sqrt(d1 d2), to rounding.
+Share RoundFace::whole() const {
+    const double long_axis = 0.5 * delta, flatness = c / delta, pi = std::numbers::pi;
+    return {4 * pi / 3 * long_axis * root * root,
+            2 * pi * root * (root + long_axis * (1 + asin_excess(flatness * flatness)))};
+}
+
 // With r = sqrt(x (x + delta)) the antiderivative is (2 x + delta) r / 4 - delta^2 / 4 log(sqrt(x) + sqrt(x +
 // delta)). Let r0 = sqrt(d1 d2) be that at d1 and y = (t - d1) / (r0 + r): the logarithms' difference is
 // atanh(y), and as r^2 - r0^2 = (t - d1) (t + d2),
@@ -145,6 +212,10 @@ RoundFace::Factors<T> RoundFace::factors(const T& t) const {
             const T x = sqrt(t * (1 / d1));  // the mean of sqrt(x / d1) / 2
             return {T((t + d1) * (1.0 / 12)), T((x * x + x + 1) / (3 * (x + 1)))};
         }
+        case Shape::Ellipsoid: {
+            const T over = 1 / (d2 - t);
+            return {T(c / 12 * (t + d1) * over), T(c / (2 * root) * ellipsoid_mean(*this, t) * over)};
+        }
         case Shape::Hyperboloid: break;
     }
     const T r = sqrt(t * (t + delta)), reciprocal = 1 / (root + r), y = (t - d1) * reciprocal;
@@ -159,6 +230,12 @@ static Share factor_bounds(const RoundFace& f, double least, double most) {
     if (f.shape == Shape::Flat) return {f.d1 / 6, 0.5};
     if (f.is_cap()) return {0, 0};
     most = std::max(most, f.d1);
+    if (f.shape == Shape::Ellipsoid) {
+        if (!(least > 0 && most < f.d2)) return {infinity, infinity};
+        // What rounding leaves of d2 - t counts.
+        const double over = (1 + f.d2 / (f.d2 - most)) / (f.d2 - most);
+        return {f.c / 12 * (most + f.d1) * over, f.c * 0.5 * f.delta / (2 * f.root) * over};
+    }
     if (!(least > std::max(0.0, -f.delta))) return {infinity, infinity};
     if (f.shape == Shape::Paraboloid) return {(most + f.d1) / 12, 0.5 * sqrt(most / f.d1)};
     const double scale = f.c / (least + f.d2);
@@ -172,7 +249,8 @@ Share RoundFace::share(const Ray& ray) const {
 }
 
 Share RoundFace::size(const Ray& ray) const {
-    const double t = distance(ray), condition = 1 + (std::abs(e0) + e1) * t / k;
+    const double t = distance(ray), condition = (1 + (std::abs(e0) + e1) * t / k) *
+                                                (shape == Shape::Ellipsoid ? d2 / std::abs(d2 - t) : 1);
     const double element = t * t * ray.rate * condition;
     const Factors<double> f = factors(t);
     return {f.volume * element, f.area * element};
@@ -245,7 +323,9 @@ private:
         const double middle_t = t_.c0 / w_.c0;
         // w (t - middle_t).
         const Quadratic turned{0, t_.c1 - middle_t * w_.c1, t_.c2 - middle_t * w_.c2};
-        const double r = disk(turned, middle_t - std::max({0.0, -left.delta, -right.delta}));
+        const double r =
+            disk(turned, std::min({middle_t - std::max({0.0, -left.delta, -right.delta}),
+                                   room_before_pole(left, middle_t), room_before_pole(right, middle_t)}));
         // NaN where there is no disk.
         if (!(r > 1) && halvings > 0 && budget > 0) return add_halves(left, right, sum, halvings, budget);
         const double rho = r + sqrt(r * r - 1), shrink = 1 / square(rho);
@@ -277,6 +357,10 @@ private:
             sum.sides[side].area.error += error * bounds.area;
         }
         add_values(points, left, right, sum);
+    }
+
+    static double room_before_pole(const RoundFace& face, double t) {
+        return face.shape == RoundFace::Shape::Ellipsoid ? face.d2 - t : radial_integrals::infinity;
     }
 
     void add_halves(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,

@@ -68,9 +68,9 @@ std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p,
     FormId lowest;
     double top = infinity, next = infinity;  // of the lowest one; the bottom of all others
     for (const FormId f : candidates) {
-        const double v = supports_->value(f, n), r = supports_->value_error(f);
+        const double v = supports_->value(f, n), r = supports_->value_error(f, n);
         if (v < top) {
-            next = std::min(next, lowest.valid() ? top - 2 * supports_->value_error(lowest) : infinity);
+            next = std::min(next, lowest.valid() ? top - 2 * supports_->value_error(lowest, n) : infinity);
             top = v + r;
             lowest = f;
         } else {
@@ -190,7 +190,7 @@ RimTransition MixedAnalysis::locate_rise(const Line& line, double s0, double s1,
         const PointNormal n(near[0].mid(), near[1].mid());
         const Interval residual =
             Interval::ball(supports_->value(before, n) - supports_->value(after, n),
-                           supports_->value_error(before) + supports_->value_error(after));
+                           supports_->value_error(before, n) + supports_->value_error(after, n));
         found = narrow_by(residual);
         if (!found && is_narrow()) {
             const IntervalPoint range = line.at(Interval(lo, hi));

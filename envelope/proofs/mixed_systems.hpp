@@ -49,8 +49,8 @@ inline LocalModel<Interval, 2> equal_heights(const SphereSupports& supports,
         const auto a = supports.jet(forms[0], n);
         for (const int i : {0, 1}) {
             const auto b = supports.jet(forms[i + 1], n);
-            s.value[i] = Interval::ball(a[0] - b[0],
-                                        supports.value_error(forms[0]) + supports.value_error(forms[i + 1]));
+            s.value[i] = Interval::ball(
+                a[0] - b[0], supports.value_error(forms[0], n) + supports.value_error(forms[i + 1], n));
             s.jacobian[i] = {Interval(a[1] - b[1]), Interval(a[2] - b[2])};
         }
         return s;

@@ -118,6 +118,7 @@ SphereSupports::SphereSupports(const FormFamily& family) {
             c.a.p[i] = f.a[i].enclosure().mid() / root;
         }
         c.rounding = rounding * (3 * magnitude(c.b) + 2 * magnitude(c.a));
+        c.is_hollow = f.is_hollow;
         cylinders_.push_back(c);
     }
 }
@@ -129,6 +130,7 @@ SphereSupports::SphereSupports(const FormFamily& family) {
 Support SphereSupports::over(FormId f, const NormalBox& box) const {
     if (is_circular(f)) return circular_[f.value];
     const Cylinder& c = cylinder(f);
+    if (c.is_hollow) return over(c, box);
     const double B = box.value(c.b), A = box.value(c.a), w = std::sqrt(B * B + A * A);
     const double cosine = w > 0 ? B / w : 1, sine = w > 0 ? A / w : 0;
     const NormalFunction along = combination(cosine, c.b, sine, c.a),
@@ -149,11 +151,48 @@ Support SphereSupports::over(FormId f, const NormalBox& box) const {
     return out;
 }
 
+// With (e_1, e_2) along (B', A') at the middle, e_1^2 - e_2^2 = 1, let w_e = e_1 B' - e_2 A' and w_n = e_1 A'
+// - e_2 B', which vanishes there. The root is D = sqrt(w_e^2 - w_n^2), w_e - D = w_n^2 / (w_e + D), and D's
+// gradient (w_e grad w_e - w_n grad w_n) / D. Next to a tip, where D vanishes, e is turned less far.
+Support SphereSupports::over(const Cylinder& c, const NormalBox& box) {
+    constexpr double least_part = 0x1p-16;  // of D^2 in B'^2
+    const double B = box.value(c.b), A = box.value(c.a),
+                 D = std::sqrt(std::max((B - A) * (B + A), least_part * B * B)), e1 = B / D,
+                 e2 = std::copysign(std::sqrt(std::max(0.0, (e1 - 1) * (e1 + 1))), A);
+    const NormalFunction along = combination(e1, c.b, -e2, c.a), across = combination(-e2, c.b, e1, c.a);
+    const double unsure = 4 * e1 * e1 * c.rounding;
+    const NormalBox::Slopes growth = box.slopes(along), turn = box.slopes(across);
+    const double variation = box.variation(growth), middle = box.value(along),
+                 least_along = middle - variation - unsure,
+                 most_across = std::abs(box.value(across)) + box.variation(turn) + unsure;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Support out{combination(1, c.b, 1, along), middle + variation + unsure, {infinity, infinity}, unsure};
+    if (least_along > most_across) {
+        const double part = most_across / least_along, cosine = std::sqrt((1 - part) * (1 + part));
+        out.excess = most_across * part / (1 + cosine);
+        for (const int i : {0, 1})
+            out.bend[i] =
+                outwards * part / cosine * (part / (1 + cosine) * growth.steepest(i) + turn.steepest(i));
+    }
+    out.excess *= outwards;
+    out.plane.s -= out.excess;
+    return out;
+}
+
 double SphereSupports::value(FormId f, const PointNormal& n) const {
     const auto at = [&](const NormalFunction& l) { return NormalBox::dot(l, n.u) + l.s; };
     if (is_circular(f)) return -at(circular_[f.value].plane);
     const double b = at(cylinder(f).b), a = at(cylinder(f).a);
+    if (cylinder(f).is_hollow) return -(b + std::sqrt(std::max(0.0, (b - a) * (b + a))));
     return -(b + std::sqrt(b * b + a * a));
+}
+
+// D^2 = (B' - A') (B' + A') errs by the rounding of both factors, and D by no more than the root of that.
+double SphereSupports::hollow_error(const Cylinder& c, const PointNormal& n) {
+    const double b = NormalBox::dot(c.b, n.u) + c.b.s, a = NormalBox::dot(c.a, n.u) + c.a.s,
+                 D = std::sqrt(std::max(0.0, (b - a) * (b + a))),
+                 of_square = 4 * c.rounding * (std::abs(b) + std::abs(a) + c.rounding);
+    return outwards * (c.rounding + std::min(of_square / D, std::sqrt(of_square)));
 }
 
 std::array<double, 3> SphereSupports::jet(FormId f, const PointNormal& n) const {
@@ -166,7 +205,9 @@ std::array<double, 3> SphereSupports::jet(FormId f, const PointNormal& n) const 
     } else {
         const Cylinder& c = cylinder(f);
         const auto b = gradient(c.b), a = gradient(c.a);
-        const double w = std::hypot(b[0], a[0]), cosine = b[0] / w, sine = a[0] / w;
+        const double w = c.is_hollow ? std::sqrt(std::max(0.0, (b[0] - a[0]) * (b[0] + a[0])))
+                                     : std::hypot(b[0], a[0]),
+                     cosine = b[0] / w, sine = (c.is_hollow ? -a[0] : a[0]) / w;
         q = {b[0] + w, b[1] + cosine * b[1] + sine * a[1], b[2] + cosine * b[2] + sine * a[2]};
     }
     return {-q[0], -q[1], -q[2]};

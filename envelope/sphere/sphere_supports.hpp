@@ -6,8 +6,10 @@
 ///     q = B' + |w|,   w = (B', A'),   B' = B / (C W),   A' = A / (sqrt(C) W),
 ///
 /// both linear in u. For every unit vector e it is at least B' + e.w, with equality where w is along e: the
-/// graph has supporting planes all over. The difference of two of them is a circular form, whose sign over a
-/// box of the chart is known but for rounding. The remainder is of second order in the box's size.
+/// graph has supporting planes all over. (Of hollow cylinders q = B' + sqrt(B'^2 - A'^2), and the planes lie
+/// above: for every hyperbolic turn e it is at most B' + (e_1 B' - e_2 A').) The difference of two of them is
+/// a circular form, whose sign over a box of the chart is known but for rounding. The remainder is of second
+/// order in the box's size.
 ///
 /// Everything is computed in doubles with bounds for their rounding. Near points where forms tie it is theirs
 /// that counts: there interval arithmetic on the heights themselves sees more.
@@ -112,18 +114,22 @@ public:
     const Support* everywhere(FormId f) const { return is_circular(f) ? &circular_[f.value] : nullptr; }
     /// f and its chart derivatives at a point, rounded.
     std::array<double, 3> jet(FormId f, const PointNormal& n) const;
-    /// The value alone; it errs by value_error(f) at most.
+    /// The value alone; it errs by value_error(f, n) at most.
     double value(FormId f, const PointNormal& n) const;
-    double value_error(FormId f) const {
-        return is_circular(f) ? circular_[f.value].rounding : cylinder(f).rounding;
+    double value_error(FormId f, const PointNormal& n) const {
+        if (is_circular(f)) return circular_[f.value].rounding;
+        return cylinder(f).is_hollow ? hollow_error(cylinder(f), n) : cylinder(f).rounding;
     }
 
 private:
     struct Cylinder {
         NormalFunction b, a;
         double rounding;
+        bool is_hollow = false;
     };
     bool is_circular(FormId f) const { return f.value < circular_.size(); }
+    static Support over(const Cylinder& hollow, const NormalBox& box);
+    static double hollow_error(const Cylinder& hollow, const PointNormal& n);
     const Cylinder& cylinder(FormId f) const { return cylinders_[f.value - circular_.size()]; }
 
     std::vector<Support> circular_;

@@ -1,6 +1,7 @@
 #include "cell_finder.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -8,6 +9,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../primitives/bases/nested_balls.hpp"
+#include "../../primitives/bases/solids.hpp"
 #include "../complete_measures.hpp"
 #include "../object_distance.hpp"
 #include "../voronoi_cell.hpp"
@@ -38,6 +40,21 @@ double least_distance(const Object& object, const Sphere& ball) {
            rounding * (std::visit(size_of, object) + size_of(ball));
 }
 
+// A ball that lies beyond a vessel's wall, or touches it from there, is nowhere nearer than the wall.
+bool is_beyond_wall(const Object& object, const Sphere& ball) {
+    if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
+        const ExactVector way = ExactVector(ball.center) - ExactVector(vessel->center);
+        const Exact reach = Exact(vessel->radius) + ball.radius;
+        return (dot(way, way) - reach * reach).sign() != Sign::Negative;
+    }
+    if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
+        const Vec3 a = scaled_axis(vessel->axis), &p = vessel->point, &c = ball.center;
+        return is_beside({p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), vessel->radius}, c.x(), c.y(), c.z(),
+                         ball.radius);
+    }
+    return false;
+}
+
 bool holds(const Box& box, const Vec3& p) {
     return (p.array() > box.min.array()).all() && (p.array() < box.max.array()).all();
 }
@@ -57,6 +74,7 @@ DecidedDiagram::DecidedDiagram(const DiagramScene& scene) : scene_(scene) {
             balls.push_back({ball(i), i});
         else
             others_.push_back(i);
+        has_vessels_ = has_vessels_ || is_vessel(scene_.objects[i]);
     }
     tree_ = BallTree(balls);
     hidden_.resize(scene_.objects.size());
@@ -68,6 +86,9 @@ DecidedDiagram::DecidedDiagram(const DiagramScene& scene) : scene_(scene) {
 void DecidedDiagram::validate_diagram() const {
     if (scene_.objects.empty())
         throw InputError(Kind::MissingKey, InputError::no_object, "objects", "are none: there is no cell");
+    if (std::ranges::all_of(scene_.objects, is_vessel))
+        throw InputError(Kind::MissingKey, InputError::no_object, "objects",
+                         "are vessels alone: there is no cell");
     Scene as_scene;  // none of the objects is its base: what is wrong with one is told by its number
     as_scene.objects = scene_.objects;
     as_scene.names = scene_.names;
@@ -147,6 +168,14 @@ void DecidedDiagram::find_hidden() {
     std::vector<std::pair<std::uint32_t, Image>> numbers;
     for (const BallTree::Entry& self : tree_.entries()) {
         const Sphere& s = self.ball;
+        if (has_vessels_) {
+            const auto vessel = std::ranges::find_if(
+                others_, [&](std::uint32_t x) { return is_beyond_wall(scene_.objects[x], s); });
+            if (vessel != others_.end()) {
+                hidden_[self.number] = "lies beyond the wall of object " + std::to_string(*vessel);
+                continue;
+            }
+        }
         around.assign(1, {s.center.x(), s.center.y(), s.center.z(), s.radius});
         numbers.assign(1, {self.number, here});
         // What holds the ball has it a radius deep.
@@ -207,6 +236,10 @@ public:
             result_.reason = reason;
             result_.contacts.clear();
         };
+        if (decided_.is_wall(object_)) {
+            end(State::Wall, "has no cell: the others leave what is nearest to walls");
+            return std::move(result_);
+        }
         if (const std::string& hidden = decided_.hidden(object_); !hidden.empty()) {
             end(State::Empty, hidden);
             return std::move(result_);

@@ -28,6 +28,10 @@ public:
     double moved() const { return moved_; }
     bool is_ball(std::uint32_t i) const { return std::holds_alternative<Sphere>(scene_.objects[i]); }
     const Sphere& ball(std::uint32_t i) const { return std::get<Sphere>(scene_.objects[i]); }
+    bool is_wall(std::uint32_t i) const {
+        const Object& object = scene_.objects[i];
+        return is_vessel(object) || (has_vessels_ && std::holds_alternative<Plane>(object));
+    }
     /// Objects that are no balls, ascending.
     const std::vector<std::uint32_t>& others() const { return others_; }
     /// The box in which a ball's cell is computed: where the scene repeats, one that the cell does not reach
@@ -103,6 +107,7 @@ private:
     double moved_ = 0;
     Eigen::Matrix3d edges_, to_unit_;
     std::vector<std::uint32_t> others_;
+    bool has_vessels_ = false;
     std::vector<std::string> hidden_;  // for each object why it has no cell; empty: it has one
     BallTree tree_;
 };

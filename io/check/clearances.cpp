@@ -139,6 +139,59 @@ std::optional<bool> lies_within(Interval x, Interval low, Interval high) {
     return std::nullopt;
 }
 
+/// The base ball's centre, seen from the vessel's centre or axis, in the frame.
+struct FromVessel {
+    Interval distance, radius;
+};
+FromVessel from_vessel(const Object& object, const Frame& frame) {
+    if (const auto* ball = std::get_if<HollowSphere>(&object)) {
+        const Triad<Interval> c = frame.point(ball->center);
+        return {sqrt(square(c[0]) + square(c[1]) + square(c[2])), frame.length(ball->radius)};
+    }
+    const auto& tube = std::get<HollowCylinder>(object);
+    const Triad<Interval> d = frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff()),
+                          c = frame.point(tube.point);
+    const Interval x = c[1] * d[2] - c[2] * d[1], y = c[2] * d[0] - c[0] * d[2],
+                   z = c[0] * d[1] - c[1] * d[0];
+    return {sqrt((square(x) + square(y) + square(z)) / (square(d[0]) + square(d[1]) + square(d[2]))),
+            frame.length(tube.radius)};
+}
+Nearest nearest_in_vessel(const Scene& scene, const Site& site, const Frame& frame) {
+    const auto [distance, radius] = from_vessel(scene.objects[site.index], frame);
+    return {0.5 * (radius - distance - frame.radius()), true};
+}
+
+/// The bisector with a hollow sphere is farthest from the base's centre towards the vessel's and beyond: its
+/// height there, and whether no other site is nearer.
+struct Farthest {
+    Interval height;
+    std::optional<bool> is_there;
+};
+std::optional<Farthest> farthest_in_vessel(const Subject& subject, const Site& site, const Frame& frame) {
+    const Scene& scene = subject.cell.scene;
+    const auto* base = std::get_if<Sphere>(&scene.base);
+    const auto* ball = site.is_object() ? std::get_if<HollowSphere>(&scene.objects[site.index]) : nullptr;
+    if (!base || !ball) return std::nullopt;
+    const auto [distance, radius] = from_vessel(scene.objects[site.index], frame);
+    Farthest result{0.5 * (radius + distance - frame.radius()), true};
+    const Vector<Interval> from = to_vector<Interval>(base->center),
+                           way = to_vector<Interval>(ball->center) - from;
+    const Interval length = sqrt(square(way));
+    // Of a vessel about the base's centre all directions are alike: any that shows will do, and edges tell.
+    if (!(length.lower() > 0)) return std::nullopt;
+    const Vector<Interval> p =
+        from + (Interval(0.5) * (Interval(ball->radius) + base->radius + length) / length) * way;
+    const auto meet = [&](const Interval& excess) {
+        if (excess.upper() < 0) result.is_there = false;
+        if (!(excess.lower() > 0) && result.is_there == true) result.is_there = std::nullopt;
+    };
+    for (std::uint32_t s = 0; s < 6; ++s) meet(subject.space.inside_side(s, p));
+    const Interval clearance = subject.space.clearance(p);
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+        if (scene.competes(i) && i != site.index) meet(subject.space.object_excess(i, p, clearance));
+    return result.is_there == false ? std::nullopt : std::optional(result);
+}
+
 }  // namespace
 
 Clearances clearances(const Subject& subject, const Frame& frame) {
@@ -223,6 +276,8 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
                 const Interval length = sqrt(square(n[0]) + square(n[1]) + square(n[2]));
                 return Nearest{0.5 * ((d.mid() < 0 ? -d : d) / length - radius), true};
             }
+            if (is_vessel(object) && about_sphere) return nearest_in_vessel(scene, site, frame);
+            if (is_vessel(object)) return std::nullopt;
             const auto& tube = std::get<Cylinder>(object);
             if (over_plane) return std::nullopt;
             const Triad<Interval> d = frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff()),
@@ -249,6 +304,11 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             nearest->is_inside ? std::min(least.upper(), nearest->half_distance.upper()) : least.upper());
         // A cell of one face without an edge is as high as low.
         if (most.upper() == -HUGE_VAL) most = nearest->half_distance;
+        if (const auto farthest = farthest_in_vessel(subject, site, frame)) {
+            const auto& [height, is_there] = *farthest;
+            most = Interval(is_there == true ? std::max(most.lower(), height.lower()) : most.lower(),
+                            std::max(most.upper(), height.upper()));
+        }
     }
     const Interval blur(-rounding * size, rounding * size);
     return {least + blur, most + blur};

@@ -70,6 +70,32 @@ bool contains(const Plane& holder, const Plane& held) {
     return contains(holder, Sphere{held.point, 0}) &&
            squared_sine(exact(holder.normal), exact(held.normal)).sign() == Sign::Zero;
 }
+/// What lies beyond a vessel's wall is within what the wall is made of.
+bool reaches(const Exact& squared, double radius, double other, const Exact& scale) {
+    const Exact reach = Exact(radius) + Exact(other);
+    return (squared - reach * reach * scale).sign() != Sign::Negative;
+}
+bool contains(const HollowSphere& holder, const Sphere& held) {
+    const Vector way = from(holder.center, held.center);
+    return reaches(dot(way, way), holder.radius, held.radius, 1.0);
+}
+bool contains(const HollowCylinder& holder, const Sphere& held) {
+    const Vector axis = exact(holder.axis);
+    return reaches(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius,
+                   dot(axis, axis));
+}
+bool contains(const HollowCylinder& holder, const Cylinder& held) {
+    return may_be_parallel(holder.axis, held.axis) && contains(holder, Sphere{held.point, held.radius}) &&
+           squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero;
+}
+bool contains(const HollowSphere& holder, const HollowSphere& held) {
+    const Vector way = from(holder.center, held.center);
+    return fits(dot(way, way), held.radius, holder.radius, 1.0);
+}
+bool contains(const HollowCylinder& holder, const HollowCylinder& held) {
+    return contains(Cylinder{held.point, held.axis, held.radius},
+                    Cylinder{holder.point, holder.axis, holder.radius});
+}
 template <class Holder, class Held>
 bool contains(const Holder&, const Held&) {
     return false;
@@ -90,6 +116,10 @@ bool is_behind(const Plane& base, const Plane& plane) {
     return may_be_parallel(base.normal, plane.normal) &&
            squared_sine(exact(base.normal), exact(plane.normal)).sign() == Sign::Zero &&
            is_behind(base, Sphere{plane.point, 0});
+}
+template <class Vessel>
+bool is_behind(const Plane&, const Vessel&) {
+    return false;
 }
 
 }  // namespace

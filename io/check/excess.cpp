@@ -132,6 +132,24 @@ std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, con
     return (g->range() / square(w_) - rest) / sum;
 }
 
+Interval ExcessAlong::in_vessel(const Surface& object) const {
+    const Surface& base = space_.base();
+    const Form a = squared_distance(object);
+    const Interval d = object.radius + base.radius;
+    const Interval distance = sqrt(a.range()) / w_, q = clearance_ + base.radius;
+    const Interval plain = object.radius - distance - clearance_, sum = d - q + distance;
+    if (!(sum.lower() > 0)) return plain;
+    const Form w2 = square(weight_);
+    const Form l = a - base_ - square(d) * w2;
+    const Interval linear = l.range() / square(w_), twice = 2 * (d * q);
+    Interval difference = linear + twice;
+    const Interval with = linear - twice;
+    if (!with.contains(0))
+        difference = intersection(
+            difference, (square(l) - (4 * square(d)) * (base_ * w2)).range() / square(square(w_)) / with);
+    return intersection(-difference / sum, plain);
+}
+
 Interval ExcessAlong::object_excess(const Surface& object) const {
     if (space_.base().kind == Kind::plane) return above_plane(object);
     return object.kind == Kind::plane ? of_plane(object) : of_round(object);
@@ -178,8 +196,12 @@ Interval ExcessAlong::of_plane(const Surface& object) const {
 /// Squared distances A / w^2 of the object and B / w^2 = q^2 of the base, and the difference D of their
 /// radii: the excess times (sqrt A / w + q + D) is L / w^2 - 2 D q with L = A - B - D^2 w^2. Where D is not
 /// zero that times (L / w^2 + 2 D q) is (L^2 - 4 D^2 B w^2) / w^4.
+///
+/// In a vessel, with D the sum of the radii: the excess times (D - q + sqrt A / w) is -(L / w^2 + 2 D q), and
+/// that times (L / w^2 - 2 D q) is the same.
 Interval ExcessAlong::of_round(const Surface& object) const {
     const Surface& base = space_.base();
+    if (object.is_hollow) return in_vessel(object);
     const Form a = squared_distance(object);
     const Interval d = object.radius - base.radius;
     const Interval distance = sqrt(a.range()) / w_, q = clearance_ + base.radius;

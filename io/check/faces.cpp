@@ -225,7 +225,7 @@ private:
         const Surface<Interval>& base = space().base();
         if (base.kind != Kind::sphere || !own_[0].site.is_object()) return 0;
         const Surface<Interval> own = space().object(own_[0].site.index);
-        if (own.kind == Kind::plane) return 0;
+        if (own.kind == Kind::plane || own.is_hollow) return 0;
         Vector<Interval> way = own.point - base.point;
         Interval along = 0.0;
         if (own.kind == Kind::cylinder) {
@@ -291,6 +291,8 @@ private:
         const Object& object = scene_.objects[i];
         const double away = gap(object);
         if (!(away > 0)) return HUGE_VAL;
+        // The wall of a vessel is behind the base then, and farther than it by all of that and its diameter.
+        if (is_vessel(object)) return -HUGE_VAL;
         const auto* ball = std::get_if<Sphere>(&object);
         const auto* tube = std::get_if<Cylinder>(&object);
         const double radius = ball ? ball->radius : tube ? tube->radius : 0;

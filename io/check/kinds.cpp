@@ -115,6 +115,12 @@ private:
             b.d = Exact(sphere->radius) - Exact(base.radius);
             return b;
         }
+        // |p - c| = R + R0 - t of a vessel.
+        if (const auto* vessel = std::get_if<HollowSphere>(&scene_.objects[s.index])) {
+            for (int i = 0; i < 3; ++i) b.a[static_cast<std::size_t>(i)] = -from_centre(vessel->center, i);
+            b.d = Exact(vessel->radius) + Exact(base.radius);
+            return b;
+        }
         const auto* plane = std::get_if<Plane>(&scene_.objects[s.index]);
         if (!plane) return std::nullopt;
         Exact offset;

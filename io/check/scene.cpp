@@ -19,6 +19,10 @@ double distance(const Sphere& o, const Vec3& p) { return (p - o.center).norm() -
 double distance(const Cylinder& o, const Vec3& p) {
     return o.axis.cross(p - o.point).norm() / o.axis.norm() - o.radius;
 }
+double distance(const HollowSphere& o, const Vec3& p) { return o.radius - (p - o.center).norm(); }
+double distance(const HollowCylinder& o, const Vec3& p) {
+    return o.radius - o.axis.cross(p - o.point).norm() / o.axis.norm();
+}
 double distance(const Object& o, const Vec3& p) {
     return std::visit([&](const auto& x) { return distance(x, p); }, o);
 }
@@ -27,6 +31,8 @@ double distance(const Object& o, const Vec3& p) {
 double magnitude(const Plane& o) { return o.point.norm(); }
 double magnitude(const Sphere& o) { return o.center.norm() + o.radius; }
 double magnitude(const Cylinder& o) { return o.point.norm() + o.radius; }
+double magnitude(const HollowSphere& o) { return o.center.norm() + o.radius; }
+double magnitude(const HollowCylinder& o) { return o.point.norm() + o.radius; }
 
 Vec2 random_point(std::mt19937_64& rng, const Vec2& lo, const Vec2& hi) {
     std::uniform_real_distribution<double> unit(0, 1);
@@ -362,6 +368,9 @@ std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) cons
     if (std::holds_alternative<Plane>(o)) return {"paraboloid"};
     if (const auto* sphere = std::get_if<Sphere>(&o))
         return {sphere->radius == radius_ ? "plane" : "hyperboloid"};
+    if (const auto* vessel = std::get_if<HollowSphere>(&o))
+        return {vessel->center == sphere_->center ? "sphere" : "ellipsoid"};
+    if (std::holds_alternative<HollowCylinder>(o)) return {"quartic"};
     return {std::get<Cylinder>(o).radius == radius_ ? "parabolic cylinder" : "quartic"};
 }
 

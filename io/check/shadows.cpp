@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "face_terms.hpp"
+#include "space.hpp"
 #include "triads.hpp"
 
 namespace vcell::check {
@@ -49,6 +50,10 @@ Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u)
             const T beta =
                 T(equation.delta) - dot(equation.across[0], u) * m[0] - dot(equation.across[1], u) * m[1];
             const T root = sqrt(square(beta) + square(alpha) * C);
+            if (equation.is_hollow) {
+                const T t = C / (beta - root);
+                return {t, sqrt(-2.0 * (t + T(equation.delta)) / root)};
+            }
             // The other form of the root, where this one would cancel.
             const T t = [&] {
                 const auto first = [&] { return C / (beta + root); };
@@ -213,6 +218,29 @@ T steepness_of(const Other& other, const Place<T>& p) {
 
 namespace {
 
+void set_tube(Equation& equation, const Scene& scene, const Frame& frame, const Cylinder& tube) {
+    equation.kind = Equation::Kind::tube;
+    equation.c = near(frame.point(tube.point));
+    equation.d = normalized(near(frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff())));
+    // Over a plane the first runs along it, so that heights lie in the second alone, unless the tube is
+    // upright.
+    const auto* plane = std::get_if<Plane>(&scene.base);
+    const Vec3 axis = tube.axis.normalized();
+    constexpr double upright = 0.9;
+    Vec3 aside_of_axis = plane ? plane->normal.normalized() : Vec3(Vec3::Zero());
+    if (!plane || std::abs(axis.dot(aside_of_axis)) > upright) {
+        int least = 0;
+        axis.cwiseAbs().minCoeff(&least);
+        aside_of_axis = Vec3::Unit(least);
+    }
+    const Triad<MidRad> aside = near(frame.direction(aside_of_axis));
+    equation.across[0] = normalized(cross(aside, equation.d));
+    equation.across[1] = cross(equation.d, equation.across[0]);
+    for (const std::size_t i : {0, 1}) equation.across_c[i] = dot(equation.across[i], equation.c);
+    equation.delta = MidRad(frame.length(tube.radius)) - frame.radius();
+    if (plane) equation.delta = frame.length(tube.radius);
+}
+
 std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
                                     std::span<const Triad<double>> points) {
     Equation equation{};
@@ -238,26 +266,21 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         return equation;
     }
     if (const auto* tube = std::get_if<Cylinder>(&object)) {
-        equation.kind = Equation::Kind::tube;
-        equation.c = near(frame.point(tube->point));
-        equation.d = normalized(near(frame.direction(tube->axis / tube->axis.cwiseAbs().maxCoeff())));
-        // Over a plane the first runs along it, so that heights lie in the second alone, unless the tube is
-        // upright.
-        const auto* plane = std::get_if<Plane>(&scene.base);
-        const Vec3 axis = tube->axis.normalized();
-        constexpr double upright = 0.9;
-        Vec3 aside_of_axis = plane ? plane->normal.normalized() : Vec3(Vec3::Zero());
-        if (!plane || std::abs(axis.dot(aside_of_axis)) > upright) {
-            int least = 0;
-            axis.cwiseAbs().minCoeff(&least);
-            aside_of_axis = Vec3::Unit(least);
-        }
-        const Triad<MidRad> aside = near(frame.direction(aside_of_axis));
-        equation.across[0] = normalized(cross(aside, equation.d));
-        equation.across[1] = cross(equation.d, equation.across[0]);
-        for (const std::size_t i : {0, 1}) equation.across_c[i] = dot(equation.across[i], equation.c);
-        equation.delta = MidRad(frame.length(tube->radius)) - frame.radius();
-        if (plane) equation.delta = frame.length(tube->radius);
+        set_tube(equation, scene, frame, *tube);
+        return equation;
+    }
+    if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
+        equation.kind = Equation::Kind::ball;
+        equation.is_hollow = true;
+        equation.c = near(frame.point(vessel->center));
+        equation.delta = -(MidRad(frame.length(vessel->radius)) + frame.radius());
+        return equation;
+    }
+    if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
+        const Cylinder tube{vessel->point, vessel->axis, vessel->radius};
+        set_tube(equation, scene, frame, tube);
+        equation.is_hollow = true;
+        equation.delta = -(MidRad(frame.length(vessel->radius)) + frame.radius());
         return equation;
     }
     const auto& plane = std::get<Plane>(object);
@@ -377,6 +400,38 @@ Shadow about_sphere(const Equation& equation, MidRad radius) {
     }
 }
 
+/// The bisector with a vessel is closed, and great circles from a start sum up to a face that does not have
+/// what is opposite to it. None: no such start is found.
+std::optional<Triad<MidRad>> start_in_vessel(const Scene& scene, const Frame& frame, const Equation& equation,
+                                             const Site& site, std::span<const Triad<double>> points) {
+    const Sphere& base = std::get<Sphere>(scene.base);
+    Vec3 mean = Vec3::Zero();
+    for (const auto& p : points) mean += Vec3(p[0], p[1], p[2]).normalized();
+    const auto is_of_others = [&](const Vec3& u) {
+        const MidRad t = height<MidRad>(equation, {0.0, 0.0, 0.0}, {u.x(), u.y(), u.z()}).t;
+        if (!(t.radius() < HUGE_VAL)) return false;
+        const Vec3 p = base.center + frame.unit() * t.mid() * u;
+        const double clearance = frame.unit() * t.mid() - base.radius,
+                     margin = 0x1p-20 * (std::abs(clearance) + base.radius);
+        if (((p - scene.box.min).array() < -margin).any() || ((scene.box.max - p).array() < -margin).any())
+            return true;
+        for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+            if (!scene.competes(i) || i == site.index) continue;
+            const Interval d = Surface<Interval>(scene.objects[i]).distance(to_vector<Interval>(p));
+            const bool is_plane = std::holds_alternative<Plane>(scene.objects[i]);
+            if ((is_plane ? magnitude(d) : d).upper() < clearance - margin) return true;
+        }
+        return false;
+    };
+    std::array<Vec3, 7> starts;
+    starts[0] = mean.norm() > 0 ? Vec3(mean.normalized()) : Vec3(Vec3::UnitZ());
+    for (std::size_t k = 0; k < 6; ++k)
+        starts[k + 1] = (k % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<int>(k / 2));
+    for (const Vec3& s : starts)
+        if (is_of_others(-s)) return normalized(Triad<MidRad>{s.x(), s.y(), s.z()});
+    return std::nullopt;
+}
+
 // Of the foot q = p - (n p - o) n the flux is (n_x q_x + n_y q_y) / 2.
 Flat flat(const Equation& side, const Triad<double>& corner) {
     const Triad<MidRad>& n = side.c;
@@ -410,6 +465,11 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
     const std::optional<Equation> equation = equation_of(scene, frame, site, outline.points);
     if (!equation) return std::nullopt;
     if (std::holds_alternative<Plane>(scene.base)) return over_plane(*equation, corners);
+    if (equation->is_hollow) {
+        const auto start = start_in_vessel(scene, frame, *equation, site, outline.points);
+        if (!start) return std::nullopt;
+        return Fan{Fan::Base::sphere, *equation, *start};
+    }
     if (std::holds_alternative<Sphere>(scene.base)) return about_sphere(*equation, frame.radius());
     double least = HUGE_VAL, most = -HUGE_VAL;
     for (const auto& p : corners) {

@@ -8,6 +8,8 @@
 /// f has the equation C - 2 beta t - alpha^2 t^2 = 0:
 ///   |f + t u - c|^2 = (t + delta)^2 for balls, the same without the part along the axis d for tubes, and
 ///   s (n (f + t u) + D) = t - R for planes, where delta = rho - R, R the base's radius or 0.
+/// For the inside of balls and tubes of radius R0 the same holds with delta = -R0 - R, C, beta and t + delta
+/// being negative, and of the two roots of a tube's equation the other one.
 /// The bisector's normal is along u - n', n' the unit direction from the object's nearest point, so its area
 /// over a piece of the base is that of the piece at distance t times sqrt(2 / (1 - u n')); and 1 - u n' =
 /// sqrt(beta^2 + alpha^2 C) / (t + delta), for planes 2 beta.
@@ -57,6 +59,7 @@ struct Equation {
     std::array<Triad<MidRad>, 2> across;  ///< tube: with d an orthonormal frame
     std::array<MidRad, 2> across_c;       ///< tube: the coordinates of c in it
     MidRad delta;                         ///< ball, tube
+    bool is_hollow = false;               ///< ball, tube: a vessel
     MidRad offset;                        ///< plane: D; side: n p = offset on it
     double sign = 1;                      ///< plane: of the side where the base is
     MidRad radius;                        ///< plane: R

@@ -27,6 +27,8 @@ SiteTree::SiteTree(const Scene& scene) {
             tubes_.push_back({c->point, c->axis.normalized(), c->radius, i});
         else if (const auto* w = std::get_if<Plane>(&scene.objects[i]))
             planes_.push_back({w->point, w->normal.normalized(), i});
+        else
+            vessels_.push_back(i);
     }
     if (!balls_.empty()) build(0, static_cast<std::uint32_t>(balls_.size()));
 }
@@ -64,6 +66,7 @@ void SiteTree::near(const Vec3& p, double reach, std::vector<std::uint32_t>& obj
         if (!(std::abs(w.normal.dot(way)) > kFavour * reach + kAside * way.norm()))
             objects.push_back(w.object);
     }
+    objects.insert(objects.end(), vessels_.begin(), vessels_.end());
     if (nodes_.empty()) return;
     const auto within = [&](const Vec3& q, double radius) {
         const double limit = kFavour * (reach + radius);

@@ -43,6 +43,7 @@ private:
     std::vector<Node> nodes_;
     std::vector<Tube> tubes_;
     std::vector<Wall> planes_;
+    std::vector<std::uint32_t> vessels_;  // few, and around everything: always near
 };
 
 }  // namespace vcell::check

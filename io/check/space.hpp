@@ -107,12 +107,23 @@ struct Surface {
             kind = Kind::sphere;
             point = to_vector<T>(s->center);
             radius = s->radius;
-        } else {
-            const auto& c = std::get<Cylinder>(object);
+        } else if (const auto* c = std::get_if<Cylinder>(&object)) {
             kind = Kind::cylinder;
-            point = to_vector<T>(c.point);
-            direction = unit(c.axis);
-            radius = c.radius;
+            point = to_vector<T>(c->point);
+            direction = unit(c->axis);
+            radius = c->radius;
+        } else if (const auto* ball = std::get_if<HollowSphere>(&object)) {
+            kind = Kind::sphere;
+            is_hollow = true;
+            point = to_vector<T>(ball->center);
+            radius = ball->radius;
+        } else {
+            const auto& tube = std::get<HollowCylinder>(object);
+            kind = Kind::cylinder;
+            is_hollow = true;
+            point = to_vector<T>(tube.point);
+            direction = unit(tube.axis);
+            radius = tube.radius;
         }
     }
 
@@ -120,23 +131,29 @@ struct Surface {
     T distance(const Vector<T>& p) const {
         const Vector<T> q = p - point;
         if (kind == Kind::plane) return dot(direction, q);
-        return length(q) - radius;
+        return is_hollow ? radius - length(q) : length(q) - radius;
     }
     /// Where that distance grows.
     Vector<T> gradient(const Vector<T>& p) const {
         if (kind == Kind::plane) return direction;
+        const Vector<T> out = outwards(p);
+        return is_hollow ? Vector<T>{-out[0], -out[1], -out[2]} : out;
+    }
+
+    Kind kind;
+    bool is_hollow = false;  ///< a vessel: seen from within
+    Vector<T> point;         ///< of a plane; the centre, or a point of the axis
+    Vector<T> direction;     ///< a plane's normal, a cylinder's axis
+    T radius{0.0};
+
+private:
+    /// From the centre or the axis.
+    Vector<T> outwards(const Vector<T>& p) const {
         const Vector<T> q = p - point;
         const T l = length(q);
         if (kind == Kind::sphere) return check::direction(q, l);
         return check::direction(q - dot(direction, q) * direction, l);
     }
-
-    Kind kind;
-    Vector<T> point;      ///< of a plane; the centre, or a point of the axis
-    Vector<T> direction;  ///< a plane's normal, a cylinder's axis
-    T radius{0.0};
-
-private:
     T length(const Vector<T>& q) const {
         return sqrt(kind == Kind::sphere ? square(q) : square(cross(q, direction)));
     }
@@ -214,7 +231,7 @@ public:
     bool are_alike(const Condition& c, const Condition& d) const {
         if (!c.site.is_object() || !d.site.is_object()) return false;
         const Object &a = scene_.objects[c.site.index], &b = scene_.objects[d.site.index];
-        if (a.index() != b.index()) return false;
+        if (a.index() != b.index() || is_vessel(a)) return false;
         if (std::holds_alternative<Sphere>(a)) return true;
         const double far = much * scene_.box.diagonal();
         if (const auto* plane = std::get_if<Plane>(&a)) {

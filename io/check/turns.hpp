@@ -32,21 +32,30 @@ inline Slope slope_within(const Object& object, const Vec3& center, double radiu
     }
     Vec3 q;
     double size, own;
+    const auto across = [&](const auto& tube) {
+        const Vec3 d = tube.axis.normalized(), way = center - tube.point;
+        q = way - d.dot(way) * d;
+        size = way.norm();
+        own = tube.radius;
+    };
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
         q = center - sphere->center;
         size = q.norm();
         own = sphere->radius;
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
+        across(*cylinder);
+    } else if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
+        q = center - vessel->center;
+        size = q.norm();
+        own = vessel->radius;
     } else {
-        const auto& cylinder = std::get<Cylinder>(object);
-        const Vec3 d = cylinder.axis.normalized(), way = center - cylinder.point;
-        q = way - d.dot(way) * d;
-        size = way.norm();
-        own = cylinder.radius;
+        across(std::get<HollowCylinder>(object));
     }
     const double length = q.norm(), rounding = kRough * (size + own);
     // [For x and y of lengths a and b: |x / a - y / b| <= 2 |x - y| / (a + b), by the triangle's inequality.]
     const double turn = length > radius ? 2 * (radius + rounding) / (2 * length - radius) : 2.0;
-    return {length - own, rounding, length > 0 ? Vec3(q / length) : Vec3(Vec3::UnitX()),
+    const double sign = is_vessel(object) ? -1 : 1;
+    return {sign * (length - own), rounding, sign * (length > 0 ? Vec3(q / length) : Vec3(Vec3::UnitX())),
             length > 0 ? std::min(2.0, (1 + kRough) * turn + kRough) : 2.0};
 }
 

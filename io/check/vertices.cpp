@@ -80,7 +80,8 @@ public:
             return Linearized{e.mid(), e.radius(), middle(space_.gradient(c, at)), few};
         }
         const Object& object = scene_.objects[c.site.index];
-        if (std::holds_alternative<Cylinder>(object)) return std::nullopt;
+        if (std::holds_alternative<Cylinder>(object) || std::holds_alternative<HollowCylinder>(object))
+            return std::nullopt;
         Distance d = distance(object);
         if (d.length == HUGE_VAL && d.value < 0) d = {-d.value, d.error, -d.direction, d.length};
         if (d.length == HUGE_VAL && !(d.value > reach + d.error)) return std::nullopt;
@@ -106,6 +107,11 @@ private:
             const Vec3 q = p_ - ball->center;
             const double length = q.norm();
             return {length - ball->radius, 0x1.4p-51 * (length + ball->radius), q / length, length};
+        }
+        if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
+            const Vec3 q = p_ - vessel->center;
+            const double length = q.norm();
+            return {vessel->radius - length, 0x1.4p-51 * (length + vessel->radius), -q / length, length};
         }
         const auto& plane = std::get<Plane>(object);
         const Vec3 n = plane.normal / plane.normal.norm(), q = p_ - plane.point;

@@ -104,6 +104,7 @@ const char* word(DiagramCell::State state) {
         case DiagramCell::State::Computed: return "computed";
         case DiagramCell::State::Empty: return "empty";
         case DiagramCell::State::Undecided: return "undecided";
+        case DiagramCell::State::Wall: return "wall";
         case DiagramCell::State::Refused: return "refused";
     }
     return "";
@@ -208,7 +209,7 @@ void write_group_table(std::ostream& out, const DiagramScene& scene, const Voron
         if (is_new) order.push_back(at->first);
         Group& group = at->second;
         const DiagramCell& cell = diagram.cells[i];
-        if (cell.state == DiagramCell::State::Empty) continue;
+        if (cell.state == DiagramCell::State::Empty || cell.state == DiagramCell::State::Wall) continue;
         if (cell.state != DiagramCell::State::Computed) {
             ++group.undecided;
             continue;

@@ -48,6 +48,16 @@ Cylinder read_cylinder(JsonReader& in) {
     return cylinder;
 }
 
+HollowSphere read_hollow_sphere(JsonReader& in) {
+    const Sphere wall = read_sphere(in);
+    return {wall.center, wall.radius};
+}
+
+HollowCylinder read_hollow_cylinder(JsonReader& in) {
+    const Cylinder wall = read_cylinder(in);
+    return {wall.point, wall.axis, wall.radius};
+}
+
 }  // namespace
 
 Object read_object(JsonReader& in, std::string& name, std::string* group) {
@@ -63,12 +73,18 @@ Object read_object(JsonReader& in, std::string& name, std::string* group) {
     const auto plane = optional_member("plane", [&] { set("plane", read_plane); });
     const auto sphere = optional_member("sphere", [&] { set("sphere", read_sphere); });
     const auto cylinder = optional_member("cylinder", [&] { set("cylinder", read_cylinder); });
+    const auto ball = optional_member("hollow_sphere", [&] { set("hollow_sphere", read_hollow_sphere); });
+    const auto tube =
+        optional_member("hollow_cylinder", [&] { set("hollow_cylinder", read_hollow_cylinder); });
     const auto named = optional_member("name", [&] { name = in.string(); });
     if (group == nullptr)
-        in.object(plane, sphere, cylinder, named);
+        in.object(plane, sphere, cylinder, ball, tube, named);
     else
-        in.object(plane, sphere, cylinder, named, optional_member("group", [&] { *group = in.string(); }));
-    if (!kind) in.fail(InputError::Kind::MissingKey, "must hold one of plane, sphere, cylinder, holds none");
+        in.object(plane, sphere, cylinder, ball, tube, named,
+                  optional_member("group", [&] { *group = in.string(); }));
+    if (!kind)
+        in.fail(InputError::Kind::MissingKey,
+                "must hold one of plane, sphere, cylinder, hollow_sphere, hollow_cylinder, holds none");
     return object;
 }
 
@@ -105,17 +121,23 @@ void write_object(JsonWriter& out, const Object& object, const std::string& name
                 out.key("point").value(plane->point);
                 out.key("normal").value(plane->normal);
             });
-        if (const auto* sphere = std::get_if<Sphere>(&object))
-            out.key("sphere").object([&] {
-                out.key("center").value(sphere->center);
-                out.key("radius").value(sphere->radius);
+        const auto ball = [&](const char* key, const auto& o) {
+            out.key(key).object([&] {
+                out.key("center").value(o.center);
+                out.key("radius").value(o.radius);
             });
-        if (const auto* cylinder = std::get_if<Cylinder>(&object))
-            out.key("cylinder").object([&] {
-                out.key("point").value(cylinder->point);
-                out.key("axis").value(cylinder->axis);
-                out.key("radius").value(cylinder->radius);
+        };
+        const auto tube = [&](const char* key, const auto& o) {
+            out.key(key).object([&] {
+                out.key("point").value(o.point);
+                out.key("axis").value(o.axis);
+                out.key("radius").value(o.radius);
             });
+        };
+        if (const auto* sphere = std::get_if<Sphere>(&object)) ball("sphere", *sphere);
+        if (const auto* cylinder = std::get_if<Cylinder>(&object)) tube("cylinder", *cylinder);
+        if (const auto* vessel = std::get_if<HollowSphere>(&object)) ball("hollow_sphere", *vessel);
+        if (const auto* vessel = std::get_if<HollowCylinder>(&object)) tube("hollow_cylinder", *vessel);
         if (!name.empty()) out.key("name").value(name);
     });
 }

@@ -272,6 +272,11 @@ private:
                       "have no bisector all around");
         objects_.cylinders.add(f, i);
     }
+    template <class Vessel>
+    void add(std::uint32_t i, const Vessel&) {
+        objects_.fail(Kind::Unsupported, i,
+                      "is a vessel, which bounds the cells of balls alone: the base is a cylinder");
+    }
     static CylinderForm cylinder_form(const Cylinder& cylinder) {
         const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
         return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};

@@ -2,11 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
+
+#include "../../core/errors.hpp"
 
 namespace vcell {
 
 namespace {
 
+template <class Object>
+concept Vessel = std::same_as<Object, HollowSphere> || std::same_as<Object, HollowCylinder>;
+[[noreturn]] void fail_vessel() {
+    throw InputError(InputError::Kind::Unsupported, InputError::no_object, "base",
+                     "is a vessel, which is no base: objects lie in it");
+}
+
+Vec3 foot_of(const Vessel auto&, const Vec3&) { fail_vessel(); }
 Vec3 foot_of(const Sphere& base, const Vec3&) { return base.center; }
 Vec3 foot_of(const Cylinder& base, const Vec3& p) {
     const Vec3 d = base.axis.stableNormalized();
@@ -16,6 +27,7 @@ Vec3 foot_of(const Plane& base, const Vec3& p) {
     const Vec3 n = base.normal.stableNormalized();
     return p - n.dot(p - base.point) * n;
 }
+Vec3 beside(const Vessel auto&) { fail_vessel(); }
 Vec3 beside(const Plane& base) { return base.point + base.normal; }
 Vec3 beside(const Sphere& base) { return base.center; }
 Vec3 beside(const Cylinder& base) { return base.point; }
@@ -41,6 +53,7 @@ private:
     Box box_;
 };
 
+void hold_feet(Surroundings&, const Vessel auto&, const Box&) { fail_vessel(); }
 void hold_feet(Surroundings& around, const Sphere& base, const Box&) {
     for (int k = 0; k < 3; ++k) around.hold(k, base.center[k], base.center[k]);
 }

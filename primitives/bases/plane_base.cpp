@@ -57,8 +57,11 @@ public:
                 add(i, *sphere);
             else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i]))
                 add(i, *plane);
+            else if (const auto* cylinder = std::get_if<Cylinder>(&scene_.objects[i]))
+                add(i, *cylinder);
             else
-                add(i, std::get<Cylinder>(scene_.objects[i]));
+                fail(Kind::Unsupported, i,
+                     "is a vessel, which bounds the cells of balls alone: the base is a plane");
         }
         drop_hidden();
         make_forms();

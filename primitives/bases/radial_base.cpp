@@ -47,6 +47,8 @@ double ball_power(const RadialBaseProblem& problem, FormId form) {
     // Its coefficients are those of 2 c across the pole, and of c along it -+ delta: over a scale that |c|
     // tells.
     const CircularForm& f = problem.family.forms[form];
+    if (const auto* vessel = std::get_if<HollowSphere>(&problem.objects[form]))
+        return 4 * f.w * (vessel->radius + problem.chart.radius) / std::abs(f.k + f.e);
     const double length = std::get<Sphere>(problem.objects[form]).center.norm();
     return 4 * f.w * length / std::hypot(f.a, f.b, f.k - f.e);
 }
@@ -77,6 +79,9 @@ std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
         if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
         return to_string(bisector(Cylinder{Vec3::Zero(), Vec3::UnitY(), radius}, object).kind);
     }
+    if (const auto* vessel = std::get_if<HollowSphere>(&object))
+        return to_string(vessel->center.isZero(0) ? BisectorKind::Sphere : BisectorKind::Ellipsoid);
+    if (std::holds_alternative<HollowCylinder>(object)) return to_string(BisectorKind::Quartic);
     // Of bisectors over a sphere base only what keeps the object outside.
     if (object.index() == 0) return to_string(BisectorKind::Paraboloid);
     if (const auto* sphere = std::get_if<Sphere>(&object))

@@ -8,8 +8,12 @@
 ///     plane n'.p + D, s its sign      C = s (n'.f + D) + R0 |n'|,                B = (|n'| W - s n'.n) / 2
 ///     box side m'.p <= k              C = k - m'.f,                              B = m'.n / 2
 ///     cap t <= T (sphere base)        C = T,                                     B = W / 2
+///     inside of a sphere (c, R)       C = (R + R0)^2 - |c|^2,                    B = (R + R0) W - c.n
+///     (sphere base)
 ///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) +
 ///     (m.a)(a.n),  A = a.n
+///     inside of a cylinder            the same with rho = -R, C and B with their signs turned, and + A^2 in
+///     (sphere base)                   the equation
 ///
 /// |n'| is told by two doubles. C > 0 all over the base: objects may overlap the base's body (clearance
 /// is then negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
@@ -79,21 +83,24 @@ struct RadialBaseProblem : BaseProblem {
 ///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a
 ///   ball or
 ///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of
-///                its circles), lies in it, or runs through it near its centre or axis;
+///                its circles), lies in it, or runs through it near its centre or axis; a vessel that has all
+///                of the base beyond its wall;
 ///   EmptyBox     the base sphere's centre is not inside the box, a base cylinder's axis not inside the
 ///                sides along it (the base may reach beyond them: clearance is negative there), or no
 ///                stretch of the base cylinder is in the box;
-///   OutOfRange   a height's coefficients leave the double range.
+///   OutOfRange   a height's coefficients leave the double range;
+///   Unsupported  a vessel over a cylinder base, or with a probe.
 /// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
 /// objects are all but equal.
 /// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a
-/// plane; over a cylinder balls out of sight beyond the ends of the stretch. Pre: validate(scene) has passed;
-/// the base is a sphere or a cylinder.
+/// plane; what lies beyond a vessel's wall; over a cylinder balls out of sight beyond the ends of the
+/// stretch. Pre: validate(scene) has passed; the base is a sphere or a cylinder.
 RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1,
                                       std::optional<double> probe = std::nullopt);
 
-/// |c|^2 - (rho - R0)^2 of a ball over a sphere base, to some roundings: of the scene's coordinates, as the
-/// form has them. (Near contact the canonical centre's rounding would change it.)
+/// |c|^2 - (rho - R0)^2 of a ball over a sphere base, or (R + R0)^2 - |c|^2 of a hollow sphere, to some
+/// roundings: of the scene's coordinates, as the form has them. (Near contact the canonical centre's rounding
+/// would change it.)
 double ball_power(const RadialBaseProblem& problem, FormId form);
 
 /// Does the cylinder's axis meet that of the base, the y axis, exactly? Pre: they are not parallel.

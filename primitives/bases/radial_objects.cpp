@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <type_traits>
 
 #include "../objects/message.hpp"
 #include "nested_balls.hpp"
@@ -47,8 +48,94 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
         if (first_plane[i] < i) merge(planes.objects[i], planes.objects[first_plane[i]]);
     const auto containers = possible_containers(cylinders.items);
     for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, containers[i], rays, mirrored);
-    if (cylinders.size() + mirrored.size() == 0) return;
-    for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
+    if (cylinders.size() + mirrored.size() > 0)
+        for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
+    if (hollow_balls.size() + hollow_cylinders.size() == 0) return;
+    drop_wider_vessels();
+    const auto is_within = [](const Exact& square, const Exact& reach, const Exact& scale) {
+        return (reach * reach * scale - square).sign() == Sign::Positive;
+    };
+    for (std::size_t k = 0; k < hollow_balls.size(); ++k) {
+        const HollowSphere& vessel = hollow_balls.items[k];
+        const ExactVector center(vessel.center);
+        const Exact R(vessel.radius);
+        drop_beyond_wall(hollow_balls.objects[k], [&](const auto& solid) {
+            using Solid = std::decay_t<decltype(solid)>;
+            if constexpr (std::is_same_v<Solid, Ball>) {
+                const ExactVector way = ExactVector(Vec3(solid.cx, solid.cy, solid.cz)) - center;
+                return !is_within(dot(way, way), R + solid.rho, 1.0);
+            } else if constexpr (std::is_same_v<Solid, HalfSpace>) {
+                const Exact value = solid(center);
+                return !is_within(value * value, R, dot(ExactVector(solid.n), ExactVector(solid.n)));
+            } else {
+                return is_beside(solid, vessel.center.x(), vessel.center.y(), vessel.center.z(),
+                                 vessel.radius);
+            }
+        });
+    }
+    for (std::size_t k = 0; k < hollow_cylinders.size(); ++k) {
+        const CylinderForm& vessel = hollow_cylinders.items[k];
+        drop_beyond_wall(hollow_cylinders.objects[k], [&](const auto& solid) {
+            using Solid = std::decay_t<decltype(solid)>;
+            if constexpr (std::is_same_v<Solid, Ball>)
+                return is_beside(vessel, solid.cx, solid.cy, solid.cz, solid.rho);
+            else if constexpr (std::is_same_v<Solid, HalfSpace>)
+                return is_beyond({solid.n.x(), solid.n.y(), solid.n.z(), solid.d}, vessel) ||
+                       is_beyond({-solid.n.x(), -solid.n.y(), -solid.n.z(), -solid.d}, vessel);
+            else
+                return is_beside(vessel, solid);
+        });
+    }
+}
+
+// Of two vessels of which one has the other within the wider one is never nearer; of equal ones the first is
+// taken.
+void RadialObjects::drop_wider_vessels() {
+    const auto compare = [&](std::uint32_t i, std::uint32_t j, bool holds, bool is_held) {
+        if (!is_kept(i) || !is_kept(j)) return;
+        if (holds && is_held)
+            merge(i, j);
+        else if (holds)
+            hide(i, " beyond the wall of ", object_title(scene_, j));
+        else if (is_held)
+            hide(j, " beyond the wall of ", object_title(scene_, i));
+    };
+    const auto holds = [](const HollowSphere& outer, const HollowSphere& inner) {
+        const Exact room = Exact(outer.radius) - inner.radius;
+        const ExactVector way = ExactVector(outer.center) - ExactVector(inner.center);
+        return room.sign() != Sign::Negative && (room * room - dot(way, way)).sign() != Sign::Negative;
+    };
+    for (std::size_t i = 0; i < hollow_balls.size(); ++i) {
+        const HollowSphere& ball = hollow_balls.items[i];
+        for (std::size_t j = 0; j < i; ++j) {
+            const HollowSphere& other = hollow_balls.items[j];
+            compare(hollow_balls.objects[i], hollow_balls.objects[j], holds(ball, other), holds(other, ball));
+        }
+        for (std::size_t j = 0; j < hollow_cylinders.size(); ++j)
+            compare(hollow_cylinders.objects[j], hollow_balls.objects[i],
+                    contains(hollow_cylinders.items[j], ball.center.x(), ball.center.y(), ball.center.z(),
+                             ball.radius),
+                    false);
+    }
+    for (std::size_t i = 0; i < hollow_cylinders.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const CylinderForm &tube = hollow_cylinders.items[i], &other = hollow_cylinders.items[j];
+            compare(hollow_cylinders.objects[i], hollow_cylinders.objects[j], contains(tube, other),
+                    contains(other, tube));
+        }
+}
+
+template <class IsBeyond>
+void RadialObjects::drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_it) {
+    if (!is_kept(vessel)) return;
+    const auto look = [&](const auto& listed) {
+        for (std::size_t i = 0; i < listed.size(); ++i)
+            if (owner_[listed.objects[i]] != none && is_beyond_it(listed.items[i]))
+                hide(listed.objects[i], " beyond the wall of ", object_title(scene_, vessel));
+    };
+    look(balls);
+    look(planes);
+    look(cylinders);
 }
 
 void RadialObjects::warn(const FormSites& sites, std::vector<std::string>& warnings) const {

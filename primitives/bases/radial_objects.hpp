@@ -86,6 +86,8 @@ public:
     Listed<Ball> balls;
     Listed<HalfSpace> planes;
     Listed<CylinderForm> cylinders;
+    Listed<HollowSphere> hollow_balls;
+    Listed<CylinderForm> hollow_cylinders;
 
     [[noreturn]] void fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const;
 
@@ -104,9 +106,9 @@ public:
     /// Pre: object i is not listed.
     void leave_out_unmet(std::uint32_t i);
 
-    /// Leaves out what lies in other solids, and cylinders beyond planes: never nearer than those, they may
-    /// tie with them along whole curves of the base. `mirrored` are images of a base cylinder in sides of the
-    /// box: on the side, base and image are equally far.
+    /// Leaves out what lies in other solids, cylinders beyond planes, and what lies beyond the wall of a
+    /// vessel: never nearer than those, they may tie with them along whole curves of the base. `mirrored` are
+    /// images of a base cylinder in sides of the box: on the side, base and image are equally far.
     void drop_hidden_and_equal(const std::vector<std::pair<CylinderForm, Site>>& mirrored);
 
     void warn(const FormSites& sites, std::vector<std::string>& warnings) const;
@@ -117,6 +119,9 @@ private:
                         const std::vector<std::array<Exact, 4>>& half_spaces,
                         const std::vector<std::pair<CylinderForm, Site>>& mirrored);
     void drop_if_in_cylinder(std::size_t i, const std::vector<std::pair<CylinderForm, Site>>& mirrored);
+    void drop_wider_vessels();
+    template <class IsBeyond>
+    void drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_it);
 
     const Scene& scene_;
     std::vector<std::uint32_t> owner_;

@@ -68,6 +68,17 @@ bool contains(const CylinderForm& outer, const CylinderForm& inner) {
            is_within_reach(outer, inner.px, inner.py, inner.pz, outer.rho, inner.rho);
 }
 
+bool is_beside(const CylinderForm& cylinder, double cx, double cy, double cz, double rho) {
+    const auto by_interval =
+        within_reach(cylinder, cx, cy, cz, Interval(cylinder.rho) + Interval(rho)).sign();
+    if (by_interval) return *by_interval != Sign::Positive;
+    return within_reach(cylinder, cx, cy, cz, Exact(cylinder.rho) + rho).sign() != Sign::Positive;
+}
+
+bool is_beside(const CylinderForm& cylinder, const CylinderForm& other) {
+    return is_beside(cylinder, other.px, other.py, other.pz, other.rho) && are_parallel(cylinder, other);
+}
+
 bool is_beyond(const std::array<Exact, 4>& plane, const CylinderForm& cylinder) {
     const Vector<Exact> n{plane[0], plane[1], plane[2]};
     if (dot(n, axis<Exact>(cylinder)).sign() != Sign::Zero) return false;

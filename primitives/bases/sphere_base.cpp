@@ -52,6 +52,12 @@ struct SphereFrame {
     LinearHeight height(const WorldSide& side) const {
         return {ExactVector(side.normal()), Exact(), side.distance(center)};
     }
+    // That of the ball with the radius -R, with all signs turned.
+    LinearHeight height(const HollowSphere& vessel) const {
+        const ExactVector way = ExactVector(center) - ExactVector(vessel.center);
+        const Exact reach = Exact(vessel.radius) + radius;
+        return {way, reach, (reach * reach - dot(way, way)).scaled(-1)};
+    }
     LinearHeight cap(double probe) const { return {ExactVector(), 1.0, Exact(radius) + probe}; }
 
     // With P = matrix^T p and N = norm, p.u = (2 P0 x + 2 P1 y + P2 (1 - x^2 - y^2)) / (N W).
@@ -62,14 +68,23 @@ struct SphereFrame {
     }
 
     // C = |c|^2 - delta^2 of cylinder_form.hpp's cylinder, times N^2 to be free of denominators.
-    RadialForm form(const CylinderForm& f) const {
+    RadialForm form(const CylinderForm& f) const { return form(f, Exact(f.rho) - radius, 1.0); }
+    // A vessel is the tube with the radius -rho; C and B are negative then, and turned.
+    RadialForm hollow_form(const CylinderForm& f) const {
+        RadialForm hollow = form(f, -(Exact(f.rho) + radius), -1.0);
+        hollow.is_hollow = true;
+        return hollow;
+    }
+
+private:
+    RadialForm form(const CylinderForm& f, const Exact& delta, const Exact& side) const {
         const ExactVector p = ExactVector(Vec3(f.px, f.py, f.pz)) - ExactVector(center),
                           a(Vec3(f.ax, f.ay, f.az));
-        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - radius;
+        const Exact length2 = dot(a, a), along = dot(p, a);
         const Exact n = rotation.norm, n2 = n * n;
-        const ExactVector b = n * turned(length2 * p - along * a), turned_a = turned(a);
-        return {{n2 * (length2 * (dot(p, p) - delta * delta) - along * along), Exact(), Exact()},
-                n2 * length2 * delta,
+        const ExactVector b = side * n * turned(length2 * p - along * a), turned_a = turned(a);
+        return {{side * n2 * (length2 * (dot(p, p) - delta * delta) - along * along), Exact(), Exact()},
+                side * n2 * length2 * delta,
                 Exact(),
                 {b.x, b.y, b.z},
                 {turned_a.x, turned_a.y, turned_a.z}};
@@ -238,7 +253,7 @@ struct FormSources {
     SphereFrame frame;
     Box box;
     std::vector<Ball> balls;
-    std::vector<ExactForm> planes;
+    std::vector<ExactForm> planes;  // and vessels
     std::optional<double> probe;
     IdVector<FormId, Source> forms;
 
@@ -327,6 +342,28 @@ private:
         objects_.cylinders.add(form, i);
     }
 
+    // Beyond the wall, with all of it, the base would have no bisector.
+    void add(std::uint32_t i, const HollowSphere& vessel) {
+        refuse_probe(i);
+        if (frame_.height(vessel).w.sign() != Sign::Positive) fail_beyond_wall(i);
+        objects_.hollow_balls.add(vessel, i);
+    }
+
+    void add(std::uint32_t i, const HollowCylinder& vessel) {
+        refuse_probe(i);
+        const Vec3 a = scaled_axis(vessel.axis), &p = vessel.point;
+        const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), vessel.radius};
+        if (frame_.hollow_form(form).c[0].sign() != Sign::Positive) fail_beyond_wall(i);
+        objects_.hollow_cylinders.add(form, i);
+    }
+
+    [[noreturn]] void fail_beyond_wall(std::uint32_t i) const {
+        objects_.fail(Kind::TouchesBase, i, "has all of the base beyond its wall");
+    }
+    void refuse_probe(std::uint32_t i) const {
+        if (probe_) objects_.fail(Kind::Unsupported, i, "is a vessel, and with a probe there is none");
+    }
+
     // A ball of the base's radius, mirrored to it by a side of the box, has that side as its bisector.
     void merge_mirrored_balls() {
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
@@ -388,6 +425,20 @@ private:
             nearness.linear.push_back({Vec3::Unit(side.axis) / (side.bound - center[side.axis]), 0});
         }
         if (probe_) nearness.linear.push_back({Vec3::Zero(), 1 / (radius + *probe_)});
+        for (std::size_t i = 0; i < objects_.hollow_balls.size(); ++i) {
+            if (!objects_.is_kept(objects_.hollow_balls.objects[i])) continue;
+            const HollowSphere& vessel = objects_.hollow_balls.items[i];
+            const double scale = 1 / nearest(frame_.height(vessel).w);
+            nearness.linear.push_back({scale * (center - vessel.center), scale * (vessel.radius + radius)});
+        }
+        for (std::size_t i = 0; i < objects_.hollow_cylinders.size(); ++i) {
+            if (!objects_.is_kept(objects_.hollow_cylinders.objects[i])) continue;
+            const CylinderForm& f = objects_.hollow_cylinders.items[i];
+            const Vec3 way = center - Vec3(f.px, f.py, f.pz), axis = Vec3(f.ax, f.ay, f.az).normalized();
+            const double length2 = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
+            nearness.cylindrical.push_back({way - axis * axis.dot(way), axis, f.rho + radius,
+                                            nearest(frame_.hollow_form(f).c[0]) / length2, true});
+        }
         for (std::size_t i = 0; i < objects_.cylinders.size(); ++i) {
             if (!objects_.is_kept(objects_.cylinders.objects[i])) continue;
             const CylinderForm& f = objects_.cylinders.items[i];
@@ -403,6 +454,34 @@ private:
                 "that "
                 "doubles can see");
         frame_.rotation = *rotation;
+        for (std::size_t i = 0; i < objects_.hollow_cylinders.size(); ++i)
+            if (objects_.is_kept(objects_.hollow_cylinders.objects[i]))
+                refuse_tips(objects_.hollow_cylinders.objects[i], nearness);
+    }
+
+    // Where the bisector with a hollow cylinder comes to its axis it has a tip. Nothing later on is made for
+    // one that shows.
+    void refuse_tips(std::uint32_t i, const Nearness& nearness) const {
+        constexpr double margin = 1 + 0x1p-20;  // far more than rounding
+        const CylinderForm& f = objects_.hollow_cylinders.of(i);
+        const Vec3 axis = Vec3(f.ax, f.ay, f.az).normalized(), p = Vec3(f.px, f.py, f.pz) - frame_.center,
+                   foot = p - axis * axis.dot(p);
+        const double reach = f.rho + frame_.radius,
+                     along = std::sqrt((reach - foot.norm()) * (reach + foot.norm()));
+        for (const double side : {-1.0, 1.0}) {
+            const Vec3 u = (foot + side * along * axis) / reach;
+            bool is_hidden = false;
+            for (const auto& h : nearness.linear)
+                is_hidden = is_hidden || (h.p.dot(u) + h.s) * reach > margin;
+            for (const auto& h : nearness.cylindrical)
+                is_hidden = is_hidden || nearness_of(h, u) * reach > margin;
+            if (!is_hidden)
+                objects_.fail(
+                    Kind::Unsupported, i,
+                    "is as near to the base as to its own axis, where no object nor side of the box "
+                    "is nearer: the cell would have a tip at " +
+                        to_text(unit_ * Vec3(frame_.center + reach * u)));
+        }
     }
 
     RadialBaseProblem make_problem() {
@@ -438,6 +517,11 @@ private:
                 sources->planes.push_back(frame_.form(frame_.height(objects_.planes.of(i))));
                 add(site, Plane{plane->point - frame_.center, plane->normal}, rounded(sources->planes.back()),
                     {Kind::Plane, place});
+            } else if (const auto* vessel = std::get_if<HollowSphere>(&scene_.objects[i])) {
+                const auto place = static_cast<std::uint32_t>(sources->planes.size());
+                sources->planes.push_back(frame_.form(frame_.height(*vessel)));
+                add(site, HollowSphere{vessel->center - frame_.center, vessel->radius},
+                    rounded(sources->planes.back()), {Kind::Plane, place});
             }
         }
         for (std::uint32_t s = 0; s < 6; ++s) {
@@ -462,6 +546,14 @@ private:
             found.add(objects_.site(i),
                       Cylinder{cylinder.point - frame_.center, cylinder.axis, cylinder.radius});
             problem.family.radial.push_back(frame_.form(objects_.cylinders.items[k]));
+        }
+        for (std::size_t k = 0; k < objects_.hollow_cylinders.size(); ++k) {
+            const std::uint32_t i = objects_.hollow_cylinders.objects[k];
+            if (!objects_.is_kept(i)) continue;
+            const auto& vessel = std::get<HollowCylinder>(scene_.objects[i]);
+            found.add(objects_.site(i),
+                      HollowCylinder{vessel.point - frame_.center, vessel.axis, vessel.radius});
+            problem.family.radial.push_back(frame_.hollow_form(objects_.hollow_cylinders.items[k]));
         }
         found.add_twins(objects_);
         problem.frame.origin = frame_.center;

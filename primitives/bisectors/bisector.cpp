@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../core/errors.hpp"
 #include "../forms/round_surface.hpp"
 
 namespace vcell {
@@ -79,22 +80,22 @@ Bisector of_plane_and_round(const ExactPlane& plane, bool plane_is_base, const R
 }
 
 struct RoundPair {
-    int side = 1;      // -1: one contains the other
+    int side = 1;      // -1: one contains the other, or is hollow
     Exact difference;  // rho1 - side rho2
     bool is_same = false;
 
-    RoundPair(const RoundSurface& p, const RoundSurface& q) {
+    RoundPair(const RoundSurface& p, const RoundSurface& q, bool is_hollow = false) {
         const bool in_p = p.contains(q), in_q = q.contains(p);
-        is_same = in_p && in_q;
-        side = in_p || in_q ? -1 : 1;
+        is_same = in_p && in_q && !is_hollow;
+        side = in_p || in_q || is_hollow ? -1 : 1;
         difference = p.rho - Exact(static_cast<double>(side)) * q.rho;
     }
 };
 
 // Equal distances: sqrt(A) - side sqrt(B) = difference, where A and B are the squared distances from
 // centres or axes. Squared twice, with a common norm: (A - B + difference^2)^2 = 4 difference^2 A.
-Bisector of_rounds(const RoundSurface& p, const RoundSurface& q) {
-    const RoundPair pair(p, q);
+Bisector of_rounds(const RoundSurface& p, const RoundSurface& q, bool is_hollow = false) {
+    const RoundPair pair(p, q, is_hollow);
     if (pair.is_same) return {};
     const Exact norm = p.norm * q.norm, square = pair.difference * pair.difference;
     const Polynomial3 A = q.norm * p.squared(), B = p.norm * q.squared();
@@ -309,6 +310,9 @@ private:
 Shape shape(const Plane& p) { return {p.point, p.normal.normalized(), 0}; }
 Shape shape(const Sphere& s) { return {s.center, Vec3::Zero(), s.radius}; }
 Shape shape(const Cylinder& c) { return {c.point, c.axis.normalized(), c.radius}; }
+// Those have no patches.
+Shape shape(const HollowSphere& s) { return {s.center, Vec3::Zero(), s.radius}; }
+Shape shape(const HollowCylinder& c) { return {c.point, c.axis.normalized(), c.radius}; }
 
 // Unit normal and offset of the plane a polynomial of degree one describes.
 std::pair<Vec3, double> plane_of(const Polynomial3& f) {
@@ -352,7 +356,28 @@ std::string_view to_string(BisectorKind kind) {
     return "everywhere";
 }
 
+// The distances from the ball's centre and the vessel's centre or axis have the sum of the radii as their
+// sum, as where the one contains the other.
+static Bisector of_ball_in_vessel(const Object& base, const Object& a) {
+    const bool is_base = is_vessel(base);
+    const Object& vessel = is_base ? base : a;
+    const auto* ball = std::get_if<Sphere>(is_base ? &a : &base);
+    if (ball == nullptr)
+        throw InputError(InputError::Kind::Unsupported, InputError::no_object, "",
+                         "a vessel has bisectors with balls alone");
+    const auto* hollow = std::get_if<HollowSphere>(&vessel);
+    const RoundSurface wall = hollow != nullptr
+                                  ? RoundSurface(Sphere{hollow->center, hollow->radius})
+                                  : RoundSurface(Cylinder{std::get<HollowCylinder>(vessel).point,
+                                                          std::get<HollowCylinder>(vessel).axis,
+                                                          std::get<HollowCylinder>(vessel).radius});
+    Bisector b = of_rounds(RoundSurface(*ball), wall, true);
+    b.patch_degree = {0, 0};
+    return b;
+}
+
 Bisector bisector(const Object& base, const Object& a) {
+    if (is_vessel(base) || is_vessel(a)) return of_ball_in_vessel(base, a);
     const auto *p = std::get_if<Plane>(&base), *q = std::get_if<Plane>(&a);
     if (p != nullptr && q != nullptr) return of_planes(ExactPlane(*p), ExactPlane(*q));
     if (p != nullptr) return of_plane_and_round(ExactPlane(*p), true, round_surface(a));

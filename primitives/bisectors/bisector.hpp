@@ -52,6 +52,9 @@ struct Bisector {
     int degree() const { return polynomial.degree(); }
 };
 
+/// Of vessels that with a ball is told, which lies within or overlaps the wall, and has no bisector_patch();
+/// all else throws InputError (Unsupported).
+///
 /// Decided exactly, but for |n| as above: parallel, crossing, concentric, containing are what the doubles
 /// say.
 Bisector bisector(const Object& base, const Object& a);

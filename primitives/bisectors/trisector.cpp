@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "../../core/errors.hpp"
 #include "../forms/round_surface.hpp"
 #include "quadratic_form.hpp"
 
@@ -347,6 +348,9 @@ std::string_view to_string(TrisectorKind kind) {
 
 Trisector trisector(const Object& base, const Object& a, const Object& b) {
     const std::array<const Object*, 3> objects{&base, &a, &b};
+    if (std::ranges::any_of(objects, [](const Object* o) { return is_vessel(*o); }))
+        throw InputError(InputError::Kind::Unsupported, InputError::no_object, "",
+                         "there is a vessel, of which no trisector is told");
     std::vector<RoundCondition> rounds;
     for (const Object* object : objects) {
         if (const auto* s = std::get_if<Sphere>(object)) rounds.push_back({RoundSurface(*s)});

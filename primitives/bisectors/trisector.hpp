@@ -60,8 +60,8 @@ struct Trisector {
 
 /// The curves that contain every point equally far from the three; components without a real point at an
 /// admissible distance are left out (exactly, for lines and conics). Isolated points are no components. Exact
-/// about the doubles, as bisector(): |n| of planes is rounded once where it is irrational. Pre: no two of the
-/// objects are the same.
+/// about the doubles, as bisector(): |n| of planes is rounded once where it is irrational. Throws InputError
+/// (Unsupported) for vessels. Pre: no two of the objects are the same.
 Trisector trisector(const Object& base, const Object& a, const Object& b);
 
 /// The arc of a line or conic between two of its points, as a segment or rational quadratic Bezier curve on

@@ -108,6 +108,13 @@ SphereSite vertex_site(const Sphere& sphere, const Vec3&) { return {to_array(sph
 CylinderSite vertex_site(const Cylinder& tube, const Vec3&) {
     return {to_array(tube.point), to_array(tube.axis), tube.radius};
 }
+// r = R - d is the root of d^2 = (r - R)^2 that is no more than R.
+SphereSite vertex_site(const HollowSphere& vessel, const Vec3&) {
+    return {to_array(vessel.center), -vessel.radius};
+}
+CylinderSite vertex_site(const HollowCylinder& vessel, const Vec3&) {
+    return {to_array(vessel.point), to_array(vessel.axis), -vessel.radius};
+}
 VertexSite vertex_site(const Object& object, const Vec3& inside) {
     return std::visit([&](const auto& o) -> VertexSite { return vertex_site(o, inside); }, object);
 }
@@ -125,8 +132,10 @@ template QuadraticForms<4, Wide> VertexSystem::forms<Wide>() const;
 double VertexSystem::least_clearance() const {
     double least = -std::numeric_limits<double>::infinity();
     for (const VertexSite& site : sites) {
-        if (const auto* s = std::get_if<SphereSite>(&site)) least = std::max(least, -s->radius);
-        if (const auto* c = std::get_if<CylinderSite>(&site)) least = std::max(least, -c->radius);
+        if (const auto* s = std::get_if<SphereSite>(&site); s && s->radius >= 0)
+            least = std::max(least, -s->radius);
+        if (const auto* c = std::get_if<CylinderSite>(&site); c && c->radius >= 0)
+            least = std::max(least, -c->radius);
     }
     return least;
 }

@@ -19,7 +19,7 @@ struct PlaneSite {
 };
 struct SphereSite {
     std::array<double, 3> center;
-    double radius;
+    double radius;  ///< of a hollow sphere negative: r <= -radius is what its distance asks for
 };
 /// All points at distance `radius` from the line point + s direction; the direction need not be unit.
 struct CylinderSite {
@@ -50,6 +50,8 @@ using VertexSite = std::variant<PlaneSite, SphereSite, CylinderSite, BoxSideSite
 PlaneSite vertex_site(const Plane& plane, const Vec3& inside);
 SphereSite vertex_site(const Sphere& sphere, const Vec3& inside);
 CylinderSite vertex_site(const Cylinder& tube, const Vec3& inside);
+SphereSite vertex_site(const HollowSphere& vessel, const Vec3& inside);
+CylinderSite vertex_site(const HollowCylinder& vessel, const Vec3& inside);
 VertexSite vertex_site(const Object& object, const Vec3& inside);
 
 /// The points (x, y, z) with the same distance r from four objects, in the unknowns x, y, z, r:
@@ -67,7 +69,7 @@ struct VertexSystem {
 
     template <class T>
     QuadraticForms<4, T> forms() const;
-    /// max of -rho over spheres and cylinders; -infinity for four planes.
+    /// max of -rho over spheres and cylinders that are not hollow; -infinity where there are none.
     double least_clearance() const;
 };
 

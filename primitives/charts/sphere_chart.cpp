@@ -9,19 +9,23 @@
 
 namespace vcell {
 
-namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double nearness(const Nearness::Cylindrical& f, const Vec3& u) {
+double nearness_of(const Nearness::Cylindrical& f, const Vec3& u) {
     const double beta = f.foot.dot(u) + f.delta, alpha = f.axis.dot(u);
+    if (f.is_hollow) return (beta + std::sqrt(std::max(0.0, beta * beta - f.C * alpha * alpha))) / f.C;
     const double root = std::sqrt(beta * beta + f.C * alpha * alpha);
     return beta >= 0 ? (beta + root) / f.C : alpha * alpha / (root - beta);
 }
 
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 // A bound on |grad Q|: beta changes by |foot| at most, the root, a norm of (beta, sqrt(C) alpha), by
-// |foot| + sqrt(C).
-double slope(const Nearness::Cylindrical& f) { return (2 * f.foot.norm() + std::sqrt(f.C)) / f.C; }
+// |foot| + sqrt(C). Of a hollow one's root the square is a quadratic form of u that nowhere is negative: the
+// root changes by the largest of its coefficients' roots, |foot| + delta, at most.
+double slope(const Nearness::Cylindrical& f) {
+    return (2 * f.foot.norm() + (f.is_hollow ? f.delta : std::sqrt(f.C))) / f.C;
+}
 
 // The disk about pole u in which its nearest object stays the nearest, by the tangent of half its angular
 // radius: all of the diagram's edges lie within 1 / radius of the chart's origin.
@@ -38,7 +42,7 @@ public:
                 linear = i;
             }
         for (std::size_t i = 0; i < n_.cylindrical.size(); ++i)
-            if (const double q = nearness(n_.cylindrical[i], u); q > best) {
+            if (const double q = nearness_of(n_.cylindrical[i], u); q > best) {
                 best = q;
                 cylindrical = i;
             }
@@ -51,7 +55,7 @@ public:
             for (std::size_t i = 0; i < n_.cylindrical.size(); ++i)
                 if (i != cylindrical) {
                     const auto& f = n_.cylindrical[i];
-                    room = std::min(room, 0.5 * (best - nearness(f, u)) / (own + slope(f)));
+                    room = std::min(room, 0.5 * (best - nearness_of(f, u)) / (own + slope(f)));
                 }
             return room;
         }
@@ -59,7 +63,7 @@ public:
         for (std::size_t i = 0; i < n_.linear.size(); ++i)
             if (i != linear) room = std::min(room, room_beside(own, n_.linear[i], u, room));
         for (const auto& f : n_.cylindrical)
-            room = std::min(room, 0.5 * (best - nearness(f, u)) / (own.p.norm() + slope(f)));
+            room = std::min(room, 0.5 * (best - nearness_of(f, u)) / (own.p.norm() + slope(f)));
         return room;
     }
 
@@ -95,7 +99,7 @@ Vec3 nearest_direction(const Nearness& n) {
     }
     // A cylinder comes nearest where its axis does, at (|foot| - delta) / 2.
     for (const auto& f : n.cylindrical) {
-        const double length = f.foot.norm(), q = 2 / (length - f.delta);
+        const double length = f.foot.norm(), q = 2 / std::abs(length - f.delta);
         if (!(q > best)) continue;
         best = q;
         direction = f.foot / length;

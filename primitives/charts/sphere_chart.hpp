@@ -19,13 +19,18 @@ struct Nearness {
     };
     /// Q = (beta + sqrt(beta^2 + C alpha^2)) / C,  beta = foot.u + delta, alpha = axis.u, C = |foot|^2 -
     /// delta^2
+    /// Hollow: - C alpha^2, C = delta^2 - |foot|^2, `foot` being away from the axis and delta > 0.
     struct Cylindrical {
         Vec3 foot, axis;  ///< the axis' point nearest to the centre; its unit direction
         double delta, C;
+        bool is_hollow = false;
     };
     std::vector<Linear> linear;
     std::vector<Cylindrical> cylindrical;
 };
+
+/// Q of one in the direction u, in double.
+double nearness_of(const Nearness::Cylindrical& f, const Vec3& u);
 
 /// The rotation `matrix / norm`; matrix and norm hold integers below 2^51.
 struct IntegerRotation {

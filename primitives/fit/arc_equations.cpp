@@ -3,7 +3,7 @@
 namespace vcell::space_fit {
 
 Equation base_equation(const BaseChart& chart, const Vec3& foot) {
-    if (chart.is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0, false);
+    if (chart.is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0);
     const Vec3 axis = chart.is_sphere() ? Vec3::Zero().eval() : Vec3::UnitY().eval();
     return Equation::round(Vec3::Zero(), axis, chart.radius, chart.radius, foot);
 }
@@ -30,10 +30,15 @@ Equation site_equation(const BaseChart& chart, const Object& site, bool is_wall,
     if (s != nullptr) return Equation::round(s->center, Vec3::Zero(), s->radius, R0, foot);
     if (const Cylinder* c = std::get_if<Cylinder>(&site))
         return Equation::round(c->point, c->axis, c->radius, R0, foot);
+    // What they are away is R less the distance from the centre or the axis.
+    if (const auto* vessel = std::get_if<HollowSphere>(&site))
+        return Equation::round(vessel->center, Vec3::Zero(), vessel->radius, R0, foot, -1).turned();
+    if (const auto* vessel = std::get_if<HollowCylinder>(&site))
+        return Equation::round(vessel->point, vessel->axis, vessel->radius, R0, foot, -1).turned();
     const Plane& plane = std::get<Plane>(site);
     const Vec3 n = plane.normal.normalized();
     const bool inward = !is_wall && n.dot(foot - plane.point) > 0;
-    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, is_wall);
+    return Equation::plane(plane.point, inward ? n : Vec3(-n), R0, is_wall ? 0 : 1);
 }
 
 }  // namespace vcell::space_fit

@@ -93,12 +93,14 @@ struct SpanPolynomials {
 // plane.
 class Equation {
 public:
-    // The distance from a point or an axis is rho + t - R0. `near`: a point of an axis near it is taken.
+    // The distance from a point or an axis is rho + kappa r, r = t - R0: kappa = -1 where one of the object
+    // and the base lies within the other. `near`: a point of an axis near it is taken.
     static Equation round(const Vec3& point, const Vec3& axis, double rho, double base_radius,
-                          const Vec3& near) {
+                          const Vec3& near, double kappa = 1) {
         Equation e;
         e.is_round_ = true;
-        e.delta_ = rho - base_radius;
+        e.kappa_ = kappa;
+        e.delta_ = rho - kappa * base_radius;
         e.point_ = point;
         e.reach_ = point.norm() + (near - point).norm() + rho + base_radius;
         if (axis != Vec3::Zero()) {
@@ -108,19 +110,26 @@ public:
         }
         return e;
     }
+    // The same with the other sign of G: of a vessel, whose distance falls from its centre or axis on.
+    Equation turned() const {
+        Equation e = *this;
+        e.sense_ = -sense_;
+        return e;
+    }
     // One of the planes where two lines that cross in `center` are equally near. blur: bound on what rounding
     // changed about `normal`, and about the center in lengths of what enters G.
     static Equation between(const Vec3& center, const Vec3& normal, double blur) {
-        Equation e = plane(center, normal, 0, true);
+        Equation e = plane(center, normal, 0, 0);
         e.blur_ = blur;
         return e;
     }
-    // The distance along `gradient` (unit) from a point, less t - R0 unless it is a wall.
-    static Equation plane(const Vec3& point, const Vec3& gradient, double base_radius, bool is_wall) {
+    // The distance along `gradient` (unit) from a point, less kappa (t - R0): 0 of a wall, -1 where the base
+    // is seen from within.
+    static Equation plane(const Vec3& point, const Vec3& gradient, double base_radius, double kappa = 1) {
         Equation e;
         e.point_ = point;
         e.axis_ = gradient;
-        e.kappa_ = is_wall ? 0 : 1;
+        e.kappa_ = kappa;
         e.delta_ = -e.kappa_ * base_radius;
         e.reach_ = point.norm() + base_radius;
         return e;
@@ -152,7 +161,7 @@ public:
     // Are both balls, or tubes, so alike at X that their difference turns much less than either?
     static bool are_alike(const Equation& a, const Equation& b, const Vector4d& X) {
         constexpr double share = 0.125;  // only how fast proofs go depends on this
-        if (!a.is_round_ || !b.is_round_) return false;
+        if (!a.is_round_ || !b.is_round_ || a.kappa_ != b.kappa_) return false;
         if ((a.axis_ == Vec3::Zero()) != (b.axis_ == Vec3::Zero())) return false;
         const double da = a.from_axis(X).norm(), db = b.from_axis(X).norm();
         return turn(a, b, X, 0) < share * (1 / da + 1 / db);
@@ -163,7 +172,7 @@ public:
         if (is_paraboloid_)
             return scale_ * (across(X.head<3>() - point_).squaredNorm() + width_ * (behind_ - 2 * X[3]));
         const Vec3 m = X.head<3>() - point_;
-        return (is_round_ ? across(m).norm() : axis_.dot(m)) - (kappa_ * X[3] + delta_);
+        return sense_ * ((is_round_ ? across(m).norm() : axis_.dot(m)) - (kappa_ * X[3] + delta_));
     }
     // The lengths that enter G at X.
     double size(const Vector4d& X) const {
@@ -181,7 +190,7 @@ public:
             return result;
         }
         result << (is_round_ ? across(X.head<3>() - point_).normalized() : axis_), -kappa_;
-        return result;
+        return sense_ * result;
     }
     // How fast G falls along the normal of a base plane where it is linear in z or in t, and in that alone;
     // else 0.
@@ -224,14 +233,14 @@ public:
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
         const double d = m.norm();
-        return (v.squaredNorm() - square(m.dot(v) / d)) / d;
+        return sense_ * (v.squaredNorm() - square(m.dot(v) / d)) / d;
     }
 
     // Bound of |G|.
     double residual(const Vector4d& X) const { return std::abs((*this)(X)) + (rounding + blur_) * size(X); }
     // Step 1 of the certificate: |G| along a span; infinite if it cannot tell. With m = point - foot
-    //     d^2 - (t + delta)^2 = square - 2 m.(p - foot) - 2 delta t + |m|^2 - delta^2
-    //                           (- (axis.(p - point))^2).
+    //     d^2 - (kappa t + delta)^2 = square - 2 m.(p - foot) - 2 kappa delta t + |m|^2 - delta^2
+    //                                 (- (axis.(p - point))^2).
     double residual(const SpanPolynomials& span) const {
         if (pair_) return difference_residual(span);
         const Vec3 m = point_ - span.foot;
@@ -251,7 +260,8 @@ public:
     }
 
     // t where the ray from a foot point f along the unit normal w meets G = 0, by the quadratic of
-    // primitives/forms/radial_form.hpp; whatever it yields where the ray does not.
+    // primitives/forms/radial_form.hpp; whatever it yields where the ray does not. Pre: kappa is -1 of a
+    // vessel only.
     template <class T>
     T distance_along(const std::array<T, 3>& f, const std::array<T, 3>& w) const {
         const std::array<T, 3> m = from_point(f);
@@ -278,7 +288,7 @@ public:
         for (const Interval& x : f) size += x.magnitude();
         const Interval change = Interval::ball(0, (rounding + blur_) * size);
         if (!is_round_) return change / (Interval(kappa_) - dot(axis_, w));
-        return change * (t + Interval(delta_)) / quadratic(m, w).root();
+        return change * (kappa_ < 0 ? Interval(delta_) - t : t + Interval(delta_)) / quadratic(m, w).root();
     }
 
 private:
@@ -300,7 +310,7 @@ private:
                      apart = (b - a).norm() + rounding * (left.size(X) + right.size(X));
         return (tilt + 2 * (apart + tilt * h) / h) / h;
     }
-    // With S = d + t + delta, G S = Q:
+    // With S = d + kappa t + delta, G S = Q:
     //     Q_b - Q_a = (G_b - G_a) (S_b + G_a) + 2 G_a (delta_b - delta_a).
     // The difference of the polynomials has differences of points, axes and radii as factors. What rounding
     // has changed about each object counts as it does at a point; axes are unit vectors but for some 8 u of
@@ -312,7 +322,8 @@ private:
         const Vec3 m = 0.5 * ((a.point_ - span.foot) + (b.point_ - span.foot)), way = b.point_ - a.point_;
         const double grown = b.delta_ - a.delta_, deltas = a.delta_ + b.delta_,
                      size = span.size() + a.reach_ + b.reach_;
-        Bernstein<10> Q = raised<10>(span.linear(-2 * way, -2 * grown, 2 * way.dot(m) - grown * deltas));
+        Bernstein<10> Q =
+            raised<10>(span.linear(-2 * way, -2 * a.kappa_ * grown, 2 * way.dot(m) - grown * deltas));
         double rounded = rounding * size * (way.norm() + std::abs(grown));
         if (a.axis_ != Vec3::Zero()) {
             const Vec3 axis = a.axis_.dot(b.axis_) < 0 ? Vec3(-a.axis_) : a.axis_, tilt = b.axis_ - axis,
@@ -328,40 +339,43 @@ private:
                rounding * (2 * span.size() + a.reach_ + b.reach_);
     }
 
-    // Bounds |d^2 - (t + delta)^2| along a span. What rounding has changed about the object, in its
+    // Bounds |d^2 - (kappa t + delta)^2| along a span. What rounding has changed about the object, in its
     // reach, counts times the distance from it, which may be far less, as all terms are about the span's
     // foot.
     double quadric_bound(const SpanPolynomials& span) const {
         const Vec3 m = point_ - span.foot;
-        Bernstein<10> Q =
-            span.square + raised<10>(span.linear(-2 * m, -2 * delta_, m.squaredNorm() - square(delta_)));
+        Bernstein<10> Q = span.square + raised<10>(span.linear(-2 * m, -2 * kappa_ * delta_,
+                                                               m.squaredNorm() - square(delta_)));
         if (axis_ != Vec3::Zero()) Q = Q - vcell::square(span.linear(axis_, 0, -axis_.dot(m)));
         const double size = span.size() + m.norm() + std::abs(delta_);
         return QuinticNodes::get().largest(Q) + rounding * size * std::max(size, reach_);
     }
-    // Bounds d + t + delta from below where d^2 is within `bound` of (t + delta)^2; 0 if it cannot tell.
+    // Bounds d + kappa t + delta from below where d^2 is within `bound` of (kappa t + delta)^2; 0 if it
+    // cannot tell.
     double least_sum(const SpanPolynomials& span, double bound) const {
-        const double least = span.X[3].smallest_coefficient() + delta_, below = least * least - bound;
+        const double least = (kappa_ > 0 ? span.X[3].smallest_coefficient() : -span.X[3].largest()) + delta_,
+                     below = least * least - bound;
         return least > 0 && below > 0 ? least + std::sqrt(below) : 0;
     }
     Vec3 from_axis(const Vector4d& X) const { return across(X.head<3>() - point_); }
 
-    // C q^2 - 2 beta q - alpha^2 = 0, q = 1 / t.
+    // C q^2 - 2 beta q - alpha2 = 0, q = 1 / t; alpha2 is less than 0 in a vessel.
     template <class T>
     struct Quadratic {
-        T C, beta, alpha;
+        T C, beta, alpha2;
 
         T root() const {
             using std::sqrt;
-            return sqrt(square(beta) + square(alpha) * C);
+            return sqrt(square(beta) + alpha2 * C);
         }
     };
     template <class T>
     Quadratic<T> quadratic(const std::array<T, 3>& m, const std::array<T, 3>& w) const {
         const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
         const T mw = m[0] * w[0] + m[1] * w[1] + m[2] * w[2];
-        return {square(m[0]) + square(m[1]) + square(m[2]) - square(along) - square(delta),
-                along * alpha + delta - mw, alpha};
+        const T C = square(m[0]) + square(m[1]) + square(m[2]) - square(along) - square(delta);
+        if (kappa_ < 0) return {-C, mw + delta - along * alpha, -square(alpha)};
+        return {C, along * alpha + delta - mw, square(alpha)};
     }
     template <class T>
     std::array<T, 3> from_point(const std::array<T, 3>& f) const {
@@ -375,7 +389,7 @@ private:
     }
 
     bool is_round_ = false, is_paraboloid_ = false;
-    double kappa_ = 1;  // of t: 0 of walls, and of differences
+    double kappa_ = 1, sense_ = 1;
     double delta_ = 0;
     double reach_ = 0;
     double blur_ = 0;

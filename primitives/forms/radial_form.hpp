@@ -9,6 +9,10 @@
 ///
 /// ([HE, section 2.2] for any length of axes and normals; a = 0 but for cylinders: then Q = 2 B / C, and Q <=
 /// 0 says never). The nearest object has the largest Q: heights are compared as f = -Q.
+///
+/// A tube seen from within (`is_hollow`) has + A^2 in the place of - A^2, with B > 0 and B^2 >= A^2 C: both
+/// roots are positive, and the larger one is where the ray first comes as near to the wall as to the base.
+/// They are equal where the ray comes to the tube's axis there: the bisector has a tip, as that of a cone.
 #pragma once
 
 #include <array>
@@ -38,6 +42,7 @@ struct RadialForm {
     std::array<Exact, 3> c;  ///< c1 = c2 = 0 over a sphere
     Exact b0, slope;
     std::array<Exact, 3> b, a;
+    bool is_hollow = false;  ///< over a sphere only
 
     bool has_root() const {
         return a[0].sign() != Sign::Zero || a[1].sign() != Sign::Zero || a[2].sign() != Sign::Zero;

@@ -228,7 +228,11 @@ public:
     /// `convert` takes an Exact to T.
     template <class Convert>
     RadialHeight(const RadialForm& form, Convert&& convert, const AxialTips& tips = {})
-        : has_root_(form.has_root()), tips_(tips), b0_(convert(form.b0)), slope_(convert(form.slope)) {
+        : has_root_(form.has_root()),
+          is_hollow_(form.is_hollow),
+          tips_(tips),
+          b0_(convert(form.b0)),
+          slope_(convert(form.slope)) {
         if (const auto own = form.falls_to()) {
             if (const std::optional<double>& y = tips_[*own]) {
                 own_tip_ = own;
@@ -311,6 +315,7 @@ public:
                 if constexpr (order > 1) B.xx += s * A.xx;
             }
         }
+        if (is_hollow_) return hollow_jet<order>(B, A, C);
         // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All
         // of q, s and k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends
         // nothing is lost.
@@ -366,6 +371,45 @@ public:
     }
 
 private:
+    // C f^2 + 2 B f + A^2 = 0 over a sphere, where C is constant: with s = B / R and k = A / R, R^2 = B^2 -
+    // A^2 C,
+    //
+    //     f_u = -(1 + s) B_u / C + k A_u,   R f_uv = B_uv f + A A_uv + D_u D_v,   D_u = k B_u - s A_u,
+    //
+    // as s^2 - 1 = C k^2. Where R may vanish nothing is said but f itself.
+    template <int order>
+    [[gnu::noinline]] static RadialJet<T> hollow_jet(const RadialJet<T>& B, const RadialJet<T>& A,
+                                                     const T& C) {
+        const T A2 = square(A.v);
+        RadialJet<T> f;
+        f.v = -hollow_root_range(B.v, A2, C);
+        if constexpr (order > 0) {
+            const T s = hollow_share(B.v, B.v, A2, C), k = hollow_share(A.v, B.v, A2, C);
+            if (!is_bounded(s) || !is_bounded(k)) {
+                f.x = f.y = f.xx = f.xy = f.yy = T::whole();
+                return f;
+            }
+            const T slope = (T(1.0) + s) / C;
+            f.x = k * A.x - slope * B.x;
+            f.y = k * A.y - slope * B.y;
+            if constexpr (order > 1) {
+                const T R = hollow_root(B.v, A2, C), D_x = k * B.x - s * A.x, D_y = k * B.y - s * A.y;
+                f.xx = (B.xx * f.v + A.v * A.xx + square(D_x)) / R;
+                f.xy = (B.xy * f.v + A.v * A.xy + D_x * D_y) / R;
+                f.yy = (B.yy * f.v + A.v * A.yy + square(D_y)) / R;
+            }
+        }
+        return f;
+    }
+    static bool is_bounded(const T& t) {
+        return t.lower() > T::whole().lower() && t.upper() < T::whole().upper();
+    }
+    // Pre: the root does not vanish.
+    static T hollow_root(const T& B, const T& A2, const T& C) {
+        return hull(sqrt(square(bottom(B)) - top(A2) * top(C)),
+                    sqrt(square(top(B)) - bottom(A2) * bottom(C)));
+    }
+
     static T twice(const T& t) { return t + t; }
     static RadialJet<T> unknown() {
         return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
@@ -426,6 +470,7 @@ private:
     }
 
     bool has_root_;
+    bool is_hollow_ = false;
     AxialTips tips_;
     std::optional<AxialEnd> own_tip_;  // the form's C is linear and falls towards it
     std::array<T, 3> c_, b_, a_;

@@ -50,6 +50,31 @@ T share(const T& p, const T& o) {
                 at(top(p), p.upper() > 0 ? bottom(o) : top(o)));
 }
 
+/// The larger roots of C q^2 - 2 B q + A^2 = 0 over ranges of B > 0, A^2 and C > 0, of which all that are
+/// asked for have B^2 >= A^2 C: q grows with B and falls as A^2 or C grow. Corners of the ranges beyond that
+/// bound it by B / C, which is no more.
+template <class T>
+T hollow_root_range(const T& B, const T& A2, const T& C) {
+    const auto at = [](const T& b, const T& a2, const T& c) {
+        const T square_of_root = square(b) - a2 * c;
+        return square_of_root.upper() > 0 ? (b + sqrt(square_of_root)) / c : b / c;
+    };
+    return hull(at(bottom(B), top(A2), top(C)), at(top(B), bottom(A2), bottom(C)));
+}
+
+/// p / sqrt(B^2 - A2 C) over ranges of p, B > 0, A2 and C; the whole line where the root may vanish.
+template <class T>
+T hollow_share(const T& p, const T& B, const T& A2, const T& C) {
+    const auto at = [](const T& number, const T& b, const T& a2, const T& c) -> T {
+        const T square_of_root = square(b) - a2 * c;
+        if (square_of_root.sign() != Sign::Positive) return T::whole();
+        return number / sqrt(square_of_root);
+    };
+    const auto far = [&](const T& number) { return at(number, bottom(B), top(A2), top(C)); };
+    const auto near = [&](const T& number) { return at(number, top(B), bottom(A2), bottom(C)); };
+    return hull(p.lower() > 0 ? near(bottom(p)) : far(bottom(p)), p.upper() > 0 ? far(top(p)) : near(top(p)));
+}
+
 namespace root_range_detail {
 
 // Two roundings of a sum of products, halved by its root, that root, a sum and a quotient: 4 units of 2^-53,

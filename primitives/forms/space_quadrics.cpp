@@ -56,7 +56,7 @@ Quadric radial_equation(const RadialForm& f, Chart chart) {
     const Linear a{f.a[0], is_cylinder ? Exact() : f.a[1], f.a[2], Exact(), Exact()};
     add_product(q, f.c[2], y, y);
     add_product(q, -2.0 * f.slope, y, a);
-    add_product(q, -1.0, a, a);
+    add_product(q, f.is_hollow ? 1.0 : -1.0, a, a);
     add_product(
         q, 1.0,
         Linear{-2.0 * f.b[0], is_cylinder ? f.c[1] : -2.0 * f.b[1], -2.0 * f.b[2], -2.0 * f.b0, f.c[0]}, one);

@@ -24,6 +24,12 @@ void for_each_length(S& scene, Visit&& visit) {
         } else if (auto* cylinder = std::get_if<Cylinder>(&o)) {
             point(cylinder->point);
             visit(cylinder->radius);
+        } else if (auto* ball = std::get_if<HollowSphere>(&o)) {
+            point(ball->center);
+            visit(ball->radius);
+        } else if (auto* tube = std::get_if<HollowCylinder>(&o)) {
+            point(tube->point);
+            visit(tube->radius);
         }
     };
     object(scene.base);

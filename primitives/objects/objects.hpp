@@ -38,7 +38,29 @@ struct Cylinder {
     friend bool operator==(const Cylinder&, const Cylinder&) = default;
 };
 
-using Object = std::variant<Plane, Sphere, Cylinder>;
+/// A vessel: everything lies in the sphere, and the point x is R - |x - c| away from its wall, less than
+/// nothing beyond it. It competes as an object and is no base.
+struct HollowSphere {
+    Vec3 center = Vec3::Zero();
+    double radius = 1;  ///< > 0
+
+    friend bool operator==(const HollowSphere&, const HollowSphere&) = default;
+};
+
+/// A vessel likewise: the infinite tube seen from within; `axis` need not be unit, must not be zero.
+struct HollowCylinder {
+    Vec3 point = Vec3::Zero();
+    Vec3 axis = Vec3::UnitZ();
+    double radius = 1;  ///< > 0
+
+    friend bool operator==(const HollowCylinder&, const HollowCylinder&) = default;
+};
+
+using Object = std::variant<Plane, Sphere, Cylinder, HollowSphere, HollowCylinder>;
+
+inline bool is_vessel(const Object& object) {
+    return std::holds_alternative<HollowSphere>(object) || std::holds_alternative<HollowCylinder>(object);
+}
 
 /// Axis-parallel box in world coordinates; min < max in every coordinate.
 struct Box {

@@ -19,7 +19,8 @@ constexpr double largest_magnitude = 1e60;
 constexpr double smallest_extent = 1e-60;
 
 const char* type_name(const Object& object) {
-    static constexpr const char* names[] = {"plane", "sphere", "cylinder"};
+    static constexpr const char* names[] = {"plane", "sphere", "cylinder", "hollow_sphere",
+                                            "hollow_cylinder"};
     return names[object.index()];
 }
 
@@ -55,7 +56,11 @@ public:
         const bool is_object = object_ != InputError::no_object;
         const std::string path = is_object ? object_path(scene_, object_) : path_;
         const std::uint32_t number = is_object ? scene_.number(object_) : object_;
-        throw InputError(kind, number, path.empty() ? field : path + "." + field, what);
+        throw InputError(kind, number,
+                         path.empty()    ? field
+                         : field.empty() ? path
+                                         : path + "." + field,
+                         what);
     }
 
     void operator()(const Plane& plane) const {
@@ -70,6 +75,20 @@ public:
         point("point", cylinder.point);
         direction("axis", cylinder.axis);
         radius("radius", cylinder.radius);
+    }
+    // What is as wide as nothing has no inside.
+    void hollow_radius(double r) const {
+        number("radius", r);
+        if (!(r > 0)) fail(Kind::NegativeRadius, "radius", "must be > 0, is " + to_text(r));
+    }
+    void operator()(const HollowSphere& vessel) const {
+        point("center", vessel.center);
+        hollow_radius(vessel.radius);
+    }
+    void operator()(const HollowCylinder& vessel) const {
+        point("point", vessel.point);
+        direction("axis", vessel.axis);
+        hollow_radius(vessel.radius);
     }
     void operator()(const Box& box) const {
         point("min", box.min);
@@ -114,6 +133,9 @@ void validate(const Scene& scene) {
     std::visit(Checker(scene, InputError::no_object, base_path.c_str()), scene.base);
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         std::visit(Checker(scene, static_cast<std::uint32_t>(i), ""), scene.objects[i]);
+    if (is_vessel(scene.base))
+        Checker(scene, InputError::no_object, base_path.c_str())
+            .fail(Kind::Unsupported, "", "is a vessel, which is no base: objects lie in it");
     Checker(scene, InputError::no_object, "box")(scene.box);
     if (scene.base_object) {
         const std::uint32_t i = *scene.base_object;

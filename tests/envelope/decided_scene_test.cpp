@@ -361,7 +361,7 @@ TEST_CASE("cell: a scene far from the origin over a plane has the errors of the 
     const auto move = [&](Object& o) {
         std::visit(
             [&](auto& object) {
-                if constexpr (std::is_same_v<std::decay_t<decltype(object)>, Sphere>)
+                if constexpr (requires { object.center; })
                     object.center += shift;
                 else
                     object.point += shift;

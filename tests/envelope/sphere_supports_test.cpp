@@ -80,9 +80,9 @@ TEST_CASE("sphere supports: heights and gradients lie where they say") {
                     CHECK(gradient[0].upper() >= (p.gx - q.gx).lower());
                     CHECK(gradient[1].lower() <= (p.gy - q.gy).upper());
                     CHECK(gradient[1].upper() >= (p.gy - q.gy).lower());
-                    const auto jet = supports.jet(f, PointNormal(x, y));
-                    const Interval value =
-                        Interval::ball(supports.value(f, PointNormal(x, y)), supports.value_error(f));
+                    const PointNormal at(x, y);
+                    const auto jet = supports.jet(f, at);
+                    const Interval value = Interval::ball(supports.value(f, at), supports.value_error(f, at));
                     CHECK(value.lower() <= p.v.upper());
                     CHECK(value.upper() >= p.v.lower());
                     CHECK(value.radius() < slop);

@@ -1,0 +1,472 @@
+/// Balls in vessels: cells against closed forms and against distances as they are, whole diagrams of them.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/point_query.hpp"
+#include "../../envelope/vertex_refinement.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../envelope/voronoi_diagram.hpp"
+#include "../test_support.hpp"
+
+namespace vcell {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// ---- An oracle that knows distances alone ---------------------------------------------------------------
+
+double away(const Object& object, const Vec3& p) {
+    if (const auto* o = std::get_if<Plane>(&object))
+        return std::abs(o->normal.dot(p - o->point)) / o->normal.norm();
+    if (const auto* o = std::get_if<Sphere>(&object)) return (p - o->center).norm() - o->radius;
+    if (const auto* o = std::get_if<HollowSphere>(&object)) return o->radius - (p - o->center).norm();
+    const auto across = [&](const auto& tube) {
+        return tube.axis.cross(p - tube.point).norm() / tube.axis.norm();
+    };
+    if (const auto* o = std::get_if<HollowCylinder>(&object)) return o->radius - across(*o);
+    const auto& tube = std::get<Cylinder>(object);
+    return across(tube) - tube.radius;
+}
+
+double inside_box(const Box& box, const Vec3& p) {
+    return std::min((p - box.min).minCoeff(), (box.max - p).minCoeff());
+}
+
+// How far the cell of a base ball reaches in a direction from its centre.
+double reach_along(const Scene& scene, const Vec3& u) {
+    const auto& base = std::get<Sphere>(scene.base);
+    double low = 0, high = scene.box.diagonal();
+    for (int i = 0; i < 60; ++i) {
+        const double t = 0.5 * (low + high);
+        const Vec3 p = base.center + t * u;
+        bool is_in = inside_box(scene.box, p) >= 0;
+        for (std::size_t k = 0; k < scene.objects.size(); ++k)
+            is_in = is_in && (!scene.competes(k) || away(scene.objects[k], p) >= t - base.radius);
+        (is_in ? low : high) = t;
+    }
+    return low;
+}
+
+// The volume by a product rule of directions. Creases leave errors of the order of the square of its step.
+double sampled_volume(const Scene& scene, int rows) {
+    double sum = 0;
+    for (int i = 0; i < rows; ++i) {
+        const double z = -1 + 2 * (i + 0.5) / rows, r = std::sqrt(1 - z * z);
+        for (int k = 0; k < 2 * rows; ++k) {
+            const double phi = pi * (k + 0.5) / rows;
+            const double t = reach_along(scene, Vec3(r * std::cos(phi), r * std::sin(phi), z));
+            sum += t * t * t / 3;
+        }
+    }
+    return sum * 2 * pi / rows / rows;
+}
+
+void check_volume(const Scene& scene, const Cell& cell) {
+    CHECK(cell.measures.volume == doctest::Approx(sampled_volume(scene, 60)).epsilon(4e-3));
+}
+
+// Every vertex is as far from all its sites as from the base, every site of a face shows there.
+void check_vertices(const Cell& cell) {
+    const auto& base = std::get<Sphere>(cell.scene.base);
+    for (const CellVertex& v : cell.vertices) {
+        const double slop = 4 * v.error + 1e-13 * cell.scene.box.diagonal();
+        CHECK(std::abs((v.point - base.center).norm() - base.radius - v.radius) <= slop);
+        for (const Site& s : v.sites) {
+            if (!s.is_object()) continue;
+            CHECK(std::abs(away(cell.scene.objects[cell.scene.place(s.index)], v.point) - v.radius) <= slop);
+        }
+        for (std::size_t k = 0; k < cell.scene.objects.size(); ++k)
+            if (cell.scene.competes(k)) CHECK(away(cell.scene.objects[k], v.point) >= v.radius - slop);
+    }
+}
+
+// Owners of rays against distances.
+void check_queries(const Scene& scene, std::mt19937_64& rng, int count) {
+    PointQuery query(scene);
+    const auto& base = std::get<Sphere>(scene.base);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < count; ++i) {
+        const Vec3 u = Vec3(normal(rng), normal(rng), normal(rng)).normalized();
+        const double t = reach_along(scene, u);
+        const auto answer = query(base.center + 0.5 * t * u);
+        REQUIRE(answer);
+        CHECK(answer->inside);
+        CHECK(answer->clearance == doctest::Approx(t - base.radius).epsilon(1e-9).scale(base.radius));
+        if (answer->site && answer->site->is_object())
+            CHECK(away(scene.objects[answer->site->index], base.center + t * u) ==
+                  doctest::Approx(t - base.radius).epsilon(1e-9).scale(base.radius));
+    }
+}
+
+std::set<std::uint32_t> owners(const Cell& cell) { return {cell.neighbors.begin(), cell.neighbors.end()}; }
+
+// ---- Scenes ---------------------------------------------------------------------------------------------
+
+Scene in_sphere(const Sphere& base, const HollowSphere& vessel) {
+    Scene scene;
+    scene.base = base;
+    scene.objects = {vessel};
+    const Vec3 half = Vec3::Constant(1.25 * vessel.radius);
+    scene.box = {vessel.center - half, vessel.center + half};
+    return scene;
+}
+
+// Balls that do not overlap, the first of which is the base, in a vessel, in a box around it.
+Scene packed(std::mt19937_64& rng, const Object& vessel, std::size_t count, const Box& box) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    std::vector<Sphere> balls;
+    for (int tries = 0; balls.size() < count && tries < 20'000; ++tries) {
+        Sphere ball;
+        for (int k = 0; k < 3; ++k) ball.center[k] = std::lerp(box.min[k], box.max[k], unit(rng));
+        ball.radius = 0.1 + 0.1 * unit(rng);
+        if (away(vessel, ball.center) < ball.radius || inside_box(box, ball.center) < ball.radius) continue;
+        if (std::ranges::all_of(balls, [&](const Sphere& o) { return away(o, ball.center) >= ball.radius; }))
+            balls.push_back(ball);
+    }
+    REQUIRE(balls.size() == count);
+    Scene scene;
+    scene.base = balls[0];
+    scene.objects.assign(balls.begin() + 1, balls.end());
+    scene.objects.push_back(vessel);
+    scene.box = box;
+    return scene;
+}
+
+// ---- Spheres --------------------------------------------------------------------------------------------
+
+TEST_CASE("vessels: about a ball in the middle of a sphere the cell is a sphere half-way") {
+    const Scene scene = in_sphere({{1, 2, 3}, 0.5}, {{1, 2, 3}, 3.5});
+    for (const bool patches : {false, true}) {
+        CAPTURE(patches);
+        CellOptions options;
+        options.patches = patches;
+        const Cell cell = voronoi_cell(scene, options);
+        REQUIRE(cell.faces.size() == 1);
+        CHECK(cell.vertices.empty());
+        CHECK(cell.edges.empty());
+        CHECK(cell.neighbors == std::vector<std::uint32_t>{0});
+        const Measures& m = cell.measures;
+        const double t = 2;
+        CHECK(std::abs(m.volume - 4 * pi / 3 * t * t * t) <= m.volume_error + 1e-14);
+        CHECK(std::abs(m.area - 4 * pi * t * t) <= m.area_error + 1e-13);
+        CHECK(m.volume_error < 1e-12);
+        CHECK(m.min_clearance == doctest::Approx(1.5).epsilon(1e-14));
+        CHECK(m.max_clearance == doctest::Approx(1.5).epsilon(1e-14));
+        CHECK_FALSE(m.touches_box);
+        if (!patches) continue;
+        CHECK(cell.faces[0].bisector == "sphere");
+        REQUIRE(cell.faces[0].patches.size() == 2);
+        for (const TrimmedPatch& patch : cell.faces[0].patches)
+            for (const Vec2 uv : {Vec2(0, 0), Vec2(0.5, -0.25), Vec2(-0.7, 0.7)})
+                CHECK((patch.surface.evaluate(uv.x(), uv.y()) - Vec3(1, 2, 3)).norm() ==
+                      doctest::Approx(t).epsilon(1e-14));
+    }
+}
+
+TEST_CASE("vessels: about a ball off the middle the cell is a spheroid") {
+    for (const double off : {1e-3, 0.25, 1.0, 2.5, 2.9}) {
+        CAPTURE(off);
+        const double R = 3, r = 0.125;
+        CellOptions options;
+        options.patches = false;
+        const Cell cell = voronoi_cell(in_sphere({{off, 0, 0}, r}, {{0, 0, 0}, R}), options);
+        REQUIRE(cell.faces.size() == 1);
+        const double a = 0.5 * (R + r), b = 0.5 * std::sqrt((R + r) * (R + r) - off * off), e = off / (2 * a);
+        const Measures& m = cell.measures;
+        CHECK(m.volume == doctest::Approx(4 * pi / 3 * a * b * b).epsilon(1e-13));
+        CHECK(m.area == doctest::Approx(2 * pi * b * (b + a * std::asin(e) / e)).epsilon(1e-13));
+        CHECK(m.min_clearance == doctest::Approx(0.5 * (R - off - r)).epsilon(1e-13));
+        CHECK(m.max_clearance == doctest::Approx(0.5 * (R + off - r)).epsilon(1e-13));
+    }
+}
+
+TEST_CASE("vessels: sides of the box cut the spheroid as closed forms say") {
+    // z <= h cuts the sphere of radius 2 about 0.
+    Scene scene = in_sphere({{0, 0, 0}, 1}, {{0, 0, 0}, 3});
+    const double h = 0.5, t = 2;
+    scene.box.max.z() = h;
+    const Cell cell = voronoi_cell(scene);
+    CHECK(cell.faces.size() == 2);
+    const double cap = pi * (t - h) * (t - h) * (3 * t - (t - h)) / 3;
+    CHECK(std::abs(cell.measures.volume - (4 * pi / 3 * t * t * t - cap)) <=
+          cell.measures.volume_error + 1e-13);
+    CHECK(std::abs(cell.measures.area - 2 * pi * t * (t + h)) <= cell.measures.area_error + 1e-13);
+    CHECK(cell.measures.box_area == doctest::Approx(pi * (t * t - h * h)).epsilon(1e-13));
+    CHECK(cell.measures.max_clearance == doctest::Approx(1).epsilon(1e-14));
+}
+
+TEST_CASE("vessels: random balls in a sphere, against distances alone") {
+    std::mt19937_64 rng(test_seed());
+    const HollowSphere vessel{{0.1, -0.2, 0.05}, 1};
+    for (int round = 0; round < 4 * rounds(); ++round) {
+        CAPTURE(round);
+        const std::size_t count = round % 2 == 0 ? 6 : 40;
+        const Scene scene = packed(rng, vessel, count, {{-1, -1.25, -1}, {1.125, 1, 1.125}});
+        const Cell cell = voronoi_cell(scene);
+        check_volume(scene, cell);
+        check_vertices(cell);
+        check_queries(scene, rng, 100);
+    }
+}
+
+TEST_CASE("vessels: cells of the same balls in another order and place are the same") {
+    std::mt19937_64 rng(test_seed());
+    for (const Object& vessel :
+         {Object(HollowSphere{{0, 0, 0}, 1}), Object(HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1})}) {
+        const Scene scene = packed(rng, vessel, 25, {{-1, -1, -0.75}, {1, 1, 0.75}});
+        const Cell cell = voronoi_cell(scene);
+        Scene other = scene;
+        std::vector<std::uint32_t> order(scene.objects.size());
+        for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::ranges::shuffle(order, rng);
+        const Vec3 way(4, -2, 8);  // exact, but for the last digits of coordinates
+        const auto moved = [&](Object o) {
+            if (auto* x = std::get_if<Sphere>(&o)) x->center += way;
+            if (auto* x = std::get_if<HollowSphere>(&o)) x->center += way;
+            if (auto* x = std::get_if<HollowCylinder>(&o)) x->point += way;
+            return o;
+        };
+        other.base = moved(scene.base);
+        for (std::size_t i = 0; i < order.size(); ++i) other.objects[i] = moved(scene.objects[order[i]]);
+        other.box = {scene.box.min + way, scene.box.max + way};
+        const Cell same = voronoi_cell(other);
+        CHECK(same.vertices.size() == cell.vertices.size());
+        CHECK(same.edges.size() == cell.edges.size());
+        CHECK(same.measures.volume == doctest::Approx(cell.measures.volume).epsilon(1e-10));
+        std::set<std::uint32_t> neighbors;
+        for (const std::uint32_t n : same.neighbors) neighbors.insert(order[n]);
+        CHECK(neighbors == owners(cell));
+    }
+}
+
+TEST_CASE("vessels: ties of small integers are decided") {
+    // Points about a point in a sphere: the wall's bisector is |p| = 3/2, which meets x = 1, y = 1 and the
+    // side z = 1/2 in one vertex.
+    Scene scene = in_sphere({{0, 0, 0}, 0}, {{0, 0, 0}, 3});
+    for (const Vec3& p : {Vec3(2, 0, 0), Vec3(-2, 0, 0), Vec3(0, 2, 0), Vec3(0, -2, 0)})
+        scene.objects.push_back(Sphere{p, 0});
+    scene.box = {{-4, -4, -0.5}, {4, 4, 0.5}};
+    const Cell cell = voronoi_cell(scene);
+    int four = 0;
+    for (const CellVertex& v : cell.vertices) {
+        CHECK(v.radius == doctest::Approx(1.5).epsilon(1e-14));
+        CHECK(v.sites.size() == 4);
+        four += v.sites.size() == 4;
+    }
+    CHECK(four == 8);
+    CHECK(cell.report.decisions.assumed == 0);
+    CHECK(cell.measures.volume == doctest::Approx(4).epsilon(1e-12));  // the wall touches it in its corners
+
+    // Balls that touch the wall from within, and the base.
+    Scene touching = in_sphere({{0, 0, 0}, 1}, {{0, 0, 0}, 3});
+    for (const Vec3& p : {Vec3(2, 0, 0), Vec3(-2, 0, 0), Vec3(0, 2, 0), Vec3(0, -2, 0)})
+        touching.objects.push_back(Sphere{p, 1});
+    const Cell touched = voronoi_cell(touching);
+    CHECK(owners(touched) == std::set<std::uint32_t>{0, 1, 2, 3, 4});
+    check_volume(touching, touched);
+    check_vertices(touched);
+    // A ball that touches the base, the wall and, beyond it, nothing; one beyond the wall is hidden.
+    touching.objects.push_back(Sphere{{0, 0, 5}, 2});
+    const Cell hidden = voronoi_cell(touching);
+    CHECK(hidden.measures.volume == doctest::Approx(touched.measures.volume).epsilon(1e-13));
+    CHECK(owners(hidden) == owners(touched));
+    CHECK_FALSE(hidden.report.warnings.empty());
+}
+
+TEST_CASE("vessels: balls that overlap the wall have cells, those beyond it have none") {
+    const auto cell_at = [](double x) { return voronoi_cell(in_sphere({{x, 0, 0}, 0.5}, {{0, 0, 0}, 2})); };
+    const Cell cell = cell_at(1.75);
+    CHECK(cell.measures.min_clearance == doctest::Approx(0.5 * (2 - 1.75 - 0.5)).epsilon(1e-14));
+    CHECK_NOTHROW(cell_at(2.4375));
+    for (const double x : {2.5, 3.0}) {
+        CAPTURE(x);
+        try {
+            Scene far = in_sphere({{x, 0, 0}, 0.5}, {{0, 0, 0}, 2});
+            far.box.max.x() = 4;
+            voronoi_cell(far);
+            FAIL("has a cell");
+        } catch (const InputError& e) {
+            CHECK(e.kind == InputError::Kind::TouchesBase);
+            CHECK(e.path == "objects[0].hollow_sphere");
+        }
+    }
+}
+
+TEST_CASE("vessels: what is not supported is refused by name") {
+    const auto complaint = [](const Scene& scene, const CellOptions& options = {}) -> std::string {
+        try {
+            voronoi_cell(scene, options);
+        } catch (const InputError& e) {
+            return e.path + " " + std::to_string(static_cast<int>(e.kind));
+        }
+        return "none";
+    };
+    const auto kind = [](InputError::Kind k) { return " " + std::to_string(static_cast<int>(k)); };
+    using Kind = InputError::Kind;
+    Scene scene = in_sphere({{0, 0, 0}, 0.5}, {{0, 0, 0}, 2});
+    Scene plane = scene;
+    plane.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    CHECK(complaint(plane) == "objects[0].hollow_sphere" + kind(Kind::Unsupported));
+    Scene tube = scene;
+    tube.base = Cylinder{{0, 0, 0}, {0, 0, 1}, 0.1};
+    CHECK(complaint(tube) == "objects[0].hollow_sphere" + kind(Kind::Unsupported));
+    Scene base = scene;
+    base.base = HollowSphere{{0, 0, 0}, 2};
+    CHECK(complaint(base) == "base.hollow_sphere" + kind(Kind::Unsupported));
+    Scene flat = scene;
+    flat.objects[0] = HollowSphere{{0, 0, 0}, 0};
+    CHECK(complaint(flat) == "objects[0].hollow_sphere.radius" + kind(Kind::NegativeRadius));
+    flat.objects[0] = HollowCylinder{{0, 0, 0}, {0, 0, 0}, 1};
+    CHECK(complaint(flat) == "objects[0].hollow_cylinder.axis" + kind(Kind::ZeroAxis));
+    CellOptions probe;
+    probe.patches = false;
+    probe.probe = 1;
+    CHECK(complaint(scene, probe) == "objects[0].hollow_sphere" + kind(Kind::Unsupported));
+    // A tip of the bisector, on the tube's axis, shows unless something is nearer.
+    Scene tip = scene;
+    tip.objects[0] = HollowCylinder{{0, 0, 0}, {0, 0, 1}, 2};
+    tip.box = {{-4, -4, -4}, {4, 4, 4}};
+    CHECK(complaint(tip) == "objects[0].hollow_cylinder" + kind(Kind::Unsupported));
+    tip.box = {{-0.25, -0.25, -2}, {4, 4, 2}};
+    CHECK(complaint(tip) == "none");
+    // Without a tip, but all around the axis: no patch is made for that.
+    tip.box = {{-4, -4, -2}, {4, 4, 2}};
+    CHECK_THROWS_AS(voronoi_cell(tip), UndecidedError);
+}
+
+// ---- Tubes ----------------------------------------------------------------------------------------------
+
+TEST_CASE("vessels: a ball on the axis of a tube, between sides of the box") {
+    // r = (D^2 - z^2) / (2 D) from the axis, D the sum of the radii: across the axis the cell is a disc of
+    // that radius without what is beyond x = -b and y = -c.
+    const double D = 2.5, h = 1.5, b = 0.25, c = 0.5;
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 0.5};
+    scene.objects = {HollowCylinder{{0, 0, 7}, {0, 0, 2}, 2}};
+    scene.box = {{-b, -c, -h}, {3, 3, h}};
+    const Cell cell = voronoi_cell(scene);
+    check_volume(scene, cell);
+    check_vertices(cell);
+    const auto disc = [&](double z) {
+        const double r = (D * D - z * z) / (2 * D);
+        const auto strip = [&](double x) {  // of the half disc, between 0 and x
+            return 0.5 * (x * std::sqrt(r * r - x * x) + r * r * std::asin(x / r));
+        };
+        return 0.25 * pi * r * r + strip(b) + strip(c) + b * c;
+    };
+    double volume = 0;  // Simpson's rule
+    constexpr int parts = 400;
+    for (int i = 0; i <= parts; ++i)
+        volume += disc(-h + 2 * h * i / parts) * (i == 0 || i == parts ? 1 : i % 2 == 1 ? 4 : 2);
+    volume *= 2 * h / parts / 3;
+    CHECK(std::abs(cell.measures.volume - volume) <= cell.measures.volume_error + 1e-9);
+    CHECK(cell.measures.volume_error < 1e-6);
+    CHECK(cell.measures.min_clearance == doctest::Approx(b - 0.5).epsilon(1e-12));
+}
+
+TEST_CASE("vessels: random balls in a tube, against distances alone") {
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < 4 * rounds(); ++round) {
+        CAPTURE(round);
+        const HollowCylinder vessel = round % 2 == 0 ? HollowCylinder{{0.05, 0, 3}, {0, 0, -2}, 1}
+                                                     : HollowCylinder{{0.05, 0, 0}, Vec3(0.25, -0.125, 1), 1};
+        const Scene scene = packed(rng, vessel, 30, {{-1.25, -1.25, -0.75}, {1.25, 1.25, 0.75}});
+        const Cell cell = voronoi_cell(scene);
+        check_volume(scene, cell);
+        check_vertices(cell);
+        check_queries(scene, rng, 100);
+    }
+}
+
+TEST_CASE("vessels: vertices at walls are refined as others are") {
+    std::mt19937_64 rng(test_seed());
+    for (const Object& vessel :
+         {Object(HollowSphere{{0, 0, 0}, 1}), Object(HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1})}) {
+        Scene scene = packed(rng, vessel, 25, {{-1, -1, -0.75}, {1, 1, 0.75}});
+        // The ball that is nearest to the wall.
+        const auto nearest = std::ranges::min_element(scene.objects, {}, [&](const Object& o) {
+            const auto* ball = std::get_if<Sphere>(&o);
+            return ball != nullptr ? away(vessel, ball->center) - ball->radius : 1;
+        });
+        std::swap(scene.base, *nearest);
+        const Cell cell = voronoi_cell(scene);
+        const auto wall = static_cast<std::uint32_t>(scene.objects.size() - 1);
+        int refined = 0;
+        for (std::size_t i = 0; i < cell.vertices.size(); ++i) {
+            const auto& sites = cell.vertices[i].sites;
+            if (std::ranges::find(sites, Site::object(wall)) == sites.end()) continue;
+            CHECK(refine(cell, i, 200).has_value());
+            ++refined;
+        }
+        CHECK(refined > 0);
+    }
+}
+
+// ---- Whole diagrams -------------------------------------------------------------------------------------
+
+TEST_CASE("vessels: a silo's diagram fills what is nearer to balls than to walls") {
+    std::mt19937_64 rng(test_seed());
+    const HollowCylinder wall{{0, 0, 0}, {0, 0, 1}, 1};
+    const Scene scene = packed(rng, wall, 60, {{-1.25, -1.25, 0}, {1.25, 1.25, 1.5}});
+    DiagramScene silo;
+    silo.objects = scene.objects;
+    silo.objects.push_back(scene.base);
+    silo.objects.push_back(Plane{{0, 0, 0}, {0, 0, 1}});
+    silo.objects.push_back(Sphere{{1.25, 1.25, 0.5}, 0.125});
+    silo.names.assign(silo.objects.size(), "");
+    silo.names[scene.objects.size() - 1] = "wall";
+    silo.box = {{-1.25, -1.25, -0.25}, {1.25, 1.25, 1.5}};
+    const VoronoiDiagram diagram = voronoi_diagram(silo);
+    double sum = 0, error = 0;
+    std::size_t walls = 0;
+    for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+        const DiagramCell& cell = diagram.cells[i];
+        const bool is_ball = std::holds_alternative<Sphere>(silo.objects[i]);
+        CAPTURE(i);
+        CAPTURE(cell.reason);
+        if (i + 1 == diagram.cells.size()) {
+            CHECK(cell.state == DiagramCell::State::Empty);
+            continue;
+        }
+        CHECK(cell.state == (is_ball ? DiagramCell::State::Computed : DiagramCell::State::Wall));
+        walls += !is_ball;
+        if (!is_ball) continue;
+        sum += cell.volume;
+        error += cell.volume_error;
+    }
+    CHECK(walls == 2);
+    const ContactTable table = contacts(diagram);
+    CHECK(table.faults.empty());
+    const auto wall_number = static_cast<std::uint32_t>(scene.objects.size() - 1);
+    const auto at_wall = std::ranges::count_if(table.contacts, [&](const Contact& c) {
+        return c.first == wall_number || c.second == Site::object(wall_number);
+    });
+    CHECK(at_wall > 10);
+    // The share of random points that are nearer to a ball than to all walls.
+    std::uniform_real_distribution<double> unit(0, 1);
+    const int count = 100'000;
+    int hits = 0;
+    for (int i = 0; i < count; ++i) {
+        Vec3 p;
+        for (int k = 0; k < 3; ++k) p[k] = std::lerp(silo.box.min[k], silo.box.max[k], unit(rng));
+        double ball = 1e9, other = 1e9;
+        for (const Object& o : silo.objects) {
+            double& least = std::holds_alternative<Sphere>(o) ? ball : other;
+            least = std::min(least, away(o, p));
+        }
+        hits += ball < other;
+    }
+    const double box = (silo.box.max - silo.box.min).prod(), share = static_cast<double>(hits) / count;
+    CHECK(std::abs(sum - box * share) < 5 * box * std::sqrt(share * (1 - share) / count) + error);
+}
+
+}  // namespace
+}  // namespace vcell

@@ -1,0 +1,141 @@
+/// Cells of balls in vessels: their files, and what certify() says of them.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <functional>
+#include <sstream>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/check.hpp"
+#include "../../io/files/cell_file.hpp"
+#include "../../io/files/scene_file.hpp"
+#include "../test_support.hpp"
+#include "listing.hpp"
+
+namespace vcell {
+namespace {
+
+// Six balls about one at the wall, in either vessel.
+Scene near_wall(const Object& vessel) {
+    Scene scene;
+    scene.base = Sphere{{1.25, 0.125, 0.0625}, 0.5};
+    scene.objects = {Sphere{{0.5, 1, 0.25}, 0.375},      Sphere{{0.5, -0.75, 0.25}, 0.4375},
+                     Sphere{{0.125, 0.125, 0.125}, 0.5}, Sphere{{1, 0.25, 1.125}, 0.375},
+                     Sphere{{0.875, 0, -1.125}, 0.5},    vessel};
+    scene.names = {"", "", "", "", "", "wall"};
+    scene.box = {{-2.25, -2.25, -2.25}, {2.25, 2.25, 2.25}};
+    return scene;
+}
+
+const Object ball = HollowSphere{{0, 0.0625, 0}, 2};
+const Object tube = HollowCylinder{{0, 0, 0.5}, {0.125, 0, 1}, 2};
+
+// Three balls about one in a sphere.
+Scene in_sphere() {
+    Scene scene;
+    scene.base = Sphere{{0.75, 0.5, 0.25}, 0.5};
+    scene.objects = {Sphere{{-0.75, 0.5, 0.25}, 0.5}, Sphere{{0.25, -0.75, 0.5}, 0.375},
+                     Sphere{{0, 0.25, -1.25}, 0.25}, HollowSphere{{0, 0, 0}, 2}};
+    scene.box = {{-2.5, -2.5, -2.5}, {2.5, 2.5, 2.5}};
+    return scene;
+}
+
+bool is_refuted(const Certificate& c, const std::string& where) {
+    return std::ranges::any_of(c.elements, [&](const Element& e) {
+        return e.verdict == Verdict::refuted && e.where.starts_with(where);
+    });
+}
+
+TEST_CASE("vessel cells: scenes and cells survive their files") {
+    for (const Object& vessel : {ball, tube}) {
+        const Scene scene = near_wall(vessel);
+        std::ostringstream out;
+        write_scene(out, scene);
+        const Scene read = parse_scene(out.str());
+        CHECK(read.objects == scene.objects);
+        CHECK(read.names == scene.names);
+        std::ostringstream again;
+        write_scene(again, read);
+        CHECK(again.str() == out.str());
+    }
+    const auto path_of = [](const std::string& object) -> std::string {
+        try {
+            parse_scene(
+                R"({"vcell": 1, "base": {"sphere": {"center": [0, 0, 0], "radius": 1}}, "objects": [)" +
+                object + R"(], "box": {"min": [-3, -3, -3], "max": [3, 3, 3]}})");
+        } catch (const InputError& e) {
+            return e.path;
+        }
+        return "";
+    };
+    CHECK(path_of(R"({"hollow_sphere": {"center": [0, 0, 0], "radius": 2}})").empty());
+    CHECK(path_of(R"({"hollow_sphere": {"center": [0, 0, 0], "radius": -2}})") ==
+          "objects[0].hollow_sphere.radius");
+    CHECK(path_of(R"({"hollow_sphere": {"center": [0, 0, 0], "axis": [0, 0, 1], "radius": 2}})") ==
+          "objects[0].hollow_sphere.axis");
+    CHECK(path_of(R"({"hollow_cylinder": {"point": [0, 0, 0], "axis": [0, 0, 0], "radius": 2}})") ==
+          "objects[0].hollow_cylinder.axis");
+}
+
+TEST_CASE("vessel cells: certified, and refuted where they are damaged") {
+    for (const Scene& scene : {in_sphere(), near_wall(tube)}) {
+        const auto number_of_wall = static_cast<std::uint32_t>(scene.objects.size() - 1);
+        CAPTURE(scene.objects.back().index());
+        const Cell cell = voronoi_cell(scene);
+        const Site wall = Site::object(number_of_wall);
+        REQUIRE(std::ranges::any_of(cell.faces, [&](const CellFace& f) { return f.site == wall; }));
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.holds(), listing(good));
+
+        const auto expect = [&](const std::string& where, const std::function<void(Cell&)>& damage) {
+            Cell bad = cell;
+            damage(bad);
+            const Certificate c = certify(bad);
+            CHECK_MESSAGE(is_refuted(c, where), "expected ", where, ", found\n", listing(c));
+        };
+        // A wall that is as wide as a hair more.
+        const auto widen = [](Cell& bad, double by) {
+            if (auto* o = std::get_if<HollowSphere>(&bad.scene.objects.back())) o->radius += by;
+            if (auto* o = std::get_if<HollowCylinder>(&bad.scene.objects.back())) o->radius += by;
+        };
+        expect("vertices", [&](Cell& bad) { widen(bad, 1e-6); });
+        // One that comes in where the cell is.
+        expect("faces", [&](Cell& bad) { widen(bad, -0.0625); });
+        const auto at_wall = std::ranges::find_if(cell.vertices, [&](const CellVertex& v) {
+            return std::ranges::find(v.sites, wall) != v.sites.end();
+        });
+        REQUIRE(at_wall != cell.vertices.end());
+        const auto number = static_cast<std::size_t>(at_wall - cell.vertices.begin());
+        expect("vertices[" + std::to_string(number),
+               [&](Cell& bad) { bad.vertices[number].point.x() += 1e-7; });
+        const auto face = std::ranges::find_if(cell.faces, [&](const CellFace& f) { return f.site == wall; });
+        const auto at = static_cast<std::size_t>(face - cell.faces.begin());
+        expect("faces[" + std::to_string(at),
+               [&](Cell& bad) { bad.faces[at].patches[0].surface.points[0].x() += 1e-3; });
+        expect("faces[" + std::to_string(at), [&](Cell& bad) { bad.faces[at].bisector = "hyperboloid"; });
+        expect("measures.volume", [](Cell& bad) { bad.measures.volume *= 1 + 1e-4; });
+    }
+}
+
+TEST_CASE("vessel cells: where a wall's face reaches far around the base nothing is refuted") {
+    const Certificate c = certify(voronoi_cell(near_wall(ball)));
+    CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
+    CHECK(c.count(Verdict::open) <= 3);
+}
+
+TEST_CASE("vessel cells: one that is all of a sphere or of a spheroid is not refuted") {
+    for (const double off : {0.0, 0.5}) {
+        CAPTURE(off);
+        Scene scene;
+        scene.base = Sphere{{off, 0, 0}, 0.5};
+        scene.objects = {HollowSphere{{0, 0, 0}, 2}};
+        scene.box = {{-3, -3, -3}, {3, 3, 3}};
+        const Certificate c = certify(voronoi_cell(scene));
+        CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
+        CHECK(c.count(Verdict::proved) > 0);
+    }
+}
+
+}  // namespace
+}  // namespace vcell
