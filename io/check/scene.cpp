@@ -314,7 +314,9 @@ double SceneGeometry::brute_height(const Ray& ray) const {
     double t = HUGE_VAL;
     for (std::uint32_t s = 0; s < 6; ++s)
         if (const double v = speed(s, ray.direction); v > 0)
-            t = std::min(t, std::max(0.0, inside_side(s, ray.foot)) / v);
+            // A body may reach beyond a side: there the ray has left the box before the base's surface.
+            t = std::min(t,
+                         (plane_ ? std::max(0.0, inside_side(s, ray.foot)) : inside_side(s, ray.foot)) / v);
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
         const Object& o = scene_.objects[i];
         if (!scene_.competes(i)) continue;

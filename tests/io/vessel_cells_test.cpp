@@ -124,6 +124,12 @@ TEST_CASE("vessel cells: where a wall's face reaches far around the base nothing
     CHECK(c.count(Verdict::open) <= 3);
 }
 
+// Rays that have left the box within the base's body were taken to reach its surface.
+TEST_CASE("vessel cells: a base that reaches beyond a side of the box is not refuted") {
+    const Certificate c = certify(voronoi_cell(read_scene(test_data("ball_beyond_side_in_vessel.json"))));
+    CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
+}
+
 TEST_CASE("vessel cells: one that is all of a sphere or of a spheroid is not refuted") {
     for (const double off : {0.0, 0.5}) {
         CAPTURE(off);
