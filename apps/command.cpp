@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "../io/files/text.hpp"
+#include "../io/pictures/page.hpp"
 
 namespace vcell {
 
@@ -17,6 +18,13 @@ Status report_assumed(std::uint64_t assumed) {
     if (assumed == 0) return done;
     warn(fmt::format("{} coincidences could not be decided and were taken for granted", assumed));
     return undecided;
+}
+
+void require_pages(const std::string& target) {
+    if (!has_pages())
+        throw UsageError(fmt::format(
+            "{}: this program was built without three.js and writes no pages (Debian's package is libjs-three)",
+            target == "-" ? "html" : target));
 }
 
 std::string number_complaint(const std::string& text) {
@@ -31,6 +39,21 @@ std::string count_complaint(const std::string& text) {
     return digits && text.size() < 10 && std::stoul(text) > 0
                ? ""
                : fmt::format("must be a number from 1 to 999999999, is {}", printable(text));
+}
+
+std::optional<Chord> to_chord(std::string_view text) {
+    const bool is_relative = text.ends_with('%');
+    if (is_relative) text.remove_suffix(1);
+    const std::optional<double> value = to_double(text);
+    if (!value || !std::isfinite(*value) || !(*value > 0)) return std::nullopt;
+    return Chord{is_relative ? *value / 100 : *value, is_relative};
+}
+
+std::string chord_complaint(const std::string& text) {
+    return to_chord(text)
+               ? ""
+               : fmt::format("must be a length above 0 or a percentage of the cell's diagonal, is {}",
+                             printable(text));
 }
 
 }  // namespace vcell

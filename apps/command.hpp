@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "../core/errors.hpp"
 
@@ -18,6 +20,9 @@ void warn(const std::string& text);
 struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
+
+/// Throws UsageError where the program was built without what pages are made of.
+void require_pages(const std::string& target);
 
 /// f(), whose complaints about a file's contents name the file: `name` instead of standard input.
 template <class F>
@@ -39,8 +44,16 @@ auto about_file(const std::string& path, const char* name, F f) {
 /// Whether every question was decided; a warning where coincidences were taken for granted.
 Status report_assumed(std::uint64_t assumed);
 
+/// A length, or in percent of the cell's diagonal: "0.01", "0.1%".
+struct Chord {
+    double value = 0;
+    bool is_relative = false;
+};
+std::optional<Chord> to_chord(std::string_view text);
+
 // The option parser asks these before it converts: an empty answer is consent.
 std::string number_complaint(const std::string& text);
 std::string count_complaint(const std::string& text);
+std::string chord_complaint(const std::string& text);
 
 }  // namespace vcell

@@ -18,6 +18,7 @@
 #include "../io/files/text.hpp"
 #include "../io/pictures/diagram_pictures.hpp"
 #include "../io/pictures/mesh_formats.hpp"
+#include "../io/pictures/page.hpp"
 #include "progress.hpp"
 
 namespace vcell {
@@ -49,6 +50,7 @@ struct DiagramPicture {
     std::optional<DiagramObj> obj;
     std::optional<LabelledMesh> mesh;
     std::optional<DiagramCut> cut;
+    std::optional<DiagramPage> page;
 
     void begin(const DiagramScene& scene) {
         if (format == "json")
@@ -57,17 +59,21 @@ struct DiagramPicture {
             cut.emplace(scene, plane->first, plane->second);
         else if (format == "obj")
             obj.emplace(file->stream(), material_file);
+        else if (format == "html")
+            page.emplace(file->stream(), scene);
         else
             mesh.emplace();
     }
     void add(std::uint32_t object, const Cell& cell, const CellMesh& of_cell) {
         if (cut) cut->add(object, cell, of_cell);
         if (obj) obj->add(object, cell, of_cell);
+        if (page) page->add(object, cell, of_cell);
         if (mesh) mesh->add(static_cast<std::int32_t>(object), cell, of_cell);
     }
     void end() {
         if (text) text->finish();
         if (cut) cut->write(file->stream());
+        if (page) page->finish();
         if (mesh) write_mesh(file->stream(), format, *mesh);
         if (materials != nullptr) DiagramObj::write_mtl(materials->stream());
     }
@@ -89,7 +95,8 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_
         .add_option(
             "-o,--output", outputs_,
-            "mesh of all cells, .obj (with .mtl), .stl, .ply or .vtu, or a cut through them, .svg; may be repeated")
+            "mesh of all cells, .obj (with .mtl), .stl, .ply or .vtu, a page to look at them, .html, or a cut "
+            "through them, .svg; may be repeated")
         ->allow_extra_args(false)
         ->type_name("FILE");
     command_.add_option("--cut", cut_, "the plane of an .svg: x, y or z = a coordinate")
@@ -148,9 +155,11 @@ static DiagramPicture open_picture(const std::string& name, const std::string& p
     } else if (ending == ".svg") {
         if (plane.empty()) throw UsageError(fmt::format("{}: a picture takes a plane, --cut z=VALUE", name));
         picture.plane = {plane[0] - 'x', *to_double(plane.substr(plane[2] == '+' ? 3 : 2))};
+    } else if (ending == ".html") {
+        require_pages(name);
     } else if (ending != ".json" && ending != ".stl" && ending != ".ply" && ending != ".vtu") {
         throw UsageError(
-            fmt::format("{}: an output must end in .json, .obj, .stl, .ply, .vtu or .svg", name));
+            fmt::format("{}: an output must end in .json, .obj, .stl, .ply, .vtu, .html or .svg", name));
     }
     return picture;
 }

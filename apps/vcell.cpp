@@ -38,6 +38,7 @@ constexpr const char* program_help = R"(The Voronoi cell of a base object among 
 constexpr const char* program_footer = R"(
 Examples:
   vcell compute scene.json -o cell.json -o diagram.svg -o cell.obj
+  vcell compute scene.json -o cell.html
   vcell compute balls.xyzr --base-plane 0 0 0 0 0 1 -o cell.json
   vcell query scene.json points.txt
   vcell measure scene.json
@@ -58,25 +59,6 @@ std::string ball_complaint(const std::string& text) {
     return digits && text.size() < 10
                ? ""
                : fmt::format("must be the number of a ball, counted from 0, is {}", printable(text));
-}
-
-/// A length, or in percent of the cell's diagonal: "0.01", "0.1%".
-struct Chord {
-    double value = 0;
-    bool is_relative = false;
-};
-std::optional<Chord> to_chord(std::string_view text) {
-    const bool is_relative = text.ends_with('%');
-    if (is_relative) text.remove_suffix(1);
-    const std::optional<double> value = to_double(text);
-    if (!value || !std::isfinite(*value) || !(*value > 0)) return std::nullopt;
-    return Chord{is_relative ? *value / 100 : *value, is_relative};
-}
-std::string chord_complaint(const std::string& text) {
-    return to_chord(text)
-               ? ""
-               : fmt::format("must be a length above 0 or a percentage of the cell's diagonal, is {}",
-                             printable(text));
 }
 
 // ---- Scenes --------------------------------------------------------------------------------------
@@ -160,14 +142,15 @@ public:
         command_
             .add_option(
                 "-o,--output", outputs_,
-                "output file, .json, .svg, .obj (with .mtl), .stl, .ply, .vtu, .step or .itd; may be repeated")
+                "output file, .json, .svg, .html (a page to look at), .obj (with .mtl), .stl, .ply, .vtu, .step or "
+                ".itd; may be repeated")
             ->required()
             ->allow_extra_args(false)
             ->type_name("FILE");
         command_
             .add_option("--format", format_,
-                        "format of standard output: json, svg, obj, stl, ply, vtu, step or itd")
-            ->check(CLI::IsMember({"json", "svg", "obj", "stl", "ply", "vtu", "step", "itd"}))
+                        "format of standard output: json, svg, html, obj, stl, ply, vtu, step or itd")
+            ->check(CLI::IsMember({"json", "svg", "html", "obj", "stl", "ply", "vtu", "step", "itd"}))
             ->capture_default_str();
         command_
             .add_option(
@@ -205,7 +188,7 @@ public:
                 "oblique tubes can be completed");
         std::optional<CellMesh> mesh;
         for (const auto& out : files_) {
-            if (is_mesh(out->format) && !mesh) mesh = mesh_of(cell);
+            if (takes_mesh(out->format) && !mesh) mesh = mesh_of(cell);
             write(*out, cell, mesh);
         }
         for (const auto& out : files_) out->file.close();
@@ -220,8 +203,8 @@ private:
         std::string material_file;
     };
 
-    static bool is_mesh(const std::string& format) {
-        return format == "obj" || format == "stl" || format == "ply" || format == "vtu";
+    static bool takes_mesh(const std::string& format) {
+        return format == "obj" || format == "stl" || format == "ply" || format == "vtu" || format == "html";
     }
 
     void add(const std::string& target) {
@@ -234,10 +217,12 @@ private:
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
             if (!format.empty()) format.erase(0, 1);
             if (format != "json" && format != "svg" && format != "itd" && format != "step" &&
-                !is_mesh(format))
+                !takes_mesh(format))
                 throw UsageError(fmt::format(
-                    "{}: an output must end in .json, .svg, .obj, .stl, .ply, .vtu, .step or .itd", target));
+                    "{}: an output must end in .json, .svg, .html, .obj, .stl, .ply, .vtu, .step or .itd",
+                    target));
         }
+        if (format == "html") require_pages(target);
         if (format == "obj" && target != "-") {
             const fs::path beside = fs::path(target).replace_extension(".mtl");
             material_file = beside.filename().string();
@@ -271,8 +256,9 @@ private:
         if (out.format == "itd") write_itd(stream, cell);
         if (out.format == "step") write_step(stream, cell);
         if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);
+        if (out.format == "html") write_page(stream, cell, *mesh);
         if (out.format == "mtl") write_mtl(stream, cell);
-        if (out.format == "obj" || !is_mesh(out.format)) return;
+        if (out.format == "obj" || out.format == "html" || !takes_mesh(out.format)) return;
         LabelledMesh labelled;
         const auto base = cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1;
         labelled.add(base, cell, *mesh);

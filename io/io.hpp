@@ -15,4 +15,5 @@
 #include "pictures/mesh.hpp"
 #include "pictures/mesh_formats.hpp"
 #include "pictures/obj.hpp"
+#include "pictures/page.hpp"
 #include "pictures/svg.hpp"

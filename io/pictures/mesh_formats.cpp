@@ -2,49 +2,19 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <ostream>
-#include <string>
 #include <string_view>
 
 #include "../../envelope/object_distance.hpp"
+#include "bytes.hpp"
 
 namespace vcell {
 
 namespace {
 
-// Bytes in little endian, whatever the machine's order is.
-class Bytes {
-public:
-    template <class T>
-    void add(T value) {
-        std::array<char, sizeof(T)> bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
-        if constexpr (std::endian::native == std::endian::big) std::ranges::reverse(bytes);
-        text_.append(bytes.data(), bytes.size());
-    }
-    const std::string& text() const { return text_; }
-    void write(std::ostream& out) const {
-        out.write(text_.data(), static_cast<std::streamsize>(text_.size()));
-    }
-
-private:
-    std::string text_;
-};
-
-void write_base64(std::ostream& out, std::string_view bytes) {
-    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve(4 * (bytes.size() / 3 + 1));
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-        std::uint32_t word = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            word = word << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-        for (std::size_t k = 0; k < 4; ++k) text += k <= count ? digits[word >> (18 - 6 * k) & 63U] : '=';
-    }
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+void write(std::ostream& out, const Bytes& data) {
+    out.write(data.text().data(), static_cast<std::streamsize>(data.text().size()));
 }
 
 // An array of a .vtu: before its bytes goes their number.
@@ -54,8 +24,7 @@ void write_array(std::ostream& out, std::string_view attributes, std::size_t byt
     data.add(static_cast<std::uint64_t>(bytes));
     fill(data);
     out << "<DataArray " << attributes << " format=\"binary\">\n";
-    write_base64(out, data.text());
-    out << "\n</DataArray>\n";
+    out << base64(data.text()) << "\n</DataArray>\n";
 }
 template <class T>
 void write_array(std::ostream& out, std::string_view attributes, const std::vector<T>& values) {
@@ -103,7 +72,7 @@ void write_stl(std::ostream& out, const LabelledMesh& mesh) {
         for (const Vec3* p : {&a, &b, &c}) add(*p);
         data.add(std::uint16_t{0});
     }
-    data.write(out);
+    write(out, data);
 }
 
 void write_ply(std::ostream& out, const LabelledMesh& mesh) {
@@ -123,7 +92,7 @@ void write_ply(std::ostream& out, const LabelledMesh& mesh) {
         data.add(mesh.cell[t]);
         data.add(mesh.neighbor[t]);
     }
-    data.write(out);
+    write(out, data);
 }
 
 void write_vtu(std::ostream& out, const LabelledMesh& mesh) {
