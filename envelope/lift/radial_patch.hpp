@@ -34,11 +34,11 @@
 /// S = c + v d + (|c|^2 - delta^2 + v^2) n / (-2 (c.n + delta W)), (2, 2). The bisector is met where c.n <
 /// -delta W, an interval about 0: no pole comes near.
 ///
-/// *Vessels over a sphere base.* Ellipsoids are Stereographic, but about `middle`: that direction's opposite is
-/// the only one that a patch lacks. Their weights are positive all over, those of control points over a wide
-/// rectangle in a higher degree only, which patch() then has. Hollow cylinders are AboutObject with delta = R +
-/// R0, and u = 0 in the direction from their axis to the face; the weight is positive all around, and the pole
-/// is where the face would reach around the axis.
+/// *Vessels over a sphere base.* Ellipsoids are Stereographic, but about `middle`: that direction's opposite
+/// is the only one that a patch lacks. Their weights are positive all over, those of control points over a
+/// wide rectangle in a higher degree only, which patch() then has. Hollow cylinders are AboutObject with
+/// delta = R + R0, and u = 0 in the direction from their axis to the face; the weight is positive all around,
+/// and the pole is where the face would reach around the axis.
 ///
 /// *AboutBase.* Everything else over a cylinder base: u is the tangent of half the angle about the base's
 /// axis, counted from a direction of choice; v = y for spheres (2, 2), planes and parallel cylinders (2, 1).

@@ -3,7 +3,7 @@
 
 #include <pybind11/stl.h>
 
-#include "../../primitives/bisectors/trisector.hpp"
+#include "../../envelope/trisector/trisector_curves.hpp"
 #include "arrays.hpp"
 #include "binding.hpp"
 
@@ -78,7 +78,8 @@ std::array<Doubles, 2> parameters_of(py::handle u, py::handle v) {
 }
 
 void bind_trisectors(py::module_& m) {
-    py::class_<TrisectorCurve>(m, "TrisectorCurve", "A connected part of a trisector within a box.")
+    py::class_<TrisectorCurve>(m, "TrisectorCurve",
+                               "A connected part of a trisector within a box, cut at nodes.")
         .def_property_readonly(
             "kind", [](const TrisectorCurve& c) { return std::string(to_string(c.kind)); },
             "\"line\", \"circle\", \"ellipse\", \"parabola\", \"hyperbola\" or \"spline\".")
@@ -86,19 +87,9 @@ void bind_trisectors(py::module_& m) {
         .def_property_readonly(
             "arcs", [](py::object self) { return references(self.cast<const TrisectorCurve&>().arcs, self); },
             "A list of Curve3, each of which begins where the one before ends.")
-        .def_readonly(
-            "error", &TrisectorCurve::error,
-            "Of splines: a bound on their distance from the trisector and its from them; infinite where "
-            "nothing is proved.")
+        .def_readonly("error", &TrisectorCurve::error,
+                      "A bound on the arcs' distance from this part of the trisector, and on its from them.")
         .def_readonly("is_closed", &TrisectorCurve::is_closed);
-    py::class_<TrisectorCurves>(m, "TrisectorCurves", "All of a trisector within a box.")
-        .def_property_readonly(
-            "curves",
-            [](py::object self) { return references(self.cast<const TrisectorCurves&>().curves, self); },
-            "A list of TrisectorCurve.")
-        .def_property_readonly(
-            "undecided", [](const TrisectorCurves& t) { return t.undecided; },
-            "Boxes in which nothing is proved: around nodes, and where a curve touches a side.");
     m.def(
         "trisector",
         [](const Object& base, const Object& a, const Object& b, py::handle given, double tolerance) {
@@ -111,8 +102,8 @@ void bind_trisectors(py::module_& m) {
             return trisector(base, a, b, within, tolerance);
         },
         py::arg("base"), py::arg("a"), py::arg("b"), py::kw_only(), py::arg("box"), py::arg("tolerance"),
-        "All points of a box that are equally far from three objects, as curves: lines and conics exact, splines "
-        "within `tolerance`, a length. A base plane is seen from the side that its normal points to.");
+        "All points of a box that are equally far from three objects, as a list of TrisectorCurve: lines and conics "
+        "exact, splines within `tolerance`, a length. A base plane is seen from the side that its normal points to.");
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ const char* name_of(DiagramCell::State state) {
         case DiagramCell::State::Empty: return "empty";
         case DiagramCell::State::Undecided: return "undecided";
         case DiagramCell::State::Refused: return "refused";
+        case DiagramCell::State::Wall: return "wall";
     }
     return "";
 }

@@ -37,9 +37,11 @@ std::vector<Object> objects_of(const py::object& given) {
         return objects;
     }
     for (const py::handle item : given) {
-        if (!py::isinstance<Plane>(item) && !py::isinstance<Sphere>(item) && !py::isinstance<Cylinder>(item))
+        if (!py::isinstance<Plane>(item) && !py::isinstance<Sphere>(item) &&
+            !py::isinstance<Cylinder>(item) && !py::isinstance<HollowSphere>(item) &&
+            !py::isinstance<HollowCylinder>(item))
             throw py::type_error("objects[" + std::to_string(objects.size()) +
-                                 "]: must be a Plane, a Sphere or a Cylinder, is " +
+                                 "]: must be a Plane, a Sphere, a Cylinder or a vessel, is " +
                                  std::string(py::repr(item)));
         objects.push_back(item.cast<Object>());
     }
@@ -67,6 +69,41 @@ BallFileOptions file_options(std::optional<std::size_t> frame, std::map<std::str
     return options;
 }
 
+template <class Ball, class Radius>
+void bind_round(py::module_& m, const char* name, const char* doc, const Radius& radius) {
+    py::class_<Ball>(m, name, doc)
+        .def(py::init([](py::handle center, double r) {
+                 return Ball{vec3(center, "center"), r};
+             }),
+             py::arg("center"), radius)
+        .def_property_readonly(
+            "center", [](const Ball& s) { return array_of(s.center); }, "Shape (3,).")
+        .def_readonly("radius", &Ball::radius)
+        .def("__eq__", equal<Ball>())
+        .def("__repr__", [name](const Ball& s) {
+            return std::string(name) + "(center=" + text_of(s.center) + ", radius=" + text_of(s.radius) + ")";
+        });
+}
+
+template <class Tube, class Radius>
+void bind_tube(py::module_& m, const char* name, const char* doc, const Radius& radius) {
+    py::class_<Tube>(m, name, doc)
+        .def(py::init([](py::handle point, py::handle axis, double r) {
+                 return Tube{vec3(point, "point"), vec3(axis, "axis"), r};
+             }),
+             py::arg("point"), py::arg("axis"), radius)
+        .def_property_readonly(
+            "point", [](const Tube& c) { return array_of(c.point); }, "Shape (3,).")
+        .def_property_readonly(
+            "axis", [](const Tube& c) { return array_of(c.axis); }, "Shape (3,).")
+        .def_readonly("radius", &Tube::radius)
+        .def("__eq__", equal<Tube>())
+        .def("__repr__", [name](const Tube& c) {
+            return std::string(name) + "(point=" + text_of(c.point) + ", axis=" + text_of(c.axis) +
+                   ", radius=" + text_of(c.radius) + ")";
+        });
+}
+
 void bind_objects(py::module_& m) {
     py::class_<Plane>(
         m, "Plane",
@@ -84,36 +121,16 @@ void bind_objects(py::module_& m) {
         .def("__repr__", [](const Plane& p) {
             return "Plane(point=" + text_of(p.point) + ", normal=" + text_of(p.normal) + ")";
         });
-    py::class_<Sphere>(m, "Sphere", "The ball's surface; radius 0 is a point.")
-        .def(py::init([](py::handle center, double radius) {
-                 return Sphere{vec3(center, "center"), radius};
-             }),
-             py::arg("center"), py::arg("radius") = 0.0)
-        .def_property_readonly(
-            "center", [](const Sphere& s) { return array_of(s.center); }, "Shape (3,).")
-        .def_readonly("radius", &Sphere::radius)
-        .def("__eq__", equal<Sphere>())
-        .def("__repr__", [](const Sphere& s) {
-            return "Sphere(center=" + text_of(s.center) + ", radius=" + text_of(s.radius) + ")";
-        });
-    py::class_<Cylinder>(
+    bind_round<Sphere>(m, "Sphere", "The ball's surface; radius 0 is a point.", py::arg("radius") = 0.0);
+    bind_round<HollowSphere>(m, "HollowSphere", "A vessel: everything lies in the sphere.",
+                             py::arg("radius"));
+    bind_tube<Cylinder>(
         m, "Cylinder",
         "The infinite cylinder about the line through `point` along `axis`, which need not be "
-        "unit; radius 0 is a line.")
-        .def(py::init([](py::handle point, py::handle axis, double radius) {
-                 return Cylinder{vec3(point, "point"), vec3(axis, "axis"), radius};
-             }),
-             py::arg("point"), py::arg("axis"), py::arg("radius") = 0.0)
-        .def_property_readonly(
-            "point", [](const Cylinder& c) { return array_of(c.point); }, "Shape (3,).")
-        .def_property_readonly(
-            "axis", [](const Cylinder& c) { return array_of(c.axis); }, "Shape (3,).")
-        .def_readonly("radius", &Cylinder::radius)
-        .def("__eq__", equal<Cylinder>())
-        .def("__repr__", [](const Cylinder& c) {
-            return "Cylinder(point=" + text_of(c.point) + ", axis=" + text_of(c.axis) +
-                   ", radius=" + text_of(c.radius) + ")";
-        });
+        "unit; radius 0 is a line.",
+        py::arg("radius") = 0.0);
+    bind_tube<HollowCylinder>(m, "HollowCylinder", "A vessel: everything lies in the infinite tube.",
+                              py::arg("radius"));
     py::class_<Box>(m, "Box", "Axis-parallel; min < max in every coordinate.")
         .def(py::init([](py::handle min, py::handle max) {
                  return Box{vec3(min, "min"), vec3(max, "max")};

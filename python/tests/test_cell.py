@@ -264,14 +264,21 @@ def test_a_probe_ends_the_cell(balls):
 def test_trisectors_are_equally_far_from_three():
     three = (vcell.Sphere((0, 0, 0), 0.5), vcell.Sphere((2, 0, 0), 0.2), vcell.Cylinder((0, 2, 0), (1, 0, 1), 0.3))
     found = vcell.trisector(*three, box=[(-3, -3, -3), (3, 3, 3)], tolerance=1e-6)
-    assert found.curves and found.undecided == []
-    for curve in found.curves:
+    assert found
+    for curve in found:
         for arc in curve.arcs:
             gaps = [distances(arc.evaluate(np.linspace(*arc.domain, 40)), item) for item in three]
             assert curve.error <= 1e-6 and np.ptp(gaps, axis=0).max() <= 2 * curve.error + 1e-12
-    ends = found.curves[0].arcs
+    ends = found[0].arcs
     assert all(np.allclose(a.evaluate(a.domain[1]), b.evaluate(b.domain[0])) for a, b in zip(ends, ends[1:]))
-    axis = vcell.trisector(*(vcell.Sphere(c) for c in np.eye(3)), box=[(0, 0, 0), (1, 1, 1)], tolerance=1e-6)
-    assert [c.kind for c in axis.curves] == ["line"]
+    axis = vcell.trisector(*(vcell.Sphere(c) for c in np.eye(3)), box=[(-1, -1.1, -1.2), (1, 1.3, 1.5)], tolerance=1e-6)
+    assert [c.kind for c in axis] == ["line"]
     with pytest.raises(ValueError, match="b: two of the objects are the same"):
         vcell.trisector(three[0], three[1], three[1], box=[(0, 0, 0), (1, 1, 1)], tolerance=1e-6)
+
+
+def test_a_concentric_vessel_leaves_a_ball_half_the_way():
+    scene = vcell.Scene(vcell.Sphere((0, 0, 0), 0.5), [vcell.HollowSphere((0, 0, 0), 1.5)],
+                        box=[(-2, -2, -2), (2, 2, 2)])
+    assert vcell.cell(scene).measures.volume == pytest.approx(4 / 3 * np.pi, rel=1e-9)
+    assert repr(scene.objects[0]) == "HollowSphere(center=[0.0, 0.0, 0.0], radius=1.5)"

@@ -68,7 +68,7 @@ def test_arrays_of_the_wrong_shape_are_value_errors(make, message):
 
 
 def test_objects_of_another_type_are_named():
-    with pytest.raises(TypeError, match=r"objects\[1\]: must be a Plane, a Sphere or a Cylinder"):
+    with pytest.raises(TypeError, match=r"objects\[1\]: must be a Plane, a Sphere, a Cylinder or a vessel"):
         vcell.Scene(floor, [vcell.Sphere((0, 0, 1)), box], box)
 
 

@@ -165,7 +165,7 @@ TEST_CASE("vessels: about a ball in the middle of a sphere the cell is a sphere 
         CHECK(cell.faces[0].bisector == "sphere");
         REQUIRE(cell.faces[0].patches.size() == 2);
         for (const TrimmedPatch& patch : cell.faces[0].patches)
-            for (const Vec2 uv : {Vec2(0, 0), Vec2(0.5, -0.25), Vec2(-0.7, 0.7)})
+            for (const Vec2& uv : {Vec2(0, 0), Vec2(0.5, -0.25), Vec2(-0.7, 0.7)})
                 CHECK((patch.surface.evaluate(uv.x(), uv.y()) - Vec3(1, 2, 3)).norm() ==
                       doctest::Approx(t).epsilon(1e-14));
     }

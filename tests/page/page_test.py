@@ -210,6 +210,19 @@ def test_controls(chromium, page_file):
     page.check_alone()
 
 
+def test_vessels(chromium, vcell, folder, scenes):
+    """Scenes with vessels are drawn, their walls with them."""
+    for scene in ["vessel", "silo"]:
+        subprocess.run([vcell, "compute", scenes / f"{scene}.json", "-o", folder / f"{scene}.html"], check=True)
+        page = Page(chromium, folder / f"{scene}.html")
+        assert page.ask("document.getElementById('failure').hidden"), page.ask("document.getElementById('failure').textContent")
+        objects = json.loads((scenes / f"{scene}.json").read_text())
+        count = len(objects["objects"]) - ("base_object" in objects)
+        shown = page.ask("(l => (l.neighbours || []).length + (l.others || []).length)(vcell.view.layers)")
+        assert shown == count, (scene, shown, count)
+        page.check_alone()
+
+
 def test_names(chromium, vcell, folder):
     """Names with markup in them are text on the page."""
     name = "</script></title><img src=x onerror='document.title=0'><!-- \"é\u2028&amp; ]]>"
@@ -267,6 +280,7 @@ def main():
             faces, vertices = test_click(chromium, vcell, folder, scenes / f"{scene}.json")
             print(f"{scene}: {faces} faces clicked, {vertices} vertices pointed at")
         test_controls(chromium, folder / "cell.html")
+        test_vessels(chromium, vcell, folder, scenes)
         test_names(chromium, vcell, folder)
         test_diagram(chromium, vcell, folder)
     return 0

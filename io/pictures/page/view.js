@@ -194,14 +194,17 @@ class View {
       return new THREE.Mesh(Solids.plane(this.inView(object.plane.point), normal, low, high), material);
     }
     if (!this.isDiagram) material.own_planes = this.boxPlanes(low, high);
+    const ball = object.sphere || object.hollow_sphere, tube = object.cylinder || object.hollow_cylinder;
+    // Of a vessel the wall behind what it holds: that in front would hide it.
+    if (object.hollow_sphere || object.hollow_cylinder) material.side = THREE.BackSide;
     // Points and lines have to be seen, too.
-    if (object.sphere) {
-      const radius = Math.max(object.sphere.radius / this.size, 0.012);
+    if (ball) {
+      const radius = Math.max(ball.radius / this.size, 0.012);
       const mesh = new THREE.Mesh(new THREE.SphereBufferGeometry(radius, 48, 32), material);
-      mesh.position.copy(this.inView(object.sphere.center));
+      mesh.position.copy(this.inView(ball.center));
       return mesh;
     }
-    const {point, axis, radius} = object.cylinder;
+    const {point, axis, radius} = tube;
     const mesh = Solids.cylinder(this.inView(point), new THREE.Vector3(...axis),
       Math.max(radius / this.size, 0.005), low, high);
     mesh.material = material;
