@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <array>
 
+#include "../../platform.hpp"
+
 namespace vcell {
 
 /// Let F have N equations in N unknowns and let row i of its Jacobian be within variations[i] of that of M
