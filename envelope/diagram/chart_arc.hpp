@@ -64,7 +64,7 @@ private:
 /// none here (mixed_arc.hpp).
 class ChartArcs {
 public:
-    /// The same for any number of threads.
+    /// Threads make parts of the edges each; the number of them changes no span.
     ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, unsigned threads = 1);
     /// Of these edges only, ascending; the others have none.
     ChartArcs(const FormFamily& family, const MinimizationDiagram& diagram, std::span<const EdgeId> edges);
@@ -82,7 +82,7 @@ public:
 
 private:
     class Maker;
-    // Of the edges of one task.
+    // What one task makes, of the edges that it has.
     struct Part {
         std::vector<ArcSpan> spans;
         std::vector<std::uint32_t> ends;  // where one edge's spans end and the next one's begin

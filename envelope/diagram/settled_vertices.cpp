@@ -128,7 +128,7 @@ public:
     }
 
 private:
-    // Of the circular heights that meet there, as doubles tell.
+    // The slope of the steepest circular height that meets others there, as doubles tell.
     double steepest(VertexId v) const {
         double slope = 0;
         for (const FormId f : diagram_.label(v))

@@ -11,7 +11,7 @@ namespace vcell {
 /// Finds vertices again that are known by far fewer digits than doubles have, from exact residuals. A vertex
 /// at which no three curves are told apart, or that is not of circular forms alone, stays where it is. A
 /// height that is known by few digits is found again on the circular form that is flattest there.
-/// The same for any number of threads.
+/// Vertices do not depend on each other, and so nothing does on the number of threads.
 void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram, unsigned threads);
 
 /// (A, B) of f - g = K |p|^2 + A x + B y + ... about p, to rounding, times a positive factor.

@@ -22,7 +22,7 @@ struct PatchCoordinate {
     /// zero). Likewise for the stereographic coordinates of a direction from `point` about `zero`, each with
     /// its own `quarter`.
     static PatchCoordinate half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter, double delta);
-    /// The same at a distance reach - t from the axis.
+    /// half_angle() in a vessel, whose points are reach - t away from the axis.
     static PatchCoordinate hollow_half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
                                              double reach);
 

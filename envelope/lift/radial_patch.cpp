@@ -349,7 +349,7 @@ struct ControlNet {
     int m, n;
     std::vector<Vector4d> h, size;
 
-    // The same of degrees that are one more.
+    // The net of the same surface with both degrees one more, which may bring its weights above 0.
     ControlNet raised() const {
         ControlNet r{m + 1, n + 1, {}, {}};
         const auto along_v = [this](const std::vector<Vector4d>& c, int i, int j) -> Vector4d {

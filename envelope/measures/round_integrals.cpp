@@ -188,7 +188,7 @@ static T ellipsoid_mean(const RoundFace& f, const T& t) {
     return 0.5 * (P * cosine + 0.5 * f.delta * f.delta * more / P);
 }
 
-// Of a spheroid with the semi-axes delta / 2 and sqrt(d1 d2), to rounding.
+// The share of all of a spheroid, whose semi-axes are delta / 2 and sqrt(d1 d2), to rounding.
 Share RoundFace::whole() const {
     const double long_axis = 0.5 * delta, flatness = c / delta, pi = std::numbers::pi;
     return {4 * pi / 3 * long_axis * root * root,

@@ -20,8 +20,8 @@
 
 namespace vcell {
 
-/// Of pieces, measured on random scenes (bench_envelope): smaller ones spend more on seams, larger ones more
-/// on comparing faces with forms that lose there.
+/// How many forms pieces have, measured on random scenes (bench_envelope): smaller ones spend more on seams,
+/// larger ones more on comparing faces with forms that lose there.
 struct PieceSizes {
     std::size_t most;        ///< candidates that are merged without splitting further
     std::size_t quartering;  ///< more of them are culled in quarters before
@@ -75,7 +75,7 @@ private:
     const CircularCulling culling_;
     const PieceCutter cutter_;
     const std::unique_ptr<Solver> here_;  // of what is too little for blocks
-    // Of blocks.
+    // What blocks have counted.
     Decisions decisions_;
     EnvelopeWork effort_;
 };

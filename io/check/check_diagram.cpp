@@ -258,7 +258,7 @@ private:
         if (a.vertices.size() != b.vertices.size())
             return fmt::format("the two cells have {} and {} vertices with both balls", a.vertices.size(),
                                b.vertices.size());
-        // Of the same sites there are few vertices.
+        // Few vertices have the same sites: only these are compared.
         const auto by_sites = [](const Shared::Vertex& v, const Shared::Vertex& w) {
             return v.sites < w.sites;
         };

@@ -177,7 +177,8 @@ std::optional<Farthest> farthest_in_vessel(const Subject& subject, const Site& s
     const Vector<Interval> from = to_vector<Interval>(base->center),
                            way = to_vector<Interval>(ball->center) - from;
     const Interval length = sqrt(square(way));
-    // Of a vessel about the base's centre all directions are alike: any that shows will do, and edges tell.
+    // All directions are alike where a vessel is about the base's centre: any that shows will do, and edges
+    // tell.
     if (!(length.lower() > 0)) return std::nullopt;
     const Vector<Interval> p =
         from + (Interval(0.5) * (Interval(ball->radius) + base->radius + length) / length) * way;

@@ -52,7 +52,7 @@ public:
         if (!first_) buffer_ += '\n';
         close(']');
     }
-    /// The same; several threads make the text, in parts that wait to be written in their order.
+    /// lines() by several threads, which make the text in parts that wait to be written in their order.
     /// element(writer, e) writes to the writer it is given.
     template <class Elements, class F>
     void lines(const Elements& elements, unsigned threads, const F& element) {

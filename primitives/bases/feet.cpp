@@ -57,14 +57,21 @@ void hold_feet(Surroundings&, const Vessel auto&, const Box&) { fail_vessel(); }
 void hold_feet(Surroundings& around, const Sphere& base, const Box&) {
     for (int k = 0; k < 3; ++k) around.hold(k, base.center[k], base.center[k]);
 }
-// A plane across an axis may lie on a side of the region, if that is on the plane's side.
-void hold_feet(Surroundings& around, const Plane& base, const Box& region) {
-    const bool is_straight = (base.normal.array() != 0).count() == 1;
+// visit(foot, doubt) for each corner of a region: the box that comes of them is wider than feet are off by
+// rounding.
+template <class Base, class Visit>
+void for_feet_of_corners(const Base& base, const Box& region, Visit visit) {
+    constexpr double rounding = 0x1p-40;  // far more than that, of the lengths that it comes from
     for (int i = 0; i < 8; ++i) {
         const Vec3 corner((i & 1 ? region.max : region.min).x(), (i & 2 ? region.max : region.min).y(),
                           (i & 4 ? region.max : region.min).z());
-        const Vec3 foot = foot_of(base, corner);
-        const double doubt = 0x1p-40 * ((corner - base.point).norm() + corner.norm());
+        visit(foot_of(base, corner), rounding * ((corner - base.point).norm() + corner.norm()));
+    }
+}
+// A plane across an axis may lie on a side of the region, if that is on the plane's side.
+void hold_feet(Surroundings& around, const Plane& base, const Box& region) {
+    const bool is_straight = (base.normal.array() != 0).count() == 1;
+    for_feet_of_corners(base, region, [&](const Vec3& foot, double doubt) {
         for (int k = 0; k < 3; ++k) {
             if (base.normal[k] == 0) continue;
             if (!is_straight) {
@@ -74,23 +81,19 @@ void hold_feet(Surroundings& around, const Plane& base, const Box& region) {
                 around.hold(k, at, at);
             }
         }
-    }
+    });
 }
 // A tube runs into sides obliquely where its circles reach them: with its feet the region needs these.
 void hold_feet(Surroundings& around, const Cylinder& base, const Box& region) {
     const bool is_straight = (base.axis.array() != 0).count() == 1;
     const Vec3 d = base.axis.stableNormalized();
-    for (int i = 0; i < 8; ++i) {
-        const Vec3 corner((i & 1 ? region.max : region.min).x(), (i & 2 ? region.max : region.min).y(),
-                          (i & 4 ? region.max : region.min).z());
-        const Vec3 foot = foot_of(base, corner);
-        const double doubt = 0x1p-40 * ((corner - base.point).norm() + corner.norm());
+    for_feet_of_corners(base, region, [&](const Vec3& foot, double doubt) {
         for (int k = 0; k < 3; ++k) {
             if (is_straight && base.axis[k] != 0) continue;
             const double reach = is_straight ? 0 : base.radius * std::sqrt(1 - std::min(1.0, d[k] * d[k]));
             around.hold(k, foot[k] - reach - doubt, foot[k] + reach + doubt);
         }
-    }
+    });
 }
 
 }  // namespace

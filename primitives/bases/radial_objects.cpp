@@ -88,8 +88,7 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
     }
 }
 
-// Of two vessels of which one has the other within the wider one is never nearer; of equal ones the first is
-// taken.
+// A vessel that has another one within is never nearer than that; the first of equal ones is taken.
 void RadialObjects::drop_wider_vessels() {
     const auto compare = [&](std::uint32_t i, std::uint32_t j, bool holds, bool is_held) {
         if (!is_kept(i) || !is_kept(j)) return;

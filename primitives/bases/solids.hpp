@@ -22,7 +22,7 @@ bool contains(const CylinderForm& outer, const CylinderForm& inner);
 
 /// Is the closed ball (c, rho) clear of what is within the cylinder, or does it touch that from outside?
 bool is_beside(const CylinderForm& cylinder, double cx, double cy, double cz, double rho);
-/// The same of a solid cylinder that is parallel; false of others.
+/// Is a solid cylinder beside another one that is parallel? No others are.
 bool is_beside(const CylinderForm& cylinder, const CylinderForm& other);
 
 /// Does the solid cylinder lie in the closed half-space n.p + d <= 0, given as (nx, ny, nz, d)?

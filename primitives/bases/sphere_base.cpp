@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <variant>
 
 #include "../../core/numbers/compensated.hpp"
@@ -539,22 +540,19 @@ private:
                 rounded(frame_.form(frame_.cap(*probe_))), {Kind::Cap, 0});
         sources->balls = std::move(objects_.balls.items);
 
-        for (std::size_t k = 0; k < objects_.cylinders.size(); ++k) {
-            const std::uint32_t i = objects_.cylinders.objects[k];
-            if (!objects_.is_kept(i)) continue;
-            const auto& cylinder = std::get<Cylinder>(scene_.objects[i]);
-            found.add(objects_.site(i),
-                      Cylinder{cylinder.point - frame_.center, cylinder.axis, cylinder.radius});
-            problem.family.radial.push_back(frame_.form(objects_.cylinders.items[k]));
-        }
-        for (std::size_t k = 0; k < objects_.hollow_cylinders.size(); ++k) {
-            const std::uint32_t i = objects_.hollow_cylinders.objects[k];
-            if (!objects_.is_kept(i)) continue;
-            const auto& vessel = std::get<HollowCylinder>(scene_.objects[i]);
-            found.add(objects_.site(i),
-                      HollowCylinder{vessel.point - frame_.center, vessel.axis, vessel.radius});
-            problem.family.radial.push_back(frame_.hollow_form(objects_.hollow_cylinders.items[k]));
-        }
+        const auto add_tubes = [&]<class Tube>(const auto& tubes, std::type_identity<Tube>, auto form) {
+            for (std::size_t k = 0; k < tubes.size(); ++k) {
+                const std::uint32_t i = tubes.objects[k];
+                if (!objects_.is_kept(i)) continue;
+                const auto& tube = std::get<Tube>(scene_.objects[i]);
+                found.add(objects_.site(i), Tube{tube.point - frame_.center, tube.axis, tube.radius});
+                problem.family.radial.push_back(form(tubes.items[k]));
+            }
+        };
+        add_tubes(objects_.cylinders, std::type_identity<Cylinder>{},
+                  [&](const auto& tube) { return frame_.form(tube); });
+        add_tubes(objects_.hollow_cylinders, std::type_identity<HollowCylinder>{},
+                  [&](const auto& tube) { return frame_.hollow_form(tube); });
         found.add_twins(objects_);
         problem.frame.origin = frame_.center;
         problem.unit = unit_;

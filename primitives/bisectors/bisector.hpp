@@ -52,8 +52,8 @@ struct Bisector {
     int degree() const { return polynomial.degree(); }
 };
 
-/// Of vessels that with a ball is told, which lies within or overlaps the wall, and has no bisector_patch();
-/// all else throws InputError (Unsupported).
+/// A vessel has one with a ball, which lies within or overlaps the wall, and without a bisector_patch(); all
+/// else with vessels throws InputError (Unsupported).
 ///
 /// Decided exactly, but for |n| as above: parallel, crossing, concentric, containing are what the doubles
 /// say.

@@ -110,7 +110,7 @@ public:
         }
         return e;
     }
-    // The same with the other sign of G: of a vessel, whose distance falls from its centre or axis on.
+    // G with the other sign, as a vessel's distance falls from its centre or axis on.
     Equation turned() const {
         Equation e = *this;
         e.sense_ = -sense_;

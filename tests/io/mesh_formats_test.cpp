@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../../envelope/voronoi_cell.hpp"
+#include "base64.hpp"
 
 namespace vcell {
 namespace {
@@ -44,30 +45,12 @@ double volume(const std::vector<std::array<Vec3, 3>>& triangles) {
     return sum;
 }
 
-std::string decoded(const std::string& text) {
-    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string bytes;
-    std::uint32_t word = 0;
-    int bits = 0;
-    for (const char c : text) {
-        if (c == '=') break;
-        const std::size_t digit = digits.find(c);
-        REQUIRE(digit != digits.npos);
-        word = word << 6 | static_cast<std::uint32_t>(digit);
-        bits += 6;
-        if (bits < 8) continue;
-        bits -= 8;
-        bytes += static_cast<char>(word >> bits & 255U);
-    }
-    return bytes;
-}
-
 /// The bytes of an array of a .vtu, after their number.
 std::string array_of(const std::string& file, const std::string& name) {
     const std::size_t at = file.find("Name=\"" + name + "\""), begin = file.find(">\n", at) + 2,
                       end = file.find('\n', begin);
     REQUIRE(at != file.npos);
-    const std::string bytes = decoded(file.substr(begin, end - begin));
+    const std::string bytes = testing::from_base64(file.substr(begin, end - begin));
     std::size_t start = 0;
     CHECK(take<std::uint64_t>(bytes, start) == bytes.size() - 8);
     return bytes.substr(start);

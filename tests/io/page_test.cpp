@@ -17,6 +17,7 @@
 #include "../../io/files/scene_file.hpp"
 #include "../../io/pictures/bytes.hpp"
 #include "../../io/pictures/site_style.hpp"
+#include "base64.hpp"
 #include "sample_cells.hpp"
 
 using namespace vcell;
@@ -49,23 +50,9 @@ std::size_t count(const std::string& text, const std::string& what) {
     return n;
 }
 
-std::string bytes_of(const std::string& text) {
-    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string bytes;
-    std::uint32_t word = 0;
-    int bits = 0;
-    for (const char c : text) {
-        if (c == '=') break;
-        word = word << 6 | static_cast<std::uint32_t>(digits.find(c));
-        if ((bits += 6) < 8) continue;
-        bits -= 8;
-        bytes += static_cast<char>(word >> bits & 255U);
-    }
-    return bytes;
-}
 template <class T>
 std::vector<T> numbers_of(const json& text) {
-    const std::string bytes = bytes_of(text.get<std::string>());
+    const std::string bytes = testing::from_base64(text.get<std::string>());
     REQUIRE(bytes.size() % sizeof(T) == 0);
     std::vector<T> numbers(bytes.size() / sizeof(T));
     if (!bytes.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
