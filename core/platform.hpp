@@ -30,6 +30,16 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 
 namespace vcell {
 
+namespace roundoff {
+
+/// The unit roundoff of doubles, 2^-53: an operation's result is off by at most u of itself where nothing
+/// underflows.
+inline constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+
+}  // namespace roundoff
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// The calling thread's floating-point unit is not in the mode that proofs need.
 struct EnvironmentError : std::runtime_error {
     using std::runtime_error::runtime_error;

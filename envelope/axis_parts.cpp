@@ -7,7 +7,6 @@
 namespace vcell {
 
 std::array<double, 2> AxisParts::range(const Box& box, const BaseFrame& frame) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     std::array<double, 2> range{infinity, -infinity};
     for (unsigned corner = 0; corner < 8; ++corner) {
         const auto coordinate = [&](unsigned axis) {

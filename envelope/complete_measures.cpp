@@ -161,7 +161,7 @@ CompleteMeasures of_plane(Scene scene, const Plane& base) {
 // ---- Balls and tubes --------------------------------------------------------------------------------
 
 // How points from which rays start lie to the sides of the box.
-struct Sides {
+struct BoxSides {
     Box box;                     // the sides that they all but lie on moved outwards
     std::array<bool, 6> beyond;  // on the outer side of this one
     double moved = 0;            // by how much at most
@@ -169,7 +169,7 @@ struct Sides {
 
 // room(S): the box, with what is beyond the sides in S instead and with that and the box for the others that
 // rays start beyond. They start within `around`.
-Box room(const Sides& sides, unsigned subset, const Box& around) {
+Box room(const BoxSides& sides, unsigned subset, const Box& around) {
     Box room = sides.box;
     const double space = 0.25 * sides.box.diagonal();
     for (unsigned s = 0; s < 6; ++s) {
@@ -188,7 +188,7 @@ Box room(const Sides& sides, unsigned subset, const Box& around) {
 }
 
 template <class Problem>  // make_problem(room) of these rays
-void add_rooms(Sum& sum, const Sides& sides, const Box& around, double tolerance, Problem make_problem) {
+void add_rooms(Sum& sum, const BoxSides& sides, const Box& around, double tolerance, Problem make_problem) {
     unsigned beyond = 0;
     for (unsigned s = 0; s < 6; ++s)
         if (sides.beyond[s]) beyond |= 1u << s;
@@ -203,7 +203,7 @@ double tolerance_of(const Scene& scene) { return scene.tolerance.value_or(1e-7 *
 
 CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit) {
     const double least = least_room * scene.box.diagonal();
-    Sides sides{scene.box, {}};
+    BoxSides sides{scene.box, {}};
     for (unsigned s = 0; s < 6; ++s) {
         double& bound = (s % 2 == 0 ? sides.box.min : sides.box.max)[s / 2];
         const double sign = s % 2 == 0 ? -1 : 1, center = base.center[s / 2];
@@ -242,8 +242,8 @@ public:
     }
 
 private:
-    // Sides that the axis runs along so closely that less is left out if they move out of its way than if the
-    // axis is cut where it crosses them.
+    // BoxSides that the axis runs along so closely that less is left out if they move out of its way than if
+    // the axis is cut where it crosses them.
     void move_sides(const std::array<double, 2>& range) {
         for (const BoxSide& side : canonical_box(box_, frame_)) {
             const double slope = std::abs(side.m.y()), low = side.k - side.m.y() * range[0],
@@ -276,7 +276,7 @@ private:
     }
 
     void add(Sum& sum, const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) const {
-        const Sides sides{box_, beyond};
+        const BoxSides sides{box_, beyond};
         const Vec3 p = frame_.to_world({0, stretch[0], 0}), q = frame_.to_world({0, stretch[1], 0});
         add_rooms(sum, sides, {p.cwiseMin(q), p.cwiseMax(q)}, tolerance_of(scene_), [&](const Box& room) {
             const CylinderPart part{room, stretch, {}};

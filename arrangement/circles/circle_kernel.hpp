@@ -53,8 +53,8 @@ struct KernelPoint {
 // Rounding bounds of the first rung.
 namespace kernel_bounds {
 
-constexpr double u = DBL_EPSILON / 2;  // unit roundoff
-constexpr double tiny = DBL_MIN;       // covers underflow in any bound below
+using roundoff::u;
+constexpr double tiny = DBL_MIN;  // covers underflow in any bound below
 
 // A form's value is computed with at most 13 relative roundings of the sum of absolute values of its
 // terms (4 in a coefficient or in w, 5 in 1/w and the product with it, 4 in the terms and their sum), its

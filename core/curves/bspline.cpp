@@ -23,10 +23,10 @@ ControlPoint homogeneous(ControlPoint p) {
 }
 
 // Bernstein's polynomials of one degree at t, with their derivatives.
-struct Bernstein {
+struct BernsteinAt {
     SmallVector<double, 5> values, derivatives;
 
-    Bernstein(int degree, double t) {
+    BernsteinAt(int degree, double t) {
         values.push_back(1);
         for (int level = 1; level <= degree; ++level) {
             if (level == degree) set_derivatives(degree);
@@ -106,13 +106,13 @@ template struct RationalCurve<2>;
 template struct RationalCurve<3>;
 
 Eigen::Vector3d RationalPatch::evaluate(double u, double v) const {
-    const Eigen::Vector4d p = homogeneous_sum(*this, Bernstein(degree_u, to_unit(u, domain_u)).values,
-                                              Bernstein(degree_v, to_unit(v, domain_v)).values);
+    const Eigen::Vector4d p = homogeneous_sum(*this, BernsteinAt(degree_u, to_unit(u, domain_u)).values,
+                                              BernsteinAt(degree_v, to_unit(v, domain_v)).values);
     return p.head<3>() / p.w();
 }
 
 std::array<Eigen::Vector3d, 2> RationalPatch::partials(double u, double v) const {
-    const Bernstein along_u(degree_u, to_unit(u, domain_u)), along_v(degree_v, to_unit(v, domain_v));
+    const BernsteinAt along_u(degree_u, to_unit(u, domain_u)), along_v(degree_v, to_unit(v, domain_v));
     const Eigen::Vector4d p = homogeneous_sum(*this, along_u.values, along_v.values);
     const Eigen::Vector4d du = homogeneous_sum(*this, along_u.derivatives, along_v.values);
     const Eigen::Vector4d dv = homogeneous_sum(*this, along_u.values, along_v.derivatives);

@@ -82,8 +82,11 @@ struct OneRoot {
     friend OneRoot operator+(const OneRoot& p, const Exact& s) { return {p.a + s, p.b, p.c}; }
 };
 
+inline bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
+
 /// Sign of a + b sqrt(c), by comparing squares.
 Sign sign(const OneRoot& v);
+inline bool is_zero(const OneRoot& v) { return sign(v) == Sign::Zero; }
 
 /// Sign of (p / p_den) - (q / q_den) for numbers of two different fields.
 /// Pre: both denominators are positive.

@@ -13,8 +13,6 @@ namespace vcell {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Relative to the sum of all terms, some twenty roundings.
 constexpr double rounding_margin = 1e-12;
 

@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 // Spans turn by 1.6 rad at most: a full circle takes four, weights stay above 0.69.
 constexpr double largest_turn = 1.6;

@@ -34,11 +34,11 @@ struct Curve {
 };
 
 // The curve about a point, times a power of two.
-struct Jet {
+struct CurveJet {
     Interval v, gx, gy, K;
 };
 
-Jet jet(const Curve& c, const Vector2d& p) {
+CurveJet jet(const Curve& c, const Vector2d& p) {
     const Exact x(p.x()), y(p.y()), two(2.0);
     const Exact v = c.K * (x * x + y * y) + c.A * x + c.B * y + c.C, gx = two * c.K * x + c.A,
                 gy = two * c.K * y + c.B;
@@ -63,7 +63,7 @@ std::optional<Meeting> meeting(const Curve& c, const Curve& d, const Vector2d& s
     std::optional<Meeting> best;
     Vector2d p = start;
     for (int i = 0; i < most_steps; ++i) {
-        const Jet a = jet(c, p), b = jet(d, p);
+        const CurveJet a = jet(c, p), b = jet(d, p);
         const Interval det = a.gx * b.gy - a.gy * b.gx;
         if (det.contains(0)) return best;
         const Interval dx = (b.gy * a.v - a.gy * b.v) / det, dy = (a.gx * b.v - b.gx * a.v) / det;
@@ -171,7 +171,7 @@ void settle_vertices(const FormFamily& family, MinimizationDiagram& diagram, uns
 }
 
 Vector2d settled_gradient(const FormFamily& family, FormId f, FormId g, const Vector2d& p) {
-    const Jet at = jet(difference(family.exact(f), family.exact(g)), p);
+    const CurveJet at = jet(difference(family.exact(f), family.exact(g)), p);
     return {at.gx.mid(), at.gy.mid()};
 }
 

@@ -14,8 +14,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-bool is_zero(const Exact& x) { return x.sign() == Sign::Zero; }
-
 // Of its part along the axis.
 double magnitude(const AxialEquation& f, double size) {
     return std::hypot(size * nearest(f.b[1]), nearest(f.k));

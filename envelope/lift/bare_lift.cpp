@@ -20,7 +20,7 @@ namespace vcell {
 
 namespace {
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 class BareLift {
 public:

@@ -10,7 +10,7 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 // What bounds a height's slope next to the edge, and the magnitudes that enter.
 struct Height {

@@ -21,7 +21,7 @@ namespace vcell {
 
 namespace {
 
-constexpr std::uint32_t none = UINT32_MAX;
+constexpr std::uint32_t no_number = UINT32_MAX;
 
 // Is the edge one of D's boundary?
 bool is_shared(const MinimizationDiagram& d, EdgeId e) {
@@ -37,8 +37,8 @@ public:
         : problem_(problem),
           above_(above),
           below_(below),
-          vertices(below.vertices.size(), none),
-          edges(below.edges.size(), none) {
+          vertices(below.vertices.size(), no_number),
+          edges(below.edges.size(), no_number) {
         match_vertices();
         match_edges();
     }
@@ -92,7 +92,7 @@ private:
             named[{edge.left, edge.right, start, end}] = e.value;
             named[{edge.right, edge.left, end, start}] = e.value;
         }
-        const auto above = [&](VertexId v) { return v.valid() ? vertices[v.value] : none; };
+        const auto above = [&](VertexId v) { return v.valid() ? vertices[v.value] : no_number; };
         for (const EdgeId e : below_.edges.ids()) {
             if (!is_shared(below_, e)) continue;
             const MinimizationDiagram::Edge& edge = below_.edges[e];
@@ -159,10 +159,10 @@ public:
           matching_(matching),
           roof_(std::move(roof)),
           floor_(std::move(floor)),
-          vertices_{std::vector<std::uint32_t>(roof_.cell.vertices.size(), none),
-                    std::vector<std::uint32_t>(floor_.cell.vertices.size(), none)},
-          edges_{std::vector<std::uint32_t>(roof_.cell.edges.size(), none),
-                 std::vector<std::uint32_t>(floor_.cell.edges.size(), none)} {}
+          vertices_{std::vector<std::uint32_t>(roof_.cell.vertices.size(), no_number),
+                    std::vector<std::uint32_t>(floor_.cell.vertices.size(), no_number)},
+          edges_{std::vector<std::uint32_t>(roof_.cell.edges.size(), no_number),
+                 std::vector<std::uint32_t>(floor_.cell.edges.size(), no_number)} {}
 
     LiftedCell operator()(bool with_measures) {
         result_.cell.report = std::move(roof_.cell.report);
@@ -187,12 +187,12 @@ private:
     }
 
     std::uint32_t keep_vertex(const LiftedCell& from, unsigned part, std::uint32_t v) {
-        const std::uint32_t above = part == 1 ? matching_.vertices[v] : none;
-        std::uint32_t& number = above != none ? vertices_[0][above] : vertices_[part][v];
-        if (number == none) {
+        const std::uint32_t above = part == 1 ? matching_.vertices[v] : no_number;
+        std::uint32_t& number = above != no_number ? vertices_[0][above] : vertices_[part][v];
+        if (number == no_number) {
             number = static_cast<std::uint32_t>(result_.cell.vertices.size());
-            CellVertex& vertex = result_.cell.vertices.emplace_back(above != none ? roof_.cell.vertices[above]
-                                                                                  : from.cell.vertices[v]);
+            CellVertex& vertex = result_.cell.vertices.emplace_back(
+                above != no_number ? roof_.cell.vertices[above] : from.cell.vertices[v]);
             // The base is no site of its own cell.
             const auto rest = std::remove(vertex.sites.begin(), vertex.sites.end(), Site::base());
             vertex.sites.resize(static_cast<std::size_t>(rest - vertex.sites.begin()));
@@ -204,7 +204,8 @@ private:
         for (const EdgeId e : d.edges.ids()) {
             const std::array shown{shows(d, d.face(e, 0)), shows(d, d.face(e, 1))};
             if (!shown[0] && !shown[1]) continue;
-            if (const std::uint32_t above = part == 1 ? matching_.edges[e.value] : none; above != none) {
+            if (const std::uint32_t above = part == 1 ? matching_.edges[e.value] : no_number;
+                above != no_number) {
                 edges_[1][e.value] = edges_[0][above];
                 continue;
             }
@@ -335,7 +336,7 @@ LiftedCell joint_of(const Problem& problem, const MinimizationDiagram& above, Mi
                     bool with_measures, const auto& lift) {
     const Matching<Problem> matching(problem, above, below);
     for (const VertexId v : below.vertices.ids())
-        if (matching.vertices[v.value] != none)
+        if (matching.vertices[v.value] != no_number)
             below.vertices[v] = above.vertices[VertexId{matching.vertices[v.value]}];
     LiftedCell roof = lift(above), floor = lift(below);
     return Joint<Problem>(problem, above, below, matching, std::move(roof), std::move(floor))(with_measures);

@@ -17,8 +17,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using roundoff::u;
 
 // Of a residual, in the magnitudes that enter it: some ten operations.
 constexpr double rounding = 32 * u;

@@ -19,7 +19,7 @@ namespace {
 constexpr double widest_patch = 4;
 constexpr double narrowest_sector = 0x1p-10;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // `delta`: that of a cylinder, or `reach` that of a hollow one.
 PatchCoordinates coordinates(const RadialPatch& patch, double delta, std::optional<double> reach) {

@@ -18,7 +18,7 @@ namespace vcell {
 
 namespace {
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 // Rounding of a patch's control points, in the magnitudes that enter them: some ten operations, and
 // coefficients within 4 u.

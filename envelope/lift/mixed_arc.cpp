@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 // W z = A x + B y + C.
 SectionPlane graph(const ExactForm& f) { return {-f.A, -f.B, f.W, f.C}; }

@@ -28,7 +28,7 @@ namespace {
 
 using Eigen::Vector4d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 class RadialLift {
 public:

@@ -13,7 +13,7 @@ using Eigen::Vector4d;
 
 namespace {
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 }  // namespace
 

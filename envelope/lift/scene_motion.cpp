@@ -20,8 +20,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector4d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using roundoff::u;
 
 // A unit vector from a foot, and the way from the centre or axis about which it turns; from a plane none.
 struct Direction {

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 // Rounding of a residual or gradient, in units of u times the magnitudes that enter it: some twenty
 // operations, and coefficients within 4u.

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector4d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 // Away from the base.
 Plane facing(const Plane& plane) {

@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 // Rounding of one boundary term, in units of u times its magnitude: some thirty operations from a form's
 // coefficients (4u each) to the term, doubled.

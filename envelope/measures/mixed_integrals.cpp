@@ -21,7 +21,7 @@ using span_integrals::SpanPoint;
 using span_integrals::term_rounding;
 using std::sqrt;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 
 PowerSpan power_span(const MixedSpan& span) {
     return PowerSpan({span.points.data(), span.degree + 1u}, span.points[0].head<3>());

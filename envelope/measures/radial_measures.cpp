@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector4d;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 constexpr std::uint32_t no_face = UINT32_MAX;
 
 class RadialMeasurer {

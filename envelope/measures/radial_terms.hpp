@@ -10,8 +10,6 @@
 
 namespace vcell::radial_integrals {
 
-inline constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Rounding of a coordinate, as a part of it, in units of term_rounding.
 inline constexpr double noise = std::numeric_limits<double>::epsilon() / 2 / span_integrals::term_rounding;
 

@@ -360,7 +360,7 @@ private:
     }
 
     static double room_before_pole(const RoundFace& face, double t) {
-        return face.shape == RoundFace::Shape::Ellipsoid ? face.d2 - t : radial_integrals::infinity;
+        return face.shape == RoundFace::Shape::Ellipsoid ? face.d2 - t : infinity;
     }
 
     void add_halves(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,

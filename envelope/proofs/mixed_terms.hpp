@@ -14,8 +14,6 @@
 
 namespace vcell {
 
-inline constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Below this exponent, relative to the heights compared, equality is assumed.
 inline constexpr int assumed_exponent = -200;
 

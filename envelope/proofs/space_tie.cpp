@@ -13,9 +13,6 @@ namespace {
 using namespace space_quadrics;
 using Row = Quadric;
 
-bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
-bool is_zero(const OneRoot& v) { return sign(v) == Sign::Zero; }
-
 std::optional<Linear> equation_of(const FormFamily& family, const SpaceTie::ChartLine& line) {
     return line_equation(family, line.a, line.b, line.c);
 }

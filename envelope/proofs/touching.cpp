@@ -14,9 +14,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-using Gradient = std::array<Interval, 2>;
-
-Interval along(const Vector2d& d, const Gradient& g) {
+Interval along(const Vector2d& d, const std::array<Interval, 2>& g) {
     return Interval(d.x()) * g[0] + Interval(d.y()) * g[1];
 }
 
@@ -41,9 +39,9 @@ public:
     // turned: phi is asked to be concave, not convex.
     std::optional<Touching> find(bool turned = false) {
         const Sign inside = turned ? Sign::Positive : Sign::Negative;  // of phi between its zeros
-        const Gradient F = heights_.gradient_difference(f_, g_, x_, y_),
-                       hf = heights_.gradient_difference(h_, f_, x_, y_),
-                       hg = heights_.gradient_difference(h_, g_, x_, y_);
+        const std::array<Interval, 2> F = heights_.gradient_difference(f_, g_, x_, y_),
+                                      hf = heights_.gradient_difference(h_, f_, x_, y_),
+                                      hg = heights_.gradient_difference(h_, g_, x_, y_);
         d_ = Vector2d(F[0].mid(), F[1].mid()).normalized();
         if (!d_.allFinite()) return std::nullopt;
         e_ = Vector2d(-d_.y(), d_.x());
@@ -218,7 +216,7 @@ public:
     // None where rounding leaves the question open.
     std::optional<bool> in_doubles() {
         const std::size_t s = 1 - n_;
-        const Gradient F = heights_.plain_gradient_difference(f_, g_, at_[0], at_[1]);
+        const std::array<Interval, 2> F = heights_.plain_gradient_difference(f_, g_, at_[0], at_[1]);
         const std::array<Interval, 2> middle{Interval(at_[0].mid()), Interval(at_[1].mid())};
         if ((difference(f_, g_, middle) + F[0] * (at_[0] - middle[0]) + F[1] * (at_[1] - middle[1])).sign())
             return true;  // the two are equal nowhere
@@ -228,7 +226,7 @@ public:
         run_ = -F[s] / F[n_];
         half_ = Interval(at_[s].radius());
 
-        const Gradient H = heights_.plain_gradient_difference(h_, g_, at_[0], at_[1]);
+        const std::array<Interval, 2> H = heights_.plain_gradient_difference(h_, g_, at_[0], at_[1]);
         across_ = H[n_];
         const double l = H[n_].mid() * inverse_;
         change_ = Interval((H[s] - l * F[s] + (H[n_] - l * F[n_]) * run_).magnitude()) * half_;

@@ -27,7 +27,7 @@
 
 namespace vcell::discs {
 
-inline constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 // Radii of circles are roots of differences: of smaller ones rounding leaves too little.
 inline constexpr double least_square = 0x1p-10;
 

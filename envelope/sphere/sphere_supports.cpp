@@ -165,7 +165,6 @@ Support SphereSupports::over(const Cylinder& c, const NormalBox& box) {
     const double variation = box.variation(growth), middle = box.value(along),
                  least_along = middle - variation - unsure,
                  most_across = std::abs(box.value(across)) + box.variation(turn) + unsure;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     Support out{combination(1, c.b, 1, along), middle + variation + unsure, {infinity, infinity}, unsure};
     if (least_along > most_across) {
         const double part = most_across / least_along, cosine = std::sqrt((1 - part) * (1 + part));
@@ -335,7 +334,6 @@ void DividedBox::enclose_meeting(Pairs pairs, Part part, int levels_left, Box& h
 
 void DividedBox::refine(Meeting& m) const {
     const auto& [f, g, h] = m.forms;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     Box hull{infinity, -infinity, infinity, -infinity};
     m.levels = std::max(m.levels + 1, coarse_levels);
     enclose_meeting(pair(f, g) | pair(f, h) | pair(g, h), 0, m.levels, hull);

@@ -155,7 +155,6 @@ private:
     // Where R |(n.x, n.z)| + n.y y <= norm distance for all sides that the axis runs into, R = R0 or the
     // least radius of such a circle.
     std::array<double, 2> stretch() {
-        constexpr double infinity = std::numeric_limits<double>::infinity();
         std::array<double, 2> range{-infinity, infinity};
         for (std::uint32_t s = 0; s < 6; ++s) {
             const Side side = this->side(s);

@@ -12,7 +12,7 @@ namespace vcell {
 
 namespace {
 
-constexpr std::uint32_t none = UINT32_MAX;
+constexpr std::uint32_t no_ball = UINT32_MAX;
 constexpr std::uint32_t leaf_size = 8;
 
 // Squares and their sums of differences of doubles are off by less than 8 u, relatively, and by DBL_MIN where
@@ -45,9 +45,9 @@ bool is_inside(const Ball& inner, const Ball& outer) {
     return (eg * eg - ex * ex - ey * ey - ez * ez).sign() != Sign::Negative;
 }
 
-// Of two balls the larger one, of equally large ones the first; either may be none.
+// Of two balls the larger one, of equally large ones the first; either may be no_ball.
 std::uint32_t larger(std::span<const Ball> balls, std::uint32_t i, std::uint32_t k) {
-    if (i == none || k == none) return std::min(i, k);
+    if (i == no_ball || k == no_ball) return std::min(i, k);
     const double difference = balls[i].rho - balls[k].rho;
     return difference > 0 || (difference == 0 && i < k) ? i : k;
 }
@@ -65,7 +65,7 @@ public:
 
     // Neighbours ask together: one walk through the tree for each leaf.
     std::vector<std::uint32_t> enclosing() const {
-        std::vector<std::uint32_t> result(balls_.size(), none);
+        std::vector<std::uint32_t> result(balls_.size(), no_ball);
         for (const Node& leaf : nodes_) {
             if (!is_leaf(leaf)) continue;
             for (std::uint32_t n = 0; n < nodes_.size();) {
@@ -184,7 +184,7 @@ std::optional<BallNesting> nesting_by_slabs(std::span<const Ball> balls) {
     std::vector<Item> items(n);
     for (std::uint32_t i = 0; i < n; ++i) items[--begin[slab(balls[i].cx)]] = {balls[i], i};
 
-    BallNesting nesting{std::vector<std::uint32_t>(n), std::vector(n, none)};
+    BallNesting nesting{std::vector<std::uint32_t>(n), std::vector(n, no_ball)};
     auto& [first, enclosing] = nesting;
     std::iota(first.begin(), first.end(), 0u);
     const auto relate = [&](const Item& p, const Item& q) {
@@ -210,7 +210,7 @@ BallNesting nesting_by_tree(std::span<const Ball> balls) {
     auto& [first, enclosing] = nesting;
     const auto same = [&](const Ball& b) { return b.rho == balls[0].rho; };
     if (std::ranges::all_of(balls, same)) {
-        enclosing.assign(balls.size(), none);
+        enclosing.assign(balls.size(), no_ball);
         return nesting;
     }
     enclosing = BallTree(balls, first).enclosing();

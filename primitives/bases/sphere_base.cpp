@@ -18,7 +18,6 @@ namespace vcell {
 namespace {
 
 using Kind = InputError::Kind;
-constexpr std::uint32_t none = RadialObjects::none;
 
 // ---- Heights that are linear in u -------------------------------------------------------------------
 
@@ -421,7 +420,7 @@ private:
             nearness.linear.push_back({-scale * h.n, scale * nearest(h.length)});
         }
         for (std::uint32_t s = 0; s < 6; ++s) {
-            if (side_twin_[s] != none) continue;
+            if (side_twin_[s] != RadialObjects::none) continue;
             const WorldSide side(scene_.box, s);
             nearness.linear.push_back({Vec3::Unit(side.axis) / (side.bound - center[side.axis]), 0});
         }
@@ -527,7 +526,7 @@ private:
         }
         for (std::uint32_t s = 0; s < 6; ++s) {
             const Site site = Site::box_side(s);
-            if (side_twin_[s] != none) {
+            if (side_twin_[s] != RadialObjects::none) {
                 found.join(site, found.of_object[objects_.owner(side_twin_[s])]);
                 continue;
             }
@@ -572,7 +571,8 @@ private:
     SphereFrame frame_;
     RadialObjects objects_;
     std::vector<BallPower> powers_;  // of objects_.balls
-    std::array<std::uint32_t, 6> side_twin_{none, none, none, none, none, none};
+    std::array<std::uint32_t, 6> side_twin_{RadialObjects::none, RadialObjects::none, RadialObjects::none,
+                                            RadialObjects::none, RadialObjects::none, RadialObjects::none};
 };
 
 }  // namespace

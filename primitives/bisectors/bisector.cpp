@@ -13,8 +13,6 @@ namespace vcell {
 
 namespace {
 
-using Kind = BisectorKind;
-
 // ---- Implicit equations and kinds -----------------------------------------------------------------------
 
 struct ExactPlane {
@@ -33,13 +31,13 @@ Bisector of_planes(const ExactPlane& p, const ExactPlane& q) {
     const Polynomial3 f = Polynomial3::linear(p.n, p.d), g = Polynomial3::linear(q.n, q.d);
     if (!cross(p.n, q.n).is_zero()) {
         // |n1|^2 and |n2|^2 are rational: no length is needed.
-        return {Kind::PairOfPlanes, q.square * (f * f) - p.square * (g * g), {1, 1}};
+        return {BisectorKind::PairOfPlanes, q.square * (f * f) - p.square * (g * g), {1, 1}};
     }
     // n2 = c n1; the plane half-way, with c = |n2|^2 / (n1 . n2).
     const Exact inner = dot(p.n, q.n);
     const Polynomial3 same = q.square * f - inner * g;
     if (same.is_zero()) return {};
-    return {Kind::Plane, q.square * f + inner * g, {1, 1}};
+    return {BisectorKind::Plane, q.square * f + inner * g, {1, 1}};
 }
 
 // Pre: o is no plane.
@@ -55,10 +53,12 @@ Bisector of_plane_and_round(const ExactPlane& plane, bool plane_is_base, const R
     const Polynomial3 from_plane = Polynomial3::linear(side * plane.n, side * plane.d);
     // (l + |n| rho)^2 |a|^2 = |n|^2 |a|^2 dist^2
     const Polynomial3 reach = from_plane + Polynomial3(plane.length * round.rho);
-    Bisector b{Kind::Paraboloid, round.norm * (reach * reach) - plane.square * round.squared(), {2, 2}};
+    Bisector b{
+        BisectorKind::Paraboloid, round.norm * (reach * reach) - plane.square * round.squared(), {2, 2}};
     const Exact slope = dot(plane.n, round.axis);
     if (round.is_cylinder() && slope.sign() != Sign::Zero) {
-        b.kind = cross(plane.n, round.axis).is_zero() ? Kind::CircularCone : Kind::EllipticCone;
+        b.kind =
+            cross(plane.n, round.axis).is_zero() ? BisectorKind::CircularCone : BisectorKind::EllipticCone;
         b.patch_degree = {2, 1};
         return b;
     }
@@ -66,16 +66,16 @@ Bisector of_plane_and_round(const ExactPlane& plane, bool plane_is_base, const R
     const Exact h = side * height;
     const Sign in_front = h.sign() != Sign::Negative ? (h + round.rho).sign()
                                                      : (round.rho * round.rho * plane.square - h * h).sign();
-    if (in_front == Sign::Negative) return {Kind::Nowhere, {}, {0, 0}};
+    if (in_front == Sign::Negative) return {BisectorKind::Nowhere, {}, {0, 0}};
     if (round.is_cylinder()) {
-        if (in_front == Sign::Positive) return {Kind::ParabolicCylinder, b.polynomial, {2, 1}};
+        if (in_front == Sign::Positive) return {BisectorKind::ParabolicCylinder, b.polynomial, {2, 1}};
         // A line in the plane: the plane across it. (Tangent from behind: its half in front.)
         return {
-            Kind::Plane,
+            BisectorKind::Plane,
             Polynomial3::linear(cross(plane.n, round.axis), -dot(cross(plane.n, round.axis), round.point)),
             {1, 1}};
     }
-    if (in_front == Sign::Zero) return {Kind::Line, {}, {0, 0}};
+    if (in_front == Sign::Zero) return {BisectorKind::Line, {}, {0, 0}};
     return b;
 }
 
@@ -108,31 +108,35 @@ Bisector of_rounds(const RoundSurface& p, const RoundSurface& q, bool is_hollow 
         // Points of the plane across the axes, or of space: distances from two centres.
         const bool flat = p.is_cylinder();
         const std::array<int, 2> degree{2, flat ? 1 : 2};
-        if (equal) return {Kind::Plane, f, {1, 1}};
+        if (equal) return {BisectorKind::Plane, f, {1, 1}};
         const Exact apart = p.squared_at(q.point);
         const Sign nested = (p.norm * square - apart).sign();
-        if (nested == Sign::Negative) return {flat ? Kind::HyperbolicCylinder : Kind::Hyperboloid, f, degree};
+        if (nested == Sign::Negative)
+            return {flat ? BisectorKind::HyperbolicCylinder : BisectorKind::Hyperboloid, f, degree};
         if (nested == Sign::Positive) {
-            if (apart.sign() == Sign::Zero) return {flat ? Kind::CircularCylinder : Kind::Sphere, f, degree};
-            return {flat ? Kind::EllipticCylinder : Kind::Ellipsoid, f, degree};
+            if (apart.sign() == Sign::Zero)
+                return {flat ? BisectorKind::CircularCylinder : BisectorKind::Sphere, f, degree};
+            return {flat ? BisectorKind::EllipticCylinder : BisectorKind::Ellipsoid, f, degree};
         }
         // A point on a sphere, a line on a cylinder: the normal, the plane through the axes.
-        if (!flat) return {Kind::Line, {}, {0, 0}};
+        if (!flat) return {BisectorKind::Line, {}, {0, 0}};
         const ExactVector n = cross(p.axis, q.point - p.point);
-        return {Kind::Plane, Polynomial3::linear(n, -dot(n, p.point)), {1, 1}};
+        return {BisectorKind::Plane, Polynomial3::linear(n, -dot(n, p.point)), {1, 1}};
     }
     if (p.is_cylinder() && q.is_cylinder()) {
-        if (!equal) return {Kind::Quartic, f, {2, 2}};
+        if (!equal) return {BisectorKind::Quartic, f, {2, 2}};
         const bool crossing = dot(cross(p.axis, q.axis), q.point - p.point).sign() == Sign::Zero;
-        if (crossing) return {Kind::PairOfPlanes, f, {1, 1}};
-        return {Kind::HyperbolicParaboloid, f, {2, 2}};
+        if (crossing) return {BisectorKind::PairOfPlanes, f, {1, 1}};
+        return {BisectorKind::HyperbolicParaboloid, f, {2, 2}};
     }
-    if (!equal) return {Kind::Quartic, f, {2, 2}};
+    if (!equal) return {BisectorKind::Quartic, f, {2, 2}};
     const RoundSurface &cylinder = p.is_cylinder() ? p : q, &sphere = p.is_cylinder() ? q : p;
     // A - B is a square when a point lies on a line.
     if (cylinder.squared_at(sphere.point).sign() == Sign::Zero)
-        return {Kind::Plane, Polynomial3::linear(cylinder.axis, -dot(cylinder.axis, sphere.point)), {1, 1}};
-    return {Kind::ParabolicCylinder, f, {2, 2}};
+        return {BisectorKind::Plane,
+                Polynomial3::linear(cylinder.axis, -dot(cylinder.axis, sphere.point)),
+                {1, 1}};
+    return {BisectorKind::ParabolicCylinder, f, {2, 2}};
 }
 
 // ---- Patches --------------------------------------------------------------------------------------------
@@ -335,23 +339,23 @@ std::pair<Vec3, double> plane_of(const Polynomial3& f) {
 
 std::string_view to_string(BisectorKind kind) {
     switch (kind) {
-        case Kind::Plane: return "plane";
-        case Kind::PairOfPlanes: return "pair of planes";
-        case Kind::Paraboloid: return "paraboloid";
-        case Kind::CircularCone: return "circular cone";
-        case Kind::EllipticCone: return "elliptic cone";
-        case Kind::ParabolicCylinder: return "parabolic cylinder";
-        case Kind::HyperbolicCylinder: return "hyperbolic cylinder";
-        case Kind::EllipticCylinder: return "elliptic cylinder";
-        case Kind::CircularCylinder: return "circular cylinder";
-        case Kind::HyperbolicParaboloid: return "hyperbolic paraboloid";
-        case Kind::Hyperboloid: return "hyperboloid";
-        case Kind::Ellipsoid: return "ellipsoid";
-        case Kind::Sphere: return "sphere";
-        case Kind::Quartic: return "quartic";
-        case Kind::Line: return "line";
-        case Kind::Nowhere: return "nowhere";
-        case Kind::Everywhere: break;
+        case BisectorKind::Plane: return "plane";
+        case BisectorKind::PairOfPlanes: return "pair of planes";
+        case BisectorKind::Paraboloid: return "paraboloid";
+        case BisectorKind::CircularCone: return "circular cone";
+        case BisectorKind::EllipticCone: return "elliptic cone";
+        case BisectorKind::ParabolicCylinder: return "parabolic cylinder";
+        case BisectorKind::HyperbolicCylinder: return "hyperbolic cylinder";
+        case BisectorKind::EllipticCylinder: return "elliptic cylinder";
+        case BisectorKind::CircularCylinder: return "circular cylinder";
+        case BisectorKind::HyperbolicParaboloid: return "hyperbolic paraboloid";
+        case BisectorKind::Hyperboloid: return "hyperboloid";
+        case BisectorKind::Ellipsoid: return "ellipsoid";
+        case BisectorKind::Sphere: return "sphere";
+        case BisectorKind::Quartic: return "quartic";
+        case BisectorKind::Line: return "line";
+        case BisectorKind::Nowhere: return "nowhere";
+        case BisectorKind::Everywhere: break;
     }
     return "everywhere";
 }
@@ -394,13 +398,13 @@ std::optional<RationalPatch> bisector_patch(const Object& base, const Object& a,
     // A point of each object, to have the planes' parameters start near them.
     const Shape s = std::visit([](const auto& o) { return shape(o); }, base);
     const Shape t = std::visit([](const auto& o) { return shape(o); }, a);
-    if (b.kind == Kind::Plane) {
+    if (b.kind == BisectorKind::Plane) {
         const auto [normal, offset] = plane_of(b.polynomial);
         const Vec3 middle = 0.5 * (s.point + t.point);
         return make.plane(middle - normal * (normal.dot(middle) + offset), normal);
     }
     const bool planes = base.index() == 0 && a.index() == 0;
-    if (b.kind == Kind::PairOfPlanes) {
+    if (b.kind == BisectorKind::PairOfPlanes) {
         // Both pass through the line where the planes meet, or the point where the axes do; both are
         // perpendicular to the sum or the difference of the unit directions.
         const Vec3 cross = s.direction.cross(t.direction);

@@ -10,33 +10,31 @@ namespace {
 
 // ---- Polynomials in one variable: coefficients by ascending power, no leading zeros ----------------------
 
-using Polynomial = std::vector<Exact>;
+using Univariate = std::vector<Exact>;
 
-bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
-
-void trim(Polynomial& p) {
+void trim(Univariate& p) {
     while (!p.empty() && is_zero(p.back())) p.pop_back();
 }
 
-Polynomial sum(const Polynomial& p, const Polynomial& q, const Exact& factor) {
-    Polynomial r(std::max(p.size(), q.size()));
+Univariate sum(const Univariate& p, const Univariate& q, const Exact& factor) {
+    Univariate r(std::max(p.size(), q.size()));
     for (std::size_t i = 0; i < p.size(); ++i) r[i] += p[i];
     for (std::size_t i = 0; i < q.size(); ++i) r[i] += factor * q[i];
     trim(r);
     return r;
 }
 
-Polynomial product(const Polynomial& p, const Polynomial& q) {
+Univariate product(const Univariate& p, const Univariate& q) {
     if (p.empty() || q.empty()) return {};
-    Polynomial r(p.size() + q.size() - 1);
+    Univariate r(p.size() + q.size() - 1);
     for (std::size_t i = 0; i < p.size(); ++i)
         for (std::size_t j = 0; j < q.size(); ++j) r[i + j] += p[i] * q[j];
     return r;
 }
 
 // Quotient and remainder of a multiple of p. Pre: d is not zero.
-std::pair<Polynomial, Polynomial> divided(Polynomial p, const Polynomial& d) {
-    Polynomial quotient;
+std::pair<Univariate, Univariate> divided(Univariate p, const Univariate& d) {
+    Univariate quotient;
     while (p.size() >= d.size()) {
         const std::size_t shift = p.size() - d.size();
         const Exact leading = p.back();
@@ -50,9 +48,9 @@ std::pair<Polynomial, Polynomial> divided(Polynomial p, const Polynomial& d) {
     return {quotient, p};
 }
 
-Polynomial common_divisor(Polynomial p, Polynomial q) {
+Univariate common_divisor(Univariate p, Univariate q) {
     while (!q.empty()) {
-        Polynomial rest = divided(p, q).second;
+        Univariate rest = divided(p, q).second;
         p = std::move(q);
         q = std::move(rest);
     }
@@ -68,7 +66,7 @@ std::optional<Exact> exact_sqrt(const Exact& v) {
 }
 
 // The rational roots of p of degree at most two as (numerator, denominator).
-std::vector<std::pair<Exact, Exact>> small_rational_roots(const Polynomial& p) {
+std::vector<std::pair<Exact, Exact>> small_rational_roots(const Univariate& p) {
     if (p.size() == 2) return {{-p[0], p[1]}};
     if (p.size() != 3) return {};
     const auto root = exact_sqrt(p[1] * p[1] - 4.0 * p[0] * p[2]);
@@ -76,13 +74,13 @@ std::vector<std::pair<Exact, Exact>> small_rational_roots(const Polynomial& p) {
     return {{*root - p[1], 2.0 * p[2]}, {-*root - p[1], 2.0 * p[2]}};
 }
 
-std::vector<std::pair<Exact, Exact>> rational_roots(Polynomial p) {
-    Polynomial derivative;
+std::vector<std::pair<Exact, Exact>> rational_roots(Univariate p) {
+    Univariate derivative;
     for (std::size_t i = 1; i < p.size(); ++i) derivative.push_back(Exact(static_cast<double>(i)) * p[i]);
-    const Polynomial repeated = common_divisor(p, derivative);
+    const Univariate repeated = common_divisor(p, derivative);
     if (repeated.size() > 1) p = divided(p, repeated).first;
     // The parameter of p - q is tried on its own.
-    const Polynomial minus_one{1.0, 1.0};
+    const Univariate minus_one{1.0, 1.0};
     if (p.size() == 4) {
         auto [quotient, rest] = divided(p, minus_one);
         if (rest.empty()) p = std::move(quotient);
@@ -91,10 +89,10 @@ std::vector<std::pair<Exact, Exact>> rational_roots(Polynomial p) {
 }
 
 // The divisor of all 3 x 3 minors of P + t Q.
-Polynomial minors_divisor(const QuadraticForm& p, const QuadraticForm& q) {
+Univariate minors_divisor(const QuadraticForm& p, const QuadraticForm& q) {
     const std::size_t n = p.size();
     const auto entry = [&](std::size_t i, std::size_t j) {
-        Polynomial e{p(i, j), q(i, j)};
+        Univariate e{p(i, j), q(i, j)};
         trim(e);
         return e;
     };
@@ -104,16 +102,16 @@ Polynomial minors_divisor(const QuadraticForm& p, const QuadraticForm& q) {
         for (std::size_t j = i + 1; j < n; ++j)
             for (std::size_t k = j + 1; k < n; ++k) triples.push_back({i, j, k});
     const auto minor = [&](const Triple& row, const Triple& column) {
-        Polynomial sum_of_products;
+        Univariate sum_of_products;
         for (int k = 0; k < 3; ++k) {
             const std::size_t a = column[k], b = column[(k + 1) % 3], c = column[(k + 2) % 3];
-            const Polynomial two = sum(product(entry(row[1], b), entry(row[2], c)),
+            const Univariate two = sum(product(entry(row[1], b), entry(row[2], c)),
                                        product(entry(row[1], c), entry(row[2], b)), -1.0);
             sum_of_products = sum(sum_of_products, product(entry(row[0], a), two), 1.0);
         }
         return sum_of_products;
     };
-    Polynomial divisor;
+    Univariate divisor;
     for (std::size_t i = 0; i < triples.size(); ++i)
         for (std::size_t j = i; j < triples.size(); ++j) {
             divisor = common_divisor(std::move(divisor), minor(triples[i], triples[j]));

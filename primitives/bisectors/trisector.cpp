@@ -16,10 +16,11 @@ namespace vcell {
 
 namespace {
 
-using Kind = TrisectorKind;
-using Basis = std::vector<LinearFunction>;  // homogeneous vectors: x, y, z, then r if it takes part, then 1
+bool all_zero(const std::vector<Exact>& values) {
+    return std::ranges::all_of(values, [](const Exact& v) { return is_zero(v); });
+}
 
-bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
+using Basis = std::vector<LinearFunction>;  // homogeneous vectors: x, y, z, then r if it takes part, then 1
 
 // Doubles in the ratio of exact numbers, the largest about one.
 std::vector<double> rounded(const std::vector<Exact>& values) {
@@ -177,14 +178,12 @@ private:
         const LinearFunction &a = basis[first ? 0 : 1], &b = basis[first ? 1 : 0];
         std::vector<Exact> along;
         for (int i = 0; i < 3; ++i) along.push_back(a.back() * b[i] - b.back() * a[i]);
-        if (std::ranges::all_of(along, is_zero)) return;
+        if (all_zero(along)) return;
         // A line in which two of the planes meet turns up in both.
         for (const Basis& other : lines_)
-            if (std::ranges::all_of(joined(other[0], other[1], a), is_zero) &&
-                std::ranges::all_of(joined(other[0], other[1], b), is_zero))
-                return;
+            if (all_zero(joined(other[0], other[1], a)) && all_zero(joined(other[0], other[1], b))) return;
         TrisectorComponent line;
-        line.kind = Kind::Line;
+        line.kind = TrisectorKind::Line;
         for (int i = 0; i < 3; ++i) line.point[i] = quotient(a[i], a.back());
         const std::vector<double> direction = rounded(along);
         line.direction = Vec3(direction[0], direction[1], direction[2]).normalized();
@@ -254,13 +253,13 @@ private:
     }
 
     // How the conic meets the line at infinity; a circle has the metric's form there.
-    static Kind classify(const Basis& basis, const QuadraticForm& form) {
+    static TrisectorKind classify(const Basis& basis, const QuadraticForm& form) {
         const Basis at_infinity = kernel({basis[0].back(), basis[1].back(), basis[2].back()});
         const Basis directions = combined(basis, at_infinity);
         const QuadraticForm h = form.restricted(at_infinity);
         const Sign disc = (h(0, 0) * h(1, 1) - h(0, 1) * h(0, 1)).sign();
-        if (disc == Sign::Negative) return Kind::Hyperbola;
-        if (disc == Sign::Zero) return Kind::Parabola;
+        if (disc == Sign::Negative) return TrisectorKind::Hyperbola;
+        if (disc == Sign::Zero) return TrisectorKind::Parabola;
         const auto metric = [&](int i, int j) {
             Exact sum;
             for (int k = 0; k < 3; ++k) sum += directions[i][k] * directions[j][k];
@@ -268,7 +267,7 @@ private:
         };
         const bool circle = is_zero(h(0, 0) * metric(1, 1) - h(1, 1) * metric(0, 0)) &&
                             is_zero(h(0, 0) * metric(0, 1) - h(0, 1) * metric(0, 0));
-        return circle ? Kind::Circle : Kind::Ellipse;
+        return circle ? TrisectorKind::Circle : TrisectorKind::Ellipse;
     }
 
     // A line with coordinates l meets the conic F in real points when l^T adj(F) l <= 0. The lines r = c of
@@ -336,12 +335,12 @@ QuadraticForm quadric(const RoundCondition& c, bool with_r, const Exact& scale) 
 
 std::string_view to_string(TrisectorKind kind) {
     switch (kind) {
-        case Kind::Line: return "line";
-        case Kind::Circle: return "circle";
-        case Kind::Ellipse: return "ellipse";
-        case Kind::Parabola: return "parabola";
-        case Kind::Hyperbola: return "hyperbola";
-        case Kind::Spline: break;
+        case TrisectorKind::Line: return "line";
+        case TrisectorKind::Circle: return "circle";
+        case TrisectorKind::Ellipse: return "ellipse";
+        case TrisectorKind::Parabola: return "parabola";
+        case TrisectorKind::Hyperbola: return "hyperbola";
+        case TrisectorKind::Spline: break;
     }
     return "spline";
 }
@@ -423,7 +422,7 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
                 for (std::size_t i = 0; i < v.size(); ++i) sum += plane[i] * v[i];
                 f.push_back(sum);
             }
-            if (std::ranges::all_of(f, is_zero)) continue;  // the same plane, from the same side
+            if (all_zero(f)) continue;  // the same plane, from the same side
             self(self, k + 1, combined(basis, kernel(f)));
         }
     };
@@ -433,9 +432,9 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
 
 std::optional<RationalCurve3> trisector_arc(const TrisectorComponent& component, const Vec3& from,
                                             const Vec3& to) {
-    if (component.kind == Kind::Spline) return std::nullopt;
+    if (component.kind == TrisectorKind::Spline) return std::nullopt;
     const Eigen::Vector4d p = from.homogeneous(), q = to.homogeneous();
-    if (component.kind == Kind::Line) return RationalCurve3{1, {0, 0, 1, 1}, {p, q}};
+    if (component.kind == TrisectorKind::Line) return RationalCurve3{1, {0, 0, 1, 1}, {p, q}};
     // The control point in the middle is the pole m of the chord: m^T M p = m^T M q = 0 in the plane. With
     // weight w the curve lies on the conic when p^T M q + 2 w^2 m^T M m = 0.
     Eigen::Matrix<double, 3, 4> conditions;

@@ -18,8 +18,6 @@ double nearness_of(const Nearness::Cylindrical& f, const Vec3& u) {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // A bound on |grad Q|: beta changes by |foot| at most, the root, a norm of (beta, sqrt(C) alpha), by
 // |foot| + sqrt(C). Of a hollow one's root the square is a quadratic form of u that nowhere is negative: the
 // root changes by the largest of its coefficients' roots, |foot| + delta, at most.

@@ -31,8 +31,7 @@ using Linear = Eigen::Matrix<double, 5, 1>;  // a function of (x, y, z, t, 1)
 // in the same parameter, a trim (u, v) on the left and one on the right, is column k.
 using Points = Eigen::Matrix<double, 8, 6>;
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using roundoff::u;
 
 // Rounding of a residual or gradient, in units of u times the magnitudes that enter it: some thirty
 // operations, and coefficients within a few u.

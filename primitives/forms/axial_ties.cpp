@@ -14,7 +14,7 @@ namespace vcell {
 namespace {
 
 // F in doubles: places are found with it, nothing is decided.
-struct Nearness {
+struct NearnessAtAngle {
     std::uint32_t form;
     double x, z, w;
 
@@ -23,7 +23,7 @@ struct Nearness {
 };
 
 // The first angle after `from` at which q comes up to p, within a turn.
-double meeting(const Nearness& p, const Nearness& q, double from) {
+double meeting(const NearnessAtAngle& p, const NearnessAtAngle& q, double from) {
     const double x = q.x - p.x, z = q.z - p.z, w = q.w - p.w, size = std::hypot(x, z);
     constexpr double whole = 2 * std::numbers::pi;
     if (!(std::abs(w) < size)) return from + whole;
@@ -71,7 +71,8 @@ double move_between(const RadialForm& j, const RadialForm& a, const RadialForm& 
 }
 
 // Is it so up to narrow_tie of `value`?
-bool is_nearly_between(const Nearness& j, const Nearness& a, const Nearness& b, double value) {
+bool is_nearly_between(const NearnessAtAngle& j, const NearnessAtAngle& a, const NearnessAtAngle& b,
+                       double value) {
     const Vec3 to_a(a.x - j.x, a.z - j.z, a.w - j.w), to_b(b.x - j.x, b.z - j.z, b.w - j.w);
     // The distance from the segment between a and b, as coefficients.
     return to_a.dot(to_b) < 0 && std::numbers::sqrt2 * to_a.cross(to_b).norm() <=
@@ -82,7 +83,7 @@ bool is_nearly_between(const Nearness& j, const Nearness& a, const Nearness& b, 
 
 std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
     constexpr double whole = 2 * std::numbers::pi, near = 1e-9;
-    std::vector<Nearness> all;
+    std::vector<NearnessAtAngle> all;
     for (std::uint32_t i = 0; i < forms.size(); ++i) {
         const RadialForm& f = forms[i];
         if (f.has_root() || f.c[1].sign() != Sign::Zero || f.c[2].sign() != Sign::Zero) continue;
@@ -93,27 +94,27 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
     if (all.size() < 3) return ties;
     // All that are nearest over a generator, the one that is nearest beyond it first.
     const auto nearest_at = [&](double angle) {
-        std::vector<const Nearness*> here;
+        std::vector<const NearnessAtAngle*> here;
         double value = -std::numeric_limits<double>::infinity();
-        for (const Nearness& n : all) value = std::max(value, n.at(angle));
-        for (const Nearness& n : all)
+        for (const NearnessAtAngle& n : all) value = std::max(value, n.at(angle));
+        for (const NearnessAtAngle& n : all)
             if (value - n.at(angle) <= near * (std::hypot(n.x, n.z) + std::abs(n.w))) here.push_back(&n);
-        std::ranges::iter_swap(here.begin(), std::ranges::max_element(here, {}, [&](const Nearness* n) {
-                                   return n->slope(angle);
-                               }));
+        std::ranges::iter_swap(
+            here.begin(),
+            std::ranges::max_element(here, {}, [&](const NearnessAtAngle* n) { return n->slope(angle); }));
         return here;
     };
     // Once around, from one nearest form to the next, with as many steps as there can be changes.
     double angle = 0;
-    const Nearness* current = nearest_at(angle).front();
+    const NearnessAtAngle* current = nearest_at(angle).front();
     for (std::size_t step = 0; step < 2 * all.size() && angle < whole; ++step) {
         double next = angle + whole;
-        for (const Nearness& n : all)
+        for (const NearnessAtAngle& n : all)
             if (&n != current)
                 if (const double a = meeting(*current, n, angle + near); a < next) next = a;
-        const std::vector<const Nearness*> here = nearest_at(next);
-        const Nearness* following = here.front();
-        for (const Nearness* n : here) {
+        const std::vector<const NearnessAtAngle*> here = nearest_at(next);
+        const NearnessAtAngle* following = here.front();
+        for (const NearnessAtAngle* n : here) {
             if (n == current || n == following) continue;
             const RadialForm &j = forms[n->form], &a = forms[current->form], &b = forms[following->form];
             AxialTie tie{n->form, current->form, following->form, 0};

@@ -132,8 +132,6 @@ std::vector<Gradient> gradients(const FormFamily& family, std::span<const FormId
     return all;
 }
 
-bool is_zero(const OneRoot& v) { return sign(v) == Sign::Zero; }
-
 }  // namespace
 
 HeightEquation height_equation(const FormFamily& family, FormId f, const RationalPoint& p) {

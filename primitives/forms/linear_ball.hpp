@@ -96,7 +96,7 @@ private:
 
 namespace linear_ball_detail {
 
-constexpr double u = std::numeric_limits<double>::epsilon() / 2;
+using roundoff::u;
 constexpr double tiniest = std::numeric_limits<double>::denorm_min();
 // Sums of less than 16 numbers >= 0, each made of less than 8 of them by products, are taken so much larger.
 constexpr double larger = 1 + 32 * u;

@@ -6,8 +6,6 @@ namespace vcell::space_quadrics {
 
 namespace {
 
-bool is_zero(const Exact& v) { return v.sign() == Sign::Zero; }
-
 Quadric zero_quadric() { return Quadric(terms(unknowns)); }
 
 Linear unit(std::size_t i) {
