@@ -529,7 +529,7 @@ TEST_CASE("program: mutated scenes give a cell that checks, or status 2") {
     Workplace w;
     std::mt19937_64 rng(vcell::test_seed());
     const std::string scene = contents(example("three_spheres.json"));
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 40 * vcell::rounds(); ++i) {
         std::string text = scene;
         for (auto n = 1 + rng() % 2; n-- > 0;) {
             const std::size_t at = rng() % text.size();
