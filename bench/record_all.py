@@ -5,7 +5,7 @@
     bench/record_all.py build/release --molecules FOLDER [--cgal PEER DATA...]
 
 FOLDER holds 1CRN.xyzr and 1AKI.xyzr, without it atoms keep their old figures; PEER and DATA are those of
-compare_cgal.py, without them that table keeps its old figures. Writes bench/results, and from there README.md and
+compare_cgal.py, without them that table keeps its old figures. Writes bench/results, and from there README.md, docs/performance.md and
 docs/pictures/figure11.svg (report.py) and docs/tables.md (examples/tables). About an hour; --quick takes a
 few minutes and its figures are for a look only.
 """

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes what bench/results holds where people read it: the tables of README.md between its marks
-"<!-- measured: NAME -->" and "<!-- end -->", and docs/pictures/figure11.svg.
+"""Writes what bench/results holds where people read it: the tables of README.md and docs/performance.md between their
+marks "<!-- measured: NAME -->" and "<!-- end -->", and docs/pictures/figure11.svg.
 
     bench/report.py [--check]
 
@@ -16,7 +16,6 @@ import sys
 import record
 
 RESULTS = record.SOURCE / "bench/results"
-README = record.SOURCE / "README.md"
 FIGURE = record.SOURCE / "docs/pictures/figure11.svg"
 
 
@@ -59,6 +58,25 @@ def table(head, align, rows):
 
 
 # ---- The tables -----------------------------------------------------------------------------------------------
+
+def summary():
+    """One row for each kind of scene, for who reads nothing else."""
+    cells, around = by_scene("mixed.csv"), by_scene("radial.csv")
+    spheres = {(r["scene"], int(r["n"])): r for r in read("envelope.csv")}
+    cgals = {int(r["n"]): r for r in read("cgal.csv")}
+    rows = [(what, time(r["paper_seconds"]), "", time(r["seconds"])) for what, r in (
+        ("a plane under 24 balls", cells.get("table3_24")), ("a plane under three cylinders", cells.get("figure6")),
+        ("a ball among six balls", around.get("scene/figure8"))) if r]
+    if 10_000 in cgals:
+        r = cgals[10_000]
+        rows.append(("10,000 balls over a plane, the envelope alone", "", time(float(r["peer_ms"]) / 1e3),
+                     time(float(r["vcell_ms"]) / 1e3)))
+    if ("random", 1_000_000) in spheres:
+        rows.append(("1,000,000 of them", "", "", time(spheres["random", 1_000_000]["seconds"])))
+    if "atom/1CRN" in around:
+        rows.append(("an atom of a protein of 327", "", "", time(around["atom/1CRN"]["seconds"])))
+    return table(("", "the paper's (2007)", "CGAL 5.5", "vcell"), "lrrr", rows)
+
 
 def cgal():
     return table(("spheres", "vertices, edges, faces", "CGAL", "vcell", "ratio"), "rrrrr",
@@ -180,7 +198,7 @@ def growth():
     return table(("1,000 objects", *bases.values()), "lrrrr", rows)
 
 
-BLOCKS = {f.__name__: f for f in (cgal, envelope, table3, mixed, parts, radial, growth)}
+PAGES = {"README.md": (summary,), "docs/performance.md": (cgal, envelope, table3, mixed, parts, radial, growth)}
 
 
 # ---- Fig. 11 ---------------------------------------------------------------------------------------------------
@@ -229,21 +247,32 @@ def figure11():
     return "\n".join(out) + "\n</svg>\n"
 
 
+def filled(page, blocks):
+    """The page with these blocks between its marks."""
+    by_name, names = {f.__name__: f for f in blocks}, []
+
+    def block(match):
+        names.append(match[1])
+        if match[1] not in by_name:
+            sys.exit(f"{page} has a mark for {match[1]}, which is none of {list(by_name)}")
+        return f"<!-- measured: {match[1]} -->\n{by_name[match[1]]()}\n<!-- end -->"
+
+    text = (record.SOURCE / page).read_text(encoding="utf-8")
+    text = re.sub(r"<!-- measured: (\w+) -->\n.*?<!-- end -->", block, text, flags=re.S)
+    if sorted(names) != sorted(by_name):
+        sys.exit(f"{page} has marks for {names}, not for each of {list(by_name)}")
+    return text
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
-    names = []
-
-    def block(match):
-        names.append(match[1])
-        return f"<!-- measured: {match[1]} -->\n{BLOCKS[match[1]]()}\n<!-- end -->"
-
-    text = re.sub(r"<!-- measured: (\w+) -->\n.*?<!-- end -->", block, README.read_text(encoding="utf-8"), flags=re.S)
-    if sorted(names) != sorted(BLOCKS):
-        sys.exit(f"README.md has marks for {names}, not for each of {list(BLOCKS)}")
+    contents = {record.SOURCE / page: filled(page, blocks) for page, blocks in PAGES.items()}
+    if table3_rows():
+        contents[FIGURE] = figure11()
     changed = []
-    for path, content in ((README, text), *([(FIGURE, figure11())] if table3_rows() else [])):
+    for path, content in contents.items():
         if not path.exists() or path.read_text(encoding="utf-8") != content:
             changed.append(path.name)
             if not options.check:

@@ -1,4 +1,4 @@
-/// Scene files: the JSON form (README, "Scenes") and plain `x y z r` text.
+/// Scene files: the JSON form (docs/files.md, "Scene") and plain `x y z r` text.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-"""The README's piece of Python does what it says."""
+"""The pieces of Python in the README and in docs/library.md do what they say."""
 import pathlib
 import re
 
@@ -9,13 +9,25 @@ import vcell
 source = pathlib.Path(__file__).parents[2]
 
 
-def test_the_piece_in_the_readme(tmp_path, monkeypatch, capsys):
-    pieces = re.findall(r"```python\n(.*?)```", (source / "README.md").read_text(), re.S)
+def run_piece(page, folder, monkeypatch):
+    """The names that the page's only piece of Python leaves, run beside tests/."""
+    pieces = re.findall(r"```python\n(.*?)```", (source / page).read_text(encoding="utf-8"), re.S)
     assert len(pieces) == 1
-    (tmp_path / "tests").symlink_to(source / "tests")
-    monkeypatch.chdir(tmp_path)
+    (folder / "tests").symlink_to(source / "tests")
+    monkeypatch.chdir(folder)
     names = {}
     exec(pieces[0], names)
+    return names
+
+
+def test_the_piece_in_the_readme(tmp_path, monkeypatch, capsys):
+    names = run_piece("README.md", tmp_path, monkeypatch)
+    assert names["cell"].neighbors.tolist() == [1, 0] and len(names["diagram"].contacts().area) == 2420
+    assert capsys.readouterr().out.count("[") > 2
+
+
+def test_the_piece_in_the_library_page(tmp_path, monkeypatch, capsys):
+    names = run_piece("docs/library.md", tmp_path, monkeypatch)
     assert names["owner"].tolist() == [0, 1] and names["inside"].tolist() == [True, False]
     assert names["points"].shape == (2, 3) and len(names["contacts"]) == 2420
     # The points of the patch are as far from the floor as from the ball.
