@@ -22,7 +22,7 @@ def run_piece(page, folder, monkeypatch):
 
 def test_the_piece_in_the_readme(tmp_path, monkeypatch, capsys):
     names = run_piece("README.md", tmp_path, monkeypatch)
-    assert names["cell"].neighbors.tolist() == [1, 0] and len(names["diagram"].contacts().area) == 2420
+    assert names["cell"].neighbors.tolist() == [0, 1] and len(names["diagram"].contacts().area) == 2420
     assert capsys.readouterr().out.count("[") > 2
 
 
