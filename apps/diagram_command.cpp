@@ -49,6 +49,7 @@ struct DiagramPicture {
     std::string format;
     std::optional<DiagramObj> obj;
     std::optional<LabelledMesh> mesh;
+    CellColours colours;  // of the mesh
     std::optional<DiagramCut> cut;
     std::optional<DiagramPage> page;
 
@@ -68,7 +69,7 @@ struct DiagramPicture {
         if (cut) cut->add(object, cell, of_cell);
         if (obj) obj->add(object, cell, of_cell);
         if (page) page->add(object, cell, of_cell);
-        if (mesh) mesh->add(static_cast<std::int32_t>(object), cell, of_cell);
+        if (mesh) mesh->add(static_cast<std::int32_t>(object), cell, of_cell, colours.add(object, cell));
     }
     void end() {
         if (text) text->finish();
@@ -95,8 +96,8 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_
         .add_option(
             "-o,--output", outputs_,
-            "mesh of all cells, .obj (with .mtl), .stl, .ply or .vtu, a page to look at them, .html, or a cut "
-            "through them, .svg; may be repeated")
+            "mesh of all cells, .obj (with .mtl), .stl, .ply, .vtu, .glb or .3mf, a page to look at them, .html, or a "
+            "cut through them, .svg, or the cells themselves, .json; may be repeated")
         ->allow_extra_args(false)
         ->type_name("FILE");
     command_.add_option("--cut", cut_, "the plane of an .svg: x, y or z = a coordinate")
@@ -157,9 +158,9 @@ static DiagramPicture open_picture(const std::string& name, const std::string& p
         picture.plane = {plane[0] - 'x', *to_double(plane.substr(plane[2] == '+' ? 3 : 2))};
     } else if (ending == ".html") {
         require_pages(name);
-    } else if (ending != ".json" && ending != ".stl" && ending != ".ply" && ending != ".vtu") {
-        throw UsageError(
-            fmt::format("{}: an output must end in .json, .obj, .stl, .ply, .vtu, .html or .svg", name));
+    } else if (ending != ".json" && !is_mesh_format(picture.format)) {
+        throw UsageError(fmt::format(
+            "{}: an output must end in .json, .obj, .stl, .ply, .vtu, .glb, .3mf, .html or .svg", name));
     }
     return picture;
 }

@@ -142,15 +142,17 @@ public:
         command_
             .add_option(
                 "-o,--output", outputs_,
-                "output file, .json, .svg, .html (a page to look at), .obj (with .mtl), .stl, .ply, .vtu, .step or "
-                ".itd; may be repeated")
+                "output file, .json, .svg, .html (a page to look at), .obj (with .mtl), .stl, .ply, .vtu, .glb, .3mf, "
+                ".step or .itd; may be repeated")
             ->required()
             ->allow_extra_args(false)
             ->type_name("FILE");
         command_
-            .add_option("--format", format_,
-                        "format of standard output: json, svg, html, obj, stl, ply, vtu, step or itd")
-            ->check(CLI::IsMember({"json", "svg", "html", "obj", "stl", "ply", "vtu", "step", "itd"}))
+            .add_option(
+                "--format", format_,
+                "format of standard output: json, svg, html, obj, stl, ply, vtu, glb, 3mf, step or itd")
+            ->check(CLI::IsMember(
+                {"json", "svg", "html", "obj", "stl", "ply", "vtu", "glb", "3mf", "step", "itd"}))
             ->capture_default_str();
         command_
             .add_option(
@@ -204,7 +206,7 @@ private:
     };
 
     static bool takes_mesh(const std::string& format) {
-        return format == "obj" || format == "stl" || format == "ply" || format == "vtu" || format == "html";
+        return format == "obj" || format == "html" || is_mesh_format(format);
     }
 
     void add(const std::string& target) {
@@ -219,7 +221,7 @@ private:
             if (format != "json" && format != "svg" && format != "itd" && format != "step" &&
                 !takes_mesh(format))
                 throw UsageError(fmt::format(
-                    "{}: an output must end in .json, .svg, .html, .obj, .stl, .ply, .vtu, .step or .itd",
+                    "{}: an output must end in .json, .svg, .html, .obj, .stl, .ply, .vtu, .glb, .3mf, .step or .itd",
                     target));
         }
         if (format == "html") require_pages(target);
@@ -258,7 +260,7 @@ private:
         if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);
         if (out.format == "html") write_page(stream, cell, *mesh);
         if (out.format == "mtl") write_mtl(stream, cell);
-        if (out.format == "obj" || out.format == "html" || !takes_mesh(out.format)) return;
+        if (!is_mesh_format(out.format)) return;
         LabelledMesh labelled;
         const auto base = cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1;
         labelled.add(base, cell, *mesh);

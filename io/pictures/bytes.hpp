@@ -17,6 +17,7 @@ public:
         if constexpr (std::endian::native == std::endian::big) bytes = reversed(bytes);
         text_.append(bytes.data(), bytes.size());
     }
+    void add_text(std::string_view text) { text_ += text; }
     const std::string& text() const { return text_; }
 
 private:

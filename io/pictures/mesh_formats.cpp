@@ -2,12 +2,16 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <ostream>
 #include <string_view>
+#include <unordered_map>
+#include <utility>
 
 #include "../../envelope/object_distance.hpp"
 #include "bytes.hpp"
+#include "site_style.hpp"
 
 namespace vcell {
 
@@ -41,8 +45,36 @@ std::int32_t label(Site site) {
 
 }  // namespace
 
-void LabelledMesh::add(std::int32_t number, const Cell& of, const CellMesh& mesh) {
+std::size_t LabelledMesh::material(const std::string& name, std::string_view colour) {
+    const auto known = std::ranges::find(materials, name, &Material::name);
+    if (known == materials.end()) materials.push_back({name, colour});
+    return static_cast<std::size_t>(std::ranges::find(materials, name, &Material::name) - materials.begin());
+}
+
+void LabelledMesh::add(std::int32_t number, const Cell& of, const CellMesh& mesh,
+                       std::optional<std::size_t> colour) {
     const auto before = static_cast<std::uint32_t>(points.size());
+    const auto normals_before = static_cast<std::uint32_t>(normals.size());
+    Part part{number,
+              number < 0 ? "cell" : "cell " + std::to_string(number),
+              {points.size(), 0},
+              {triangles.size(), 0},
+              {faces.size(), 0},
+              {lines.size(), 0}};
+    if (!of.scene.base_name.empty()) part.title += " (" + of.scene.base_name + ")";
+    units = of.scene.units;
+    const std::unordered_map<std::uint32_t, std::size_t> colours =
+        colour ? std::unordered_map<std::uint32_t, std::size_t>() : object_colours(of);
+    constexpr std::string_view grey = "#dddddd";
+    const auto material_of = [&](const CellMesh::Group& group) {
+        if (colour) return material("c" + std::to_string(*colour), palette()[*colour]);
+        if (group.kind != CellMesh::Group::Kind::Face)
+            return material(group.kind == CellMesh::Group::Kind::Walls ? "walls" : "the base", grey);
+        const Site site = of.faces[group.face].site;
+        return material(site_title(of.scene, site),
+                        site.is_object() ? palette()[colours.at(site.index)] : grey);
+    };
+
     points.insert(points.end(), mesh.points.begin(), mesh.points.end());
     for (const Vec3& p : mesh.points) clearance.push_back(distance_from(of.scene.base, p));
     for (const CellMesh::Group& group : mesh.groups) {
@@ -51,10 +83,29 @@ void LabelledMesh::add(std::int32_t number, const Cell& of, const CellMesh& mesh
         for (std::size_t t = group.begin; t < group.end; ++t) {
             const Triangle& v = mesh.triangles[t];
             triangles.push_back({before + v[0], before + v[1], before + v[2]});
+            const Triangle& n = mesh.corner_normals[t];
+            corner_normals.push_back({normals_before + n[0], normals_before + n[1], normals_before + n[2]});
             cell.push_back(number);
             neighbor.push_back(beyond);
         }
+        if (group.begin == group.end) continue;
+        const Range range{triangles.size() - (group.end - group.begin), triangles.size()};
+        if (colour && faces.size() > part.faces.begin)
+            faces.back().triangles.end = range.end;
+        else
+            faces.push_back({range, material_of(group)});
     }
+    normals.insert(normals.end(), mesh.normals.begin(), mesh.normals.end());
+    if (!colour)
+        for (const auto& line : mesh.edge_lines) {
+            lines.push_back(line);
+            for (std::uint32_t& p : lines.back()) p += before;
+        }
+    part.points.end = points.size();
+    part.triangles.end = triangles.size();
+    part.faces.end = faces.size();
+    part.lines.end = lines.size();
+    parts.push_back(std::move(part));
 }
 
 void write_stl(std::ostream& out, const LabelledMesh& mesh) {
@@ -126,10 +177,21 @@ void write_vtu(std::ostream& out, const LabelledMesh& mesh) {
     out << "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
 }
 
+namespace {
+struct Format {
+    std::string_view name;
+    void (*write)(std::ostream&, const LabelledMesh&);
+};
+constexpr std::array<Format, 5> formats{
+    {{"stl", write_stl}, {"ply", write_ply}, {"vtu", write_vtu}, {"glb", write_glb}, {"3mf", write_3mf}}};
+}  // namespace
+
+bool is_mesh_format(std::string_view name) {
+    return std::ranges::find(formats, name, &Format::name) != formats.end();
+}
+
 void write_mesh(std::ostream& out, std::string_view format, const LabelledMesh& mesh) {
-    if (format == "stl") write_stl(out, mesh);
-    if (format == "ply") write_ply(out, mesh);
-    if (format == "vtu") write_vtu(out, mesh);
+    std::ranges::find(formats, format, &Format::name)->write(out, mesh);
 }
 
 }  // namespace vcell

@@ -191,11 +191,11 @@ void bind_mesh(py::module_& m) {
 /// Writes a cell in the format of the file's ending.
 void write(const Cell& cell, const std::string& path, const std::optional<CellMesh>& given) {
     const std::string ending = std::filesystem::path(path).extension().string();
-    const bool is_labelled = ending == ".stl" || ending == ".ply" || ending == ".vtu";
+    const bool is_labelled = ending.size() > 1 && is_mesh_format(ending.substr(1));
     if (!is_labelled && ending != ".json" && ending != ".svg" && ending != ".itd" && ending != ".step" &&
         ending != ".obj")
-        throw py::value_error("path: must end in .json, .svg, .obj, .stl, .ply, .vtu, .step or .itd, is " +
-                              path);
+        throw py::value_error(
+            "path: must end in .json, .svg, .obj, .stl, .ply, .vtu, .glb, .3mf, .step or .itd, is " + path);
     const py::gil_scoped_release unlocked;
     OutputFile file(path);
     const auto mesh = [&] { return given ? *given : tessellate(cell); };
@@ -226,8 +226,8 @@ void bind_files(py::module_& m) {
             write(cell, path.string(), mesh ? std::optional(*mesh) : std::nullopt);
         },
         py::arg("cell"), py::arg("path"), py::arg("mesh") = py::none(),
-        "Writes the cell in the format of the path's ending: .json, .svg, .obj, .stl, .ply, .vtu, .step or .itd. "
-        "The file is complete or untouched.\n\n"
+        "Writes the cell in the format of the path's ending: .json, .svg, .obj, .stl, .ply, .vtu, .glb, .3mf, .step or "
+        ".itd. The file is complete or untouched.\n\n"
         "mesh: the cell's mesh, for formats of triangles; default: mesh(cell).\n\n"
         "Raises WriteError, an OSError.");
 }

@@ -167,7 +167,7 @@ def test_a_check_refutes_a_cell_that_is_not(around_a_ball):
 
 def test_files_of_cells(around_a_ball, tmp_path):
     cell = vcell.cell(around_a_ball)
-    for ending in ("json", "svg", "obj", "stl", "ply", "vtu", "itd", "step"):
+    for ending in ("json", "svg", "obj", "stl", "ply", "vtu", "glb", "3mf", "itd", "step"):
         vcell.write(cell, tmp_path / f"cell.{ending}")
         assert (tmp_path / f"cell.{ending}").stat().st_size > 1000
     for other in (vcell.read_cell(tmp_path / "cell.json"), pickle.loads(pickle.dumps(cell))):
