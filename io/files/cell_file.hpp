@@ -1,4 +1,5 @@
-/// Cell files: a cell as JSON (docs/files.md, "Cell"). A reader needs neither the scene file nor this program.
+/// Cell files: a cell as JSON (docs/files.md, "Cell"). A reader needs neither the scene file nor this
+/// program.
 #pragma once
 
 #include <iosfwd>
