@@ -19,14 +19,13 @@
 #include "../envelope/complete_measures.hpp"
 #include "../envelope/point_query.hpp"
 #include "../envelope/vertex_refinement.hpp"
-#include "../envelope/voronoi_cell.hpp"
 #include "../io/files/text.hpp"
 #include "../io/io.hpp"
-#include "ball_file_arguments.hpp"
 #include "check_command.hpp"
 #include "command.hpp"
 #include "diagram_command.hpp"
-#include "progress.hpp"
+#include "draw_command.hpp"
+#include "scene_argument.hpp"
 #include "threads_argument.hpp"
 
 namespace vcell {
@@ -39,6 +38,7 @@ constexpr const char* program_footer = R"(
 Examples:
   vcell compute scene.json -o cell.json -o diagram.svg -o cell.obj
   vcell compute scene.json -o cell.html
+  vcell draw scene.json -o cell.png --view -60,25
   vcell compute balls.xyzr --base-plane 0 0 0 0 0 1 -o cell.json
   vcell query scene.json points.txt
   vcell measure scene.json
@@ -51,86 +51,6 @@ A file named - is standard input or output. Scenes are JSON or files of balls: p
 mmCIF, XYZ and extended XYZ, LAMMPS dumps.
 Exit status: 0 done, 1 wrong usage or an output that cannot be written, 2 bad input, 3 a question that
 could not be decided, 4 a check that failed or left something open. "vcell COMMAND --help" tells more.)";
-
-// ---- Options -------------------------------------------------------------------------------------
-
-std::string ball_complaint(const std::string& text) {
-    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-    return digits && text.size() < 10
-               ? ""
-               : fmt::format("must be the number of a ball, counted from 0, is {}", printable(text));
-}
-
-// ---- Scenes --------------------------------------------------------------------------------------
-
-/// The scene argument of a command, with what a plain file leaves open.
-class SceneArgument {
-public:
-    std::string path;
-
-    void add_to(CLI::App& command) {
-        command.add_option("SCENE", path, "scene file, JSON or a file of balls; - is standard input")
-            ->required();
-        const char* group = "Files of balls";
-        has_base = command.add_option("--base", base, "the ball that is the base, counted from 0")
-                       ->check(ball_complaint)
-                       ->type_name("K")
-                       ->group(group);
-        command.add_option("--base-plane", base_plane, "the base plane: a point of it and its normal")
-            ->expected(6)
-            ->check(number_complaint)
-            ->type_name("X Y Z NX NY NZ")
-            ->excludes(has_base)
-            ->group(group);
-        command
-            .add_option("--box", box,
-                        "the box, instead of one about the balls that leaves half its diagonal of room")
-            ->expected(6)
-            ->check(number_complaint)
-            ->type_name("X0 Y0 Z0 X1 Y1 Z1")
-            ->group(group);
-        files.add_to(command, group);
-    }
-
-    /// f(), whose complaints are about the scene and name its file.
-    template <class F>
-    auto about(F f) const {
-        return about_file(path, "", f);
-    }
-
-    Scene read() const {
-        TextSceneOptions options;
-        options.files = files.options();
-        const auto vec = [](const std::vector<double>& v, std::size_t i) {
-            return Vec3(v[i], v[i + 1], v[i + 2]);
-        };
-        if (has_base->count() > 0) options.base_ball = base;
-        if (!base_plane.empty()) options.base_plane = Plane{vec(base_plane, 0), vec(base_plane, 3)};
-        if (!box.empty()) options.box = Box{vec(box, 0), vec(box, 3)};
-        return about([&] { return read_scene(path, options); });
-    }
-
-private:
-    std::size_t base = 0;
-    std::vector<double> base_plane, box;
-    BallFileArguments files;
-    CLI::Option* has_base = nullptr;
-};
-
-Cell compute_cell(const Scene& scene, unsigned threads = 1, bool is_complete = false) {
-    ProgressBar bar;
-    CellOptions options;
-    options.threads = threads;
-    options.complete = is_complete;
-    options.progress = [&](const char* stage, double fraction) { bar.show(stage, fraction); };
-    return voronoi_cell(scene, options);
-}
-
-/// Warnings, and whether every question was decided.
-Status report(const Cell& cell) {
-    for (const std::string& w : cell.report.warnings) warn(w);
-    return report_assumed(cell.report.decisions.assumed);
-}
 
 // ---- compute -------------------------------------------------------------------------------------
 
@@ -491,6 +411,7 @@ int run(int argc, char** argv) {
         return fmt::format("vcell: {}; \"vcell --help\" tells more\n", e.what());
     });
     Compute compute(app);
+    DrawCommand draw(app);
     Query query(app);
     Measure measure(app);
     CheckCommand check(app);
@@ -502,6 +423,7 @@ int run(int argc, char** argv) {
         return app.exit(e) == 0 ? done : wrong_usage;
     }
     if (compute.chosen()) return compute.run();
+    if (draw.chosen()) return draw.run();
     if (query.chosen()) return query.run();
     if (measure.chosen()) return measure.run();
     if (check.chosen()) return check.run();

@@ -1,35 +1,32 @@
 #!/usr/bin/env python3
 """Draws docs/pictures: make_pictures.py [--program build/release/apps/vcell] [NAME ...]
 
-Of every scene below, or of those NAMEd: its minimization diagram as SVG, or the cell with base and objects as PNG
-(view_obj.py), or both.
+Of every scene below, or of those NAMEd: its minimization diagram as SVG (vcell compute), or the cell with base and
+objects as PNG (vcell draw), or both.
 """
 import argparse
-import json
 import pathlib
 import subprocess
-import tempfile
-
-import view_obj
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 
 DIAGRAMS = ["table3_24", "hundreds", "pile_50", "figure1", "figure2", "figure8", "figure10"]
-# Options of view_obj.draw().
-Z_UP = {"up": (0, 0, 1)}
+# Azimuth and elevation.
 VIEWS = {
-    "figure1": {"viewer": (-2, -5, 1.5), **Z_UP},
-    "figure2": {"viewer": (-2, -5, 1.5), **Z_UP},
-    "figure5": {"viewer": (-2, -5, 1.5), **Z_UP},
-    "figure6": {"viewer": (-2, -5, 1.5), **Z_UP},
-    "figure7": {"viewer": (3, -4, 2), "sixth": "+z", **Z_UP},
-    "figure8": {"viewer": (3, -4, 2), **Z_UP},
-    "figure9": {"viewer": (3, -4, 2), **Z_UP},
-    "figure10": {"viewer": (1.5, -4, 2.5), **Z_UP},
-    "figure12": {"viewer": (-2, -5, 2.5), **Z_UP},
-    "cage": {},
-    "bundle": {},
+    "figure1": "-112,16",
+    "figure2": "-112,16",
+    "figure5": "-112,16",
+    "figure6": "-112,16",
+    "figure7": "-53,22",
+    "figure8": "-53,22",
+    "figure9": "-53,22",
+    "figure10": "-69,30",
+    "figure12": "-112,25",
+    "cage": "-60,25",
+    "bundle": "-60,25",
 }
+# A sixth of the cell, as in the paper's figure: what the upper side of a cube about the base ball's centre sees.
+CLIPS = {"figure7": ["0 0 0 1 0 1", "0 0 0 -1 0 1", "0 0 0 0 1 1", "0 0 0 0 -1 1"]}
 
 
 def main():
@@ -41,15 +38,13 @@ def main():
     for name in sorted({*DIAGRAMS, *VIEWS}):
         if options.names and name not in options.names:
             continue
-        path = SOURCE / f"examples/scenes/{name}.json"
-        with tempfile.TemporaryDirectory() as folder:
-            mesh = pathlib.Path(folder) / "cell.obj"
-            outputs = ["-o", options.output / f"{name}.svg"] if name in DIAGRAMS else []
-            outputs += ["-o", mesh] if name in VIEWS else []
-            subprocess.run([options.program, "compute", path, *outputs], check=True)
-            if name in VIEWS:
-                scene = json.loads(path.read_text(encoding="utf-8"))
-                view_obj.draw(mesh, options.output / f"{name}.png", scene, **VIEWS[name])
+        scene = SOURCE / f"examples/scenes/{name}.json"
+        if name in DIAGRAMS:
+            subprocess.run([options.program, "compute", scene, "-o", options.output / f"{name}.svg"], check=True)
+        if name in VIEWS:
+            clips = [word for clip in CLIPS.get(name, []) for word in ("--clip", *clip.split())]
+            subprocess.run([options.program, "draw", scene, "-o", options.output / f"{name}.png", "--view", VIEWS[name],
+                            *clips], check=True)
         print(name)
 
 

@@ -173,11 +173,17 @@ public:
 
     Cell read() {
         read_with(required_member("vcell", [&] { read_format_version(in_); }),
-                  required_member("scene", [&] { cell_.scene = read_scene_value(in_); }),
+                  required_member("scene",
+                                  [&] {
+                                      has_scene_ = true;
+                                      cell_.scene = read_scene_value(in_);
+                                  }),
                   optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }));
         in_.end();
         return std::move(cell_);
     }
+
+    bool has_scene() const { return has_scene_; }
 
     std::pair<std::uint32_t, Cell> read_of_diagram() {
         std::uint32_t object = 0;
@@ -412,6 +418,7 @@ private:
 
     JsonReader& in_;
     Cell cell_;
+    bool has_scene_ = false;
 };
 
 }  // namespace
@@ -464,6 +471,20 @@ Cell parse_cell(std::string_view text) {
         }
     }();
     validate(cell.scene);
+    return cell;
+}
+
+std::optional<Cell> parse_if_cell(std::string_view text) {
+    std::optional<Cell> cell;
+    JsonReader in(text);
+    CellReader reader(in);
+    try {
+        cell = reader.read();
+    } catch (const InputError&) {
+        if (reader.has_scene()) throw;
+        return std::nullopt;
+    }
+    validate(cell->scene);
     return cell;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,9 @@ void write_cell(std::ostream& out, const Cell& cell, unsigned threads = 1);
 /// not judged. A cell from an unknown hand is safe to evaluate once check_cell finds nothing wrong.
 /// Throws InputError with the JSON path of the first offender.
 Cell parse_cell(std::string_view text);
+
+/// parse_cell() of what is a cell file, or none: of what is no JSON with a scene in it.
+std::optional<Cell> parse_if_cell(std::string_view text);
 
 /// parse_cell of a file, of standard input for "-". Throws ReadError, InputError.
 Cell read_cell(const std::string& path);

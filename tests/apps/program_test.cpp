@@ -548,3 +548,30 @@ TEST_CASE("program: mutated scenes give a cell that checks, or status 2") {
         CHECK(w.files().empty());
     }
 }
+
+TEST_CASE("program: draw makes the same picture of a scene and of its cell, and refuses what is no picture") {
+    const Workplace work;
+    const std::string scene = example("figure8.json");
+    const Outcome drawn = work.run("draw " + scene + " -o scene.png --size 64");
+    if (drawn.err.find("libpng-dev") != std::string::npos) {
+        MESSAGE("skipped: the program was built without libpng");
+        return;
+    }
+    REQUIRE(drawn.status == 0);
+    const std::string picture = work.read("scene.png");
+    CHECK(picture.starts_with("\x89PNG\r\n\x1a\n"));
+    CHECK(picture.substr(16, 8) == std::string("\0\0\0\x40\0\0\0\x40", 8));  // width and height
+    REQUIRE(work.run("compute " + scene + " -o cell.json").status == 0);
+    REQUIRE(work.run("draw cell.json -o cell.png --size 64 --view -60,25").status == 0);
+    CHECK(work.read("cell.png") == picture);
+    CHECK(work.run("draw - -o - --size 64", work.read("cell.json")).out == picture);
+    for (const char* other : {"--no-objects", "--view 30,25", "--clip 0 0 0 1 0 0"}) {
+        CAPTURE(other);
+        REQUIRE(work.run("draw cell.json -o other.png --size 64 " + std::string(other)).status == 0);
+        CHECK(work.read("other.png") != picture);
+    }
+    for (const char* wrong : {"-o cell.gif", "", "-o cell.png --view 1", "-o cell.png --view 0,91",
+                              "-o cell.png --clip 0 0 0 1 0", "-o cell.png --size 0"})
+        CHECK(work.run(std::string("draw cell.json ") + wrong).status == 1);
+    CHECK(work.run("draw - -o cell.png", "{\"vcell\": 1, \"scene\": {}}").status == 2);
+}
