@@ -9,12 +9,15 @@
 #include <map>
 #include <optional>
 #include <ostream>
+#include <span>
+#include <string>
 #include <unordered_map>
 #include <variant>
 #include <vector>
 
 #include "../../primitives/bases/plane_base.hpp"
 #include "../files/text.hpp"
+#include "labels.hpp"
 #include "site_style.hpp"
 #include "unfold.hpp"
 
@@ -30,11 +33,16 @@ public:
     void draw() {
         project_cylinder_faces();
         const auto [low, high] = bounds();
+        has_lengths_ = true;
         frame(low, high);
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
             if (!is_entered(cell_, cell_.faces[f])) face(f);
         edges_and_vertices();
-        print("</g>\n</svg>\n");
+        print("</g>\n");
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
+            if (!is_entered(cell_, cell_.faces[f])) label(f, polygons(f));
+        legend(low, high);
+        print("</svg>\n");
         flush();
     }
 
@@ -65,6 +73,8 @@ public:
         for (const Unfolding::Panel& panel : unfolding.panels)
             print("<text class=\"panel\" x=\"{}\" y=\"{}\">{}</text>\n", number(panel.low.x() + size_ / 200),
                   number(-panel.low.y() - size_ / 200), panel.name);
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f) label(f, unfolding.faces[f]);
+        legend(low, high);
         print("</svg>\n");
         flush();
     }
@@ -158,12 +168,14 @@ private:
         dot_ = size_ * std::min(1.0 / 160, 0.12 / crowd);
         const double margin = size_ / 100;
         constexpr double width = 800;  // pixels
+        pixel_ = (extent.x() + 2 * margin) / width;
+        const double height =
+            extent.y() + 2 * margin + (has_lengths_ || has_hatches() ? legend_height * pixel_ : 0);
         print(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"{:.0f}\" height=\"{:.0f}\" "
             "viewBox=\"{} {} {} {}\">\n",
-            width, std::max(1.0, width * (extent.y() + 2 * margin) / (extent.x() + 2 * margin)),
-            number(low.x() - margin), number(-high.y() - margin), number(extent.x() + 2 * margin),
-            number(extent.y() + 2 * margin));
+            width, std::max(1.0, height / pixel_), number(low.x() - margin), number(-high.y() - margin),
+            number(extent.x() + 2 * margin), number(height));
         print("<title>Voronoi cell: minimization diagram, {} faces, {} edges, {} vertices</title>\n",
               cell_.faces.size(), cell_.edges.size(), cell_.vertices.size());
         print(
@@ -175,6 +187,10 @@ private:
             "rect.panel{{fill:none;stroke:#888888;stroke-width:{0};stroke-dasharray:{1}}}\n"
             "text.panel{{fill:#444444;font-family:sans-serif;font-size:{2}px}}\n",
             number(0.6 * stroke), number(2 * stroke), number(size_ / 50));
+        print(
+            ".words{{fill:#222222;font-family:sans-serif;font-size:{}px;pointer-events:none}}\n"
+            "text.label{{text-anchor:middle}}\n.bar{{fill:none;stroke:#222222;stroke-width:1.5}}\n",
+            letter);
         for (std::size_t c = 0; c < palette().size(); ++c) print(".c{}{{fill:{}}}\n", c, palette()[c]);
         print(
             "</style>\n<defs><pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"{0}\" "
@@ -183,6 +199,65 @@ private:
             "<rect width=\"{1}\" height=\"{0}\" fill=\"#cccccc\"/></pattern></defs>\n",
             number(size_ / 80), number(size_ / 320));
         print("<g transform=\"scale(1,-1)\">\n");
+    }
+
+    // Texts are in pixels: letters of a tiny picture's units have no shapes in some viewers.
+    std::string in_pixels(const Vec2& at) const {
+        return fmt::format("transform=\"translate({} {}) scale({})\"", number(at.x()), number(-at.y()),
+                           number(pixel_));
+    }
+
+    /// A face as polygons, a few sides for each curve.
+    std::vector<std::vector<Vec2>> polygons(std::size_t index) const {
+        constexpr int samples = 16;
+        std::vector<std::vector<Vec2>> result;
+        for (const TrimmedPatch& patch : cell_.faces[index].patches)
+            for (const auto& loop : patch.loops) {
+                std::vector<Vec2>& polygon = result.emplace_back();
+                for (const TrimCurve& c : loop) {
+                    const RationalCurve2& curve = in_chart(c).curve;
+                    const double begin = curve.domain_begin(), end = curve.domain_end();
+                    for (int i = 0; i < samples; ++i)
+                        polygon.push_back(curve.evaluate(begin + (end - begin) * i / samples));
+                }
+            }
+        return result;
+    }
+
+    /// The object's name, or its number, where there is room in its face.
+    void label(std::size_t index, std::span<const std::vector<Vec2>> polygons) {
+        const Site site = cell_.faces[index].site;
+        if (!site.is_object()) return;
+        const bool has_name = site.index < cell_.scene.names.size() && !cell_.scene.names[site.index].empty();
+        const std::string text = has_name ? cell_.scene.names[site.index] : std::to_string(site.index);
+        constexpr double wide = 0.65;  // of a letter's height
+        const auto place = place_of_text(polygons, wide * letter * pixel_ * static_cast<double>(text.size()),
+                                         letter * pixel_);
+        if (place)
+            print("<text class=\"words label\" {} y=\"{}\">{}</text>\n", in_pixels(*place), 0.35 * letter,
+                  xml_escaped(text));
+    }
+
+    bool has_hatches() const {
+        return std::ranges::any_of(
+            cell_.faces, [&](const CellFace& f) { return !f.site.is_object() && !is_entered(cell_, f); });
+    }
+
+    /// Under the picture: how long a length is, and what is hatched.
+    void legend(const Vec2& low, const Vec2& high) {
+        const double line = low.y() - size_ / 100 - (legend_height - 8) * pixel_;
+        double x = low.x();
+        if (has_lengths_) {
+            const double length = round_length((high.x() - low.x()) / 4), bar = length / pixel_;
+            print("<g {}><path class=\"bar\" d=\"M0,-6V0H{:.2f}V-6\"/>", in_pixels({x, line}), bar);
+            print("<text class=\"words\" x=\"{:.2f}\">{:.6g} {}</text></g>\n", bar + 6, length,
+                  xml_escaped(cell_.scene.units));
+            x += length + 120 * pixel_;
+        }
+        if (!has_hatches()) return;
+        print("<rect class=\"box\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", number(x),
+              number(-line - 11 * pixel_), number(22 * pixel_), number(12 * pixel_));
+        print("<text class=\"words\" {}>sides of the box</text>\n", in_pixels({x + 28 * pixel_, line}));
     }
 
     void face(std::size_t index) {
@@ -337,6 +412,9 @@ private:
     std::unordered_map<std::uint32_t, std::size_t> colours_;
     std::unordered_map<const TrimCurve*, TrimCurve> projected_;  // of the faces of cylinders
     std::string buffer_;
+    static constexpr double letter = 12, legend_height = 26;  // pixels
+    bool has_lengths_ = false;                                // the chart's coordinates are lengths
+    double pixel_ = 1;      // of the picture as wide as it says, in the chart's units
     double size_ = 1;       // of the chart, its units
     double tolerance_ = 0;  // of fitted curves, the same
     double dot_ = 0;        // radius of a vertex

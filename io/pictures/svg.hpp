@@ -11,8 +11,10 @@ namespace vcell {
 /// the trimming loops of its patches; lines and circular arcs are exact, other curves are cubic pieces that
 /// stay within a millionth of the picture's size. Spheres and cylinders: unfolded (unfold.hpp), as polylines.
 ///
-/// A face is a path with its site's colour and a tooltip, vertices are circles that tell their clearance.
-/// Styled by CSS classes (face, box, edge, rim, vertex, panel, c0 ... c7), without scripts.
+/// A face is a path with its site's colour and a tooltip, and where there is room its object's name, or
+/// number; vertices are circles that tell their clearance. Below are, over a plane, a bar with its length,
+/// and what is hatched. Styled by CSS classes (face, box, edge, rim, vertex, panel, c0 ... c7), without
+/// scripts.
 void write_svg(std::ostream& out, const Cell& cell);
 
 }  // namespace vcell

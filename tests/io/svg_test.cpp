@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../io/pictures/labels.hpp"
 #include "../../io/pictures/site_style.hpp"
 #include "sample_cells.hpp"
 
@@ -133,6 +134,45 @@ TEST_CASE("svg: any name is fit for XML") {
 
 TEST_CASE("svg: a cell without faces is an empty picture") {
     CHECK(elements(svg_text(Cell{}), "face").empty());
+}
+
+TEST_CASE("svg: names stand in their faces where there is room, lengths and hatches are explained") {
+    Cell cell = island_cell();  // a disc of radius 0.75 in a square from -1 to 1
+    cell.scene.names = {"A<B"};
+    cell.scene.units = "cm";
+    const std::string svg = svg_text(cell);
+    // 2.04 units are 800 pixels.
+    CHECK(svg.find("transform=\"translate(0 0) scale(0.00255)\" y=\"4.2\">A&lt;B</text>") != svg.npos);
+    CHECK(svg.find("V0H196.08V") != svg.npos);
+    CHECK(svg.find(">0.5 cm</text>") != svg.npos);
+    CHECK(svg.find(">sides of the box</text>") != svg.npos);
+    cell.scene.names = {std::string(200, 'x')};
+    CHECK(svg_text(cell).find("words label") == svg.npos);
+    cell.scene.names.clear();
+    CHECK(svg_text(cell).find(">0</text>") != svg.npos);
+    CHECK(svg_text(paraboloid_cell()).find("sides of the box") == svg.npos);
+}
+
+TEST_CASE("labels: a text lies in its polygons, which may have holes, or nowhere") {
+    const std::vector<Vec2> square{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, hole{{1, 1}, {9, 1}, {9, 6}, {1, 6}};
+    const auto place = place_of_text(std::vector{square, hole}, 5, 2);
+    REQUIRE(place);
+    CHECK(place->y() > 7);
+    CHECK(place->y() < 9);
+    CHECK(place->x() > 2.5);
+    CHECK(place->x() < 7.5);
+    CHECK_FALSE(place_of_text(std::vector{square, hole}, 5, 4));
+    CHECK(place_of_text(std::vector{square}, 5, 4));
+    CHECK_FALSE(place_of_text(std::vector{square}, 11, 1));
+    CHECK_FALSE(place_of_text({}, 1, 1));
+    // An L: its middle is outside.
+    const std::vector<Vec2> corner{{0, 0}, {10, 0}, {10, 2}, {2, 2}, {2, 10}, {0, 10}};
+    const auto in_corner = place_of_text(std::vector{corner}, 1, 1);
+    REQUIRE(in_corner);
+    CHECK(in_corner->minCoeff() < 1.5);
+    for (const auto& [longest, round] :
+         {std::pair{1.0, 1.0}, {1.99, 1.0}, {2.0, 2.0}, {4.9, 2.0}, {7.0, 5.0}, {0.3, 0.2}, {2e7, 2e7}})
+        CHECK(round_length(longest) == doctest::Approx(round).epsilon(1e-12));
 }
 
 TEST_CASE("site style: neighbours differ in colour") {
