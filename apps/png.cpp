@@ -5,13 +5,13 @@
 #include <string>
 
 #include "../io/files/files.hpp"
-#if VCELL_HAS_PNG
+#ifdef VCELL_HAS_PNG
 #include <png.h>
 #endif
 
 namespace vcell {
 
-#if VCELL_HAS_PNG
+#ifdef VCELL_HAS_PNG
 
 bool has_png() { return true; }
 
