@@ -203,7 +203,7 @@ private:
 
     // Texts are in pixels: letters of a tiny picture's units have no shapes in some viewers.
     std::string in_pixels(const Vec2& at) const {
-        return fmt::format("transform=\"translate({} {}) scale({})\"", number(at.x()), number(-at.y()),
+        return fmt::format("transform=\"translate({} {}) scale({})\"", number(at.x()), number(0.0 - at.y()),
                            number(pixel_));
     }
 
@@ -234,7 +234,7 @@ private:
         const auto place = place_of_text(polygons, wide * letter * pixel_ * static_cast<double>(text.size()),
                                          letter * pixel_);
         if (place)
-            print("<text class=\"words label\" {} y=\"{}\">{}</text>\n", in_pixels(*place), 0.35 * letter,
+            print("<text class=\"words label\" {} y=\"{:.3g}\">{}</text>\n", in_pixels(*place), 0.35 * letter,
                   xml_escaped(text));
     }
 

@@ -154,20 +154,21 @@ TEST_CASE("svg: names stand in their faces where there is room, lengths and hatc
 }
 
 TEST_CASE("labels: a text lies in its polygons, which may have holes, or nowhere") {
+    using Polygons = std::vector<std::vector<Vec2>>;
     const std::vector<Vec2> square{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, hole{{1, 1}, {9, 1}, {9, 6}, {1, 6}};
-    const auto place = place_of_text(std::vector{square, hole}, 5, 2);
+    const auto place = place_of_text(Polygons{square, hole}, 5, 2);
     REQUIRE(place);
     CHECK(place->y() > 7);
     CHECK(place->y() < 9);
     CHECK(place->x() > 2.5);
     CHECK(place->x() < 7.5);
-    CHECK_FALSE(place_of_text(std::vector{square, hole}, 5, 4));
-    CHECK(place_of_text(std::vector{square}, 5, 4));
-    CHECK_FALSE(place_of_text(std::vector{square}, 11, 1));
+    CHECK_FALSE(place_of_text(Polygons{square, hole}, 5, 4));
+    CHECK(place_of_text(Polygons{square}, 5, 4));
+    CHECK_FALSE(place_of_text(Polygons{square}, 11, 1));
     CHECK_FALSE(place_of_text({}, 1, 1));
     // An L: its middle is outside.
     const std::vector<Vec2> corner{{0, 0}, {10, 0}, {10, 2}, {2, 2}, {2, 10}, {0, 10}};
-    const auto in_corner = place_of_text(std::vector{corner}, 1, 1);
+    const auto in_corner = place_of_text(Polygons{corner}, 1, 1);
     REQUIRE(in_corner);
     CHECK(in_corner->minCoeff() < 1.5);
     for (const auto& [longest, round] :
