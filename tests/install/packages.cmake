@@ -18,7 +18,7 @@ if(NOT measures MATCHES "volume")
 endif()
 file(GLOB pages ${FOLDER}/root/usr/share/man/man1/*.1*)
 list(LENGTH pages count)
-if(count LESS 7)
+if(count LESS 8)
   message(FATAL_ERROR "manual pages: ${pages}")
 endif()
 # vcell dia<TAB>, then vcell diagram --per<TAB>
