@@ -12,9 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "../../core/curves/reversed_curve.hpp"
-#include "../../core/errors.hpp"
+#include <Eigen/Geometry>
+
 #include "../pictures/site_style.hpp"
+#include "../solids/solid.hpp"
 
 namespace vcell {
 
@@ -49,15 +50,18 @@ public:
     explicit StepFile(const Cell& cell) : cell_(cell) {}
 
     void write(std::ostream& out) {
-        require_solid();
-        add_vertices();
-        add_surfaces();
+        for (const Vec3& v : solid_.vertices) vertices_.push_back(add("VERTEX_POINT('',#{})", point(v)));
+        for (const Solid::Face& f : solid_.faces)
+            surfaces_.push_back(f.is_flat ? plane(f) : surface(*f.surface));
         add_edges();
-        std::vector<int> faces;
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f) faces.push_back(face(f));
-        const int shell = add("CLOSED_SHELL('',{})", references(faces));
-        const int solid = add("MANIFOLD_SOLID_BREP('cell',#{})", shell);
-        add_product(solid);
+        std::vector<int> solids;
+        for (const std::vector<std::uint32_t>& part : solid_.parts) {
+            std::vector<int> faces;
+            for (const std::uint32_t f : part) faces.push_back(face(f));
+            const int shell = add("CLOSED_SHELL('',{})", references(faces));
+            solids.push_back(add("MANIFOLD_SOLID_BREP('cell',#{})", shell));
+        }
+        add_product(solids);
         out << "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('Voronoi cell'),'2;1');\n"
                "FILE_NAME('cell','',(''),(''),'vcell','vcell','');\n"
                "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n";
@@ -66,29 +70,6 @@ public:
     }
 
 private:
-    // Has each face one patch, and each edge one on both sides?
-    void require_solid() const {
-        std::vector<int> balance(cell_.edges.size(), 0), uses(cell_.edges.size(), 0);
-        bool is_solid = true;
-        for (const CellFace& face : cell_.faces) {
-            is_solid = is_solid && face.patches.size() == 1;
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& trim : loop) {
-                        is_solid = is_solid && trim.edge;
-                        if (!trim.edge) continue;
-                        ++uses[*trim.edge];
-                        balance[*trim.edge] += trim.reversed ? -1 : 1;
-                    }
-        }
-        is_solid = is_solid && std::ranges::all_of(uses, [](int n) { return n == 2; }) &&
-                   std::ranges::all_of(balance, [](int n) { return n == 0; });
-        if (!is_solid)
-            throw InputError(
-                InputError::Kind::Unsupported, InputError::no_object, "STEP",
-                "is written of closed cells whose faces have one patch each, those around balls");
-    }
-
     template <class... Args>
     int add(fmt::format_string<Args...> format, Args&&... args) {
         lines_.push_back(fmt::format(format, std::forward<Args>(args)...));
@@ -124,79 +105,64 @@ private:
             c.degree, references(poles), fmt::join(multiplicities, ","), reals(knots), reals(weights));
     }
 
-    void add_vertices() {
-        for (const CellVertex& v : cell_.vertices)
-            vertices_.push_back(add("VERTEX_POINT('',#{})", point(v.point)));
+    int surface(const RationalPatch& s) {
+        std::vector<std::string> poles, weights;
+        for (int i = 0; i <= s.degree_u; ++i) {
+            std::vector<int> row;
+            std::vector<double> weight_row;
+            for (int j = 0; j <= s.degree_v; ++j) {
+                row.push_back(point(Vec3(s.point(i, j).head<3>())));
+                weight_row.push_back(s.point(i, j)[3]);
+            }
+            poles.push_back(references(row));
+            weights.push_back(reals(weight_row));
+        }
+        return add(
+            "(BOUNDED_SURFACE() B_SPLINE_SURFACE({0},{1},({2}),.UNSPECIFIED.,.F.,.F.,.F.) "
+            "B_SPLINE_SURFACE_WITH_KNOTS(({3},{3}),({4},{4}),{5},{6},.UNSPECIFIED.) "
+            "GEOMETRIC_REPRESENTATION_ITEM() RATIONAL_B_SPLINE_SURFACE(({7})) REPRESENTATION_ITEM('') "
+            "SURFACE())",
+            s.degree_u, s.degree_v, fmt::join(poles, ","), s.degree_u + 1, s.degree_v + 1, reals(s.domain_u),
+            reals(s.domain_v), fmt::join(weights, ","));
     }
 
-    void add_surfaces() {
-        for (const CellFace& face : cell_.faces) {
-            const RationalPatch& s = face.patches.front().surface;
-            std::vector<std::string> poles, weights;
-            for (int i = 0; i <= s.degree_u; ++i) {
-                std::vector<int> row;
-                std::vector<double> weight_row;
-                for (int j = 0; j <= s.degree_v; ++j) {
-                    row.push_back(point(Vec3(s.point(i, j).head<3>())));
-                    weight_row.push_back(s.point(i, j)[3]);
-                }
-                poles.push_back(references(row));
-                weights.push_back(reals(weight_row));
-            }
-            surfaces_.push_back(add(
-                "(BOUNDED_SURFACE() B_SPLINE_SURFACE({0},{1},({2}),.UNSPECIFIED.,.F.,.F.,.F.) "
-                "B_SPLINE_SURFACE_WITH_KNOTS(({3},{3}),({4},{4}),{5},{6},.UNSPECIFIED.) "
-                "GEOMETRIC_REPRESENTATION_ITEM() RATIONAL_B_SPLINE_SURFACE(({7})) REPRESENTATION_ITEM('') "
-                "SURFACE())",
-                s.degree_u, s.degree_v, fmt::join(poles, ","), s.degree_u + 1, s.degree_v + 1,
-                reals(s.domain_u), reals(s.domain_v), fmt::join(weights, ",")));
-        }
+    // With the patch's parameters: lengths from where both are 0.
+    int plane(const Solid::Face& f) {
+        const auto [x, y] = f.surface->partials(0, 0);
+        return add("PLANE('',#{})",
+                   add("AXIS2_PLACEMENT_3D('',#{},#{},#{})", point(f.surface->evaluate(0, 0)),
+                       direction(x.cross(y)), direction(x)));
     }
 
     void add_edges() {
-        // The curves in parameters of both faces, in the edges' own sense.
-        std::vector<std::vector<int>> in_parameters(cell_.edges.size());
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
-            for (const auto& loop : cell_.faces[f].patches.front().loops)
-                for (const TrimCurve& trim : loop) {
-                    const int c = curve(trim.reversed ? reversed(trim.curve) : trim.curve);
+        std::vector<std::vector<int>> in_parameters(solid_.edges.size());
+        for (std::size_t f = 0; f < solid_.faces.size(); ++f)
+            for (const auto& loop : solid_.faces[f].loops)
+                for (const Solid::Use& use : loop) {
+                    const int c = curve(use.curve);
                     const int context =
                         add("(GEOMETRIC_REPRESENTATION_CONTEXT(2) PARAMETRIC_REPRESENTATION_CONTEXT() "
                             "REPRESENTATION_CONTEXT('2D SPACE',''))");
                     const int rep = add("DEFINITIONAL_REPRESENTATION('',(#{}),#{})", c, context);
-                    in_parameters[*trim.edge].push_back(add("PCURVE('',#{},#{})", surfaces_[f], rep));
+                    in_parameters[use.edge].push_back(add("PCURVE('',#{},#{})", surfaces_[f], rep));
                 }
-        for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
-            const CellEdge& edge = cell_.edges[e];
-            const Vec3 start = edge.curve.evaluate(edge.curve.domain_begin()),
-                       end = edge.curve.evaluate(edge.curve.domain_end());
-            std::array<int, 2> ends;
-            off_ = std::max(off_, edge.error);
-            if (edge.vertices.empty()) {
-                ends.fill(add("VERTEX_POINT('',#{})", point(start)));
-                off_ = std::max(off_, (end - start).norm());
-            } else {
-                for (const int k : {0, 1}) {
-                    const std::uint32_t v = edge.vertices[static_cast<std::size_t>(k)];
-                    ends[static_cast<std::size_t>(k)] = vertices_[v];
-                    off_ = std::max(off_, (cell_.vertices[v].point - (k == 0 ? start : end)).norm());
-                }
-            }
+        for (std::size_t e = 0; e < solid_.edges.size(); ++e) {
+            const auto& [ends, in_space] = solid_.edges[e];
             const int on_surfaces =
-                add("SURFACE_CURVE('',#{},{},.CURVE_3D.)", curve(edge.curve), references(in_parameters[e]));
-            edges_.push_back(add("EDGE_CURVE('',#{},#{},#{},.T.)", ends[0], ends[1], on_surfaces));
+                add("SURFACE_CURVE('',#{},{},.CURVE_3D.)", curve(in_space), references(in_parameters[e]));
+            edges_.push_back(
+                add("EDGE_CURVE('',#{},#{},#{},.T.)", vertices_[ends[0]], vertices_[ends[1]], on_surfaces));
         }
     }
 
     // Counter-clockwise seen from outside, where the surface's normal points.
     int face(std::size_t f) {
-        const CellFace& of = cell_.faces[f];
+        const CellFace& of = shell_.faces[solid_.faces[f].of];
         std::vector<int> bounds;
-        for (const auto& loop : of.patches.front().loops) {
+        for (const auto& loop : solid_.faces[f].loops) {
             std::vector<int> sides;
-            for (const TrimCurve& trim : loop)
-                sides.push_back(
-                    add("ORIENTED_EDGE('',*,*,#{},{})", edges_[*trim.edge], flag(!trim.reversed)));
+            for (const Solid::Use& use : loop)
+                sides.push_back(add("ORIENTED_EDGE('',*,*,#{},{})", edges_[use.edge], flag(!use.reversed)));
             const int edge_loop = add("EDGE_LOOP('',{})", references(sides));
             bounds.push_back(
                 add("{}('',#{},.T.)", bounds.empty() ? "FACE_OUTER_BOUND" : "FACE_BOUND", edge_loop));
@@ -219,9 +185,7 @@ private:
         styled_.push_back(add("STYLED_ITEM('',(#{}),#{})", style, face));
     }
 
-    int direction(double x, double y, double z) {
-        return add("DIRECTION('',{})", reals(std::array{x, y, z}));
-    }
+    int direction(const Vec3& d) { return add("DIRECTION('',{})", reals(d)); }
 
     // "m" has no prefix, and what is not known is taken for mm.
     std::string_view prefix() const {
@@ -231,22 +195,24 @@ private:
         return unit == known.end() ? std::string_view(".MILLI.") : unit->second;
     }
 
-    void add_product(int solid) {
+    void add_product(const std::vector<int>& solids) {
         constexpr double least_uncertainty = 1e-7, room = 1.2;  // OCCT's floor; what readers round
         const int length = add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT({},.METRE.))", prefix());
         const int angle = add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
         const int solid_angle = add("(NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT())");
         const int uncertainty =
             add("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#{},'distance_accuracy_value','')",
-                real(std::max(least_uncertainty, room * off_)), length);
+                real(std::max(least_uncertainty, room * solid_.off)), length);
         const int context =
             add("(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{})) "
                 "GLOBAL_UNIT_ASSIGNED_CONTEXT((#{},#{},#{})) REPRESENTATION_CONTEXT('',''))",
                 uncertainty, length, angle, solid_angle);
         const int world = add("AXIS2_PLACEMENT_3D('',#{},#{},#{})", point(Vec3::Zero().eval()),
-                              direction(0, 0, 1), direction(1, 0, 0));
+                              direction(Vec3::UnitZ()), direction(Vec3::UnitX()));
+        std::vector<int> items{world};
+        items.insert(items.end(), solids.begin(), solids.end());
         const int representation =
-            add("ADVANCED_BREP_SHAPE_REPRESENTATION('cell',(#{},#{}),#{})", world, solid, context);
+            add("ADVANCED_BREP_SHAPE_REPRESENTATION('cell',{},#{})", references(items), context);
         add("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{},#{})", references(styled_),
             context);
         const int application =
@@ -266,9 +232,10 @@ private:
 
     const Cell& cell_;
     const std::unordered_map<std::uint32_t, std::size_t> colours_ = object_colours(cell_);
+    const Shell shell_ = closed_shell(cell_);
+    const Solid solid_ = solid_of(shell_, cell_.faces.size());
     std::vector<std::string> lines_;
     std::vector<int> vertices_, surfaces_, edges_, styled_;
-    double off_ = 0;  // the largest distance of what should be one
 };
 
 }  // namespace
