@@ -14,8 +14,10 @@
 
 #include <Eigen/Geometry>
 
+#include "../pictures/mesh.hpp"
 #include "../pictures/site_style.hpp"
 #include "../solids/solid.hpp"
+#include "../solids/spline_surface.hpp"
 
 namespace vcell {
 
@@ -45,6 +47,20 @@ std::string references(const std::vector<int>& ids) {
 
 std::string_view flag(bool is) { return is ? ".T." : ".F."; }
 
+// Different knots, and how often each is there.
+template <class Knots>
+std::pair<std::vector<double>, std::vector<int>> counted(const Knots& all) {
+    std::pair<std::vector<double>, std::vector<int>> result;
+    for (const double knot : all) {
+        if (result.first.empty() || knot != result.first.back()) {
+            result.first.push_back(knot);
+            result.second.push_back(0);
+        }
+        ++result.second.back();
+    }
+    return result;
+}
+
 class StepFile {
 public:
     explicit StepFile(const Cell& cell) : cell_(cell) {}
@@ -70,6 +86,13 @@ public:
     }
 
 private:
+    // Of the volume under a span, by the rule of few points that another program may take.
+    double accuracy() const {
+        constexpr double part = 1e-9;
+        const double size = cell_diagonal(cell_);
+        return part * (std::isnan(cell_.measures.volume) ? size * size * size / 100 : cell_.measures.volume);
+    }
+
     template <class... Args>
     int add(fmt::format_string<Args...> format, Args&&... args) {
         lines_.push_back(fmt::format(format, std::forward<Args>(args)...));
@@ -84,46 +107,41 @@ private:
     template <int Dim>
     int curve(const RationalCurve<Dim>& c) {
         std::vector<int> poles;
-        std::vector<double> weights, knots;
-        std::vector<int> multiplicities;
+        std::vector<double> weights;
         for (const auto& p : c.points) {
             poles.push_back(point(Eigen::Matrix<double, Dim, 1>(p.template head<Dim>())));
             weights.push_back(p[Dim]);
         }
-        for (const double knot : c.knots) {
-            if (!knots.empty() && knot == knots.back()) {
-                ++multiplicities.back();
-                continue;
-            }
-            knots.push_back(knot);
-            multiplicities.push_back(1);
-        }
+        const auto [knots, times] = counted(c.knots);
         return add(
             "(BOUNDED_CURVE() B_SPLINE_CURVE({},{},.UNSPECIFIED.,.F.,.F.) "
             "B_SPLINE_CURVE_WITH_KNOTS(({}),{},.UNSPECIFIED.) CURVE() GEOMETRIC_REPRESENTATION_ITEM() "
             "RATIONAL_B_SPLINE_CURVE({}) REPRESENTATION_ITEM(''))",
-            c.degree, references(poles), fmt::join(multiplicities, ","), reals(knots), reals(weights));
+            c.degree, references(poles), fmt::join(times, ","), reals(knots), reals(weights));
     }
 
-    int surface(const RationalPatch& s) {
+    int surface(const RationalPatch& patch) {
+        const SplineSurface s = with_knots(patch, accuracy_);
         std::vector<std::string> poles, weights;
-        for (int i = 0; i <= s.degree_u; ++i) {
+        for (const auto& along_v : s.points) {
             std::vector<int> row;
             std::vector<double> weight_row;
-            for (int j = 0; j <= s.degree_v; ++j) {
-                row.push_back(point(Vec3(s.point(i, j).head<3>())));
-                weight_row.push_back(s.point(i, j)[3]);
+            for (const Eigen::Vector4d& p : along_v) {
+                row.push_back(point(Vec3(p.head<3>())));
+                weight_row.push_back(p[3]);
             }
             poles.push_back(references(row));
             weights.push_back(reals(weight_row));
         }
+        const auto [in_u, times_u] = counted(s.knots_u);
+        const auto [in_v, times_v] = counted(s.knots_v);
         return add(
-            "(BOUNDED_SURFACE() B_SPLINE_SURFACE({0},{1},({2}),.UNSPECIFIED.,.F.,.F.,.F.) "
-            "B_SPLINE_SURFACE_WITH_KNOTS(({3},{3}),({4},{4}),{5},{6},.UNSPECIFIED.) "
-            "GEOMETRIC_REPRESENTATION_ITEM() RATIONAL_B_SPLINE_SURFACE(({7})) REPRESENTATION_ITEM('') "
+            "(BOUNDED_SURFACE() B_SPLINE_SURFACE({},{},({}),.UNSPECIFIED.,.F.,.F.,.F.) "
+            "B_SPLINE_SURFACE_WITH_KNOTS(({}),({}),{},{},.UNSPECIFIED.) "
+            "GEOMETRIC_REPRESENTATION_ITEM() RATIONAL_B_SPLINE_SURFACE(({})) REPRESENTATION_ITEM('') "
             "SURFACE())",
-            s.degree_u, s.degree_v, fmt::join(poles, ","), s.degree_u + 1, s.degree_v + 1, reals(s.domain_u),
-            reals(s.domain_v), fmt::join(weights, ","));
+            s.degree_u, s.degree_v, fmt::join(poles, ","), fmt::join(times_u, ","), fmt::join(times_v, ","),
+            reals(in_u), reals(in_v), fmt::join(weights, ","));
     }
 
     // With the patch's parameters: lengths from where both are 0.
@@ -234,6 +252,7 @@ private:
     const std::unordered_map<std::uint32_t, std::size_t> colours_ = object_colours(cell_);
     const Shell shell_ = closed_shell(cell_);
     const Solid solid_ = solid_of(shell_, cell_.faces.size());
+    const double accuracy_ = accuracy();
     std::vector<std::string> lines_;
     std::vector<int> vertices_, surfaces_, edges_, styled_;
 };
