@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "../../core/errors.hpp"
+#include "../solids/shell.hpp"
 #include "polygons.hpp"
 #include "trims.hpp"
 
@@ -39,14 +40,17 @@ class Tessellator {
 public:
     /// mesh() throws TooFine when it has more than `most_triangles`, and if `keeps_chord` where 4096 pieces
     /// of a line are not enough.
-    Tessellator(const Cell& cell, double chord, bool keeps_chord, std::size_t most_triangles)
-        : cell_(cell),
+    Tessellator(const Shell& shell, std::size_t cell_edges, std::size_t cell_faces, double chord,
+                bool keeps_chord, std::size_t most_triangles)
+        : shell_(shell),
+          cell_edges_(cell_edges),
+          cell_faces_(cell_faces),
           chord_(chord),
           keeps_chord_(keeps_chord),
           most_triangles_(most_triangles),
-          lines_(cell.edges.size()) {
-        for (std::size_t e = 0; e < cell.edges.size(); ++e) {
-            const RationalCurve3& curve = cell.edges[e].curve;
+          lines_(shell.edges.size()) {
+        for (std::size_t e = 0; e < shell.edges.size(); ++e) {
+            const RationalCurve3& curve = shell.edges[e].curve;
             lines_[e].breaks = {curve.domain_begin(), curve.domain_end()};
         }
         for_each_curve([&](const TrimCurve& c, const RationalPatch& s) {
@@ -64,23 +68,23 @@ public:
         for (Line& line : lines_) settle_breaks(line.breaks);
     }
 
-    CellMesh mesh(bool closed) {
-        for (std::size_t e = 0; e < cell_.edges.size(); ++e) lines_[e].pieces = first_pieces(cell_.edges[e]);
+    CellMesh mesh() {
+        for (std::size_t e = 0; e < shell_.edges.size(); ++e)
+            lines_[e].pieces = first_pieces(shell_.edges[e]);
         // Chords of a coarse polyline may cross those of its neighbour where the true arcs do not.
         constexpr int rounds = 8;
         sample_lines();
         for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
 
-        for (std::uint32_t f = 0; f < cell_.faces.size(); ++f) {
+        for (std::uint32_t f = 0; f < shell_.faces.size(); ++f) {
             const std::size_t begin = mesh_.triangles.size();
-            for (const TrimmedPatch& patch : cell_.faces[f].patches) {
+            for (const TrimmedPatch& patch : shell_.faces[f].patches) {
                 add_patch(patch);
                 check_size();
             }
-            mesh_.groups.push_back({CellMesh::Group::Kind::Face, f, begin, mesh_.triangles.size()});
+            add_group(f, begin);
         }
-        if (closed) add_walls_and_base();
-        for (std::size_t e = 0; e < cell_.edges.size(); ++e) mesh_.edge_lines.push_back(sampled_[e].points);
+        for (std::size_t e = 0; e < cell_edges_; ++e) mesh_.edge_lines.push_back(sampled_[e].points);
         check_size();
         mesh_.chord = chord_;
         return std::move(mesh_);
@@ -99,13 +103,25 @@ private:
         std::size_t pieces = 1;      // between its ends, before halving
     };
 
+    // What closes the shell comes after the cell's faces: walls and ends together, the base in the end.
+    void add_group(std::uint32_t f, std::size_t begin) {
+        using Kind = CellMesh::Group::Kind;
+        const Kind kind = f < cell_faces_                        ? Kind::Face
+                          : shell_.faces[f].site == Site::base() ? Kind::Base
+                                                                 : Kind::Walls;
+        if (kind != Kind::Face && !mesh_.groups.empty() && mesh_.groups.back().kind == kind)
+            mesh_.groups.back().end = mesh_.triangles.size();
+        else
+            mesh_.groups.push_back({kind, kind == Kind::Face ? f : none, begin, mesh_.triangles.size()});
+    }
+
     void check_size() const {
         if (mesh_.triangles.size() > most_triangles_) throw TooFine();
     }
 
     template <class F>
     void for_each_curve(F f) const {
-        for (const CellFace& face : cell_.faces)
+        for (const CellFace& face : shell_.faces)
             for (const TrimmedPatch& patch : face.patches)
                 for (const auto& loop : patch.loops)
                     for (const TrimCurve& c : loop) f(c, patch.surface);
@@ -116,13 +132,13 @@ private:
     // The line's parameter at t of a trimming curve along it, and the other way round. Along a seam the two
     // run against each other, whatever their domains.
     double line_parameter(const TrimCurve& c, double t) const {
-        if (c.edge) return edge_parameter(c, cell_.edges[*c.edge].curve, t);
+        if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
         const TrimCurve& first = *seam_leader(c);
         if (&first == &c) return t;
         return mirrored(c.curve, first.curve, t);
     }
     double trim_parameter(const TrimCurve& c, double t) const {
-        if (c.edge) return edge_parameter(c, cell_.edges[*c.edge].curve, t);
+        if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
         const TrimCurve& first = *seam_leader(c);
         if (&first == &c) return t;
         return mirrored(first.curve, c.curve, t);
@@ -159,8 +175,8 @@ private:
     // Whether the stretch [from, to] of a line needs a point between: for the curve itself, and for the
     // patches on both sides, whose inner sides could not be shorter than those on the boundary.
     bool too_coarse(std::size_t line, double from, double to) const {
-        if (line < cell_.edges.size()) {
-            const RationalCurve3& curve = cell_.edges[line].curve;
+        if (line < shell_.edges.size()) {
+            const RationalCurve3& curve = shell_.edges[line].curve;
             const Vec3 chord_middle = 0.5 * (curve.evaluate(from) + curve.evaluate(to));
             if ((curve.evaluate(0.5 * (from + to)) - chord_middle).norm() > chord_) return true;
         }
@@ -204,23 +220,23 @@ private:
     // Mesh points: the cell's vertices, then the inner points of each edge and of each seam.
     void sample_lines() {
         mesh_.points.clear();
-        for (const CellVertex& v : cell_.vertices) mesh_.points.push_back(v.point);
+        for (const CellVertex& v : shell_.vertices) mesh_.points.push_back(v.point);
         sampled_.resize(lines_.size());
         for (std::size_t i = 0; i < lines_.size(); ++i) {
             if (sampled_[i].parameters.empty()) sampled_[i].parameters = parameters(i);
             sampled_[i].points.clear();
-            if (i < cell_.edges.size()) sample_edge(i);
+            if (i < shell_.edges.size()) sample_edge(i);
             // Each point of the edges belongs to a triangle of its own.
             if (mesh_.points.size() > most_triangles_) throw TooFine();
         }
-        for (const CellFace& face : cell_.faces)
+        for (const CellFace& face : shell_.faces)
             for (const TrimmedPatch& patch : face.patches)
                 for (const auto& loop : patch.loops)
                     for (std::size_t i = 0; i < loop.size(); ++i) sample_seam(loop, i, patch.surface);
     }
 
     void sample_edge(std::size_t i) {
-        const CellEdge& e = cell_.edges[i];
+        const CellEdge& e = shell_.edges[i];
         SampledLine& s = sampled_[i];
         for (const double t : s.parameters) {
             const bool at_begin = t == s.parameters.front(), at_end = t == s.parameters.back();
@@ -294,7 +310,7 @@ private:
     // Doubles the pieces of lines whose polylines cross in some face. True if there were any.
     bool refine_crossing_lines() {
         std::vector<bool> coarse(lines_.size(), false);
-        for (const CellFace& face : cell_.faces)
+        for (const CellFace& face : shell_.faces)
             for (const TrimmedPatch& patch : face.patches) find_crossings(patch, coarse);
         bool any = false;
         for (std::size_t e = 0; e < coarse.size(); ++e)
@@ -329,17 +345,6 @@ private:
         const RationalPatch& s = patch.surface;
         const std::vector<std::vector<LoopPoint>> loops = polygons(patch);
         if (loops.empty()) return;
-        const auto split = [&](const Vec2& a, const Vec2& b) { return deviation(s, a, b) > chord_; };
-        add_triangles(
-            loops, split, [&](const Vec2& uv) { return s.evaluate(uv.x(), uv.y()); },
-            [&](const Vec2& uv) {
-                const auto [du, dv] = s.partials(uv.x(), uv.y());
-                return Vec3(du.cross(dv).stableNormalized());
-            });
-    }
-
-    void add_triangles(const std::vector<std::vector<LoopPoint>>& loops, const auto& split,
-                       const auto& position, const auto& normal) {
         std::vector<std::vector<Vec2>> uv;
         std::vector<std::uint32_t> point;
         for (const auto& loop : loops) {
@@ -351,11 +356,15 @@ private:
         }
         // Each point inside makes two triangles: when this bound ends it, there are more than are left.
         const std::size_t left = most_triangles_ - std::min(most_triangles_, mesh_.triangles.size());
-        const Triangulation t = triangulate(uv, split, point.size() + left / 2 + 1);
+        const Triangulation t = triangulate(
+            uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, a, b) > chord_; },
+            point.size() + left / 2 + 1);
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
         for (std::size_t i = 0; i < t.points.size(); ++i) {
-            if (i >= point.size()) point.push_back(add_point(position(t.points[i])));
-            mesh_.normals.push_back(normal(t.points[i]));
+            const double u = t.points[i].x(), v = t.points[i].y();
+            if (i >= point.size()) point.push_back(add_point(s.evaluate(u, v)));
+            const auto [du, dv] = s.partials(u, v);
+            mesh_.normals.push_back(du.cross(dv).stableNormalized());
         }
         for (const Triangle& v : t.triangles) {
             mesh_.triangles.push_back({point[v[0]], point[v[1]], point[v[2]]});
@@ -363,179 +372,12 @@ private:
         }
     }
 
-    // A plane base: the rim stands on its own foot, with walls between, and the polygon of the feet is the
-    // floor. A cylinder base: rims bound ends, across the axis. A sphere base has no rim.
-    void add_walls_and_base() {
-        if (const auto* plane = std::get_if<Plane>(&cell_.scene.base); plane && cell_.is_complete) {
-            add_upright_walls_and_base(*plane);
-        } else if (plane) {
-            const std::vector<std::vector<LoopPoint>> rims = rim_polygons();
-            if (rims.size() != 1) fail_rim();
-            add_walls_and_floor(*plane, rims[0]);
-        } else if (const auto* cylinder = std::get_if<Cylinder>(&cell_.scene.base)) {
-            add_ends(*cylinder);
-        }
-    }
-
-    // Two for each part of a complete cell. All rims of an end are at one height but for rounding, and have
-    // it on their right.
-    void add_ends(const Cylinder& base) {
-        const Vec3 axis = base.axis.stableNormalized();
-        const auto end_of = [&](const std::vector<LoopPoint>& rim) {
-            for (const Site& s : cell_.edges[rim.front().line].sites)
-                if (s.kind == Site::Kind::End) return s.index;
-            fail_rim();
-        };
-        const auto height = [&](const std::vector<LoopPoint>& rim) {
-            return axis.dot(mesh_.points[rim.front().point] - base.point);
-        };
-        for (auto rims = rim_polygons(); !rims.empty();) {
-            const std::uint32_t end = end_of(rims.front());
-            const double at = height(rims.front());
-            const auto others = std::stable_partition(rims.begin(), rims.end(), [&](const auto& rim) {
-                return end_of(rim) == end && std::abs(height(rim) - at) <= 1e-12 * cell_.scene.box.diagonal();
-            });
-            const std::size_t begin = mesh_.triangles.size();
-            add_flat_parts({rims.begin(), others}, end == 0 ? Vec3(-axis) : axis);
-            mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, begin, mesh_.triangles.size()});
-            rims.erase(rims.begin(), others);
-        }
-    }
-
-    // A complete cell has no faces on the base, nor on sides of the box upright on it. One rim runs all
-    // around the base's region: between leaving it for a wall and coming back a wall meets it in a line.
-    void add_upright_walls_and_base(const Plane& plane) {
-        std::array<std::vector<std::vector<LoopPoint>>, 6> walls;
-        std::vector<LoopPoint> base;
-        for (std::vector<LoopPoint>& rim : rim_polygons()) {
-            const auto wall = [&](const LoopPoint& p) { return wall_beside(plane, p.line); };
-            const auto first = std::ranges::find_if(rim, [&](const LoopPoint& p) { return !wall(p); });
-            if (first == rim.end()) {
-                walls[*wall(rim.front())].push_back(std::move(rim));
-                continue;
-            }
-            std::ranges::rotate(rim, first);
-            rim.push_back(rim.front());
-            for (std::size_t i = 0; i + 1 < rim.size(); ++i) {
-                const auto at = wall(rim[i]), before = i == 0 ? std::nullopt : wall(rim[i - 1]);
-                if (!at || at != before) base.push_back(rim[i]);
-                if (!at) continue;
-                if (at != before) walls[*at].push_back({rim[i]});
-                walls[*at].back().push_back(rim[i + 1]);
-            }
-        }
-        const std::size_t walls_begin = mesh_.triangles.size();
-        for (std::size_t s = 0; s < walls.size(); ++s)
-            if (!walls[s].empty())
-                add_flat_parts(walls[s],
-                               (s % 2 == 0 ? -1 : 1) * Vec3::Unit(static_cast<Eigen::Index>(s / 2)));
-        mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, walls_begin, mesh_.triangles.size()});
-        const std::size_t base_begin = mesh_.triangles.size();
-        add_flat_parts({base}, -plane.normal.stableNormalized());
-        mesh_.groups.push_back({CellMesh::Group::Kind::Base, none, base_begin, mesh_.triangles.size()});
-    }
-
-    // The side of the box upright on the base that an edge on the rim lies in.
-    std::optional<std::uint32_t> wall_beside(const Plane& plane, std::uint32_t edge) const {
-        for (const Site& s : cell_.edges[edge].sites)
-            if (s.kind == Site::Kind::BoxSide && plane.normal[s.index / 2] == 0) return s.index;
-        return std::nullopt;
-    }
-
-    // Polygons in one plane that have what they bound on their right, seen from where `out` points to.
-    void add_flat_parts(const std::vector<std::vector<LoopPoint>>& polygons, const Vec3& out) {
-        const Vec3 x = out.unitOrthogonal(), y = out.cross(x), origin = mesh_.points[polygons[0][0].point];
-        std::vector<std::vector<LoopPoint>> turned;
-        for (const auto& polygon : polygons) {
-            turned.emplace_back();
-            for (auto p = polygon.rbegin(); p != polygon.rend(); ++p) {
-                const Vec3 q = mesh_.points[p->point] - origin;
-                turned.back().push_back({p->point, {x.dot(q), y.dot(q)}, p->line});
-            }
-        }
-        for (const auto& part : with_holes(std::move(turned))) add_flat(part, out);
-    }
-
-    [[noreturn]] static void fail_rim() {
-        throw InternalError("tessellate: the rim of the cell does not close");
-    }
-
-    void add_walls_and_floor(const Plane& base, const std::vector<LoopPoint>& rim) {
-        const Vec3 up = base.normal.stableNormalized();
-        // Patches need not have the chart's coordinates for u and v: the floor has its own in the base.
-        const Vec3 x = up.unitOrthogonal(), y = up.cross(x);
-        std::vector<LoopPoint> floor;
-        for (const LoopPoint& p : rim) {
-            const Vec3 top = mesh_.points[p.point], from_base = top - base.point;
-            floor.push_back(
-                {add_point(top - up.dot(from_base) * up), {x.dot(from_base), y.dot(from_base)}, p.line});
-        }
-
-        const std::size_t walls_begin = mesh_.triangles.size();
-        for (std::size_t i = 0; i < rim.size(); ++i) {
-            const std::size_t j = (i + 1) % rim.size();
-            const std::uint32_t a = rim[i].point, b = rim[j].point, fa = floor[i].point, fb = floor[j].point;
-            // The rim has the cell on its left: what is to the right of it is outside.
-            const Vec3 along = mesh_.points[fb] - mesh_.points[fa];
-            mesh_.normals.push_back(along.cross(up).stableNormalized());
-            const auto n = static_cast<std::uint32_t>(mesh_.normals.size() - 1);
-            mesh_.triangles.push_back({b, a, fa});
-            mesh_.triangles.push_back({b, fa, fb});
-            mesh_.corner_normals.insert(mesh_.corner_normals.end(), 2, Triangle{n, n, n});
-        }
-        mesh_.groups.push_back({CellMesh::Group::Kind::Walls, none, walls_begin, mesh_.triangles.size()});
-
-        const std::size_t base_begin = mesh_.triangles.size();
-        add_flat({floor}, -up);
-        for (std::size_t t = base_begin; t < mesh_.triangles.size(); ++t) {
-            std::swap(mesh_.triangles[t][1], mesh_.triangles[t][2]);  // seen from below
-            std::swap(mesh_.corner_normals[t][1], mesh_.corner_normals[t][2]);
-        }
-        mesh_.groups.push_back({CellMesh::Group::Kind::Base, none, base_begin, mesh_.triangles.size()});
-    }
-
-    void add_flat(const std::vector<std::vector<LoopPoint>>& polygons, const Vec3& normal) {
-        add_triangles(
-            polygons, [](const Vec2&, const Vec2&) { return false; }, [](const Vec2&) { return Vec3(); },
-            [&](const Vec2&) { return normal; });
-    }
-
-    // The trimming curves of edges with a face on one side only, chained.
-    std::vector<std::vector<LoopPoint>> rim_polygons() const {
-        std::unordered_map<std::uint32_t, std::vector<LoopPoint>> pieces;  // by first point
-        for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
-            const std::vector<Use>& uses = lines_[e].uses;
-            if (uses.empty() || std::ranges::any_of(uses, [&](const Use& use) {
-                    return use.curve->reversed != uses.front().curve->reversed;
-                }))
-                continue;
-            for (const Use& use : uses) {
-                std::vector<LoopPoint> piece = polyline(*use.curve);
-                const std::uint32_t start = piece.front().point;
-                if (!pieces.emplace(start, std::move(piece)).second) fail_rim();
-            }
-        }
-        std::vector<std::vector<LoopPoint>> rims;
-        while (!pieces.empty()) {
-            std::vector<LoopPoint>& rim = rims.emplace_back();
-            const std::uint32_t start = pieces.begin()->first;
-            std::uint32_t at = start;
-            do {
-                const auto piece = pieces.find(at);
-                if (piece == pieces.end()) fail_rim();
-                rim.insert(rim.end(), piece->second.begin(), piece->second.end() - 1);
-                at = piece->second.back().point;
-                pieces.erase(piece);
-            } while (at != start);
-        }
-        return rims;
-    }
-
     // Of a line's parameters, against its length: places that trimming curves of one line share were rounded
     // on the way from one to the other.
     static constexpr double break_rounding = 1e-12;
 
-    const Cell& cell_;
+    const Shell& shell_;
+    std::size_t cell_edges_, cell_faces_;
     double chord_;
     bool keeps_chord_;
     std::size_t most_triangles_;
@@ -567,14 +409,16 @@ double cell_diagonal(const Cell& cell) {
 }
 
 CellMesh tessellate(const Cell& cell, const MeshOptions& options) {
+    const Shell shell = options.closed ? closed_shell(cell) : Shell{cell.vertices, cell.edges, cell.faces, 0};
     const double diagonal = cell_diagonal(cell);
     constexpr double default_chord = 1e-3;  // of the diagonal
     const double wanted = options.chord.value_or(default_chord * diagonal);
     // At chords of pictures' size lines may stop being halved where their parameter stands all but still.
     const auto attempt = [&](double chord, std::size_t most_triangles) -> std::optional<CellMesh> {
         try {
-            return Tessellator(cell, chord, chord < 0.5 * default_chord * diagonal, most_triangles)
-                .mesh(options.closed);
+            return Tessellator(shell, cell.edges.size(), cell.faces.size(), chord,
+                               chord < 0.5 * default_chord * diagonal, most_triangles)
+                .mesh();
         } catch (const TooFine&) {
             return std::nullopt;
         }

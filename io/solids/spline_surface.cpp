@@ -5,21 +5,20 @@
 #include <cmath>
 
 #include "../../core/curves/restricted_curve.hpp"
+#include "../../core/quadrature/quadrature.hpp"
 
 namespace vcell {
 
 namespace {
 
-// Gauss and Legendre's rule of four points on [-1, 1].
-constexpr std::array<double, 2> nodes{0.33998104358485626, 0.86113631159405258},
-    weights{0.65214515486254614, 0.34785484513745386};
-
+// By Gauss and Legendre's rule of four points.
 template <class F>
 double integral(const F& f, double a, double b) {
     const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
     double sum = 0;
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-        sum += weights[k] * (f(middle - half * nodes[k]) + f(middle + half * nodes[k]));
+    const quadrature::RuleOf<4>& rule = quadrature::rule<4>();
+    for (std::size_t k = 0; k < rule.x.size(); ++k)
+        sum += rule.weight[k] * (f(middle - half * rule.x[k]) + f(middle + half * rule.x[k]));
     return half * sum;
 }
 

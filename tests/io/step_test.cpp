@@ -5,11 +5,13 @@
 
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 
-#include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../io/solids/solid.hpp"
+#include "../../io/solids/spline_surface.hpp"
 
 namespace vcell {
 namespace {
@@ -74,16 +76,83 @@ TEST_CASE("step: a ball's cell is a closed solid of its faces, edges and vertice
     CHECK(again.str() == file);
 }
 
-TEST_CASE("step: cells over planes and tubes are no closed solids") {
+TEST_CASE("step: over planes and around tubes walls, floor and ends are faces, and seams are edges") {
     Scene scene;
     scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
     scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
     scene.objects = {Sphere{{0.5, 1, 1.25}, 0.25}};
-    std::ostringstream out;
-    CHECK_THROWS_AS(write_step(out, voronoi_cell(scene)), InputError);
+    const auto written = [&] {
+        std::ostringstream out;
+        write_step(out, voronoi_cell(scene));
+        return entities(out.str());
+    };
+    const Cell over_plane = voronoi_cell(scene);
+    auto all = written();
+    CHECK(count(all, "ADVANCED_FACE") == over_plane.faces.size() + 5);
+    CHECK(count(all, "PLANE") == 5);
+    CHECK(count(all, "EDGE_CURVE") == over_plane.edges.size() + 8);
+    CHECK(count(all, "CLOSED_SHELL") == 1);
     scene.base = Cylinder{{0, 0, 0}, {0, 1, 0}, 0.25};
-    CHECK_THROWS_AS(write_step(out, voronoi_cell(scene)), InputError);
-    CHECK(out.str().empty());
+    const Cell around_tube = voronoi_cell(scene);
+    std::size_t patches = 0;
+    std::set<std::uint32_t> seams;
+    for (const CellFace& face : around_tube.faces)
+        for (const TrimmedPatch& patch : face.patches) {
+            ++patches;
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& trim : loop)
+                    if (trim.seam) seams.insert(*trim.seam);
+        }
+    all = written();
+    CHECK(count(all, "ADVANCED_FACE") == patches + 2);
+    CHECK(count(all, "PLANE") == 2);
+    CHECK(count(all, "EDGE_CURVE") >= around_tube.edges.size() + seams.size());
+    CHECK(count(all, "PCURVE") == 2 * count(all, "EDGE_CURVE"));
+}
+
+TEST_CASE("step: a base plane that leans has walls where the box goes on above its region alone") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0.5, 0, 1}};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    scene.objects = {Sphere{{0.5, 0, 1.25}, 0.25}};
+    for (const bool complete : {false, true}) {
+        CAPTURE(complete);
+        CellOptions options;
+        options.complete = complete;
+        const Cell cell = voronoi_cell(scene, options);
+        CHECK(cell.is_complete == complete);
+        const Shell shell = closed_shell(cell);
+        // The base and the sides across y; the side -x leans inwards, where rays come in.
+        std::multiset<std::string> closing;
+        for (std::size_t f = cell.faces.size(); f < shell.faces.size(); ++f)
+            closing.insert(to_string(shell.faces[f].site));
+        CHECK(closing == (complete ? std::multiset<std::string>{"base", "box:+y", "box:-y"}
+                                   : std::multiset<std::string>{"base", "box:+y", "box:-x", "box:-y"}));
+        CHECK(shell.off_plane < 1e-12);
+        const Solid solid = solid_of(shell, cell.faces.size());
+        CHECK(solid.parts.size() == 1);
+        CHECK(solid.off < 1e-6);
+        CHECK(solid.vertices.size() + solid.faces.size() == solid.edges.size() + 2);
+    }
+}
+
+TEST_CASE("spline surface: knots leave the patch where it is") {
+    RationalPatch patch;
+    patch.degree_u = 2;
+    patch.domain_u = {-1, 3};
+    for (const double w : {1.0, 0.05, 2.0})
+        for (const double v : {0.0, 1.0}) patch.points.push_back({w * v, v, w - v, w * (1 + v)});
+    const SplineSurface s = with_knots(patch, 1e-10);
+    CHECK(s.knots_u.size() > 6);
+    CHECK(s.points.size() + 3 == s.knots_u.size());
+    CHECK(s.points[0].size() + 2 == s.knots_v.size());
+    // A curve of the surface's first row is the patch's along v = v0.
+    RationalCurve3 row;
+    row.degree = 2;
+    row.knots.assign(s.knots_u.begin(), s.knots_u.end());
+    for (const auto& along_v : s.points) row.points.push_back(along_v.front());
+    for (double u = -1; u <= 3; u += 0.125) CHECK((row.evaluate(u) - patch.evaluate(u, 0)).norm() < 1e-13);
+    CHECK(with_knots(patch, 1e10).knots_u.size() == 6);
 }
 
 }  // namespace vcell
