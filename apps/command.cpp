@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <cstdio>
+#include <new>
 #include <optional>
 #include <string_view>
 
+#include "../core/platform.hpp"
+#include "../io/files/files.hpp"
 #include "../io/files/text.hpp"
 #include "../io/pictures/page.hpp"
 
@@ -18,6 +21,31 @@ Status report_assumed(std::uint64_t assumed) {
     if (assumed == 0) return done;
     warn(fmt::format("{} coincidences could not be decided and were taken for granted", assumed));
     return undecided;
+}
+
+Failure failure_of_exception() {
+    try {
+        throw;
+    } catch (const InputError& e) {
+        return {bad_input, e.what()};
+    } catch (const UndecidedError& e) {
+        return {undecided, e.what()};
+    } catch (const ReadError& e) {
+        return {bad_input, e.what()};
+    } catch (const WriteError& e) {
+        return {wrong_usage, e.what()};
+    } catch (const UsageError& e) {
+        return {wrong_usage, e.what()};
+    } catch (const EnvironmentError& e) {
+        return {wrong_usage, e.what()};
+    } catch (const std::bad_alloc&) {
+        return {undecided, "out of memory"};
+    } catch (const std::exception& e) {
+        return {undecided,
+                fmt::format("internal error: {}\nThis is a fault of vcell, not of the input. Nothing was "
+                            "written; please report it together with the scene.",
+                            e.what())};
+    }
 }
 
 void require_pages(const std::string& target) {

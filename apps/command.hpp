@@ -21,6 +21,14 @@ struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// What ends a run: its status, and what standard error says.
+struct Failure {
+    Status status;
+    std::string text;
+};
+/// Of the exception that is being handled.
+Failure failure_of_exception();
+
 /// Throws UsageError where the program was built without what pages are made of.
 void require_pages(const std::string& target);
 

@@ -25,10 +25,6 @@ namespace vcell {
 
 namespace {
 
-std::string axes_complaint(const std::string& text) {
-    const bool is_known = !text.empty() && text.find_first_not_of("xyz") == text.npos && text.size() < 4;
-    return is_known ? "" : fmt::format("must be some of x, y and z, is {}", printable(text));
-}
 // "z=0.5"
 std::string cut_complaint(const std::string& text) {
     const bool is_known = text.size() > 2 && text[0] >= 'x' && text[0] <= 'z' && text[1] == '=' &&
@@ -84,8 +80,7 @@ struct DiagramPicture {
 
 DiagramCommand::DiagramCommand(CLI::App& app)
     : command_(*app.add_subcommand("diagram", "the cells of all objects")) {
-    command_.add_option("SCENE", path_, "scene file, JSON or a file of balls; - is standard input")
-        ->required();
+    scene_.add_path_to(command_);
     command_.add_option("--cells", cells_, "table of the cells: volume, area, neighbours, clearance")
         ->type_name("FILE");
     command_
@@ -108,31 +103,8 @@ DiagramCommand::DiagramCommand(CLI::App& app)
             "--network", network_,
             "tables of the void network of balls: what spheres fit in and get through, vertices, edges")
         ->type_name("FILE");
-    command_
-        .add_option(
-            "--box", box_,
-            "the box of a file of balls, instead of its own or one that leaves half their diagonal of room")
-        ->expected(6)
-        ->check(number_complaint)
-        ->type_name("X0 Y0 Z0 X1 Y1 Z1");
-    command_.add_option("--periodic", periodic_, "the axes along which the box repeats")
-        ->check(axes_complaint)
-        ->type_name("xyz");
-    command_
-        .add_option("--tilt", tilt_, "how far the edges of a box that repeats lean: (XY, y, 0), (XZ, YZ, z)")
-        ->expected(3)
-        ->check(number_complaint)
-        ->type_name("XY XZ YZ");
-    command_
-        .add_option(
-            "--probe", probe_,
-            "radius of a probe: cells of balls end at this clearance, as contacts do, and exposed_area is the "
-            "accessible surface")
-        ->check(number_complaint)
-        ->type_name("R");
+    scene_.add_to(command_);
     threads_.add_to(command_);
-    files_.add_to(command_, "Files of balls");
-    files_.add_groups_to(command_, "Files of balls");
     command_.footer(
         "Files of balls are x y z r [name [group]] lines, PDB, mmCIF, XYZ, extended XYZ or a LAMMPS dump.\n"
         "Every cell is proved complete: no object that was left out can touch it. Prints the number of cells, what\n"
@@ -180,25 +152,16 @@ Status DiagramCommand::run() const {
     const bool is_summary_shown =
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
 
-    DiagramSceneOptions reading;
-    reading.files = files_.options();
-    if (!box_.empty()) reading.box = Box{{box_[0], box_[1], box_[2]}, {box_[3], box_[4], box_[5]}};
-    if (!periodic_.empty()) {
-        const auto has = [&](char axis) { return periodic_.find(axis) != periodic_.npos; };
-        reading.periodic = {has('x'), has('y'), has('z')};
-    }
-    if (!tilt_.empty()) reading.tilt = {tilt_[0], tilt_[1], tilt_[2]};
-    reading.probe = probe_;
-    const DiagramScene scene = about_file(path_, "", [&] { return read_diagram_scene(path_, reading); });
+    const DiagramScene scene = scene_.read();
     if (scene.probe && !pictures.empty())
         throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
-    about_file(path_, "", [&] {
+    scene_.about([&] {
         for (DiagramPicture& picture : pictures) picture.begin(scene);
     });
     const bool has_meshes = std::ranges::any_of(pictures, [](const DiagramPicture& p) { return !p.text; });
     VoronoiDiagram diagram;
     std::optional<VoidNetworkBuilder> network;
-    if (voids) about_file(path_, "", [&] { network.emplace(scene); });
+    if (voids) scene_.about([&] { network.emplace(scene); });
     {
         ProgressBar bar;
         DiagramOptions options;
@@ -214,7 +177,7 @@ Status DiagramCommand::run() const {
                 for (DiagramPicture& picture : pictures)
                     if (!picture.text) picture.add(object, cell, mesh);
             };
-        diagram = about_file(path_, "", [&] { return voronoi_diagram(scene, options); });
+        diagram = scene_.about([&] { return voronoi_diagram(scene, options); });
     }
     const ContactTable table = contacts(diagram);
     for (DiagramPicture& picture : pictures) picture.end();
@@ -224,7 +187,7 @@ Status DiagramCommand::run() const {
     // Where there is no network, the other tables are written all the same.
     bool has_network = true;
     if (network) try {
-            write_network(voids->stream(), about_file(path_, "", [&] { return network->finish(diagram); }));
+            write_network(voids->stream(), scene_.about([&] { return network->finish(diagram); }));
         } catch (const UndecidedError& e) {
             warn(e.what());
             has_network = false;

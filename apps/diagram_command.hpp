@@ -2,12 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "ball_file_arguments.hpp"
 #include "command.hpp"
+#include "diagram_scene_arguments.hpp"
 #include "threads_argument.hpp"
 
 namespace vcell {
@@ -21,11 +20,9 @@ public:
 
 private:
     CLI::App& command_;
-    std::string path_, cells_, contacts_, groups_, network_, periodic_, cut_;
+    DiagramSceneArguments scene_;
+    std::string cells_, contacts_, groups_, network_, cut_;
     std::vector<std::string> outputs_;
-    std::vector<double> box_, tilt_;
-    std::optional<double> probe_;
-    BallFileArguments files_;
     ThreadsArgument threads_;
 };
 

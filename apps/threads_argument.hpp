@@ -11,6 +11,8 @@ namespace vcell {
 
 class ThreadsArgument {
 public:
+    explicit ThreadsArgument(const char* preset = "0") : text_(preset) {}
+
     void add_to(CLI::App& command) {
         command
             .add_option("--threads", text_,
@@ -23,7 +25,7 @@ public:
     unsigned count() const { return thread_count(static_cast<unsigned>(std::stoul(text_))); }
 
 private:
-    std::string text_ = "0";
+    std::string text_;
 };
 
 }  // namespace vcell

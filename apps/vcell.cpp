@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <new>
 #include <numeric>
 #include <optional>
 
@@ -439,30 +438,11 @@ int main(int argc, char** argv) {
     using namespace vcell;
     std::ios::sync_with_stdio(false);
     remove_unfinished_on_signals();
-    const auto fail = [](Status status, std::string_view what) {
-        fmt::print(stderr, "vcell: {}\n", what);
-        return status;
-    };
     try {
         return run(argc, argv);
-    } catch (const InputError& e) {
-        return fail(bad_input, e.what());
-    } catch (const UndecidedError& e) {
-        return fail(undecided, e.what());
-    } catch (const ReadError& e) {
-        return fail(bad_input, e.what());
-    } catch (const WriteError& e) {
-        return fail(wrong_usage, e.what());
-    } catch (const UsageError& e) {
-        return fail(wrong_usage, e.what());
-    } catch (const EnvironmentError& e) {
-        return fail(wrong_usage, e.what());
-    } catch (const std::bad_alloc&) {
-        return fail(undecided, "out of memory");
-    } catch (const std::exception& e) {
-        return fail(undecided,
-                    fmt::format("internal error: {}\nThis is a fault of vcell, not of the input. Nothing was "
-                                "written; please report it together with the scene.",
-                                e.what()));
+    } catch (...) {
+        const Failure failure = failure_of_exception();
+        fmt::print(stderr, "vcell: {}\n", failure.text);
+        return failure.status;
     }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace vcell {
@@ -40,12 +41,13 @@ void BallTree::nearest(const Vec3& point, std::size_t count,
     if (nodes_.empty() || count == 0) return;
     using Waiting = std::pair<double, std::uint32_t>;  // least distance, node
     std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> nodes;
-    std::priority_queue<std::pair<double, std::uint32_t>> found;  // the farthest on top
+    using Found = std::tuple<double, std::uint32_t, std::uint32_t>;  // distance, number, place
+    std::priority_queue<Found> found;                                // the farthest on top
     nodes.emplace(least_distance(nodes_[0], point), 0u);
     while (!nodes.empty()) {
         const auto [least, at] = nodes.top();
         nodes.pop();
-        if (found.size() == count && !(least < found.top().first)) break;
+        if (found.size() == count && !(least <= std::get<0>(found.top()))) break;
         const Node& node = nodes_[at];
         if (node.second != 0) {
             for (const std::uint32_t child : {at + 1, node.second})
@@ -53,11 +55,11 @@ void BallTree::nearest(const Vec3& point, std::size_t count,
             continue;
         }
         for (std::uint32_t i = node.begin; i < node.end; ++i) {
-            found.emplace(distance(balls_[i], point), i);
+            found.emplace(distance(balls_[i], point), balls_[i].number, i);
             if (found.size() > count) found.pop();
         }
     }
-    for (; !found.empty(); found.pop()) out.push_back(found.top());
+    for (; !found.empty(); found.pop()) out.emplace_back(std::get<0>(found.top()), std::get<2>(found.top()));
 }
 
 }  // namespace vcell

@@ -35,8 +35,9 @@ public:
         if (!nodes_.empty()) search(0, may_hold, visit);
     }
 
-    /// Appends the `count` balls whose surfaces are nearest to the point, but for rounding, as pairs of that
-    /// distance and the ball's place in entries(), in no order. Fewer only where there are no more.
+    /// Appends the `count` balls whose surfaces are nearest to the point, as pairs of that distance, as
+    /// doubles have it, and the ball's place in entries(), in no order. Of equally near ones those of lower
+    /// numbers: which ones is no matter of what else the tree holds. Fewer only where there are no more.
     void nearest(const Vec3& point, std::size_t count,
                  std::vector<std::pair<double, std::uint32_t>>& out) const;
 
@@ -61,9 +62,10 @@ private:
     static double slack(const Vec3& p, const Vec3& q, double radius) {
         return rounding * (p.cwiseAbs().sum() + q.cwiseAbs().sum() + radius);
     }
+    // Twice the slack of balls: no ball is found in one tree and left out by the boxes of another.
     static double least_distance(const Node& node, const Vec3& p) {
         const Vec3 nearest = p.cwiseMax(node.box.min).cwiseMin(node.box.max);
-        return (p - nearest).norm() - node.largest - slack(p, nearest, node.largest);
+        return (p - nearest).norm() - node.largest - 2 * slack(p, nearest, node.largest);
     }
 
     void build(std::uint32_t begin, std::uint32_t end);

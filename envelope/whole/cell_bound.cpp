@@ -197,6 +197,13 @@ void CellBound::set_faces() {
     }
 }
 
+double CellBound::extent(double radius) const {
+    const auto most =
+        ((faces_.x.square() + faces_.y.square() + faces_.z.square()).sqrt() + faces_.radius).maxCoeff();
+    // A ball's place gives way by `coarse` of its distance along three axes, and of its radius.
+    return unit_ * most * (1 + 8 * coarse) + 8 * coarse * radius + 8 * rounding * size_;
+}
+
 CellBound::Place CellBound::place(const Vec3& center, double radius, double extent) const {
     const Vec3 c = (center - base_.center) / unit_;
     const double terms = unit_ * c.cwiseAbs().sum() + radius + extent;
@@ -232,9 +239,12 @@ bool CellBound::may_touch(const Sphere& ball) const {
 
 bool CellBound::may_touch(const Box& centers, double radius) const {
     const Vec3 middle = 0.5 * (centers.min + centers.max), half = centers.max - middle;
-    const Place at = place(middle, radius, half.sum());
-    if (!at.is_near()) return true;
+    // Twice the roundings that a ball in the box is granted, and the box's own.
+    Place at = place(middle, radius, half.sum());
+    at.radius = static_cast<float>(
+        rounded_up(unit_ * at.radius, 2 * (middle - base_.center).cwiseAbs().sum() + radius + half.sum()));
     const Eigen::Array3f wide = (half / unit_).array().cast<float>();
+    if (!at.is_near(wide.sum())) return true;
     const auto squared = [](const auto& x, float center, float extent) {
         return ((x - center).abs() - extent).max(0.0F).square();
     };

@@ -44,12 +44,18 @@ public:
     /// without the angle, where that is not too often.
     void settle(double width);
 
+    const Sphere& base() const { return base_; }
+
     /// No object that is this far from the base's surface, or farther, touches the cell. Pre: settled.
     double reach() const { return reach_; }
+    /// may_touch() says no to all balls of no more than this radius whose surfaces are so far from the base's
+    /// centre, or farther. Pre: settled.
+    double extent(double radius) const;
 
     /// May a ball touch the cell? Pre: settled.
     bool may_touch(const Sphere& ball) const;
-    /// May a ball of no more than this radius with its centre in the box? Pre: settled.
+    /// May a ball of no more than this radius with its centre in the box? Of every ball that may touch, the
+    /// box may, too: what a search finds is no matter of the tree's boxes. Pre: settled.
     bool may_touch(const Box& centers, double radius) const;
     /// May an object? least(p) is a lower bound of its distance from a point. Pre: settled.
     template <class Least>
@@ -100,8 +106,8 @@ private:
         Eigen::Array3f center;
         float radius;
 
-        // Squares of its lengths are numbers.
-        bool is_near() const { return center.abs().sum() + radius < 0x1p50F; }
+        // Squares of its lengths are numbers. A box is so wide about its centre.
+        bool is_near(float wide = 0) const { return center.abs().sum() + wide + radius < 0x1p50F; }
     };
 
     double rounded_up(double length, double terms) const;

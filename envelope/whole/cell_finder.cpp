@@ -19,7 +19,6 @@ namespace vcell::whole {
 namespace {
 
 using Kind = InputError::Kind;
-using Image = DecidedDiagram::Image;
 constexpr Image here{0, 0, 0};
 
 // ---- Distances --------------------------------------------------------------------------------------
@@ -55,6 +54,13 @@ bool is_beyond_wall(const Object& object, const Sphere& ball) {
     return false;
 }
 
+std::vector<BallTree::Entry> balls_of(const DiagramScene& scene) {
+    std::vector<BallTree::Entry> balls;
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+        if (const auto* ball = std::get_if<Sphere>(&scene.objects[i])) balls.push_back({*ball, i});
+    return balls;
+}
+
 bool holds(const Box& box, const Vec3& p) {
     return (p.array() > box.min.array()).all() && (p.array() < box.max.array()).all();
 }
@@ -63,150 +69,206 @@ bool holds(const Box& box, const Vec3& p) {
 
 // ---- The scene --------------------------------------------------------------------------------------
 
-DecidedDiagram::DecidedDiagram(const DiagramScene& scene) : scene_(scene) {
-    validate_diagram();
-    if (scene_.is_periodic()) snap();
-    edges_ = scene_.edges();
-    to_unit_ = edges_.inverse();
-    std::vector<BallTree::Entry> balls;
-    for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
-        if (is_ball(i))
-            balls.push_back({ball(i), i});
-        else
-            others_.push_back(i);
-        has_vessels_ = has_vessels_ || is_vessel(scene_.objects[i]);
-    }
-    tree_ = BallTree(balls);
-    hidden_.resize(scene_.objects.size());
-    find_hidden();
-    if (std::erase_if(balls, [&](const BallTree::Entry& e) { return !hidden_[e.number].empty(); }) > 0)
-        tree_ = BallTree(std::move(balls));
-}
-
-void DecidedDiagram::validate_diagram() const {
-    if (scene_.objects.empty())
+void validate_diagram(const DiagramScene& scene) {
+    if (scene.objects.empty())
         throw InputError(Kind::MissingKey, InputError::no_object, "objects", "are none: there is no cell");
-    if (std::ranges::all_of(scene_.objects, is_vessel))
+    if (std::ranges::all_of(scene.objects, is_vessel))
         throw InputError(Kind::MissingKey, InputError::no_object, "objects",
                          "are vessels alone: there is no cell");
     Scene as_scene;  // none of the objects is its base: what is wrong with one is told by its number
-    as_scene.objects = scene_.objects;
-    as_scene.names = scene_.names;
-    as_scene.box = scene_.box;
-    as_scene.tolerance = scene_.tolerance;
+    as_scene.objects = scene.objects;
+    as_scene.names = scene.names;
+    as_scene.box = scene.box;
+    as_scene.tolerance = scene.tolerance;
     validate(as_scene);
-    const auto& tilt = scene_.tilt;
+    const auto& tilt = scene.tilt;
     const bool leans = tilt[0] != 0 || tilt[1] != 0 || tilt[2] != 0;
-    if (leans && !(scene_.periodic[0] && scene_.periodic[1] && scene_.periodic[2]))
+    if (leans && !(scene.periodic[0] && scene.periodic[1] && scene.periodic[2]))
         throw InputError(Kind::Unsupported, InputError::no_object, "tilt",
                          "is of a box that repeats along all axes");
     for (const double t : tilt)
         if (!std::isfinite(t))
             throw InputError(Kind::NotFinite, InputError::no_object, "tilt", "must be finite");
-    if (scene_.probe && !(*scene_.probe > 0 && std::isfinite(*scene_.probe)))
+    if (scene.probe && !(*scene.probe > 0 && std::isfinite(*scene.probe)))
         throw InputError(Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
-    if (!scene_.is_periodic() && !scene_.probe) return;
-    for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
-        if (!is_ball(i))
+    if (!scene.is_periodic() && !scene.probe) return;
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+        if (!std::holds_alternative<Sphere>(scene.objects[i]))
             throw InputError(Kind::Unsupported, i, object_path(as_scene, i),
                              std::string("is no ball, and ") +
-                                 (scene_.is_periodic() ? "in a box that repeats" : "with a probe") +
+                                 (scene.is_periodic() ? "in a box that repeats" : "with a probe") +
                                  " all objects are balls");
 }
 
-// Coordinates become multiples of one power of two, few enough digits that sums of several edges are exact.
-void DecidedDiagram::snap() {
+double snap_to_grid(DiagramScene& scene) {
+    if (!scene.is_periodic()) return 0;
+    double moved = 0;
     constexpr int digits = 44;
-    double size = std::max(scene_.box.min.cwiseAbs().maxCoeff(), scene_.box.max.cwiseAbs().maxCoeff());
-    for (const Object& o : scene_.objects)
+    double size = std::max(scene.box.min.cwiseAbs().maxCoeff(), scene.box.max.cwiseAbs().maxCoeff());
+    for (const Object& o : scene.objects)
         size = std::max(size, std::get<Sphere>(o).center.cwiseAbs().maxCoeff());
-    for (const double t : scene_.tilt) size = std::max(size, std::abs(t));
+    for (const double t : scene.tilt) size = std::max(size, std::abs(t));
     const double grid = std::ldexp(1.0, std::ilogb(size) + 1 - digits);
     const auto round = [&](double& x) {
         const double to = std::nearbyint(x / grid) * grid;
-        moved_ = std::max(moved_, std::abs(x - to));
+        moved = std::max(moved, std::abs(x - to));
         x = to;
     };
-    for (Object& o : scene_.objects)
+    for (Object& o : scene.objects)
         for (double& x : std::get<Sphere>(o).center) round(x);
     for (int k = 0; k < 3; ++k) {
-        if (!scene_.periodic[k]) continue;
-        round(scene_.box.min[k]);
-        round(scene_.box.max[k]);
+        if (!scene.periodic[k]) continue;
+        round(scene.box.min[k]);
+        round(scene.box.max[k]);
     }
-    for (double& t : scene_.tilt) round(t);
-    moved_ *= std::sqrt(3.0) * (1 + std::numeric_limits<double>::epsilon());
+    for (double& t : scene.tilt) round(t);
+    return moved * std::sqrt(3.0) * (1 + std::numeric_limits<double>::epsilon());
 }
 
-Vec3 DecidedDiagram::shift(const Image& image) const {
-    if (image == here) return Vec3::Zero();
-    return edges_ * Vec3(image[0], image[1], image[2]);
+double depth_in_holder(const Sphere& ball) {
+    return -ball.radius + 0x1p-40 * (ball.radius + ball.center.cwiseAbs().sum());
 }
 
-Box DecidedDiagram::room(std::uint32_t i) const {
-    if (!scene_.is_periodic()) return scene_.box;
+std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
+                                     const ImageTree& balls) {
+    const auto name = [&](std::uint32_t i) {
+        return "object " + std::to_string(numbers.empty() ? i : numbers[i]);
+    };
+    std::vector<std::uint32_t> vessels;
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+        if (is_vessel(scene.objects[i])) vessels.push_back(i);
+    std::vector<std::string> hidden(scene.objects.size());
+    std::vector<std::tuple<std::uint32_t, Image, Ball>> holders;
+    std::vector<Ball> around;
+    const auto ball_of = [](const Sphere& s) {
+        return Ball{s.center.x(), s.center.y(), s.center.z(), s.radius};
+    };
+    for (const BallTree::Entry& self : balls.tree().entries()) {
+        const Sphere& s = self.ball;
+        const auto vessel = std::ranges::find_if(
+            vessels, [&](std::uint32_t x) { return is_beyond_wall(scene.objects[x], s); });
+        if (vessel != vessels.end()) {
+            hidden[self.number] = "lies beyond the wall of " + name(*vessel);
+            continue;
+        }
+        holders.clear();
+        balls.within(s.center, depth_in_holder(s),
+                     [&](const Sphere& ball, std::uint32_t number, const Image& image) {
+                         if (ball.radius < s.radius || (number == self.number && image == here)) return;
+                         holders.emplace_back(number, image, ball_of(ball));
+                     });
+        if (holders.empty()) continue;
+        std::ranges::sort(holders, [](const auto& a, const auto& b) {
+            return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
+        });
+        around.assign(1, ball_of(s));
+        for (const auto& [number, image, ball] : holders) around.push_back(ball);
+        const BallNesting nesting = ball_nesting(around);
+        if (const std::uint32_t in = nesting.enclosing[0]; in != UINT32_MAX) {
+            hidden[self.number] = "lies in " + name(std::get<0>(holders[in - 1]));
+            continue;
+        }
+        std::pair<std::uint32_t, Image> first{self.number, here};
+        for (std::size_t k = 1; k < around.size(); ++k)
+            if (nesting.first_equal[k] == 0)
+                first = std::min(first, {std::get<0>(holders[k - 1]), std::get<1>(holders[k - 1])});
+        if (first != std::pair(self.number, here)) hidden[self.number] = "equals " + name(first.first);
+    }
+    return hidden;
+}
+
+DecidedDiagram::DecidedDiagram(const DiagramScene& scene) {
+    validate_diagram(scene);
+    part_.scene = scene;
+    part_.moved = snap_to_grid(part_.scene);
+    part_.hidden = find_hidden(part_.scene, {}, ImageTree(Lattice(part_.scene), balls_of(part_.scene)));
+    index();
+    part_.balls = balls_.tree().entries().size();
+}
+
+DecidedDiagram::DecidedDiagram(ScenePart part) : part_(std::move(part)) { index(); }
+
+void DecidedDiagram::index() {
+    lattice_ = Lattice(part_.scene);
+    for (std::uint32_t i = 0; i < part_.scene.objects.size(); ++i) {
+        if (!is_ball(i)) others_.push_back(i);
+        has_vessels_ = has_vessels_ || is_vessel(part_.scene.objects[i]);
+    }
+    std::vector<BallTree::Entry> balls = balls_of(part_.scene);
+    std::erase_if(balls, [&](const BallTree::Entry& e) { return !part_.hidden[e.number].empty(); });
+    balls_ = ImageTree(lattice_, std::move(balls));
+}
+
+Box DecidedDiagram::room(const Sphere& ball) const {
+    if (!scene().is_periodic()) return scene().box;
     // Along an axis that repeats by itself the ball's own images leave it half an edge on both sides, and in
     // a box that leans half of all edges together; a quarter more, for the sides to be out of sight.
     constexpr double part = 0.625;
-    const bool leans = scene_.tilt[0] != 0 || scene_.tilt[1] != 0 || scene_.tilt[2] != 0;
-    const double all = part * edges_.colwise().norm().sum();
-    const Vec3& c = ball(i).center;
-    Box room = scene_.box;
+    const bool leans = scene().tilt[0] != 0 || scene().tilt[1] != 0 || scene().tilt[2] != 0;
+    const Eigen::Matrix3d& edges = lattice_.edges();
+    const double all = part * edges.colwise().norm().sum();
+    const Vec3& c = ball.center;
+    Box room = scene().box;
     for (int k = 0; k < 3; ++k) {
-        if (!scene_.periodic[k]) continue;
-        const double space = leans ? all : part * edges_(k, k);
+        if (!scene().periodic[k]) continue;
+        const double space = leans ? all : part * edges(k, k);
         room.min[k] = c[k] - space;
         room.max[k] = c[k] + space;
     }
     return room;
 }
 
-// A ball in another one, touching it from within included, is nowhere nearer; nor is one of several equal
-// balls, which go to the first.
-void DecidedDiagram::find_hidden() {
-    std::vector<Ball> around;
-    std::vector<std::pair<std::uint32_t, Image>> numbers;
-    for (const BallTree::Entry& self : tree_.entries()) {
-        const Sphere& s = self.ball;
-        if (has_vessels_) {
-            const auto vessel = std::ranges::find_if(
-                others_, [&](std::uint32_t x) { return is_beyond_wall(scene_.objects[x], s); });
-            if (vessel != others_.end()) {
-                hidden_[self.number] = "lies beyond the wall of object " + std::to_string(*vessel);
-                continue;
-            }
-        }
-        around.assign(1, {s.center.x(), s.center.y(), s.center.z(), s.radius});
-        numbers.assign(1, {self.number, here});
-        // What holds the ball has it a radius deep.
-        const double deep = -s.radius + 0x1p-40 * (s.radius + s.center.cwiseAbs().sum());
-        within(s.center, deep, self.number,
-               [&](const Sphere& ball, std::uint32_t number, const Image& image) {
-                   if (ball.radius < s.radius) return;
-                   around.push_back({ball.center.x(), ball.center.y(), ball.center.z(), ball.radius});
-                   numbers.emplace_back(number, image);
-               });
-        if (around.size() == 1) continue;
-        const BallNesting nesting = ball_nesting(around);
-        if (const std::uint32_t in = nesting.enclosing[0]; in != UINT32_MAX) {
-            hidden_[self.number] = "lies in object " + std::to_string(numbers[in].first);
-            continue;
-        }
-        std::pair<std::uint32_t, Image> first = numbers[0];
-        for (std::size_t k = 1; k < around.size(); ++k)
-            if (nesting.first_equal[k] == 0) first = std::min(first, numbers[k]);
-        if (first != numbers[0]) hidden_[self.number] = "equals object " + std::to_string(first.first);
+bool DecidedDiagram::is_bounded(std::uint32_t i) const {
+    return scene().is_periodic() || (is_ball(i) && holds(scene().box, ball(i).center));
+}
+
+DecidedDiagram::Competitors DecidedDiagram::competitors(std::uint32_t i) const {
+    const Vec3& center = ball(i).center;
+    Competitors found;
+    if (!lattice_.repeats()) {
+        found.nearest = balls_.nearest(center, 0, competitor_count, i);
+        found.reach = found.nearest.size() < competitor_count ? std::numeric_limits<double>::infinity()
+                                                              : found.nearest.back().distance;
+        return found;
     }
+    // Ever larger reaches find the nearest images: the tree holds the box alone.
+    const Box room = this->room(ball(i));
+    const double volume = scene().edges().determinant(), balls = static_cast<double>(part_.balls);
+    found.reach = std::cbrt(volume * static_cast<double>(competitor_count) / balls);
+    while (true) {
+        found.nearest = balls_.nearest(center, found.reach, competitor_count, i);
+        if (found.nearest.size() == competitor_count || found.reach > 2 * (room.max - room.min).norm())
+            return found;
+        found.reach *= 1.5;
+    }
+}
+
+DecidedDiagram::Bound DecidedDiagram::bound(const Sphere& base,
+                                            std::span<const ImageTree::Found> nearest) const {
+    // Balls of sectors are narrowed to this part of where the last of the competitors is.
+    constexpr double narrow = 0.375;
+    CellBound bound(base);
+    bound.add(room(base));
+    if (scene().probe) bound.add_cap(*scene().probe);
+    double last = 0;
+    for (const ImageTree::Found& f : nearest) {
+        bound.add(f.ball);
+        last = std::max(last, f.distance);
+    }
+    bound.settle(narrow * last);
+    return {std::move(bound), narrow * last};
 }
 
 bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) const {
     if (!is_ball(i)) return true;
-    if (!is_ball(x)) return least_distance(scene_.objects[x], ball(i)) < reach;
+    if (!is_ball(x)) return least_distance(scene().objects[x], ball(i)) < reach;
     bool may = false;
-    for_images(ball(i).center, ball(i).radius + reach, [&](const Image& image) {
-        const Sphere moved{ball(x).center + shift(image), ball(x).radius};
-        may = may || least_distance(moved, ball(i)) < reach;
-    });
+    const Sphere& self = ball(i);
+    lattice_.for_images(Box{ball(x).center, ball(x).center}, ball(x).radius, self.center, self.radius + reach,
+                        [&](const Image&, const Vec3& by) {
+                            const Sphere moved{ball(x).center + by, ball(x).radius};
+                            may = may || least_distance(moved, self) < reach;
+                        });
     return may;
 }
 
@@ -217,10 +279,10 @@ namespace {
 struct Candidate {
     const Object* other;  // none: the ball
     Sphere ball;
-    std::uint32_t number;
+    std::uint32_t place;
     Image image;
 
-    auto key() const { return std::tie(number, image); }
+    auto key() const { return std::tie(place, image); }
 };
 
 class CellFinder {
@@ -245,11 +307,9 @@ public:
             return std::move(result_);
         }
         try {
-            const DiagramScene& all = decided_.scene();
-            if (all.is_periodic() ||
-                (decided_.is_ball(object_) && holds(all.box, decided_.ball(object_).center)))
+            if (decided_.is_bounded(object_))
                 find_ball_cell(kept);
-            else if (all.probe)
+            else if (decided_.scene().probe)
                 find_beyond_box();
             else
                 find_measures();
@@ -270,8 +330,8 @@ private:
 
     void find_ball_cell(std::optional<Cell>* kept) {
         const Sphere& base = decided_.ball(object_);
-        const Box room = decided_.room(object_);
-        CellBound bound = bound_by_nearest(base, room);
+        const Box room = decided_.room(base);
+        auto [bound, width] = decided_.bound(base, decided_.competitors(object_).nearest);
         gather(bound);
         // On the surface of a packing the nearest balls leave much of the room to a cell: what was found then
         // bounds it better.
@@ -279,8 +339,10 @@ private:
         if (candidates_.size() > crowd) {
             for (const Candidate& c : candidates_)
                 if (c.other == nullptr) bound.add(c.ball);
-            bound.settle(width_);
-            gather(bound);
+            bound.settle(width);
+            std::erase_if(candidates_, [&](const Candidate& c) {
+                return c.other != nullptr ? !may_touch(bound, *c.other) : !bound.may_touch(c.ball);
+            });
         }
         CellOptions options;
         options.probe = decided_.scene().probe;
@@ -302,68 +364,21 @@ private:
         if (kept) *kept = std::move(cell);
     }
 
-    // The nearest balls bound the cell, most of the time nearly as well as all of them.
-    CellBound bound_by_nearest(const Sphere& base, const Box& room) {
-        constexpr std::size_t first_candidates = 28;
-        // Balls of sectors are narrowed to this part of where the last of them is.
-        constexpr double narrow = 0.375;
-        CellBound bound(base);
-        bound.add(room);
-        if (const auto& probe = decided_.scene().probe) bound.add_cap(*probe);
-        double last = 0;
-        if (!decided_.scene().is_periodic()) {
-            std::vector<std::pair<double, std::uint32_t>> nearest;
-            decided_.tree().nearest(base.center, first_candidates + 1, nearest);
-            for (const auto& [distance, place] : nearest) {
-                const BallTree::Entry& e = decided_.tree().entries()[place];
-                if (e.number != object_) bound.add(e.ball);
-                last = std::max(last, distance);
-            }
-        } else {
-            std::vector<std::pair<double, Sphere>> found;
-            find_nearest(base, room, first_candidates, found);
-            for (const auto& [distance, ball] : found) {
-                bound.add(ball);
-                last = std::max(last, distance);
-            }
-        }
-        width_ = narrow * last;
-        bound.settle(width_);
-        return bound;
-    }
-
-    // Ever larger reaches find the nearest images: the tree holds the box alone.
-    void find_nearest(const Sphere& base, const Box& room, std::size_t count,
-                      std::vector<std::pair<double, Sphere>>& found) const {
-        const double volume = decided_.scene().edges().determinant(),
-                     balls = static_cast<double>(decided_.tree().entries().size());
-        for (double reach = std::cbrt(volume * static_cast<double>(count) / balls);; reach *= 1.5) {
-            found.clear();
-            decided_.within(base.center, reach, object_,
-                            [&](const Sphere& ball, std::uint32_t, const Image&) {
-                                found.emplace_back((ball.center - base.center).norm() - ball.radius, ball);
-                            });
-            if (found.size() >= count || reach > 2 * (room.max - room.min).norm()) break;
-        }
-        const std::size_t kept = std::min(found.size(), count);
-        std::ranges::partial_sort(found, found.begin() + static_cast<std::ptrdiff_t>(kept), {},
-                                  &std::pair<double, Sphere>::first);
-        found.resize(kept);
-    }
-
     // All that may touch the cell.
     void gather(const CellBound& bound) {
         candidates_.clear();
-        decided_.touching(bound, object_, [&](const Sphere& ball, std::uint32_t number, const Image& image) {
-            candidates_.push_back({nullptr, ball, number, image});
+        decided_.balls().touching(bound, [&](const Sphere& ball, std::uint32_t place, const Image& image) {
+            if (place != object_ || image != here) candidates_.push_back({nullptr, ball, place, image});
         });
         for (const std::uint32_t x : decided_.others()) {
             const Object& other = decided_.scene().objects[x];
-            if (bound.may_be_touched_by([&](const Vec3& p) { return least_distance(other, Sphere{p, 0}); }))
-                candidates_.push_back({&other, {}, x, here});
+            if (may_touch(bound, other)) candidates_.push_back({&other, {}, x, here});
         }
         std::ranges::sort(candidates_,
                           [](const Candidate& a, const Candidate& b) { return a.key() < b.key(); });
+    }
+    static bool may_touch(const CellBound& bound, const Object& other) {
+        return bound.may_be_touched_by([&](const Vec3& p) { return least_distance(other, Sphere{p, 0}); });
     }
 
     Scene part_scene(const Object& base, const Box& box) const {
@@ -378,10 +393,10 @@ private:
         for (const Candidate& c : candidates_) {
             scene.objects.push_back(c.other != nullptr ? *c.other : Object(c.ball));
             // Images have no numbers of their own.
-            if (!all.is_periodic()) scene.numbers.push_back(c.number);
+            if (!all.is_periodic()) scene.numbers.push_back(decided_.number(c.place));
         }
         if (!all.names.empty())
-            for (const Candidate& c : candidates_) scene.names.push_back(all.names[c.number]);
+            for (const Candidate& c : candidates_) scene.names.push_back(all.names[c.place]);
         return scene;
     }
 
@@ -391,7 +406,7 @@ private:
             std::pair<Site, Image> key{site, here};
             if (site.is_object() && cell.scene.numbers.empty()) {
                 const Candidate& c = candidates_[site.index];
-                key = {Site::object(c.number), c.image};
+                key = {Site::object(decided_.number(c.place)), c.image};
             }
             CellContact& contact = found.try_emplace(key, CellContact{key.first, key.second}).first->second;
             ++contact.faces;
@@ -420,9 +435,10 @@ private:
         const Box& box = decided_.scene().box;
         const Vec3 nearest = self.center.cwiseMax(box.min).cwiseMin(box.max);
         if (least_distance(Sphere{nearest, 0}, self) < *decided_.scene().probe)
-            throw InputError(Kind::Unsupported, object_, "objects[" + std::to_string(object_) + "]",
+            throw InputError(Kind::Unsupported, decided_.number(object_),
+                             "objects[" + std::to_string(decided_.number(object_)) + "]",
                              "is centred outside the box, and reaches into it within the probe");
-        throw InputError(Kind::EmptyBox, object_, "box", "is out of reach within the probe");
+        throw InputError(Kind::EmptyBox, decided_.number(object_), "box", "is out of reach within the probe");
     }
 
     // ---- All others ----
@@ -464,7 +480,6 @@ private:
     const DecidedDiagram& decided_;
     const std::uint32_t object_;
     std::vector<Candidate> candidates_;
-    double width_ = 0;  // of the parts of directions that bound a cell
     DiagramCell result_;
 };
 

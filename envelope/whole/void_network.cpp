@@ -67,10 +67,10 @@ NetworkSite VoidNetworkBuilder::site_in(const Cell& cell, const Site& site) cons
     std::optional<NetworkSite> found;
     const double reach = -ball.radius + 0x1p-40 * (ball.radius + ball.center.cwiseAbs().sum() +
                                                    std::numeric_limits<double>::min());
-    decided_->within(ball.center, reach, UINT32_MAX,
-                     [&](const Sphere& other, std::uint32_t number, const Image& image) {
-                         if (other == ball) found = NetworkSite{Site::object(number), image};
-                     });
+    decided_->balls().within(ball.center, reach,
+                             [&](const Sphere& other, std::uint32_t number, const Image& image) {
+                                 if (other == ball) found = NetworkSite{Site::object(number), image};
+                             });
     if (!found) throw InternalError("void network: a cell has a ball that the diagram has not");
     return *found;
 }
@@ -174,7 +174,7 @@ Interval VoidNetworkBuilder::bottleneck(std::uint32_t object, const Cell& cell, 
 // Do the errors tell that b, of a cell that is at `image` of a's, is another vertex than a? Those of touching
 // vertices bound no places.
 bool VoidNetworkBuilder::are_apart(const Sight& a, const Sight& b, const Image& image) const {
-    const Vec3 other = b.point + decided_->shift(image);
+    const Vec3 other = b.point + decided_->balls().lattice().shift(image);
     const double rounding = 8 * std::numeric_limits<double>::epsilon() *
                             (a.point.cwiseAbs().sum() + b.point.cwiseAbs().sum() + other.cwiseAbs().sum());
     return !a.is_touching && !b.is_touching && (a.point - other).norm() > a.error + b.error + rounding;

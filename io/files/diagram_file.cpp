@@ -152,15 +152,20 @@ DiagramScene read_diagram_scene(const std::string& path, const DiagramSceneOptio
     return parse_diagram_scene(read_file(path), options);
 }
 
-void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram) {
+void write_cell_header(std::ostream& out) {
     out << "object\tname\tgroup\tstate\tvolume\tvolume_error\tarea\tarea_error\texposed_area\texposed_error\tneighbors\tmin_clearance\t"
            "max_clearance\ttouches_box\testimated\tcandidates\treason\n";
-    for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
-        const DiagramCell& c = diagram.cells[i];
+}
+
+void write_cell_rows(std::ostream& out, const DiagramScene& scene, std::span<const DiagramCell> cells,
+                     std::uint32_t first) {
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const DiagramCell& c = cells[i];
         const bool is_computed = c.state == DiagramCell::State::Computed;
         const auto neighbors = std::ranges::count_if(
             c.contacts, [](const CellContact& contact) { return contact.site.is_object(); });
-        fmt::print(out, "{}\t{}\t{}\t{}", i, column(scene.names, i), column(scene.groups, i), word(c.state));
+        fmt::print(out, "{}\t{}\t{}\t{}", first + i, column(scene.names, i), column(scene.groups, i),
+                   word(c.state));
         if (is_computed) {
             fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t-\n", c.volume,
                        c.volume_error, c.area, c.area_error, c.exposed_area, c.exposed_error, neighbors,
@@ -174,17 +179,28 @@ void write_cell_table(std::ostream& out, const DiagramScene& scene, const Vorono
     }
 }
 
-void write_contact_table(std::ostream& out, const DiagramScene& scene, const ContactTable& table) {
+void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram) {
+    write_cell_header(out);
+    write_cell_rows(out, scene, diagram.cells, 0);
+}
+
+void write_contact_header(std::ostream& out) {
     out << "first\tsecond\timage\tname1\tname2\tfaces\tarea\tarea_error\tdistance\tnx\tny\tnz\n";
+}
+
+void write_contact_rows(std::ostream& out, const DiagramScene& scene,
+                        const std::function<std::size_t(std::uint32_t)>& place,
+                        std::span<const Contact> contacts) {
     const Eigen::Matrix3d edges = scene.edges();
-    for (const Contact& c : table.contacts) {
+    for (const Contact& c : contacts) {
         const bool is_object = c.second.is_object();
+        const std::size_t first = place(c.first), second = is_object ? place(c.second.index) : 0;
         fmt::print(out, "{}\t{}\t{},{},{}\t{}\t{}\t{}\t{}\t{}", c.first, to_string(c.second), c.image[0],
-                   c.image[1], c.image[2], column(scene.names, c.first),
-                   is_object ? column(scene.names, c.second.index) : "-",
+                   c.image[1], c.image[2], column(scene.names, first),
+                   is_object ? column(scene.names, second) : "-",
                    c.faces != 0 ? std::to_string(c.faces) : "-", c.area, c.area_error);
-        const auto* a = std::get_if<Sphere>(&scene.objects[c.first]);
-        const auto* b = is_object ? std::get_if<Sphere>(&scene.objects[c.second.index]) : nullptr;
+        const auto* a = std::get_if<Sphere>(&scene.objects[first]);
+        const auto* b = is_object ? std::get_if<Sphere>(&scene.objects[second]) : nullptr;
         if (a == nullptr || b == nullptr) {
             out << "\t-\t-\t-\t-\n";
             continue;
@@ -193,6 +209,12 @@ void write_contact_table(std::ostream& out, const DiagramScene& scene, const Con
         const Vec3 n = between.stableNormalized();
         fmt::print(out, "\t{}\t{}\t{}\t{}\n", between.norm() - a->radius - b->radius, n.x(), n.y(), n.z());
     }
+}
+
+void write_contact_table(std::ostream& out, const DiagramScene& scene, const ContactTable& table) {
+    write_contact_header(out);
+    write_contact_rows(
+        out, scene, [](std::uint32_t number) { return number; }, table.contacts);
 }
 
 void write_group_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram,

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -44,6 +47,19 @@ void write_cell_table(std::ostream& out, const DiagramScene& scene, const Vorono
 /// between balls the unit vector from the first centre to the second. A pair of neighbours has one line;
 /// second is a side of the box or an object of no lower number, moved by `image` edges of the box ("0,0,0").
 void write_contact_table(std::ostream& out, const DiagramScene& scene, const ContactTable& table);
+
+// The same in parts.
+
+void write_cell_header(std::ostream& out);
+/// Of the cells of the objects first, first + 1, ...; names and groups of the scene are those of these
+/// objects.
+void write_cell_rows(std::ostream& out, const DiagramScene& scene, std::span<const DiagramCell> cells,
+                     std::uint32_t first);
+void write_contact_header(std::ostream& out);
+/// Objects and names of the scene are where place(number) says.
+void write_contact_rows(std::ostream& out, const DiagramScene& scene,
+                        const std::function<std::size_t(std::uint32_t)>& place,
+                        std::span<const Contact> contacts);
 
 /// group cells undecided volume volume_error area area_error neighbors: the cells of a group as one, its area
 /// being what it shares with other groups (set Voronoi cells); neighbors, these groups, separated by commas.

@@ -38,6 +38,9 @@ public:
 
     const std::string& target() const { return target_; }
     std::ostream& stream();
+    /// Of Unfinished::Hidden: the file, for others to write to until close(). Empty for "-", devices and
+    /// pipes.
+    const std::string& hidden() const { return temporary_; }
     /// Ends writing: all bytes have reached the file. Throws WriteError. Several outputs are all
     /// closed before the first is committed.
     void close();

@@ -39,10 +39,14 @@ public:
 
     /// `arguments` as a shell reads them. The streams are kept outside the directory.
     Outcome run(const std::string& arguments, const std::string& input = "") const {
+        return run_command("'" VCELL_PROGRAM "' " + arguments, input);
+    }
+    /// Any program.
+    Outcome run_command(const std::string& program, const std::string& input = "") const {
         const fs::path outside = dir_.parent_path();
         std::ofstream(outside / "in", std::ios::binary) << input;
         const std::string command =
-            "cd '" + dir_.string() + "' && '" VCELL_PROGRAM "' " + arguments + " < ../in > ../out 2> ../err";
+            "cd '" + dir_.string() + "' && " + program + " < ../in > ../out 2> ../err";
         const int status = std::system(command.c_str());
         REQUIRE(WIFEXITED(status));
         return {WEXITSTATUS(status), contents(outside / "out"), contents(outside / "err")};

@@ -1,0 +1,44 @@
+/// What all cells of a diagram say together, from cells that are not all in one place.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "../voronoi_diagram.hpp"
+#include "image_tree.hpp"
+
+namespace vcell::whole {
+
+/// What the cell `owner` shares with a neighbour, as the pair of them is listed (ContactTable).
+struct ContactSide {
+    std::uint32_t first;
+    Site second;
+    Image image;
+    std::uint32_t owner;
+    std::uint32_t faces;
+    double area, area_error;
+};
+
+ContactSide contact_side(std::uint32_t owner, const CellContact& contact);
+
+/// The pairs of these sides; faults are of pairs that do not fit, and of sides without the other one where
+/// is_known(cell) says that the cell without it is computed, its errors proven. Pre: of each pair all sides
+/// that there are.
+ContactTable pair_up(std::vector<ContactSide> sides, const std::function<bool(std::uint32_t)>& is_known);
+
+/// filled_volume() in parts.
+class VolumeSum {
+public:
+    /// `moved` as VoronoiDiagram has it.
+    VolumeSum(const DiagramScene& scene, double moved);
+    /// Cells, ascending by object over all calls: then sums are the same doubles whatever the parts are.
+    void add(std::span<const DiagramCell> cells);
+    /// Pre: that many cells were added.
+    FilledVolume of(std::size_t cells) const;
+
+    FilledVolume so_far;
+};
+
+}  // namespace vcell::whole

@@ -1,0 +1,298 @@
+#include "surroundings.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "../core/threads.hpp"
+
+namespace vcell::mpi {
+
+namespace {
+
+using whole::DecidedDiagram;
+using whole::ImageTree;
+
+enum class Kind : std::uint8_t { Nearest, Touching };
+constexpr std::uint32_t nobody = UINT32_MAX;  // is left out of a search
+
+void put_known(Letter& letter, std::uint32_t number, const Object& object, const std::string& name) {
+    letter.put(number);
+    letter.put(object);
+    letter.put(name);
+}
+
+KnownObject get_known(LetterReader& in) {
+    KnownObject known;
+    known.number = in.get<std::uint32_t>();
+    known.object = in.get<Object>();
+    known.name = in.get<std::string>();
+    return known;
+}
+
+}  // namespace
+
+struct Surroundings::Question {
+    int to;
+    Letter letter;
+};
+
+Surroundings::Surroundings(Ranks& ranks, const SceneParts& parts, unsigned threads)
+    : ranks_(ranks), parts_(parts), threads_(threads), lattice_(parts.frame) {
+    const std::uint64_t before = ranks_.bytes_sent();
+    hidden_.resize(parts_.own.size());
+    is_large_.resize(parts_.own.size());
+    sent_.resize(ranks_.size());
+    for (const KnownObject& other : parts_.others) learn(other);
+    replicate_large_balls();
+    find_hidden();
+    forget_hidden();
+    statistics_.replicated = known_.size();
+    send_everything();
+    settle();
+    statistics_.bytes = ranks_.bytes_sent() - before;
+}
+
+void Surroundings::learn(KnownObject known) { known_.emplace(known.number, std::move(known)); }
+
+// A ball is large where blocks with it would reach far beyond their own centres, compared with other balls.
+void Surroundings::replicate_large_balls() {
+    double radii = 0;
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < parts_.own.size(); ++i)
+        if (is_ball(i)) {
+            radii += ball(i).radius;
+            ++count;
+        }
+    const double all = static_cast<double>(std::max<std::uint64_t>(1, ranks_.sum(count)));
+    constexpr double times = 8;
+    const double large = times * ranks_.sum(radii) / all;
+    Letter mine;
+    for (std::size_t i = 0; i < parts_.own.size(); ++i)
+        if (is_ball(i) && ball(i).radius > large) {
+            is_large_[i] = true;
+            put_known(mine, parts_.own[i].number, parts_.own[i].object, parts_.own[i].name);
+        }
+    learn_from(ranks_.share(mine));
+}
+
+// Offers the own balls that are neither large nor known to be hidden.
+BlockMap Surroundings::block_map() const {
+    BlockMap::Block mine;
+    for (const BallTree::Entry& e : offered_.tree().entries())
+        mine.largest = std::max(mine.largest, e.ball.radius);
+    if (mine.largest >= 0) mine.centers = offered_.tree().centers();
+    return {ranks_, lattice_, mine};
+}
+
+void Surroundings::find_hidden() {
+    const auto offer = [&] {
+        std::vector<BallTree::Entry> balls;
+        for (std::uint32_t i = 0; i < parts_.own.size(); ++i)
+            if (is_ball(i) && !is_large_[i] && hidden_[i].empty()) balls.push_back({ball(i), i});
+        offered_ = ImageTree(lattice_, std::move(balls));
+    };
+    offer();
+    blocks_ = block_map();
+    // What holds a ball is in a block that comes deep into it.
+    std::vector<Letter> asked(ranks_.size());
+    for (std::size_t i = 0; i < parts_.own.size(); ++i)
+        if (is_ball(i))
+            blocks_.near(ball(i).center, whole::depth_in_holder(ball(i)),
+                         [&](int rank) { asked[rank].put(ball(i)); });
+    const std::vector<Letter> got = ranks_.exchange(std::move(asked));
+    std::vector<Letter> told(ranks_.size());
+    for (int rank = 0; rank < ranks_.size(); ++rank)
+        for (LetterReader in(got[rank]); !in.at_end();) {
+            const auto inner = in.get<Sphere>();
+            offered_.within(inner.center, whole::depth_in_holder(inner),
+                            [&](const Sphere& outer, std::uint32_t own, const whole::Image&) {
+                                if (outer.radius >= inner.radius) put_ball(told[rank], rank, own);
+                            });
+        }
+    learn_from(ranks_.exchange(std::move(told)));
+
+    // Among these and all own balls, the large ones included.
+    ranks_.together([&] {
+        const whole::ScenePart part = known_part();
+        std::vector<BallTree::Entry> balls;
+        for (std::uint32_t i = 0; i < part.scene.objects.size(); ++i)
+            if (const auto* ball = std::get_if<Sphere>(&part.scene.objects[i])) balls.push_back({*ball, i});
+        const std::vector<std::string> hidden =
+            whole::find_hidden(part.scene, part.numbers, ImageTree(lattice_, std::move(balls)));
+        for (std::size_t i = 0; i < parts_.own.size(); ++i) hidden_[i] = hidden[places_[i]];
+    });
+    offer();
+    blocks_ = block_map();
+}
+
+// Hidden balls are nowhere nearest: of others' only large ones that are not hidden stay known.
+void Surroundings::forget_hidden() {
+    for (auto& sent : sent_) sent.clear();
+    known_.clear();
+    for (const KnownObject& other : parts_.others) learn(other);
+    Letter mine;
+    std::uint64_t balls = 0;
+    for (std::size_t i = 0; i < parts_.own.size(); ++i) {
+        if (!is_ball(i) || !hidden_[i].empty()) continue;
+        ++balls;
+        if (is_large_[i]) put_known(mine, parts_.own[i].number, parts_.own[i].object, parts_.own[i].name);
+    }
+    balls_ = ranks_.sum(balls);
+    learn_from(ranks_.share(mine));
+}
+
+void Surroundings::learn_from(const std::vector<Letter>& letters) {
+    for (const Letter& letter : letters)
+        for (LetterReader in(letter); !in.at_end();) learn(get_known(in));
+}
+
+void Surroundings::put_ball(Letter& letter, int to, std::size_t own) {
+    if (!sent_[to].insert(static_cast<std::uint32_t>(own)).second) return;
+    put_known(letter, parts_.own[own].number, parts_.own[own].object, parts_.own[own].name);
+}
+
+// Own objects and known ones, ascending.
+whole::ScenePart Surroundings::known_part() {
+    whole::ScenePart part;
+    part.scene = parts_.frame;
+    part.moved = parts_.moved;
+    part.balls = balls_;
+    places_.clear();
+    const auto add = [&](std::uint32_t number, const Object& object, const std::string& name,
+                         const std::string& hidden) {
+        part.scene.objects.push_back(object);
+        if (parts_.has_names) part.scene.names.push_back(name);
+        part.numbers.push_back(number);
+        part.hidden.push_back(hidden);
+    };
+    auto known = known_.begin();
+    for (std::size_t i = 0; i < parts_.own.size(); ++i) {
+        const OwnObject& own = parts_.own[i];
+        for (; known != known_.end() && known->first <= own.number; ++known)
+            if (known->first != own.number) add(known->first, known->second.object, known->second.name, "");
+        places_.push_back(static_cast<std::uint32_t>(part.numbers.size()));
+        add(own.number, own.object, own.name, hidden_[i]);
+    }
+    for (; known != known_.end(); ++known) add(known->first, known->second.object, known->second.name, "");
+    return part;
+}
+
+void Surroundings::rebuild() {
+    ranks_.together([&] { decided_.emplace(known_part()); });
+}
+
+void Surroundings::send_everything() {
+    rebuild();
+    for (std::size_t i = 0; i < parts_.own.size(); ++i)
+        knows_everything_ = knows_everything_ || (hidden_[i].empty() && !decided_->is_wall(places_[i]) &&
+                                                  !decided_->is_bounded(places_[i]) && !parts_.frame.probe);
+    Letter mine;
+    mine.put(knows_everything_);
+    const std::vector<Letter> wishes = ranks_.share(mine);
+    std::vector<Letter> told(ranks_.size());
+    for (int rank = 0; rank < ranks_.size(); ++rank) {
+        if (rank == ranks_.rank() || !LetterReader(wishes[rank]).get<bool>()) continue;
+        for (const BallTree::Entry& e : offered_.tree().entries()) put_ball(told[rank], rank, e.number);
+    }
+    learn_from(ranks_.exchange(std::move(told)));
+    rebuild();
+}
+
+// The questions of one cell, which takes the steps that it needs no answer for.
+std::vector<Surroundings::Question> Surroundings::questions_of(std::size_t own) {
+    std::vector<Question> questions;
+    const Sphere& base = ball(own);
+    const DecidedDiagram::Competitors found = decided_->competitors(places_[own]);
+    if (steps_[own] == Step::Nearest) {
+        steps_[own] = Step::Bound;
+        blocks_.near(base.center, found.reach, [&](int rank) {
+            Letter letter;
+            letter.put(Kind::Nearest);
+            letter.put(base.center);
+            letter.put(found.reach);
+            questions.push_back({rank, std::move(letter)});
+        });
+        if (!questions.empty()) return questions;
+    }
+    steps_[own] = Step::Certain;
+    const DecidedDiagram::Bound bound = decided_->bound(base, found.nearest);
+    blocks_.touching(bound.bound, [&](int rank) {
+        Letter letter;
+        letter.put(Kind::Touching);
+        letter.put(base);
+        letter.put(static_cast<std::uint32_t>(found.nearest.size()));
+        for (const ImageTree::Found& f : found.nearest) {
+            letter.put(f.ball);
+            letter.put(f.distance);
+        }
+        questions.push_back({rank, std::move(letter)});
+    });
+    return questions;
+}
+
+// One round; returns the number of questions of all ranks.
+std::uint64_t Surroundings::ask() {
+    std::vector<std::vector<Question>> questions(parts_.own.size());
+    ranks_.together([&] {
+        for_all(parts_.own.size(), threads_, [&](std::size_t i) {
+            if (steps_[i] != Step::Certain) questions[i] = questions_of(i);
+        });
+    });
+    std::vector<Letter> asked(ranks_.size());
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < questions.size(); ++i) {
+        if (!questions[i].empty() && !has_asked_[i]) {
+            has_asked_[i] = true;
+            ++statistics_.asking;
+        }
+        for (const Question& question : questions[i]) {
+            asked[question.to].put(question.letter);
+            ++count;
+        }
+    }
+    statistics_.questions += count;
+    const std::uint64_t all = ranks_.sum(count);
+    if (all == 0) return 0;
+    const std::vector<Letter> got = ranks_.exchange(std::move(asked));
+    learn_from(ranks_.exchange(ranks_.together([&] { return answers(got); })));
+    rebuild();
+    return all;
+}
+
+std::vector<Letter> Surroundings::answers(const std::vector<Letter>& asked) {
+    std::vector<Letter> told(asked.size());
+    for (int rank = 0; rank < ranks_.size(); ++rank)
+        for (LetterReader in(asked[rank]); !in.at_end();) {
+            const auto put = [&](std::uint32_t own) { put_ball(told[rank], rank, own); };
+            if (in.get<Kind>() == Kind::Nearest) {
+                const auto center = in.get<Vec3>();
+                const auto reach = in.get<double>();
+                for (const ImageTree::Found& f :
+                     offered_.nearest(center, reach, DecidedDiagram::competitor_count, nobody))
+                    if (lattice_.repeats() || f.distance <= reach) put(f.number);
+                continue;
+            }
+            const auto base = in.get<Sphere>();
+            std::vector<ImageTree::Found> nearest(in.get<std::uint32_t>());
+            for (ImageTree::Found& f : nearest) {
+                f.ball = in.get<Sphere>();
+                f.distance = in.get<double>();
+            }
+            offered_.touching(decided_->bound(base, nearest).bound,
+                              [&](const Sphere&, std::uint32_t own, const whole::Image&) { put(own); });
+        }
+    return told;
+}
+
+void Surroundings::settle() {
+    steps_.assign(parts_.own.size(), Step::Certain);
+    has_asked_.assign(parts_.own.size(), false);
+    if (!knows_everything_)
+        for (std::size_t i = 0; i < parts_.own.size(); ++i)
+            if (is_ball(i) && hidden_[i].empty() && decided_->is_bounded(places_[i]))
+                steps_[i] = Step::Nearest;
+    while (ask() > 0) ++statistics_.rounds;
+    statistics_.ghosts = known_.size() - statistics_.replicated;
+}
+
+}  // namespace vcell::mpi

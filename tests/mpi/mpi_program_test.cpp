@@ -1,0 +1,156 @@
+// vcell-mpi against vcell: the same bytes, whatever the number of ranks and threads.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../apps/workplace.hpp"
+#include "../test_support.hpp"
+
+namespace {
+
+/// Standard output, standard error and tables of a run.
+struct Run {
+    Outcome outcome;
+    std::string cells, contacts;
+};
+
+Run read_tables(const Workplace& work, Outcome outcome) {
+    return {std::move(outcome), work.read("cells.tsv"), work.read("contacts.tsv")};
+}
+Run by_vcell(const Workplace& work, const std::string& arguments) {
+    return read_tables(
+        work, work.run("diagram " + arguments + " --threads 1 --cells cells.tsv --contacts contacts.tsv"));
+}
+
+// More ranks than cores, by any user: Open MPI wants to be told.
+std::string mpirun(int ranks) {
+    return "env OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+           "OMPI_MCA_btl_vader_single_copy_mechanism=none " VCELL_MPIRUN " " +
+           std::to_string(ranks) + " '" VCELL_MPI_PROGRAM "' ";
+}
+Run by_mpi(const Workplace& work, int ranks, const std::string& arguments) {
+    return read_tables(work, work.run_command(mpirun(ranks) + "diagram " + arguments +
+                                              " --cells cells.tsv --contacts contacts.tsv"));
+}
+
+void check_same(const Workplace& work, const std::string& arguments, const std::vector<int>& ranks) {
+    const Run one = by_vcell(work, arguments);
+    CAPTURE(one.outcome.err);
+    REQUIRE(!one.cells.empty());
+    REQUIRE(!one.contacts.empty());
+    for (const int n : ranks) {
+        CAPTURE(n);
+        const Run many = by_mpi(work, n, arguments + (n == 2 ? " --threads 2" : ""));
+        CAPTURE(many.outcome.err);
+        CHECK(many.outcome.status == one.outcome.status);
+        CHECK(many.outcome.out == one.outcome.out);
+        CHECK(many.cells == one.cells);
+        CHECK(many.contacts == one.contacts);
+        // mpirun has its own words about a status that is not 0.
+        CHECK(many.outcome.err.starts_with(one.outcome.err));
+    }
+}
+
+std::string random_balls(std::mt19937_64& rng, int count, double largest, bool are_named) {
+    std::uniform_real_distribution<double> place(0, 1), size(0, 1);
+    std::ostringstream text;
+    text.precision(17);
+    for (int i = 0; i < count; ++i) {
+        text << place(rng) << ' ' << place(rng) << ' ' << place(rng) << ' '
+             << largest * std::pow(size(rng), 3);
+        if (are_named) text << " atom" << i << " group" << i % 7;
+        text << '\n';
+    }
+    return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("vcell-mpi: balls of all sizes, hidden ones and a huge one among them") {
+    std::mt19937_64 rng(vcell::test_seed());
+    const Workplace work;
+    // The last three: in the huge ball, equal to another one, and outside the box's middle third.
+    work.write("balls.txt",
+               random_balls(rng, 200, 0.1, true) +
+                   "0.5 0.5 0.5 0.3 huge\n0.5 0.5 0.6 0.1 inner\n0.9 0.9 0.05 0.02\n0.9 0.9 0.05 0.02\n");
+    check_same(work, "balls.txt --box -0.1 -0.1 -0.1 1.1 1.1 1.1", {1, 2, 4, 8});
+}
+
+TEST_CASE("vcell-mpi: boxes that repeat, and lattices whose neighbours are equally near") {
+    std::mt19937_64 rng(vcell::test_seed());
+    const Workplace work;
+    work.write("balls.txt", random_balls(rng, 60, 0.08, false));
+    check_same(work, "balls.txt --box 0 0 0 1 1 1 --periodic xyz --tilt 0.3 0.1 -0.2", {1, 3, 8});
+    std::ostringstream lattice;
+    for (int i = 0; i < 5; ++i)
+        for (int j = 0; j < 5; ++j)
+            for (int k = 0; k < 4; ++k) lattice << i << ' ' << j << ' ' << k << " 0.25\n";
+    work.write("lattice.txt", lattice.str());
+    check_same(work, "lattice.txt --box -0.5 -0.5 -0.5 4.5 4.5 3.5 --periodic xy", {2, 7});
+    check_same(work, "lattice.txt --box -1 -1 -1 6 6 5", {4});
+}
+
+TEST_CASE("vcell-mpi: fewer balls than ranks, so that some own nothing") {
+    const Workplace work;
+    work.write("balls.txt", "0 0 0 0.5\n2 0 0 0.5 B\n0 2 0 0.25\n");
+    check_same(work, "balls.txt --box -2 -2 -2 4 4 2", {1, 8});
+    work.write("one.txt", "0.2 0.3 0.4 0.1\n");
+    check_same(work, "one.txt --box 0 0 0 1 1 1 --periodic xyz", {4});
+}
+
+TEST_CASE("vcell-mpi: planes and tubes are known everywhere, balls outside the box see everything") {
+    const Workplace work;
+    work.write("scene.json", R"({"vcell": 1, "objects": [
+        {"plane": {"point": [0, 0, -1], "normal": [0, 0, 1]}, "name": "floor"},
+        {"sphere": {"center": [0, 0, 0], "radius": 0.5}},
+        {"sphere": {"center": [1.4, 0.2, 0.5], "radius": 0.3}},
+        {"cylinder": {"point": [-1.2, 0, 0], "axis": [0, 1, 0.2], "radius": 0.2}},
+        {"sphere": {"center": [0.3, 1.5, 0.1], "radius": 0.2}},
+        {"sphere": {"center": [0.3, 0.1, 2.2], "radius": 0.1}},
+        {"sphere": {"center": [1.4, 0.2, 0.6], "radius": 0.1}}],
+        "box": {"min": [-2, -2, -0.9], "max": [2, 2, 2]}})");
+    check_same(work, "scene.json", {1, 2, 5});
+    // A vessel and a plane are walls, what lies beyond has no cell, and what cuts a wall is refused.
+    work.write("vessel.json", R"({"vcell": 1, "objects": [
+        {"hollow_sphere": {"center": [0, 0, 0], "radius": 2}},
+        {"sphere": {"center": [0, 0, 0], "radius": 0.5}},
+        {"sphere": {"center": [1.0, 0.2, 0.5], "radius": 0.3}},
+        {"sphere": {"center": [4, 0, 0], "radius": 0.5}},
+        {"sphere": {"center": [0, 2, 0], "radius": 0.25}}],
+        "box": {"min": [-2, -2, -2], "max": [2, 2, 2]}})");
+    check_same(work, "vessel.json", {1, 4});
+}
+
+TEST_CASE("vcell-mpi: with a probe") {
+    std::mt19937_64 rng(vcell::test_seed());
+    const Workplace work;
+    work.write("balls.txt", random_balls(rng, 50, 0.06, false) + "1.5 0.5 0.5 0.1\n");
+    check_same(work, "balls.txt --box -0.3 -0.3 -0.3 1.3 1.3 1.3 --probe 0.1", {1, 4});
+}
+
+TEST_CASE("vcell-mpi: what is wrong is said once, and all ranks end as vcell does") {
+    const Workplace work;
+    work.write("bad.txt", "0 0 0 1\n1 2 three 1\n");
+    work.write("negative.txt", "0 0 0 1\n1 2 3 -1\n");
+    work.write("good.txt", "0 0 0 1\n3 2 3 1\n");
+    for (const std::string arguments :
+         {"diagram bad.txt", "diagram negative.txt", "diagram nowhere.txt", "diagram good.txt --tilt 0.1 0 0",
+          "diagram good.txt --cells no/where", "diagram good.txt --cells a --contacts a",
+          "diagram good.txt --probe -1", "diagram good.txt --no-such-option", "diagram"}) {
+        CAPTURE(arguments);
+        const Outcome one = work.run(arguments), many = work.run_command(mpirun(3) + arguments);
+        CAPTURE(many.err);
+        CHECK(one.status != 0);
+        CHECK(many.status == one.status);
+        CHECK(many.out.empty());
+        const std::string complaint = one.err.substr(one.err.find(": "));
+        const std::size_t at = many.err.find(complaint.substr(0, complaint.find(';')));
+        REQUIRE(at != std::string::npos);
+        CHECK(many.err.find(complaint.substr(0, complaint.find(';')), at + 1) == std::string::npos);
+    }
+    CHECK(work.files() == std::vector<std::string>{"bad.txt", "good.txt", "negative.txt"});
+}
