@@ -32,9 +32,6 @@ std::string cut_complaint(const std::string& text) {
     return is_known ? "" : fmt::format("must be like z=0.5, is {}", printable(text));
 }
 
-// A mesh is off by this part of its cell's diagonal: a picture shows no more, and files stay small.
-constexpr double chord_part = 0.002;
-
 // One file of -o.
 struct DiagramPicture {
     OutputFile* file = nullptr;
@@ -173,7 +170,7 @@ Status DiagramCommand::run() const {
                 for (DiagramPicture& picture : pictures)
                     if (picture.text) picture.text->add(object, cell);
                 if (!has_meshes) return;
-                const CellMesh mesh = tessellate(cell, {chord_part * cell_diagonal(cell), true});
+                const CellMesh mesh = mesh_among_many(cell);
                 for (DiagramPicture& picture : pictures)
                     if (!picture.text) picture.add(object, cell, mesh);
             };

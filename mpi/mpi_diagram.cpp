@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -13,6 +14,9 @@
 
 #include "../core/threads.hpp"
 #include "../io/files/diagram_file.hpp"
+#include "../io/pictures/diagram_pictures.hpp"
+#include "../io/pictures/mesh_formats.hpp"
+#include "grid_file.hpp"
 #include "ordered.hpp"
 #include "scene_parts.hpp"
 #include "shared_file.hpp"
@@ -88,6 +92,10 @@ MpiDiagram::MpiDiagram(CLI::App& app) : command_(*app.add_subcommand("diagram", 
         ->type_name("FILE");
     command_.add_option("--contacts", contacts_, "table of the pairs of neighbours, likewise")
         ->type_name("FILE");
+    command_
+        .add_option("-o,--output", output_,
+                    "all cells' boundaries, .vtkhdf, for ParaView: triangles with cell, neighbor and volume")
+        ->type_name("FILE");
     command_.add_option("--statistics", statistics_, "table of what each process asked, sent and took")
         ->type_name("FILE");
     scene_.add_to(command_);
@@ -95,6 +103,16 @@ MpiDiagram::MpiDiagram(CLI::App& app) : command_(*app.add_subcommand("diagram", 
     command_.footer(
         "Run by mpirun. Files and standard output have the same bytes for any number of processes and threads: those\n"
         "of vcell diagram. --threads is of each process. Exit statuses are vcell's.");
+}
+
+void MpiDiagram::check_output() const {
+    if (output_.empty()) return;
+    if (std::filesystem::path(output_).extension() != ".vtkhdf")
+        throw UsageError(fmt::format("{}: an output must end in .vtkhdf", output_));
+    if (!has_grid_files())
+        throw UsageError(fmt::format(
+            "{}: this program was built without a parallel HDF5 (Debian's package is libhdf5-openmpi-dev)",
+            output_));
 }
 
 Status MpiDiagram::run(Ranks& ranks) const {
@@ -110,12 +128,24 @@ Status MpiDiagram::run(Ranks& ranks) const {
         targets.push_back(name);
         return std::make_unique<SharedFile>(ranks, name);
     };
-    const auto cell_file = open(cells_), contact_file = open(contacts_), statistics_file = open(statistics_);
+    const auto open_grid = [&] {
+        ranks.together([&] { check_output(); });
+        auto file = open(output_);
+        if (file && file->hidden().empty())
+            ranks.together([&] { throw UsageError(fmt::format("{}: a .vtkhdf is a file", output_)); });
+        return file;
+    };
+    const auto cell_file = open(cells_), contact_file = open(contacts_), statistics_file = open(statistics_),
+               grid_file = open_grid();
     const bool is_summary_shown = std::ranges::find(targets, "-") == targets.end();
 
     std::optional<DiagramScene> scene = ranks.together([&]() -> std::optional<DiagramScene> {
         if (!ranks.is_first()) return std::nullopt;
         return scene_.read();
+    });
+    ranks.together([&] {
+        if (scene && scene->probe && grid_file)
+            throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
     });
     const SceneParts parts = spread(ranks, std::move(scene), scene_.path());
     took.spread = clock.seconds();
@@ -124,19 +154,25 @@ Status MpiDiagram::run(Ranks& ranks) const {
     took.rounds = clock.seconds();
 
     std::vector<DiagramCell> cells(parts.own.size());
+    std::vector<std::optional<LabelledMesh>> meshes(grid_file ? parts.own.size() : 0);
     ranks.together([&] {
         for_all(cells.size(), threads, [&](std::size_t i) {
-            cells[i] = whole::find_cell(around.decided(), around.place(i), nullptr);
+            std::optional<Cell> cell;
+            cells[i] = whole::find_cell(around.decided(), around.place(i), grid_file ? &cell : nullptr);
+            if (!cell) return;
+            meshes[i].emplace();
+            meshes[i]->add(static_cast<std::int32_t>(parts.own[i].number), *cell, mesh_among_many(*cell));
         });
     });
     took.cells = clock.seconds();
     const OrderedCells ordered = in_order(ranks, parts, std::move(cells));
     if (cell_file) cell_file->write(ranks.together([&] { return cell_rows(ranks, ordered); }));
     if (contact_file) contact_file->write(ranks.together([&] { return contact_rows(ranks, ordered); }));
+    if (grid_file) write_grid(ranks, parts, in_order(ranks, parts, ordered, std::move(meshes)), *grid_file);
     took.output = clock.seconds();
     if (statistics_file)
         statistics_file->write(statistics_rows(ranks, parts.own.size(), around.statistics(), took));
-    const std::array files{cell_file.get(), contact_file.get(), statistics_file.get()};
+    const std::array files{cell_file.get(), contact_file.get(), statistics_file.get(), grid_file.get()};
     for (SharedFile* file : files)
         if (file != nullptr) file->close();
     for (SharedFile* file : files)

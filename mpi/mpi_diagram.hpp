@@ -20,12 +20,13 @@ public:
     Status run(Ranks& ranks) const;
 
 private:
+    void check_output() const;
     static Status conclude(Ranks& ranks, const SceneParts& parts, const OrderedCells& ordered,
                            bool is_summary_shown);
 
     CLI::App& command_;
     DiagramSceneArguments scene_;
-    std::string cells_, contacts_, statistics_;
+    std::string cells_, contacts_, output_, statistics_;
     ThreadsArgument threads_{"1"};
 };
 

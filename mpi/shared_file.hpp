@@ -17,6 +17,7 @@ public:
     /// Creates the file, so that a target that cannot be written is known before the work.
     SharedFile(Ranks& ranks, const std::string& target);
 
+    const std::string& target() const { return target_; }
     /// The file until commit(), for all ranks to write to; empty where it is the first rank's alone.
     const std::string& hidden() const { return hidden_; }
     /// What all ranks have written, in their order. Called once.
