@@ -1,7 +1,12 @@
 // vcell-mpi against vcell: the same bytes, whatever the number of ranks and threads.
 #include <doctest/doctest.h>
+#ifdef VCELL_HAS_HDF5
+#include <hdf5.h>
+#endif
 
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <random>
 #include <sstream>
 #include <string>
@@ -68,7 +73,80 @@ std::string random_balls(std::mt19937_64& rng, int count, double largest, bool a
     return text.str();
 }
 
+#ifdef VCELL_HAS_HDF5
+/// A list of the file.
+template <class T>
+std::vector<T> list(hid_t file, const char* name, hid_t type) {
+    const hid_t data = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(data);
+    REQUIRE(data >= 0);
+    std::vector<T> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    CHECK(H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0);
+    H5Sclose(space);
+    H5Dclose(data);
+    return values;
+}
+#endif
+
 }  // namespace
+
+#ifdef VCELL_HAS_HDF5
+TEST_CASE("vcell-mpi: a grid is one file of the same bytes, and its triangles enclose the cells' volumes") {
+    std::mt19937_64 rng(vcell::test_seed());
+    const Workplace work;
+    work.write("balls.txt", random_balls(rng, 12, 0.1, false) + "0.5 0.5 0.5 0.2\n0.5 0.5 0.5 0.1\n");
+    const std::string arguments = "diagram balls.txt --box -0.1 -0.1 -0.1 1.1 1.1 1.1 --cells cells.tsv -o ";
+    std::string first;
+    for (const int n : {1, 2, 8}) {
+        CAPTURE(n);
+        const Outcome done = work.run_command(mpirun(n) + arguments + "cells.vtkhdf");
+        CAPTURE(done.err);
+        REQUIRE(done.status == 0);
+        if (first.empty()) first = work.read("cells.vtkhdf");
+        CHECK(work.read("cells.vtkhdf") == first);
+    }
+    const hid_t file = H5Fopen(work.path("cells.vtkhdf").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    REQUIRE(file >= 0);
+    const auto points = list<double>(file, "/VTKHDF/Points", H5T_NATIVE_DOUBLE);
+    const auto corners = list<std::int64_t>(file, "/VTKHDF/Connectivity", H5T_NATIVE_INT64),
+               offsets = list<std::int64_t>(file, "/VTKHDF/Offsets", H5T_NATIVE_INT64),
+               cells = list<std::int64_t>(file, "/VTKHDF/CellData/cell", H5T_NATIVE_INT64);
+    const auto volumes = list<double>(file, "/VTKHDF/CellData/volume", H5T_NATIVE_DOUBLE);
+    CHECK(list<std::int64_t>(file, "/VTKHDF/NumberOfPoints", H5T_NATIVE_INT64)[0] * 3 ==
+          static_cast<std::int64_t>(points.size()));
+    CHECK(list<std::int64_t>(file, "/VTKHDF/NumberOfConnectivityIds", H5T_NATIVE_INT64)[0] ==
+          static_cast<std::int64_t>(corners.size()));
+    CHECK(list<std::uint8_t>(file, "/VTKHDF/Types", H5T_NATIVE_UINT8) ==
+          std::vector<std::uint8_t>(cells.size(), 5));
+    H5Fclose(file);
+    REQUIRE(offsets.size() == cells.size() + 1);
+    std::map<std::int64_t, double> enclosed;
+    std::map<std::int64_t, double> said;
+    for (std::size_t t = 0; t < cells.size(); ++t) {
+        REQUIRE(offsets[t] == static_cast<std::int64_t>(3 * t));
+        const auto at = [&](std::size_t k, int axis) {
+            return points.at(3 * static_cast<std::size_t>(corners[3 * t + k]) +
+                             static_cast<std::size_t>(axis));
+        };
+        // Six times the tetrahedron from the origin.
+        double six = 0;
+        for (int x = 0; x < 3; ++x) {
+            const int y = (x + 1) % 3, z = (x + 2) % 3;
+            six += at(0, x) * (at(1, y) * at(2, z) - at(1, z) * at(2, y));
+        }
+        enclosed[cells[t]] += six / 6;
+        said[cells[t]] = volumes[t];
+    }
+    REQUIRE(said.size() >= 10);
+    CHECK(said.count(13) == 0);  // hidden
+    double sum = 0;
+    for (const auto& [cell, volume] : said) {
+        CAPTURE(cell);
+        CHECK(std::abs(enclosed[cell] - volume) < 0.02 * volume);
+        sum += volume;
+    }
+    CHECK(sum == doctest::Approx(1.2 * 1.2 * 1.2));
+}
+#endif
 
 TEST_CASE("vcell-mpi: balls of all sizes, hidden ones and a huge one among them") {
     std::mt19937_64 rng(vcell::test_seed());
