@@ -7,14 +7,15 @@
 
 namespace vcell {
 
-/// A MANIFOLD_SOLID_BREP for each connected part, most often one, the base's own body included: what closes the
-/// cell (closed_shell()) are planar faces. Each other ADVANCED_FACE is a patch of a face, named after its site, in
-/// its colour, on the rational Bezier surface of the patch, written as a B-spline with inner knots
-/// (with_knots()) by which other programs find its integrals; each edge a rational B-spline curve in space with
-/// its curves in the parameters of both surfaces, cut where seams end. Nothing is approximated again: curves and
-/// surfaces are the cell's, and the file's uncertainty is 1.2 times the largest of what edges state as their
-/// error and vertices and seams are off by (at least 1e-7). Units are those of the scene if they are m, cm, mm, um
-/// or nm, otherwise they are taken for mm. No time is in the file: the same cell makes the same bytes.
+/// A MANIFOLD_SOLID_BREP for each connected part, most often one, the base's own body included: what closes
+/// the cell (closed_shell()) are planar faces. Each other ADVANCED_FACE is a patch of a face, named after its
+/// site, in its colour, on the rational Bezier surface of the patch, written as a B-spline with inner knots
+/// (with_knots()) by which other programs find its integrals; each edge a rational B-spline curve in space
+/// with its curves in the parameters of both surfaces, cut where seams end. Nothing is approximated again:
+/// curves and surfaces are the cell's, and the file's uncertainty is 1.2 times the largest of what edges
+/// state as their error and vertices and seams are off by (at least 1e-7). Units are those of the scene if
+/// they are m, cm, mm, um or nm, otherwise they are taken for mm. No time is in the file: the same cell makes
+/// the same bytes.
 void write_step(std::ostream& out, const Cell& cell);
 
 }  // namespace vcell

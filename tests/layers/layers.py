@@ -21,7 +21,6 @@ offered = {
     "arrangement/sweep/point_location.hpp",
     "core/curves/bernstein.cpp",
     "core/curves/bernstein.hpp",
-    "core/curves/restricted_curve.hpp",
     "core/solver/newton/quadratic_kernel.hpp",
     "core/solver/roots/search.hpp",
     "core/solver/roots/solver.hpp",
