@@ -20,7 +20,7 @@ using Eigen::Vector4d;
 using roundoff::u;
 
 // Of a residual, in the magnitudes that enter it: some ten operations.
-constexpr double rounding = 32 * u;
+constexpr double conic_rounding = 32 * u;
 // Of a product of four vectors, and of one with what a plane carries.
 constexpr double of_product = 5 * u, of_plane = 12 * u;
 
@@ -87,8 +87,8 @@ double span_distance(Chart chart, const ConicSpan& span, const std::array<Distan
         const double a = 2 * planes[n].power + 4 * planes[n].normal.w() * s[n] - s[n] * s[n];
         const double a_size = 2 * std::abs(planes[n].power) + 4 * std::abs(s[n]) + s[n] * s[n];
         const double share = 1 - 2 * product * other / (turn * g[n] + std::numbers::sqrt2);
-        const double across = std::abs(std::numbers::sqrt2 * product - other) + rounding;
-        m2 = std::min(m2, a * share - across * across - rounding * a_size * (1 + std::abs(share)));
+        const double across = std::abs(std::numbers::sqrt2 * product - other) + conic_rounding;
+        m2 = std::min(m2, a * share - across * across - conic_rounding * a_size * (1 + std::abs(share)));
     }
     m2 /= sine2;
     const double over_near = phi / near;
@@ -131,13 +131,14 @@ double trim_distance_of_part(const RadialPatch& patch, const Trimmed& part) {
             S[i] = S[i] + c * monomials[k];
             size[i] += std::abs(c) * largest[k];
         }
-    const double weight = S[3].smallest_coefficient() - rounding * size[3], least = W.smallest_coefficient();
+    const double weight = S[3].smallest_coefficient() - conic_rounding * size[3],
+                 least = W.smallest_coefficient();
     if (!(weight > 0 && least > 0)) return infinity;
     double squared = 0;
     for (int i = 0; i < 3; ++i) {
         const auto X = Bernstein<2>::from([&](int k) { return part.curve.X[k][i]; });
-        const double off =
-            (S[i] * W - S[3] * X).largest() + rounding * (size[i] * W.largest() + size[3] * X.largest());
+        const double off = (S[i] * W - S[3] * X).largest() +
+                           conic_rounding * (size[i] * W.largest() + size[3] * X.largest());
         squared += off * off;
     }
     return std::sqrt(squared) / (weight * least);
@@ -160,7 +161,7 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
                       Chart chart) {
     const Vector4d &a = planes[0].normal, &b = planes[1].normal;
     const double product = (a - b).squaredNorm() * (a + b).squaredNorm();
-    const double sine2 = 0.25 * product - rounding * std::sqrt(product);
+    const double sine2 = 0.25 * product - conic_rounding * std::sqrt(product);
     const double inner = a.dot(b);
     double distance = 0;
     const double rest = unproved_length(std::vector<ConicSpan>(spans.begin(), spans.end()), deepest,
@@ -181,7 +182,7 @@ double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Ch
     if (chart.is_sphere()) {
         for (const ConicSpan& span : spans)
             most = std::max({most, span.from.w(), span.middle.w() / span.weight, span.to.w()});
-        const double least = std::abs(plane.k) * (1 - rounding);
+        const double least = std::abs(plane.k) * (1 - conic_rounding);
         return least > 0 ? 1 + most / least : infinity;
     }
     for (const ConicSpan& span : spans) {
@@ -189,7 +190,7 @@ double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Ch
         for (const Vector4d* X : {&span.from, &span.middle, &span.to}) {
             const double reach = plane.normal.y() * X->y(),
                          at_axis = X == &span.middle ? span.weight * plane.k : plane.k, k = at_axis - reach,
-                         least = std::abs(k) - rounding * (std::abs(at_axis) + std::abs(reach));
+                         least = std::abs(k) - conic_rounding * (std::abs(at_axis) + std::abs(reach));
             if (X == &span.from) is_turned = !(k > 0);
             if (!(least > 0 && (k > 0) != is_turned)) return infinity;
             most = std::max(most, X->w() / least);

@@ -22,7 +22,7 @@ using roundoff::u;
 
 // Rounding of a residual or gradient, in units of u times the magnitudes that enter it: some twenty
 // operations, and coefficients within 4u.
-constexpr double rounding = 32 * u;
+constexpr double section_rounding = 32 * u;
 
 // A height with its derivatives; the Hessian is bend bend^T + round I.
 struct HeightJet2 {
@@ -47,14 +47,15 @@ public:
             const Vector2d g = gradient(f, p);
             const double size =
                 (2 * f.k * (p - Vector2d(f.cx, f.cy)).norm() + std::abs(f.a) + std::abs(f.b)) / f.w;
-            return {f(p.x(), p.y()), g, Vector2d::Zero(), 2 * f.k / f.w, rounding * size};
+            return {f(p.x(), p.y()), g, Vector2d::Zero(), 2 * f.k / f.w, section_rounding * size};
         }
         const CylinderHeight& f = side_.cylinder->height();
         const CylinderHeight::Jet jet = f(p);
         const Vector2d across(-jet.v.y(), jet.v.x());
         const double size =
             (p - f.point().head<2>()).norm() + std::abs(f.point().z()) + jet.value + f.reach();
-        return {jet.value, jet.gradient, across / (jet.s * std::sqrt(jet.s)), 0, rounding * size / jet.s};
+        return {jet.value, jet.gradient, across / (jet.s * std::sqrt(jet.s)), 0,
+                section_rounding * size / jet.s};
     }
 
     // How far the gradient may be from that of `at`, the jet at p, within `room` of the hull of the points. A
@@ -94,7 +95,7 @@ public:
             const double size = f.k * (square(dx.largest()) + square(dy.largest())) +
                                 most * (std::abs(f.a) * P.X.largest() + std::abs(f.b) * P.Y.largest() +
                                         f.w * P.Z.largest() + std::abs(f.e) * most);
-            return ((f.k * (dx * dx + dy * dy) + linear * P.W).largest() + rounding * size) /
+            return ((f.k * (dx * dx + dy * dy) + linear * P.W).largest() + section_rounding * size) /
                    (f.w * square(least));
         }
         // About the axis's point c, with t the axial coordinate and k = rho + c_z,
@@ -112,7 +113,7 @@ public:
         const double size = square(mx.largest()) + square(my.largest()) + square(t.largest()) +
                             linear.largest() * most + distance * f.reach() * most;
         const double Q =
-            ((mx * mx + my * my - t * t - linear * P.W).largest() + rounding * size) / square(least);
+            ((mx * mx + my * my - t * t - linear * P.W).largest() + section_rounding * size) / square(least);
         const Bernstein<N> lower = d.z() * t + k * P.W;
         double b = std::numeric_limits<double>::infinity();
         for (int i = 0; i <= N; ++i) b = std::min(b, lower.coefficient(i) / P.W.coefficient(i));
@@ -257,8 +258,9 @@ private:
             const double norm = std::hypot(wall->a, wall->b), most = P.W.largest();
             const double size = std::abs(wall->a) * P.X.largest() + std::abs(wall->b) * P.Y.largest() +
                                 std::abs(wall->c) * most;
-            result.chart = ((wall->a * P.X + wall->b * P.Y + wall->c * P.W).largest() + rounding * size) /
-                           (norm * P.W.smallest_coefficient());
+            result.chart =
+                ((wall->a * P.X + wall->b * P.Y + wall->c * P.W).largest() + section_rounding * size) /
+                (norm * P.W.smallest_coefficient());
         } else {
             const Side graph(ArcSide{&std::get<CircularForm>(plane_), nullptr});
             const HeightJet2 jet = graph(middle);
@@ -310,7 +312,7 @@ private:
             ((U * D2 * P.W - along * (D2 * D)) - (0.25 * eps) * (turned * V * P.W)).largest() /
             (scale * least);
         const double second = (turned * P.W - across * D2).largest() / scale;
-        return std::hypot(first, second) + rounding * uneven * uneven * uneven * size;
+        return std::hypot(first, second) + section_rounding * uneven * uneven * uneven * size;
     }
 
     const std::array<ArcSide, 2> sides_;

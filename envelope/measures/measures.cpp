@@ -21,10 +21,10 @@ using roundoff::u;
 
 // Rounding of one boundary term, in units of u times its magnitude: some thirty operations from a form's
 // coefficients (4u each) to the term, doubled.
-constexpr double term_rounding = 128 * u;
+constexpr double boundary_rounding = 128 * u;
 
 // The magnitudes that enter a height and its gradient at computed points (few roundings of their own, of the
-// term_rounding allowed): an object's centre is exact.
+// boundary_rounding allowed): an object's centre is exact.
 double height_size(const CircularForm& f, const Vector2d& p) {
     const double d = (p - Vector2d(f.cx, f.cy)).norm();
     return (f.k * d * (d + p.norm() / 16) + std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) /
@@ -72,8 +72,9 @@ void add_span(const LocalHeight& f, const ArcSpan& span, BoundedSum& volume, Bou
         const double turn = cross(q0, d);
         const double mean_square = q0.squaredNorm() + q0.dot(d) + d.squaredNorm() / 3;
         const double mean_factor = f.c * mean_square / 4 + f.g.dot(q0 + 0.5 * d) / 3 + f.f0 / 2;
-        volume.add(mean_factor * turn, reach * length * (term_rounding * f.factor_bound(reach) + f.f0_error));
-        chart_area.add(0.5 * turn, term_rounding * reach * length);
+        volume.add(mean_factor * turn,
+                   reach * length * (boundary_rounding * f.factor_bound(reach) + f.f0_error));
+        chart_area.add(0.5 * turn, boundary_rounding * reach * length);
         return;
     }
     const quadrature::Part part(span);
@@ -93,9 +94,9 @@ void add_span(const LocalHeight& f, const ArcSpan& span, BoundedSum& volume, Bou
     // (sinh 2 + cosh 2) half lengths.
     const double complex_reach = reach + 3.2 * times * length;
     const double truncation = missing * 2 * complex_reach * 3.7 * times * length;
-    volume.add(v, reach * length * (term_rounding * f.factor_bound(reach) + f.f0_error) +
+    volume.add(v, reach * length * (boundary_rounding * f.factor_bound(reach) + f.f0_error) +
                       truncation * f.factor_bound(complex_reach));
-    chart_area.add(0.5 * a, term_rounding * reach * length + truncation);
+    chart_area.add(0.5 * a, boundary_rounding * reach * length + truncation);
 }
 
 // One span's share of the area of z = |p - c|^2 / w + const over a face.
@@ -139,7 +140,7 @@ void add_paraboloid_span(const Vector2d& center, double w, const ArcSpan& span, 
                                   (distance + 2.2 * times * length) * 1.4 * times * length;
         const double far = distance + 0.5 * length;
         const double size = std::sqrt(1 + 4 * far * far / (w * w)) * far * length;
-        area.add(sum, term_rounding * size + (room > 0 ? truncation : 2 * size));
+        area.add(sum, boundary_rounding * size + (room > 0 ? truncation : 2 * size));
     });
 }
 
@@ -170,10 +171,10 @@ void add_space_length(const CircularForm& f, const ArcSpan& span, BoundedSum& le
                 sum += std::sqrt(step.squaredNorm() + rise * rise);
             });
         const double slope = gradient(f, part.half_way).dot(part.tangent);
-        const double rounding = term_rounding * gradient_size(f, part) * part.length;
+        const double rounding = boundary_rounding * gradient_size(f, part) * part.length;
         const double truncation =
             room > 0 ? missing * 4 * std::sqrt(1 + slope * slope) * times * part.length : 2 * sum;
-        length.add(sum, term_rounding * sum + rounding + truncation);
+        length.add(sum, boundary_rounding * sum + rounding + truncation);
     });
 }
 
@@ -184,7 +185,7 @@ void add_wall(const CircularForm& f, const ArcSpan& segment, BoundedSum& area) {
     double size = 0;
     for (const Vector2d& at : {p, q, m}) size = std::max(size, height_size(f, at));
     area.add(length * (f(p.x(), p.y()) + 4 * f(m.x(), m.y()) + f(q.x(), q.y())) / 6,
-             term_rounding * length * size);
+             boundary_rounding * length * size);
 }
 
 // ---- Clearances -------------------------------------------------------------------------------------
@@ -192,7 +193,7 @@ void add_wall(const CircularForm& f, const ArcSpan& segment, BoundedSum& area) {
 // f = (s - d.V) / d_z^2 - rho, or its stable form, of what point() and p are rounded to.
 double height_error(const CylinderHeight& f, const CylinderHeight::Jet& jet, const Vector2d& p) {
     const double reach = f.reach() + p.norm() + std::abs(jet.value) + f.rho();
-    return term_rounding / 4 * reach * (1 + jet.gradient.norm());
+    return boundary_rounding / 4 * reach * (1 + jet.gradient.norm());
 }
 
 // The least of heights that are known within bounds.
@@ -228,9 +229,9 @@ void add_region_minimum(const CircularForm& f, const PlaneBaseProblem& problem, 
             const Vector2d along = corners[(i + 1) % corners.size()] - p;
             p += std::clamp((c - p).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
         }
-        least.add(f(p.x(), p.y()), term_rounding * height_size(f, p));
+        least.add(f(p.x(), p.y()), boundary_rounding * height_size(f, p));
     }
-    if (inside) least.add(f.e / f.w, term_rounding * std::abs(f.e) / f.w);
+    if (inside) least.add(f.e / f.w, boundary_rounding * std::abs(f.e) / f.w);
 }
 
 // The same for a cylinder. Its height grows along the rays from A (cylinder_patch.hpp), or is constant along

@@ -12,8 +12,8 @@ namespace {
 // More roundings, in units of the largest term, than any value here takes: coefficients come with some 8 of
 // them, their combinations and products with 20. What is itself a bound is made larger by `outwards` at the
 // end.
-constexpr double rounding = 128 * std::numeric_limits<double>::epsilon();
-constexpr double outwards = 1 + rounding;
+constexpr double support_rounding = 128 * std::numeric_limits<double>::epsilon();
+constexpr double outwards = 1 + support_rounding;
 
 double magnitude(const NormalFunction& f) {
     return std::abs(f.p[0]) + std::abs(f.p[1]) + std::abs(f.p[2]) + std::abs(f.s);
@@ -108,7 +108,7 @@ SphereSupports::SphereSupports(const FormFamily& family) {
         const double h = -0.5 / f.w;
         circular_.push_back({{{h * f.a, h * f.b, h * (f.e - f.k)}, h * (f.e + f.k)}, 0, {0, 0}, 0});
         circular_.back().rounding =
-            -2 * rounding * h * (std::abs(f.a) + std::abs(f.b) + std::abs(f.e) + std::abs(f.k));
+            -2 * support_rounding * h * (std::abs(f.a) + std::abs(f.b) + std::abs(f.e) + std::abs(f.k));
     }
     for (const RadialForm& f : family.radial) {
         const double C = f.c[0].enclosure().mid(), root = std::sqrt(C);
@@ -117,7 +117,7 @@ SphereSupports::SphereSupports(const FormFamily& family) {
             c.b.p[i] = f.b[i].enclosure().mid() / C;
             c.a.p[i] = f.a[i].enclosure().mid() / root;
         }
-        c.rounding = rounding * (3 * magnitude(c.b) + 2 * magnitude(c.a));
+        c.rounding = support_rounding * (3 * magnitude(c.b) + 2 * magnitude(c.a));
         c.is_hollow = f.is_hollow;
         cylinders_.push_back(c);
     }

@@ -12,7 +12,7 @@ namespace {
 
 // No sum or product of doubles below is off by more than this part of the terms in it, and none of floats by
 // more than the coarse one.
-constexpr double rounding = 0x1p-46;
+constexpr double bound_rounding = 0x1p-46;
 constexpr float coarse = 0x1p-18F;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -47,10 +47,10 @@ CellBound::Level::Level(int count) {
         for (const double s : {0.0, 1.0})
             for (const double t : {0.0, 1.0}) least = std::min(least, axis.dot(at(s, t)));
     }
-    least -= rounding;
+    least -= bound_rounding;
     cosine = static_cast<float>(least);
-    sine = static_cast<float>(std::sqrt(1 - least * least) + rounding);
-    chord = std::sqrt(2 * (1 - least)) + rounding;
+    sine = static_cast<float>(std::sqrt(1 - least * least) + bound_rounding);
+    chord = std::sqrt(2 * (1 - least)) + bound_rounding;
 }
 
 const std::array<CellBound::Level, CellBound::levels>& CellBound::table() {
@@ -64,10 +64,10 @@ void CellBound::add(const Sphere& ball) {
     const Vec3 c = ball.center - base_.center;
     const double delta = ball.radius - base_.radius, square = c.squaredNorm(), size = std::sqrt(square);
     // What is lost where coordinates are subtracted counts, too.
-    const double lost = rounding * (ball.center.cwiseAbs().sum() + ball.radius + size_);
-    const double C = std::max(0.0, square - delta * delta) + rounding * (square + delta * delta) +
+    const double lost = bound_rounding * (ball.center.cwiseAbs().sum() + ball.radius + size_);
+    const double C = std::max(0.0, square - delta * delta) + bound_rounding * (square + delta * delta) +
                      2 * lost * (size + std::abs(delta)) + lost * lost;
-    competitors_.push_back({c, size, delta - 2 * lost - rounding * (size + std::abs(delta)), C});
+    competitors_.push_back({c, size, delta - 2 * lost - bound_rounding * (size + std::abs(delta)), C});
 }
 
 void CellBound::add(const Box& box) {
@@ -75,15 +75,17 @@ void CellBound::add(const Box& box) {
         for (const double sign : {-1.0, 1.0}) {
             const double bound = sign < 0 ? box.min[axis] : box.max[axis];
             const double far = std::abs(bound - base_.center[axis]) +
-                               rounding * (std::abs(bound) + std::abs(base_.center[axis]));
+                               bound_rounding * (std::abs(bound) + std::abs(base_.center[axis]));
             // A side is met as a mirrored base would be, which has the base's radius and twice the distance.
             const double size = 2 * far, square = size * size;
-            competitors_.push_back(
-                {sign * size * Vec3::Unit(axis), size, -rounding * size, square * (1 + rounding)});
+            competitors_.push_back({sign * size * Vec3::Unit(axis), size, -bound_rounding * size,
+                                    square * (1 + bound_rounding)});
         }
 }
 
-void CellBound::add_cap(double clearance) { least_reciprocal_ = (1 - rounding) / (base_.radius + clearance); }
+void CellBound::add_cap(double clearance) {
+    least_reciprocal_ = (1 - bound_rounding) / (base_.radius + clearance);
+}
 
 void CellBound::set_bounds() {
     // The size of the largest competitor: none is so far that its square would overflow.
@@ -126,7 +128,7 @@ CellBound::Row<count> CellBound::farthest(const Level& level, std::size_t first)
 
 // More than a length in floats that were computed of terms of that size.
 double CellBound::rounded_up(double length, double terms) const {
-    return length / unit_ + coarse * (terms / unit_) + rounding * (size_ / unit_);
+    return length / unit_ + coarse * (terms / unit_) + bound_rounding * (size_ / unit_);
 }
 
 Eigen::Vector4f CellBound::ball(const Level& level, std::size_t k, double t) const {
@@ -150,7 +152,7 @@ void CellBound::settle(double width) {
     begin_[sector_count] = static_cast<std::uint32_t>(parts_.size());
     set_faces();
     const double most = unit_ * t.maxCoeff();
-    reach_ = 2 * (most - base_.radius) + rounding * (most + size_);
+    reach_ = 2 * (most - base_.radius) + bound_rounding * (most + size_);
 }
 
 void CellBound::divide(int at, std::size_t sector, double width) {
@@ -201,14 +203,14 @@ double CellBound::extent(double radius) const {
     const auto most =
         ((faces_.x.square() + faces_.y.square() + faces_.z.square()).sqrt() + faces_.radius).maxCoeff();
     // A ball's place gives way by `coarse` of its distance along three axes, and of its radius.
-    return unit_ * most * (1 + 8 * coarse) + 8 * coarse * radius + 8 * rounding * size_;
+    return unit_ * most * (1 + 8 * coarse) + 8 * coarse * radius + 8 * bound_rounding * size_;
 }
 
 CellBound::Place CellBound::place(const Vec3& center, double radius, double extent) const {
     const Vec3 c = (center - base_.center) / unit_;
     const double terms = unit_ * c.cwiseAbs().sum() + radius + extent;
     return {c.array().cast<float>(),
-            static_cast<float>(rounded_up(radius + rounding * center.cwiseAbs().sum(), terms))};
+            static_cast<float>(rounded_up(radius + bound_rounding * center.cwiseAbs().sum(), terms))};
 }
 
 template <class Apart>

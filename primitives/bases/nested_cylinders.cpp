@@ -14,11 +14,11 @@ using Eigen::Vector3d;
 // Bounds of a cylinder's numbers as they are found here: m - d (d.m) / d.d is off by less than 32 u of |m|, u
 // = 2^-53, and points that differ by a multiple of d by as little; so are cosines. The rest is for sums, and
 // for underflow.
-constexpr double rounding = 0x1p-46, least = 0x1p-500;
+constexpr double nesting_rounding = 0x1p-46, least = 0x1p-500;
 
 struct Item {
     std::uint32_t index;
-    Vector3d direction;    // of length 1 within a factor of 1 + rounding
+    Vector3d direction;    // of length 1 within a factor of 1 + nesting_rounding
     Vector3d foot;         // the axis's point nearest to the middle
     double radius, error;  // of the foot
     double key;            // of the foot, along the line
@@ -27,8 +27,8 @@ struct Item {
 // May p contain q? Parallel axes have cosines of +-1, and feet that are no farther apart than their radii
 // allow.
 bool may_contain(const Item& p, const Item& q) {
-    const double error = p.error + q.error + rounding * (p.radius + q.radius);
-    return p.radius - q.radius + error >= 0 && p.direction.cross(q.direction).norm() <= rounding &&
+    const double error = p.error + q.error + nesting_rounding * (p.radius + q.radius);
+    return p.radius - q.radius + error >= 0 && p.direction.cross(q.direction).norm() <= nesting_rounding &&
            (p.foot - q.foot).norm() <= p.radius - q.radius + error;
 }
 
@@ -47,7 +47,7 @@ std::vector<std::vector<std::uint32_t>> possible_containers(std::span<const Cyli
         const Vector3d axis(f.ax, f.ay, f.az), m = Vector3d(f.px, f.py, f.pz) - middle;
         const Vector3d d = (axis / axis.cwiseAbs().maxCoeff()).normalized();
         const double size = m.norm() + Vector3d(f.px, f.py, f.pz).norm() + middle.norm();
-        items.push_back({i, d, m - d * d.dot(m), f.rho, rounding * size + least, 0});
+        items.push_back({i, d, m - d * d.dot(m), f.rho, nesting_rounding * size + least, 0});
         are_numbers = are_numbers && std::isfinite(items.back().foot.squaredNorm() + f.rho * f.rho);
     }
     if (!are_numbers) {  // out of the range of doubles: no pair is told apart
@@ -67,9 +67,10 @@ std::vector<std::vector<std::uint32_t>> possible_containers(std::span<const Cyli
     }
     std::ranges::sort(items, {}, &Item::key);
     for (const Item& outer : items) {
-        const double reach = outer.radius * (1 + rounding) + outer.error + error;
-        auto inner = std::ranges::lower_bound(items, outer.key - reach * (1 + rounding), {}, &Item::key);
-        for (; inner != items.end() && inner->key <= outer.key + reach * (1 + rounding); ++inner)
+        const double reach = outer.radius * (1 + nesting_rounding) + outer.error + error;
+        auto inner =
+            std::ranges::lower_bound(items, outer.key - reach * (1 + nesting_rounding), {}, &Item::key);
+        for (; inner != items.end() && inner->key <= outer.key + reach * (1 + nesting_rounding); ++inner)
             if (inner->index != outer.index && may_contain(outer, *inner))
                 containers[inner->index].push_back(outer.index);
     }
