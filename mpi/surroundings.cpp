@@ -202,20 +202,29 @@ void Surroundings::send_everything() {
 std::vector<Surroundings::Question> Surroundings::questions_of(std::size_t own) {
     std::vector<Question> questions;
     const Sphere& base = ball(own);
-    const DecidedDiagram::Competitors found = decided_->competitors(places_[own]);
-    if (steps_[own] == Step::Nearest) {
-        steps_[own] = Step::Bound;
+    DecidedDiagram::Competitors found;
+    const auto find = [&](std::size_t count, Step asked) {
+        found = decided_->competitors(places_[own], count);
+        if (steps_[own] >= asked) return;
+        steps_[own] = asked;
         blocks_.near(base.center, found.reach, [&](int rank) {
             Letter letter;
             letter.put(Kind::Nearest);
             letter.put(base.center);
             letter.put(found.reach);
+            letter.put(static_cast<std::uint32_t>(count));
             questions.push_back({rank, std::move(letter)});
         });
+    };
+    find(DecidedDiagram::few, Step::Few);
+    if (!questions.empty()) return questions;
+    DecidedDiagram::Bound bound = decided_->bound(base, found.nearest);
+    if (bound.is_poor()) {
+        find(DecidedDiagram::many, Step::Many);
         if (!questions.empty()) return questions;
+        bound = decided_->bound(base, found.nearest);
     }
     steps_[own] = Step::Certain;
-    const DecidedDiagram::Bound bound = decided_->bound(base, found.nearest);
     blocks_.touching(bound.bound, [&](int rank) {
         Letter letter;
         letter.put(Kind::Touching);
@@ -267,8 +276,8 @@ std::vector<Letter> Surroundings::answers(const std::vector<Letter>& asked) {
             if (in.get<Kind>() == Kind::Nearest) {
                 const auto center = in.get<Vec3>();
                 const auto reach = in.get<double>();
-                for (const ImageTree::Found& f :
-                     offered_.nearest(center, reach, DecidedDiagram::competitor_count, nobody))
+                const auto count = in.get<std::uint32_t>();
+                for (const ImageTree::Found& f : offered_.nearest(center, reach, count, nobody))
                     if (lattice_.repeats() || f.distance <= reach) put(f.number);
                 continue;
             }
@@ -289,8 +298,7 @@ void Surroundings::settle() {
     has_asked_.assign(parts_.own.size(), false);
     if (!knows_everything_)
         for (std::size_t i = 0; i < parts_.own.size(); ++i)
-            if (is_ball(i) && hidden_[i].empty() && decided_->is_bounded(places_[i]))
-                steps_[i] = Step::Nearest;
+            if (is_ball(i) && hidden_[i].empty() && decided_->is_bounded(places_[i])) steps_[i] = Step::Begin;
     while (ask() > 0) ++statistics_.rounds;
     statistics_.ghosts = known_.size() - statistics_.replicated;
 }

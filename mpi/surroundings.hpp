@@ -5,7 +5,8 @@
 /// no other rank's block comes as near as its last competitor, and none may touch its bound. The others ask:
 ///
 ///   1. whom another block comes nearer than the last competitor known here, for that block's nearest balls.
-///      The nearest of all are then among what is known, and so the bound is final;
+///      The nearest of all are then among what is known, and so the bound is final, but that of few
+///      competitors may be poor: then for many in a second round, likewise;
 ///   2. whose bound another block may touch, for its balls that may. The bound's competitors go with the
 ///      question, so the block answers with what a search among all balls would have found there.
 ///
@@ -51,7 +52,8 @@ public:
     const RoundStatistics& statistics() const { return statistics_; }
 
 private:
-    enum class Step : std::uint8_t { Nearest, Bound, Certain };
+    /// What has been asked: nothing, for few competitors, for many, all.
+    enum class Step : std::uint8_t { Begin, Few, Many, Certain };
     struct Question;
 
     bool is_ball(std::size_t own) const { return std::holds_alternative<Sphere>(parts_.own[own].object); }

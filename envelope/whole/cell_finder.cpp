@@ -222,41 +222,42 @@ bool DecidedDiagram::is_bounded(std::uint32_t i) const {
     return scene().is_periodic() || (is_ball(i) && holds(scene().box, ball(i).center));
 }
 
-DecidedDiagram::Competitors DecidedDiagram::competitors(std::uint32_t i) const {
+DecidedDiagram::Competitors DecidedDiagram::competitors(std::uint32_t i, std::size_t count) const {
     const Vec3& center = ball(i).center;
     Competitors found;
     if (!lattice_.repeats()) {
-        found.nearest = balls_.nearest(center, 0, competitor_count, i);
-        found.reach = found.nearest.size() < competitor_count ? std::numeric_limits<double>::infinity()
-                                                              : found.nearest.back().distance;
+        found.nearest = balls_.nearest(center, 0, count, i);
+        found.reach = found.nearest.size() < count ? std::numeric_limits<double>::infinity()
+                                                   : found.nearest.back().distance;
         return found;
     }
     // Ever larger reaches find the nearest images: the tree holds the box alone.
     const Box room = this->room(ball(i));
     const double volume = scene().edges().determinant(), balls = static_cast<double>(part_.balls);
-    found.reach = std::cbrt(volume * static_cast<double>(competitor_count) / balls);
+    found.reach = std::cbrt(volume * static_cast<double>(count) / balls);
     while (true) {
-        found.nearest = balls_.nearest(center, found.reach, competitor_count, i);
-        if (found.nearest.size() == competitor_count || found.reach > 2 * (room.max - room.min).norm())
-            return found;
+        found.nearest = balls_.nearest(center, found.reach, count, i);
+        if (found.nearest.size() == count || found.reach > 2 * (room.max - room.min).norm()) return found;
         found.reach *= 1.5;
     }
 }
 
 DecidedDiagram::Bound DecidedDiagram::bound(const Sphere& base,
                                             std::span<const ImageTree::Found> nearest) const {
-    // Balls of sectors are narrowed to this part of where the last of the competitors is.
-    constexpr double narrow = 0.375;
     CellBound bound(base);
     bound.add(room(base));
     if (scene().probe) bound.add_cap(*scene().probe);
-    double last = 0;
-    for (const ImageTree::Found& f : nearest) {
-        bound.add(f.ball);
-        last = std::max(last, f.distance);
-    }
-    bound.settle(narrow * last);
-    return {std::move(bound), narrow * last};
+    for (const ImageTree::Found& f : nearest) bound.add(f.ball);
+    const double last =
+        nearest.empty() ? 0 : std::max(0.0, nearest[std::min(nearest.size(), few) - 1].distance);
+    Bound result{std::move(bound), last};
+    result.bound.settle(result.width());
+    return result;
+}
+
+DecidedDiagram::Bound DecidedDiagram::bound(std::uint32_t i) const {
+    Bound of_few = bound(ball(i), competitors(i, few).nearest);
+    return of_few.is_poor() ? bound(ball(i), competitors(i, many).nearest) : of_few;
 }
 
 bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) const {
@@ -331,7 +332,8 @@ private:
     void find_ball_cell(std::optional<Cell>* kept) {
         const Sphere& base = decided_.ball(object_);
         const Box room = decided_.room(base);
-        auto [bound, width] = decided_.bound(base, decided_.competitors(object_).nearest);
+        DecidedDiagram::Bound by_nearest = decided_.bound(object_);
+        CellBound& bound = by_nearest.bound;
         gather(bound);
         // On the surface of a packing the nearest balls leave much of the room to a cell: what was found then
         // bounds it better.
@@ -339,7 +341,7 @@ private:
         if (candidates_.size() > crowd) {
             for (const Candidate& c : candidates_)
                 if (c.other == nullptr) bound.add(c.ball);
-            bound.settle(width);
+            bound.settle(by_nearest.width());
             std::erase_if(candidates_, [&](const Candidate& c) {
                 return c.other != nullptr ? !may_touch(bound, *c.other) : !bound.may_touch(c.ball);
             });

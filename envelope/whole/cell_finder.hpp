@@ -77,17 +77,25 @@ public:
         /// No ball that is farther from the ball's centre is among them, whatever else the scene has.
         double reach;
     };
-    /// The balls, images included, that bound a ball's cell to begin with.
-    Competitors competitors(std::uint32_t i) const;
-    /// So many of them.
-    static constexpr std::size_t competitor_count = 28;
-    /// What they, the room and the probe bound the cell of `base` by, and to which width. All that may touch
-    /// it, and nothing else, is looked at.
+    /// The nearest balls, images included, so many of them: they bound a ball's cell to begin with.
+    Competitors competitors(std::uint32_t i, std::size_t count) const;
+    /// Few bound most cells nearly as well as all. Where they do not, along the sides of a box, many do.
+    static constexpr std::size_t few = 28, many = 112;
+
     struct Bound {
         CellBound bound;
-        double width;
+        double last;  ///< how far the last of the few competitors is
+
+        /// That balls of sectors are narrowed to.
+        double width() const { return 0.375 * last; }
+        /// Does it reach so far that many competitors are worth their time?
+        bool is_poor() const { return bound.reach() > 4 * last; }
     };
+    /// What these competitors, ascending, the room and the probe bound the cell of `base` by.
     Bound bound(const Sphere& base, std::span<const ImageTree::Found> nearest) const;
+    /// Of few competitors, or of many where that is poor. All that may touch it, and nothing else, is looked
+    /// at.
+    Bound bound(std::uint32_t i) const;
 
     /// May object `x` touch the cell of object i, whose reach that is?
     bool may_touch(std::uint32_t x, std::uint32_t i, double reach) const;
