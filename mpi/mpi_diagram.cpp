@@ -101,8 +101,8 @@ MpiDiagram::MpiDiagram(CLI::App& app) : command_(*app.add_subcommand("diagram", 
     scene_.add_to(command_);
     threads_.add_to(command_);
     command_.footer(
-        "Run by mpirun. Files and standard output have the same bytes for any number of processes and threads: those\n"
-        "of vcell diagram. --threads is of each process. Exit statuses are vcell's.");
+        "Run by mpirun. Files and standard output have the same bytes for any number of processes and threads.\n"
+        "--threads is of each process. Exit statuses are vcell's.");
 }
 
 void MpiDiagram::check_output() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
+#include "../lift/radial_curves.hpp"
 #include "cap_angle.hpp"
 #include "radial_integrals.hpp"
 
@@ -24,10 +25,11 @@ constexpr std::uint32_t no_face = UINT32_MAX;
 class RadialMeasurer {
 public:
     RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                   const IdVector<EdgeId, double>& positions, Cell& cell)
+                   const IdVector<EdgeId, double>& positions, const radial::RadialCurves* curves, Cell& cell)
         : problem_(problem),
           diagram_(diagram),
           positions_(positions),
+          curves_(curves),
           cell_(cell),
           areas_(cell.faces.size()) {}
 
@@ -145,25 +147,48 @@ private:
         return cell_faces_[diagram_.dcel.face(Dcel::half_edge(e, side)).value];
     }
 
-    void measure_edge(EdgeId e) {
-        CellEdge& edge = cell_.edges[e.value];
-        if (face(e, 0) == no_face && face(e, 1) == no_face) return;
-        const RationalCurve3& curve = edge.curve;
+    // Those of the edge's curve, which is of the degree returned.
+    int set_points(EdgeId e) {
         points_.clear();
+        if (curves_ != nullptr && curves_->is_line(e)) {
+            for (const Vector4d* end : {&curves_->from(e), &curves_->to(e)})
+                points_.push_back({end->x(), end->y(), end->z(), 1});
+            return 1;
+        }
+        if (curves_ != nullptr) {
+            const std::span<const ConicSpan> spans = curves_->conics(e);
+            const auto add = [&](const Vector4d& p, double w) {
+                points_.push_back({p.x() / w, p.y() / w, p.z() / w, w});
+            };
+            add(spans.front().from, 1);
+            for (const ConicSpan& span : spans) {
+                add(span.middle, span.weight);
+                add(span.to, 1);
+            }
+            return 2;
+        }
+        const RationalCurve3& curve = cell_.edges[e.value].curve;
         for (const Vector4d& p : curve.points) {
             const Vec3 canonical = problem_.frame.to_canonical(p.head<3>());
             points_.push_back({canonical.x(), canonical.y(), canonical.z(), p.w()});
         }
+        return curve.degree;
+    }
+
+    void measure_edge(EdgeId e) {
+        CellEdge& edge = cell_.edges[e.value];
+        if (face(e, 0) == no_face && face(e, 1) == no_face) return;
+        const int degree = set_points(e);
         const std::uint32_t left = face(e, 0), right = face(e, 1);
         const Chart chart = problem_.chart;
         const RadialFace* right_face = right != no_face ? &faces_[right] : nullptr;
         RadialIntegrals sum;
-        for (std::size_t i = 0; i + curve.degree < points_.size(); i += curve.degree) {
-            const std::span<const Vector4d> span(points_.data() + i, curve.degree + 1);
+        for (std::size_t i = 0; i + degree < points_.size(); i += degree) {
+            const std::span<const Vector4d> span(points_.data() + i, degree + 1);
             if (!is_smooth(e)) {
                 add_span(span, edge.kind != CurveKind::Spline, chart, faces_[left != no_face ? left : right],
                          left != no_face ? right_face : nullptr, sum);
-            } else if (curve.degree == 1) {
+            } else if (degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {
                 std::array<Vector4d, 3> p;
@@ -282,6 +307,7 @@ private:
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const IdVector<EdgeId, double>& positions_;
+    const radial::RadialCurves* const curves_;  // none: those of the cell
     Cell& cell_;
     std::vector<RadialFace> faces_;          // of the cell
     std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
@@ -297,7 +323,13 @@ private:
 
 void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                         const IdVector<EdgeId, double>& positions, Cell& cell) {
-    RadialMeasurer(problem, diagram, positions, cell).run();
+    RadialMeasurer(problem, diagram, positions, nullptr, cell).run();
+}
+
+void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                        const IdVector<EdgeId, double>& positions, const radial::RadialCurves& curves,
+                        Cell& cell) {
+    RadialMeasurer(problem, diagram, positions, &curves, cell).run();
 }
 
 }  // namespace vcell

@@ -316,6 +316,7 @@ protected:
             kernel_.reset(&family_);
             in_kernel_.resize(family_.size());
         }
+        if (in_kernel_.size() < family_.size()) in_kernel_.resize(family_.size());
         FormId& number = in_kernel_[form];
         if (!number.valid()) number = kernel_.add_form(FormId{form});
         return number;

@@ -21,8 +21,8 @@ using namespace discs;
 
 class DiscDiagram : DiscResult {
 public:
-    DiscDiagram(const FormFamily& family, const EnvelopeOptions& options)
-        : DiscResult(family), options_(options) {}
+    DiscDiagram(const FormFamily& family, const EnvelopeOptions& options, const TakeMoreForms& more)
+        : DiscResult(family), options_(options), more_(more) {}
 
     std::optional<MinimizationDiagram> run(std::size_t attempt) {
         double least_slope = HUGE_VAL;
@@ -33,7 +33,7 @@ public:
             if (!forms_.back().b.isZero(0)) least_slope = std::min(least_slope, forms_.back().slope);
             steepest_ = std::max(steepest_, forms_.back().slope);
         }
-        const std::optional<Index> owner = owner_of_pole();
+        std::optional<Index> owner = owner_of_pole();
         if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
         // In each direction a side of the box is nearer than sqrt(3) times the farthest side.
         if (!start(least_slope / 4, attempt < 2 ? 4 : attempt == 2 ? 8 : 16)) return std::nullopt;
@@ -47,12 +47,18 @@ public:
         require_soundness();
         for (Index f = static_cast<Index>(family_.size()); f < forms_.size(); ++f)
             if (faces_[f].start != none) return std::nullopt;
+        if (more_) {
+            if (!take_more()) return std::nullopt;
+            owner = owner_of_pole();
+            if (!owner) return std::nullopt;
+        }
         auto result = diagram(*owner);
         if (result) result->work.insertions = inserted_;
         return result;
     }
 
     std::size_t inserted() const { return inserted_; }
+    bool is_given_up() const { return is_given_up_; }
 
 private:
     static constexpr std::size_t most_spread = 8;  // forms that are to surround the base first
@@ -106,6 +112,32 @@ private:
             std::sort(order.begin() + begin, order.begin() + end);
         }
         return order;
+    }
+    // Inserts forms that come when all others have been. Those that were to lose are gone.
+    bool take_more() {
+        forms_.erase(forms_.begin() + static_cast<std::ptrdiff_t>(family_.size()), forms_.end());
+        while (true) {
+            const std::size_t known = forms_.size();
+            faces_.resize(known);
+            const MoreForms answer = more_(marks());
+            is_given_up_ = answer == MoreForms::GivenUp;
+            if (answer != MoreForms::Added) return !is_given_up_;
+            double steepest = steepest_;
+            Order order;
+            for (Index f = static_cast<Index>(known); f < family_.size(); ++f) {
+                forms_.push_back(linear(family_.forms[FormId{f}]));
+                steepest = std::max(steepest, forms_.back().slope);
+                order.emplace_back(forms_.back().e - forms_.back().slope, f);
+            }
+            faces_.resize(forms_.size());
+            if (steepest > steepest_ && !set_steepest(steepest)) return false;
+            std::ranges::sort(order);
+            for (const auto& [place, form] : order) {
+                if (!insert(form)) return false;
+                ++inserted_;
+            }
+            require_soundness();
+        }
     }
     // Forms that lose in the end, so high are they: -slope t.p for points t of the sphere that no input
     // favours. The first four are the corners of a tetrahedron.
@@ -172,21 +204,24 @@ private:
     }
 
     const EnvelopeOptions& options_;
+    const TakeMoreForms& more_;
     std::size_t inserted_ = 0;
+    bool is_given_up_ = false;
 };
 
 }  // namespace
 
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
-                                                          const EnvelopeOptions& options) {
+                                                          const EnvelopeOptions& options,
+                                                          const TakeMoreForms& more) {
     // What fails in the beginning, when faces are large, may succeed in another order. The more forms there
     // are, the less it costs to try again, compared with the other engine.
     constexpr std::size_t beginning = 64, many = 1024;
     const std::size_t attempts = family.size() > many ? 16 : 4;
     for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
-        DiscDiagram diagram(family, options);
+        DiscDiagram diagram(family, options, more);
         if (auto result = diagram.run(attempt)) return result;
-        if (diagram.inserted() > beginning) break;
+        if (diagram.inserted() > beginning || diagram.is_given_up()) break;
     }
     return std::nullopt;
 }

@@ -10,11 +10,36 @@
 /// ends of an edge is decided in three dimensions, without a seam or a pole.
 #pragma once
 
+#include <Eigen/Core>
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include "../diagram/minimization_diagram.hpp"
 
 namespace vcell {
+
+/// Places by which a further form is seen to be nowhere the lowest, in the coordinates of b above.
+///
+/// A form c that is above the diagram at its vertices, and where tangents to a short arc of an edge meet, is
+/// above it all along the edges. Where a face lies in a hemisphere, and the face's own form grows towards the
+/// other one, it is above in the face, too, if it grows less that way (disc_insertion.hpp).
+struct SphereMarks {
+    struct Mark {
+        Eigen::Vector3d p;
+        double level;
+    };
+    /// Up to 2 from the centre: c(p) > level, where c is no steeper than `steepest`.
+    std::vector<Mark> places;
+    /// Unit vectors, along the gradients of faces' forms where that will do: b.p < level, for the true b.
+    std::vector<Mark> gradients;
+    double steepest = 0;
+    bool are_all = true;  ///< otherwise they tell nothing of some edge or face
+};
+
+/// Asked with the marks of a diagram of all forms so far: appends more to the family.
+enum class MoreForms { None, Added, GivenUp };
+using TakeMoreForms = std::function<MoreForms(const SphereMarks&)>;
 
 /// The lower envelope of circular forms over the sphere, if it and those of the forms inserted on the way are
 /// of the common kind: every form has at most one face and all faces are discs;
@@ -22,7 +47,12 @@ namespace vcell {
 /// edge, for which there are exact numbers: any number of forms may tie there. Otherwise nothing, for the
 /// general engine to decide. Expected time O(n log n) when forms of about the same height are spread over the
 /// sphere. Pre: as lower_envelope_on_sphere(); family.is_all_circular().
+///
+/// `more` is asked until there are no more forms, again in each attempt at another order, until it gives up:
+/// then nothing comes of it. The form that is lowest at the pole is to be so by a margin among all of them,
+/// or nothing comes of it either.
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
-                                                          const EnvelopeOptions& options);
+                                                          const EnvelopeOptions& options,
+                                                          const TakeMoreForms& more = {});
 
 }  // namespace vcell

@@ -13,6 +13,7 @@
 #include "../complete_measures.hpp"
 #include "../object_distance.hpp"
 #include "../voronoi_cell.hpp"
+#include "ball_cell.hpp"
 
 namespace vcell::whole {
 
@@ -273,6 +274,39 @@ bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) c
     return may;
 }
 
+std::vector<DecidedDiagram::Neighbor> DecidedDiagram::nearest(std::uint32_t object, const Box& room,
+                                                              std::size_t count) const {
+    const Vec3& center = ball(object).center;
+    std::vector<Neighbor> found;
+    if (!scene_.is_periodic()) {
+        std::vector<std::pair<double, std::uint32_t>> places;
+        tree_.nearest(center, count + 1, places);
+        found.reserve(places.size());
+        for (const auto& [distance, place] : places) {
+            const BallTree::Entry& e = tree_.entries()[place];
+            if (e.number != object) found.push_back({e.ball, e.number, here, distance});
+        }
+        return found;
+    }
+    // Ever larger reaches find the nearest images: the tree holds the box alone. A ball of the first holds as
+    // many of them on average.
+    constexpr double radius_of_unit_ball = 0.62, growth = 1.25;
+    const double volume = edges_.determinant(), balls = static_cast<double>(tree_.entries().size());
+    double reach = radius_of_unit_ball * std::cbrt(volume * static_cast<double>(count) / balls);
+    for (;; reach *= growth) {
+        found.clear();
+        within(center, reach, object, [&](const Sphere& ball, std::uint32_t number, const Image& image) {
+            found.push_back({ball, number, image, (ball.center - center).norm() - ball.radius});
+        });
+        if (found.size() >= count || reach > 2 * (room.max - room.min).norm()) break;
+    }
+    const std::size_t kept = std::min(found.size(), count);
+    std::ranges::nth_element(found, found.begin() + static_cast<std::ptrdiff_t>(kept), {},
+                             [](const Neighbor& n) { return std::tie(n.distance, n.number, n.image); });
+    found.resize(kept);
+    return found;
+}
+
 // ---- One cell ---------------------------------------------------------------------------------------
 
 namespace {
@@ -332,6 +366,14 @@ private:
     void find_ball_cell(std::optional<Cell>* kept) {
         const Sphere& base = decided_.ball(object_);
         const Box room = decided_.room(base);
+        // A part of a scene holds what may touch a bound, and finds the same from it as any other part.
+        const bool are_balls = decided_.others().empty() && !decided_.scene().probe;
+        if (are_balls && decided_.is_whole() && kept == nullptr)
+            if (const auto found = measured_ball_cell(decided_, object_, room)) {
+                for (const ImageTree::Found& n : found->candidates)
+                    candidates_.push_back({nullptr, n.ball, n.number, n.image});
+                return take(found->cell);
+            }
         DecidedDiagram::Bound by_nearest = decided_.bound(object_);
         CellBound& bound = by_nearest.bound;
         gather(bound);
@@ -350,6 +392,11 @@ private:
         options.probe = decided_.scene().probe;
         options.patches = kept != nullptr && !options.probe;
         Cell cell = voronoi_cell(part_scene(base, room), options);
+        take(cell);
+        if (kept) *kept = std::move(cell);
+    }
+
+    void take(const Cell& cell) {
         const Measures& m = cell.measures;
         result_.reach =
             2 * (m.max_clearance + m.max_clearance_error) * (1 + 4 * std::numeric_limits<double>::epsilon());
@@ -363,7 +410,6 @@ private:
         result_.candidates = static_cast<std::uint32_t>(candidates_.size());
         result_.assumed = cell.report.decisions.assumed;
         add_contacts(cell);
-        if (kept) *kept = std::move(cell);
     }
 
     // All that may touch the cell.

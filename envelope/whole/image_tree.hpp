@@ -96,9 +96,9 @@ public:
                                 });
                             });
     }
-    /// The same for balls that may touch the cell that the bound is of.
-    template <class Visit>
-    void touching(const CellBound& bound, Visit&& visit) const {
+    /// The same for balls that may touch the cell that the bound is of: a CellBound, or CellMarks.
+    template <class Bound, class Visit>
+    void touching(const Bound& bound, Visit&& visit) const {
         if (tree_.entries().empty()) return;
         lattice_.for_images(tree_.centers(), tree_.largest_radius(), bound.base().center,
                             bound.extent(tree_.largest_radius()), [&](const Image& image, const Vec3& by) {

@@ -1,6 +1,7 @@
 /// Sphere bases: the scene in canonical position. See radial_base.hpp.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "radial_base.hpp"
@@ -10,5 +11,24 @@ namespace vcell {
 /// radial_base_problem() of a scene whose base is this sphere.
 RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit,
                                       std::optional<double> probe = std::nullopt);
+
+/// The problem of a ball among balls in a box, which takes more of them. Throws as radial_base_problem().
+class GrowingSphereProblem {
+public:
+    /// Pre: validate(scene) would pass; the base is a sphere, and so are all objects.
+    GrowingSphereProblem(const Scene& scene, double unit);
+
+    const RadialBaseProblem& problem() const { return problem_; }
+    /// A ball competes, too. False where its form is no common one or may be one of the others': the problem
+    /// is as before. The chart's pole is where it was. Pre: neither ball holds the other, nor are any two
+    /// equal.
+    bool add(const Sphere& ball, Site site);
+
+private:
+    struct Growth;
+
+    RadialBaseProblem problem_;
+    std::shared_ptr<Growth> growth_;
+};
 
 }  // namespace vcell

@@ -129,6 +129,41 @@ TEST_CASE("voronoi_diagram: balls of any radii fill the box, both cells of a pai
         }
 }
 
+// Cells that are kept are computed among balls that are found by another bound.
+TEST_CASE("voronoi_diagram: measures alone are those of cells that are kept") {
+    std::mt19937_64 rng(test_seed() + 9);
+    DiagramScene few = random_balls(rng, 7, 0.01, 0.3), sparse = random_balls(rng, 60, 0.001, 0.002),
+                 repeated = random_balls(rng, 60, 0.01, 0.05);
+    // Large balls beside many small ones, whose faces with those reach beyond a hemisphere.
+    DiagramScene mixed = random_balls(rng, 80, 0.001, 0.01);
+    for (const double x : {-0.05, 0.5, 1.05}) mixed.objects.push_back(Sphere{{x, 0.5, 1 - x}, 0.12});
+    repeated.periodic = {true, true, true};
+    for (const DiagramScene& scene : {few, sparse, repeated, mixed}) {
+        const VoronoiDiagram alone = voronoi_diagram(scene);
+        DiagramOptions options;
+        options.visit = [](std::uint32_t, const Cell&) {};
+        const VoronoiDiagram kept = voronoi_diagram(scene, options);
+        check_whole(scene, alone);
+        for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+            CAPTURE(i);
+            const DiagramCell &a = alone.cells[i], &b = kept.cells[i];
+            REQUIRE(a.state == b.state);
+            if (a.state != State::Computed) continue;
+            CHECK(std::abs(a.volume - b.volume) <= a.volume_error + b.volume_error);
+            CHECK(std::abs(a.area - b.area) <= a.area_error + b.area_error);
+            CHECK(a.max_clearance == doctest::Approx(b.max_clearance).epsilon(1e-9));
+            CHECK(a.min_clearance == doctest::Approx(b.min_clearance).epsilon(1e-9));
+            CHECK(a.touches_box == b.touches_box);
+            REQUIRE(a.contacts.size() == b.contacts.size());
+            for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+                CHECK(a.contacts[k].site == b.contacts[k].site);
+                CHECK(a.contacts[k].image == b.contacts[k].image);
+                CHECK(a.contacts[k].faces == b.contacts[k].faces);
+            }
+        }
+    }
+}
+
 TEST_CASE("voronoi_diagram: a cell is that among all other objects") {
     std::mt19937_64 rng(test_seed());
     const DiagramScene scene = random_balls(rng, 200, 0.0, 0.04);
@@ -173,10 +208,18 @@ TEST_CASE("voronoi_diagram: crambin's atoms fill their box") {
         std::uint32_t visited = 0;
         options.visit = [&](std::uint32_t object, const Cell& cell) {
             CHECK(object == visited++);
-            CHECK(cell.measures.volume == cell_of(diagram, object).volume);
+            const DiagramCell& measured = cell_of(diagram, object);
+            CHECK(std::abs(cell.measures.volume - measured.volume) <=
+                  cell.measures.volume_error + measured.volume_error);
         };
-        CHECK(are_same(diagram, voronoi_diagram(scene, options)));
+        const VoronoiDiagram kept = voronoi_diagram(scene, options);
         CHECK(visited == 327);
+        options.threads = 1;
+        visited = 0;
+        CHECK(are_same(kept, voronoi_diagram(scene, options)));
+        DiagramOptions alone;
+        alone.threads = 3;
+        CHECK(are_same(diagram, voronoi_diagram(scene, alone)));
     }
     SUBCASE("the order of the objects does not matter") {
         DiagramScene reversed = scene;

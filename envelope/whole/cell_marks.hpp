@@ -1,0 +1,66 @@
+/// Which balls may touch a cell that is known among some: those that its marks do not show to be beaten.
+///
+/// A ball of centre c, relative to the base's, and radius R0 + delta is met in the direction u where 1 / t =
+/// 2 (c.u + delta) / C, C = |c|^2 - delta^2. At a mark of the diagram it is certainly beyond the cell where
+///
+///     L C - 2 p.c - 2 delta > 0        at a place p of the level -L (SphereMarks),
+///     L C - 2 n.c > 0                  for a face whose gradient is L (-n).
+///
+/// With the point p / L these are L |c - p / L|^2 - |p|^2 / L less what delta has: least of all balls with
+/// centres in a box where that is nearest to p / L. All of it is computed in floats, four marks at a time,
+/// and less than a part of 2^-19 of the terms proves nothing.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "../../primitives/objects/objects.hpp"
+#include "../sphere/sphere_diagram.hpp"
+
+namespace vcell::whole {
+
+class CellMarks {
+public:
+    /// `turn`: from the marks' coordinates to those of the scene. The marks are those of the diagram of the
+    /// scene in a unit of so many of its own.
+    CellMarks(const Sphere& base, const SphereMarks& marks, const Eigen::Matrix3d& turn, double unit);
+
+    /// Do the marks bound the cell at all?
+    bool are_bounds() const { return are_bounds_; }
+    const Sphere& base() const { return base_; }
+    /// No object touches the cell whose surface is this far from the base's centre, or farther.
+    double reach() const { return reach_; }
+    /// The same, whatever its size.
+    double extent(double) const { return reach_; }
+    /// Of balls whose distance() is not in (from, to] it is not asked any more.
+    void look_between(double from, double to) {
+        from_ = from;
+        to_ = to;
+    }
+    /// Of the ball's surface from the base's centre, but for rounding.
+    double distance(const Sphere& ball) const { return (ball.center - base_.center).norm() - ball.radius; }
+
+    /// Pre: are_bounds(). False of what is not asked about.
+    bool may_touch(const Sphere& ball) const;
+    /// May a ball of no more than this radius with its centre in the box?
+    bool may_touch(const Box& centers, double radius) const;
+
+private:
+    using Four = Eigen::Array4f;
+    // Of places and gradients: p, L, and for boxes p / L and |p|^2 / L.
+    struct Row {
+        Four x, y, z, level;
+        Four at_x, at_y, at_z, offset;
+    };
+
+    static void add(std::vector<Row>& rows, std::size_t i, const Vec3& p, double level);
+
+    Sphere base_;
+    double unit_ = 1;  // of the rows
+    double steepest_;  // forms that are steeper are not compared
+    double reach_ = 0, from_ = 0, to_ = 0;
+    bool are_bounds_ = false;
+    std::vector<Row> places_, gradients_;
+};
+
+}  // namespace vcell::whole
