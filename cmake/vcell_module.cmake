@@ -19,6 +19,13 @@ function(vcell_module name)
   else()
     list(TRANSFORM ARG_DEPENDS PREPEND vcell_ OUTPUT_VARIABLE depends)
     set_property(GLOBAL APPEND PROPERTY VCELL_MODULES vcell_${name})
+    if(VCELL_UNITY)
+      set_target_properties(vcell_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+      if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+        # A source that another one includes looks like a header to GCC, which should use no anonymous namespace.
+        target_compile_options(vcell_${name} PRIVATE -Wno-subobject-linkage)
+      endif()
+    endif()
   endif()
   target_link_libraries(vcell_${name} PUBLIC ${depends})
 
@@ -54,7 +61,8 @@ function(vcell_usage target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   # Contraction would break the error bounds of the predicates' first rung; the interval operations
   # are inline, so users need the flag too.
-  target_compile_options(${target} PUBLIC -ffp-contract=off PRIVATE -fno-math-errno -fno-trapping-math)
+  target_compile_options(${target} PUBLIC -ffp-contract=off PRIVATE -fno-math-errno -fno-trapping-math
+    -ffunction-sections)  # a program linked with --gc-sections gets the functions that it calls
   # With AVX Eigen would align vectors of four doubles to 32 bytes, and a program built for its own machine
   # would lay out cells otherwise than the library.
   target_compile_definitions(${target} PUBLIC EIGEN_MAX_STATIC_ALIGN_BYTES=16)

@@ -13,8 +13,8 @@ namespace vcell {
 
 namespace {
 
-using std::numbers::pi;
 using roundoff::u;
+using std::numbers::pi;
 
 // tan(phi / 2) is at most 1 for arcs that are no longer, and what h is off by counts twice in S.
 constexpr double longest = 0.5 * pi;

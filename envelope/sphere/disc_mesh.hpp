@@ -49,7 +49,7 @@ protected:
         bool is_in_hemisphere = false, is_hemisphere_known = false;
         // For the tree:
         bool is_ball_known = false;  // since the face was cut
-        Ball ball;                   // both hold the face
+        BoundingBall ball;           // both hold the face
         Cap cap;
         double top = HUGE_VAL;  // upper bound of the form over the face
     };

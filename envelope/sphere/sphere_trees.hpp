@@ -47,7 +47,7 @@ struct Linear {
 };
 
 /// A bound on a part of the sphere.
-struct Ball {
+struct BoundingBall {
     Vector3d center = Vector3d::Zero();
     double radius = 1;
 };
@@ -58,7 +58,7 @@ struct Cap {
     Vector3d direction = Vector3d::UnitX();
     double cosine = -1, sine = 0;  // of the angle
 
-    void shrink_to(const Ball& ball) {
+    void shrink_to(const BoundingBall& ball) {
         const double length = ball.center.norm();
         if (!(length > 0)) return;
         direction = ball.center / length;
@@ -291,7 +291,7 @@ class FaceTree {
 public:
     FaceTree() { add_node(Vector3d::Zero(), 1); }
 
-    void add(Index face, const Ball& ball, double top) { add(0, face, ball, top); }
+    void add(Index face, const BoundingBall& ball, double top) { add(0, face, ball, top); }
 
     // Calls visit(face) for the faces in whose neighbourhood the form may be lower than a face's, and for
     // some that are no more. ball(face) encloses a face, null: one that is no more; top(face) bounds its form
@@ -329,7 +329,7 @@ private:
         nodes_.push_back(std::move(n));
     }
 
-    void add(Index n, Index face, const Ball& ball, double top) {
+    void add(Index n, Index face, const BoundingBall& ball, double top) {
         while (true) {
             Node& node = nodes_[n];
             node.set_reach(std::max(node.reach, (node.center - ball.center).norm() + ball.radius + slack));

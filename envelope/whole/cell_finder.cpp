@@ -274,39 +274,6 @@ bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) c
     return may;
 }
 
-std::vector<DecidedDiagram::Neighbor> DecidedDiagram::nearest(std::uint32_t object, const Box& room,
-                                                              std::size_t count) const {
-    const Vec3& center = ball(object).center;
-    std::vector<Neighbor> found;
-    if (!scene_.is_periodic()) {
-        std::vector<std::pair<double, std::uint32_t>> places;
-        tree_.nearest(center, count + 1, places);
-        found.reserve(places.size());
-        for (const auto& [distance, place] : places) {
-            const BallTree::Entry& e = tree_.entries()[place];
-            if (e.number != object) found.push_back({e.ball, e.number, here, distance});
-        }
-        return found;
-    }
-    // Ever larger reaches find the nearest images: the tree holds the box alone. A ball of the first holds as
-    // many of them on average.
-    constexpr double radius_of_unit_ball = 0.62, growth = 1.25;
-    const double volume = edges_.determinant(), balls = static_cast<double>(tree_.entries().size());
-    double reach = radius_of_unit_ball * std::cbrt(volume * static_cast<double>(count) / balls);
-    for (;; reach *= growth) {
-        found.clear();
-        within(center, reach, object, [&](const Sphere& ball, std::uint32_t number, const Image& image) {
-            found.push_back({ball, number, image, (ball.center - center).norm() - ball.radius});
-        });
-        if (found.size() >= count || reach > 2 * (room.max - room.min).norm()) break;
-    }
-    const std::size_t kept = std::min(found.size(), count);
-    std::ranges::nth_element(found, found.begin() + static_cast<std::ptrdiff_t>(kept), {},
-                             [](const Neighbor& n) { return std::tie(n.distance, n.number, n.image); });
-    found.resize(kept);
-    return found;
-}
-
 // ---- One cell ---------------------------------------------------------------------------------------
 
 namespace {

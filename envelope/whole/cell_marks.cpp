@@ -10,7 +10,7 @@ namespace {
 // More than the rounding of a handful of lengths in doubles, and of sums of products in floats, as parts of
 // their terms.
 constexpr double rounding = 0x1p-44;
-constexpr float coarse = 0x1p-19F;
+constexpr float coarseness = 0x1p-19F;
 // In units of a cell; squares of squares of lengths up to this are numbers.
 constexpr double farthest = 0x1p30;
 
@@ -73,11 +73,11 @@ bool CellMarks::may_touch(const Sphere& ball) const {
     const double C = square - delta * delta,
                  size = square + delta * delta + lost * (length + std::abs(delta));
     if (!(size < farthest && 2 * length * (1 + rounding) + lost < steepest_ * (C - rounding * size) &&
-          lost < coarse * (length + std::abs(delta))))
+          lost < coarseness * (length + std::abs(delta))))
         return true;
     const auto x = static_cast<float>(c.x()), y = static_cast<float>(c.y()), z = static_cast<float>(c.z());
-    const auto less = static_cast<float>(C - coarse * size);
-    const auto linear = static_cast<float>(coarse * (4 * length + 2 * std::abs(delta)));
+    const auto less = static_cast<float>(C - coarseness * size);
+    const auto linear = static_cast<float>(coarseness * (4 * length + 2 * std::abs(delta)));
     const float of_delta = static_cast<float>(2 * delta) + linear;
     for (const Row& row : places_)
         if (!(row.level * less - (row.x * x + row.y * y + row.z * z) > of_delta).all()) return true;
@@ -100,7 +100,7 @@ bool CellMarks::may_touch(const Box& centers, double radius) const {
     if (near - over * radius > over * to_ + lost || far < over * from_ - lost) return false;
     const double length = middle.norm() + half.norm(), wide = std::max(std::abs(most), std::abs(least)),
                  size = length * length + wide * wide;
-    if (!(size < farthest && lost < coarse * (length + wide))) return true;
+    if (!(size < farthest && lost < coarseness * (length + wide))) return true;
     const auto x = static_cast<float>(middle.x()), y = static_cast<float>(middle.y()),
                z = static_cast<float>(middle.z());
     const auto wx = static_cast<float>(half.x()), wy = static_cast<float>(half.y()),
@@ -116,17 +116,18 @@ bool CellMarks::may_touch(const Box& centers, double radius) const {
         };
         return at(most).min(at(least)).eval();
     };
-    const auto doubt = static_cast<float>(coarse * 4 * size),
-               linear = static_cast<float>(coarse * (8 * length + 4 * wide)),
+    const auto doubt = static_cast<float>(coarseness * 4 * size),
+               linear = static_cast<float>(coarseness * (8 * length + 4 * wide)),
                square = static_cast<float>(wide * wide);
     for (const Row& row : places_) {
         const Four distance = away(row.at_x, x, wx) + away(row.at_y, y, wy) + away(row.at_z, z, wz);
-        const Four value = row.level * (distance - doubt) - row.offset * (1 + coarse) + least_of(row.level);
+        const Four value =
+            row.level * (distance - doubt) - row.offset * (1 + coarseness) + least_of(row.level);
         if (!(value > linear).all()) return true;
     }
     for (const Row& row : gradients_) {
         const Four distance = away(row.at_x, x, wx) + away(row.at_y, y, wy) + away(row.at_z, z, wz);
-        const Four value = row.level * (distance - doubt - square) - row.offset * (1 + coarse);
+        const Four value = row.level * (distance - doubt - square) - row.offset * (1 + coarseness);
         if (!(value > linear).all()) return true;
     }
     return false;

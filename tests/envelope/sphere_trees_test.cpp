@@ -71,7 +71,7 @@ TEST_CASE("face tree: finds all faces in whose balls a form may be lower") {
     Random random(test_seed());
     FaceTree tree;
     struct Face {
-        Ball ball;
+        BoundingBall ball;
         double top;
         bool is_alive = true;
     };
