@@ -26,7 +26,7 @@ struct Failure {
     Status status;
     std::string text;
 };
-/// Of the exception that is being handled.
+/// Returns what the program says of the exception that is being handled, and its exit status.
 Failure failure_of_exception();
 
 /// Throws UsageError where the program was built without what pages are made of.

@@ -61,8 +61,7 @@ function(vcell_usage target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   # Contraction would break the error bounds of the predicates' first rung; the interval operations
   # are inline, so users need the flag too.
-  target_compile_options(${target} PUBLIC -ffp-contract=off PRIVATE -fno-math-errno -fno-trapping-math
-    -ffunction-sections)  # a program linked with --gc-sections gets the functions that it calls
+  target_compile_options(${target} PUBLIC -ffp-contract=off PRIVATE -fno-math-errno -fno-trapping-math)
   # With AVX Eigen would align vectors of four doubles to 32 bytes, and a program built for its own machine
   # would lay out cells otherwise than the library.
   target_compile_definitions(${target} PUBLIC EIGEN_MAX_STATIC_ALIGN_BYTES=16)

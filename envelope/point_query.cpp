@@ -14,7 +14,7 @@
 
 namespace vcell {
 
-namespace point_query {
+namespace {
 
 // The forms that have sites: hidden ones may tie with what hides them, and own nothing.
 template <class Sites>
@@ -128,7 +128,7 @@ public:
     }
 };
 
-}  // namespace point_query
+}  // namespace
 
 struct PointQuery::Bases {
     template <class Base, class Problem>
@@ -136,7 +136,7 @@ struct PointQuery::Bases {
         : warnings(problem.warnings), base(over, std::forward<Problem>(problem)) {}
 
     std::vector<std::string> warnings;
-    std::variant<point_query::OverPlane, point_query::OverCurved> base;
+    std::variant<OverPlane, OverCurved> base;
 };
 
 PointQuery::PointQuery(const Scene& scene)
@@ -144,9 +144,9 @@ PointQuery::PointQuery(const Scene& scene)
           validate(scene);
           const DecidedScene decided = decide(scene);
           if (std::holds_alternative<Plane>(scene.base))
-              return std::make_unique<Bases>(std::in_place_type<point_query::OverPlane>,
+              return std::make_unique<Bases>(std::in_place_type<OverPlane>,
                                              plane_base_problem(decided.scene, decided.unit));
-          return std::make_unique<Bases>(std::in_place_type<point_query::OverCurved>,
+          return std::make_unique<Bases>(std::in_place_type<OverCurved>,
                                          radial_base_problem(decided.scene, decided.unit));
       })) {}
 

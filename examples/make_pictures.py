@@ -29,12 +29,17 @@ VIEWS = {
 CLIPS = {"figure7": ["0 0 0 1 0 1", "0 0 0 -1 0 1", "0 0 0 0 1 1", "0 0 0 0 -1 1"]}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(description):
+    """Which pictures a script makes, by which program, and where they go."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--program", type=pathlib.Path, default=SOURCE / "build/release/apps/vcell")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=SOURCE / "docs/pictures")
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def main():
+    options = arguments(__doc__)
     for name in sorted({*DIAGRAMS, *VIEWS}):
         if options.names and name not in options.names:
             continue

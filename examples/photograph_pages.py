@@ -4,11 +4,12 @@
 Writes page_cell.png (a plane's cell, with a face chosen and a vertex pointed at), page_figure8.png, page_figure10.png
 and page_diagram.png (all cells of crambin, moved apart).
 """
-import argparse
 import pathlib
 import subprocess
 import sys
 import tempfile
+
+import make_pictures
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(SOURCE / "tests/page"))
@@ -31,11 +32,7 @@ VIEWS = {
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--program", type=pathlib.Path, default=SOURCE / "build/release/apps/vcell")
-    parser.add_argument("-o", "--output", type=pathlib.Path, default=SOURCE / "docs/pictures")
-    options = parser.parse_args()
+    options = make_pictures.arguments(__doc__)
     with tempfile.TemporaryDirectory() as folder, browser.Browser(browser.program(), 1200, 720) as chromium:
         for name, ((verb, scene), fragment, actions, vertex) in VIEWS.items():
             if options.names and name not in options.names:

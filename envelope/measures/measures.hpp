@@ -39,8 +39,8 @@ void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiag
 namespace radial {
 class RadialCurves;
 }
-/// The same along curves that the cell's edges have not, which have their kinds alone. Pre: over a sphere,
-/// without tubes.
+/// Measures along `curves`, as measures alone need no curves in the cell: its edges have their kinds alone.
+/// Pre: over a sphere, without tubes.
 void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                         const IdVector<EdgeId, double>& positions, const radial::RadialCurves& curves,
                         Cell& cell);

@@ -111,7 +111,7 @@ protected:
         return true;
     }
 
-    /// Of all vertices, edges and faces.
+    /// What all vertices, edges and faces tell, for whoever searches for more forms.
     SphereMarks marks() {
         SphereMarks marks;
         marks.steepest = steepest_;

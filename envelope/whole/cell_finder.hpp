@@ -93,8 +93,8 @@ public:
     };
     /// What these competitors, ascending, the room and the probe bound the cell of `base` by.
     Bound bound(const Sphere& base, std::span<const ImageTree::Found> nearest) const;
-    /// Of few competitors, or of many where that is poor. All that may touch it, and nothing else, is looked
-    /// at.
+    /// Few competitors bound the cell, or many where that is poor. All that may touch the bound, and nothing
+    /// else, is looked at.
     Bound bound(std::uint32_t i) const;
 
     /// May object `x` touch the cell of object i, whose reach that is?

@@ -30,9 +30,10 @@ public:
     const Sphere& base() const { return base_; }
     /// No object touches the cell whose surface is this far from the base's centre, or farther.
     double reach() const { return reach_; }
-    /// The same, whatever its size.
+    /// The reach as ImageTree asks for it of any bound: marks do not widen it for large balls.
     double extent(double) const { return reach_; }
-    /// Of balls whose distance() is not in (from, to] it is not asked any more.
+    /// Balls whose distance() is not in (from, to] are not asked about from now on: they are known, or come
+    /// later.
     void look_between(double from, double to) {
         from_ = from;
         to_ = to;

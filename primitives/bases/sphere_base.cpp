@@ -184,6 +184,7 @@ private:
         if (objects_.planes.size() == 0) return;
         for (std::size_t i = 0; i < objects_.balls.size(); ++i) {
             const Ball& ball = objects_.balls.items[i];
+            // No other ball can: this leaves all that may be equal to the exact comparison.
             const double size = ball.rho - frame_.radius;
             if (powers_[i].value() > 0x1p-40 * size * size || !objects_.is_kept(objects_.balls.objects[i]))
                 continue;
