@@ -14,12 +14,12 @@ namespace {
 using Control = Eigen::Vector4d;
 
 /// A part of an edge by its homogeneous control points, in the frame.
-struct Part {
+struct EdgeStretch {
     SmallVector<Control, 6> points;
     std::array<double, 2> range;  ///< of the heights along it
     double bound;                 ///< of the heights, from the side that is asked for
 
-    friend bool operator<(const Part& a, const Part& b) { return a.bound < b.bound; }
+    friend bool operator<(const EdgeStretch& a, const EdgeStretch& b) { return a.bound < b.bound; }
 };
 
 /// How the clearances of points, and of parts, are told over a base.
@@ -36,7 +36,7 @@ public:
     /// A height over a plane, or a squared distance, is a quotient of polynomials of which the denominator's
     /// Bernstein coefficients are positive: it lies between the least and the greatest quotient of
     /// coefficients. On a circle about the centre or the axis they are all the same.
-    std::array<double, 2> range(const Part& part) const {
+    std::array<double, 2> range(const EdgeStretch& part) const {
         std::array<double, 2> bounds{HUGE_VAL, -HUGE_VAL};
         const auto meet = [&](double h) { bounds = {std::min(bounds[0], h), std::max(bounds[1], h)}; };
         if (is_plane_) {
@@ -65,7 +65,7 @@ private:
     double radius_;
 };
 
-Control at(const Part& part, double t) {
+Control at(const EdgeStretch& part, double t) {
     SmallVector<Control, 6> level = part.points;
     for (std::size_t d = level.size() - 1; d > 0; --d)
         for (std::size_t j = 0; j < d; ++j) level[j] = (1 - t) * level[j] + t * level[j + 1];
@@ -74,13 +74,13 @@ Control at(const Part& part, double t) {
 
 /// Cut where the parabola through three heights is highest or lowest: beside the true place quotients of
 /// coefficients are monotonic, and the bound is attained.
-std::array<Part, 2> cut(const Part& part, const Heights& heights) {
+std::array<EdgeStretch, 2> cut(const EdgeStretch& part, const Heights& heights) {
     const auto height = [&](const Control& c) { return heights.at(c.head<3>() / c[3]); };
     const double first = height(part.points.front()), middle = height(at(part, 0.5)),
                  last = height(part.points.back());
     const double bend = first - 2 * middle + last, place = 0.5 + 0.25 * (first - last) / bend;
     const double t = place > 0x1p-4 && place < 1 - 0x1p-4 ? place : 0.5;
-    std::array<Part, 2> result{part, part};
+    std::array<EdgeStretch, 2> result{part, part};
     SmallVector<Control, 6> level = part.points;
     const std::size_t d = level.size() - 1;
     for (std::size_t i = 0; i <= d; ++i) {
@@ -92,29 +92,29 @@ std::array<Part, 2> cut(const Part& part, const Heights& heights) {
 }
 
 /// The greatest of sign times the height along all parts, up to `enough`. Pre: their ranges are known.
-Interval greatest(std::vector<Part> parts, const Heights& heights, double sign, double enough) {
-    const auto bound = [&](Part& part) { part.bound = sign > 0 ? part.range[1] : -part.range[0]; };
+Interval greatest(std::vector<EdgeStretch> parts, const Heights& heights, double sign, double enough) {
+    const auto bound = [&](EdgeStretch& part) { part.bound = sign > 0 ? part.range[1] : -part.range[0]; };
     double attained = -HUGE_VAL;
-    const auto meet = [&](const Part& part) {
+    const auto meet = [&](const EdgeStretch& part) {
         for (const Control& c : {part.points.front(), part.points.back()})
             attained = std::max(attained, sign * heights.at(c.head<3>() / c[3]));
     };
-    for (Part& part : parts) {
+    for (EdgeStretch& part : parts) {
         bound(part);
         meet(part);
     }
-    std::erase_if(parts, [&](const Part& part) { return part.bound <= attained + enough; });
-    std::priority_queue<Part> queue(std::less<Part>(), std::move(parts));
+    std::erase_if(parts, [&](const EdgeStretch& part) { return part.bound <= attained + enough; });
+    std::priority_queue<EdgeStretch> queue(std::less<EdgeStretch>(), std::move(parts));
     double left = attained + enough;
     for (int k = 0; !queue.empty() && queue.top().bound > attained + enough; ++k) {
-        const Part part = queue.top();
+        const EdgeStretch part = queue.top();
         queue.pop();
         constexpr int most_parts = 100'000;
         if (k == most_parts) {
             left = std::max(left, part.bound);
             break;
         }
-        for (Part& half : cut(part, heights)) {
+        for (EdgeStretch& half : cut(part, heights)) {
             half.range = heights.range(half);
             bound(half);
             meet(half);
@@ -200,10 +200,10 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
     const Scene& scene = cell.scene;
     const Heights heights(scene, frame);
     constexpr double rounding = kRounding;  // of coordinates, in the frame's unit
-    std::vector<Part> parts;
+    std::vector<EdgeStretch> parts;
     for (const auto& pieces : subject.edge_pieces)
         for (const auto& piece : pieces) {
-            Part part{{}, {}, 0};
+            EdgeStretch part{{}, {}, 0};
             for (std::size_t i = 0; i < piece.points.size(); ++i) {
                 const Triad<double> p = frame.about(piece.control(i));
                 const double w = piece.weight(i);

@@ -15,7 +15,7 @@ Quadratic turn_of(const Quadratic& a, const Quadratic& b) {
              a.c[1] * b.c[2] - a.c[2] * b.c[1]}};
 }
 
-Quadratic dot(const Triad<MidRad>& a, const Triad<Quadratic>& b) {
+Quadratic weighted_sum(const Triad<MidRad>& a, const Triad<Quadratic>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -91,10 +91,11 @@ Conic::Conic(const Span& span, bool about_sphere) {
 
 std::optional<Conic::Integrand> Conic::integrand(const Shadow& shadow) const {
     if (const auto* r = std::get_if<Revolved>(&shadow)) {
-        if (squared_size_) return RoundAlongLine{dot(r->axis, moment_), dot(r->axis, position_), r};
+        if (squared_size_)
+            return RoundAlongLine{weighted_sum(r->axis, moment_), weighted_sum(r->axis, position_), r};
         if (!size_) return std::nullopt;
-        const Quadratic along = dot(r->axis, position_), near = r->A * along + r->B * *size_;
-        return Round{dot(r->axis, moment_), *size_ + along, near, r->b1 * *size_ + near, r};
+        const Quadratic along = weighted_sum(r->axis, position_), near = r->A * along + r->B * *size_;
+        return Round{weighted_sum(r->axis, moment_), *size_ + along, near, r->b1 * *size_ + near, r};
     }
     // About a point of the plane: x dy - y dx, and coordinates.
     const auto turn = [&](const MidRad& x, const MidRad& y) {

@@ -1,24 +1,19 @@
 #include "containment.hpp"
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cmath>
 
 #include "../../core/numbers/exact.hpp"
+#include "space.hpp"
 
 namespace vcell::check {
 
 namespace {
 
-using Vector = std::array<Exact, 3>;
-
-Vector exact(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vector from(const Vec3& a, const Vec3& b) {
-    return {Exact(b.x()) - Exact(a.x()), Exact(b.y()) - Exact(a.y()), Exact(b.z()) - Exact(a.z())};
-}
-Exact dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-bool are_orthogonal(const Vector& a, const Vector& b) { return dot(a, b).sign() == Sign::Zero; }
-Exact squared_sine(const Vector& a, const Vector& b) {  // times both squared lengths
+Vector<Exact> exact(const Vec3& v) { return to_vector<Exact>(v); }
+Vector<Exact> from(const Vec3& a, const Vec3& b) { return exact(b) - exact(a); }
+bool are_orthogonal(const Vector<Exact>& a, const Vector<Exact>& b) { return dot(a, b).sign() == Sign::Zero; }
+Exact squared_sine(const Vector<Exact>& a, const Vector<Exact>& b) {  // times both squared lengths
     const Exact along = dot(a, b);
     return dot(a, a) * dot(b, b) - along * along;
 }
@@ -41,14 +36,14 @@ bool fits(const Exact& squared, double outer, double inner, const Exact& scale) 
 }
 
 bool contains(const Sphere& holder, const Sphere& held) {
-    const Vector way = from(holder.center, held.center);
+    const Vector<Exact> way = from(holder.center, held.center);
     return fits(dot(way, way), holder.radius, held.radius, 1.0);
 }
 bool contains(const Cylinder& holder, const Sphere& held) {
     if (!may_fit(held.center - holder.point, held.center.norm() + holder.point.norm(), holder.axis,
                  holder.radius - held.radius))
         return false;
-    const Vector axis = exact(holder.axis);
+    const Vector<Exact> axis = exact(holder.axis);
     return fits(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius,
                 dot(axis, axis));
 }
@@ -76,11 +71,11 @@ bool reaches(const Exact& squared, double radius, double other, const Exact& sca
     return (squared - reach * reach * scale).sign() != Sign::Negative;
 }
 bool contains(const HollowSphere& holder, const Sphere& held) {
-    const Vector way = from(holder.center, held.center);
+    const Vector<Exact> way = from(holder.center, held.center);
     return reaches(dot(way, way), holder.radius, held.radius, 1.0);
 }
 bool contains(const HollowCylinder& holder, const Sphere& held) {
-    const Vector axis = exact(holder.axis);
+    const Vector<Exact> axis = exact(holder.axis);
     return reaches(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius,
                    dot(axis, axis));
 }
@@ -89,7 +84,7 @@ bool contains(const HollowCylinder& holder, const Cylinder& held) {
            squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero;
 }
 bool contains(const HollowSphere& holder, const HollowSphere& held) {
-    const Vector way = from(holder.center, held.center);
+    const Vector<Exact> way = from(holder.center, held.center);
     return fits(dot(way, way), held.radius, holder.radius, 1.0);
 }
 bool contains(const HollowCylinder& holder, const HollowCylinder& held) {
@@ -102,7 +97,7 @@ bool contains(const Holder&, const Held&) {
 }
 
 bool is_behind(const Plane& base, const Sphere& ball) {
-    const Vector normal = exact(base.normal);
+    const Vector<Exact> normal = exact(base.normal);
     const Exact height = dot(normal, from(base.point, ball.center)), radius(ball.radius);
     return height.sign() != Sign::Positive &&
            (height * height - radius * radius * dot(normal, normal)).sign() != Sign::Negative;

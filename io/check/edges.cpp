@@ -13,7 +13,7 @@
 namespace vcell::check {
 namespace {
 
-struct Part {
+struct EdgePart {
     Net net;
     int depth = 0;
     std::optional<TouchingSpheres> spheres;
@@ -44,7 +44,7 @@ private:
         std::ranges::stable_partition(conditions_, is_first);
 
         const Vec3 origin = e.curve.points.front().head<3>();
-        std::vector<Part>& parts = parts_;
+        std::vector<EdgePart>& parts = parts_;
         parts.clear();
         if (const auto span = only_span<3>(e.curve, origin))
             parts.push_back(part(Net(*span, origin), 0));
@@ -137,8 +137,8 @@ private:
         return std::nullopt;
     }
 
-    Part part(Net net, int depth) const {
-        Part result{std::move(net), depth, {}};
+    EdgePart part(Net net, int depth) const {
+        EdgePart result{std::move(net), depth, {}};
         result.spheres = TouchingSpheres::along(result.net, space());
         if (result.spheres)
             for (std::size_t k = 0; k < 2; ++k)
@@ -166,7 +166,7 @@ private:
         }
         return Distances{own, sqrt(square(own[0]) + square(own[1])).upper(), others.upper(), {}};
     }
-    Distances by_forms(const Part& part) const {
+    Distances by_forms(const EdgePart& part) const {
         const ExcessAlong along(space(), part.net);
         Distances result = *distances([&](const Condition& c) { return std::optional(along.excess(c)); });
         result.found = distance(part.net.box(), result.excesses, result.size);
@@ -183,7 +183,7 @@ private:
         return is_side(a) && is_side(b) && a.site.index / 2 != b.site.index / 2;
     }
     /// None: it takes forms to tell.
-    std::optional<Distances> by_spheres(const Part& part) const {
+    std::optional<Distances> by_spheres(const EdgePart& part) const {
         if (!part.spheres) return std::nullopt;
         std::optional<Distances> result =
             distances([&](const Condition& c) { return part.spheres->excess(c); });
@@ -205,17 +205,17 @@ private:
         return result;
     }
 
-    bool follow_arc(const std::string& where, const std::vector<Part>& whole, EdgeBound& bound) {
+    bool follow_arc(const std::string& where, const std::vector<EdgePart>& whole, EdgeBound& bound) {
         const double width = std::max(tie_width(conditions_[0].site), tie_width(conditions_[1].site));
         std::size_t count = 0;
-        std::vector<Part> parts;  // halves
+        std::vector<EdgePart> parts;  // halves
         for (std::size_t next = 0; next < whole.size() || !parts.empty();) {
-            std::optional<Part> last;
+            std::optional<EdgePart> last;
             if (!parts.empty()) {
                 last.emplace(std::move(parts.back()));
                 parts.pop_back();
             }
-            const Part& part = last ? *last : whole[next++];
+            const EdgePart& part = last ? *last : whole[next++];
             std::optional<Distances> known = by_spheres(part);
             if (!known || !known->found || !(known->found->distance <= error_ + width / known->found->slope))
                 known = by_forms(part);
@@ -279,13 +279,13 @@ private:
 
     // --- Nothing nearer -----------------------------------------------------------------------------
 
-    bool exclude_others(const std::string& where, const std::vector<Part>& whole) {
+    bool exclude_others(const std::string& where, const std::vector<EdgePart>& whole) {
         struct Task {
-            Part part;
+            EdgePart part;
             std::vector<Condition> rivals;
         };
         std::vector<Task> tasks;
-        for (const Part& p : whole) {
+        for (const EdgePart& p : whole) {
             find_rivals(p);
             drop_farther(p, rivals_);
             if (!rivals_.empty()) tasks.push_back({p, rivals_});
@@ -333,8 +333,8 @@ private:
     }
 
     /// Is a site as near as the base at the ends of all spans? Then the edge may be one of more sites.
-    bool ties_at_ends(const Condition& c, const std::vector<Part>& whole) const {
-        return std::ranges::all_of(whole, [&](const Part& p) {
+    bool ties_at_ends(const Condition& c, const std::vector<EdgePart>& whole) const {
+        return std::ranges::all_of(whole, [&](const EdgePart& p) {
             return std::ranges::all_of(std::array{0, 1}, [&](int end) {
                 return !(space().excess(c, p.net.corner(end, 0)).lower() > allowance(c));
             });
@@ -342,14 +342,14 @@ private:
     }
 
     /// Sites beside the edge's own that may be nearer than the base somewhere on the curve.
-    void find_rivals(const Part& part) {
+    void find_rivals(const EdgePart& part) {
         const Vector<Interval>& box = part.net.box();
         const Interval clearance = part.spheres ? part.spheres->clearance() : space().clearance(box);
         Room::rivals(middle(box), (clearance + Interval(radius(box))).upper(), conditions_, rivals_);
     }
 
     /// Drops rivals that are farther all along a span.
-    void drop_farther(const Part& part, std::vector<Condition>& rivals) const {
+    void drop_farther(const EdgePart& part, std::vector<Condition>& rivals) const {
         const Vector<Interval>& box = part.net.box();
         // Hardly more than the curve itself may be off: else a finer look is worth while.
         constexpr double hardly = 16;
@@ -411,7 +411,7 @@ private:
     double error_ = 0;                   // of the edge under judgement, those of its ends included
     double excess_ = 0;                  // of its two sites, at most
     double distance_ = 0;                // what was proved of it
-    std::vector<Part> parts_;            // of it, one for each span
+    std::vector<EdgePart> parts_;        // of it, one for each span
     std::vector<Condition> rivals_;      // of the part under judgement
     mutable double nearer_ = 0;          // how far from the boundary a site that is a little nearer leaves it
 };

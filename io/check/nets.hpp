@@ -15,7 +15,7 @@ namespace vcell::check {
 
 /// One polynomial piece of a rational curve over [begin, end]; control points are (w (p - origin), w).
 template <int Dim>
-struct Span {
+struct BezierPiece {
     using Point = std::array<MidRad, Dim + 1>;
 
     double begin = 0, end = 1;
@@ -48,9 +48,9 @@ std::array<MidRad, N> blend(const std::array<MidRad, N>& a, const std::array<Mid
 
 /// A curve's control point, homogeneous about an origin.
 template <int Dim>
-typename Span<Dim>::Point homogeneous(const RationalCurve<Dim>& c, std::size_t i,
+typename BezierPiece<Dim>::Point homogeneous(const RationalCurve<Dim>& c, std::size_t i,
                                       const Eigen::Matrix<double, Dim, 1>& origin) {
-    typename Span<Dim>::Point p;
+    typename BezierPiece<Dim>::Point p;
     const double w = c.points[i][Dim];
     p[Dim] = w;
     for (int k = 0; k < Dim; ++k) p[k] = w * (MidRad(c.points[i][k]) - origin[k]);
@@ -58,11 +58,11 @@ typename Span<Dim>::Point homogeneous(const RationalCurve<Dim>& c, std::size_t i
 }
 /// Where a curve has no knots inside its domain it is one span.
 template <int Dim>
-std::optional<Span<Dim>> only_span(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
+std::optional<BezierPiece<Dim>> only_span(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
     if (c.points.size() != static_cast<std::size_t>(c.degree) + 1) return std::nullopt;
     if (c.knots[0] != c.knots[c.degree] || c.knots[c.degree + 1] != c.knots[2 * c.degree + 1])
         return std::nullopt;
-    Span<Dim> span{c.domain_begin(), c.domain_end(), {}};
+    BezierPiece<Dim> span{c.domain_begin(), c.domain_end(), {}};
     for (std::size_t i = 0; i < c.points.size(); ++i) span.points.push_back(homogeneous(c, i, origin));
     return span;
 }
@@ -70,17 +70,17 @@ std::optional<Span<Dim>> only_span(const RationalCurve<Dim>& c, const Eigen::Mat
 /// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom at
 /// (a, ..., a, b, ..., b) with j times b.
 template <int Dim>
-std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
-    using Point = typename Span<Dim>::Point;
+std::vector<BezierPiece<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
+    using Point = typename BezierPiece<Dim>::Point;
     const int d = c.degree;
     const auto homogeneous = [&](int i) {
         return check::homogeneous(c, static_cast<std::size_t>(i), origin);
     };
-    std::vector<Span<Dim>> result;
+    std::vector<BezierPiece<Dim>> result;
     for (int k = d; k + d + 1 < static_cast<int>(c.knots.size()); ++k) {
         const double a = c.knots[k], b = c.knots[k + 1];
         if (!(a < b)) continue;
-        Span<Dim> span{a, b, {}};
+        BezierPiece<Dim> span{a, b, {}};
         for (int j = 0; j <= d; ++j) {
             if (is_bezier(c, k)) {
                 span.points.push_back(homogeneous(k - d + j));
@@ -105,11 +105,11 @@ std::vector<Span<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<do
 
 /// The part of a span over [begin, end] of its domain.
 template <int Dim>
-Span<Dim> part_of(const Span<Dim>& span, double begin, double end) {
+BezierPiece<Dim> part_of(const BezierPiece<Dim>& span, double begin, double end) {
     if (begin == span.begin && end == span.end) return span;
     const MidRad a = place_between(begin, span.begin, span.end), b = place_between(end, span.begin, span.end);
     const int d = span.degree();
-    Span<Dim> result{begin, end, {}};
+    BezierPiece<Dim> result{begin, end, {}};
     for (int j = 0; j <= d; ++j) {
         auto level = span.points;
         for (int r = 1; r <= d; ++r)
@@ -143,7 +143,7 @@ public:
     Net(int m, int n, const Vec3& origin) : m_(m), n_(n), origin_(origin) {
         points_.resize(static_cast<std::size_t>((m + 1) * (n + 1)));
     }
-    Net(const Span<3>& span, const Vec3& origin) : Net(span.degree(), 0, origin) {
+    Net(const BezierPiece<3>& span, const Vec3& origin) : Net(span.degree(), 0, origin) {
         for (int i = 0; i <= m_; ++i) at(i, 0) = span.points[i];
     }
     Net(const RationalPatch& patch, const Vec3& origin);

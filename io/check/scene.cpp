@@ -28,11 +28,11 @@ double distance(const Object& o, const Vec3& p) {
 }
 
 /// Size of the numbers that enter the distance, for its rounding.
-double magnitude(const Plane& o) { return o.point.norm(); }
-double magnitude(const Sphere& o) { return o.center.norm() + o.radius; }
-double magnitude(const Cylinder& o) { return o.point.norm() + o.radius; }
-double magnitude(const HollowSphere& o) { return o.center.norm() + o.radius; }
-double magnitude(const HollowCylinder& o) { return o.point.norm() + o.radius; }
+double extent(const Plane& o) { return o.point.norm(); }
+double extent(const Sphere& o) { return o.center.norm() + o.radius; }
+double extent(const Cylinder& o) { return o.point.norm() + o.radius; }
+double extent(const HollowSphere& o) { return o.center.norm() + o.radius; }
+double extent(const HollowCylinder& o) { return o.point.norm() + o.radius; }
 
 Vec2 random_point(std::mt19937_64& rng, const Vec2& lo, const Vec2& hi) {
     std::uniform_real_distribution<double> unit(0, 1);
@@ -88,7 +88,7 @@ SceneGeometry::SceneGeometry(const Scene& scene)
     if (cylinder_) find_stretch();
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& o = scene.objects[i];
-        const double size = std::visit([](const auto& x) { return magnitude(x); }, o);
+        const double size = std::visit([](const auto& x) { return extent(x); }, o);
         object_rounding_.push_back(kRounding * (scale_ + size));
         if (!scene.competes(i)) continue;
         if (const auto* s = std::get_if<Sphere>(&o)) {

@@ -20,19 +20,19 @@ namespace {
 
 /// A span of a trimming curve and the part of the edge that it follows, in its direction.
 struct Pair {
-    Span<2> trim;
-    Span<3> edge;
+    BezierPiece<2> trim;
+    BezierPiece<3> edge;
 };
 
 template <int Dim>
-const Span<Dim>& span_at(const std::vector<Span<Dim>>& spans, double t) {
-    const auto it = std::ranges::find_if(spans, [t](const Span<Dim>& s) { return t <= s.end; });
+const BezierPiece<Dim>& span_at(const std::vector<BezierPiece<Dim>>& spans, double t) {
+    const auto it = std::ranges::find_if(spans, [t](const BezierPiece<Dim>& s) { return t <= s.end; });
     return it == spans.end() ? spans.back() : *it;
 }
 
 template <int Dim>
-std::array<Span<Dim>, 2> halves(const Span<Dim>& span) {
-    std::array<Span<Dim>, 2> h{span, span};
+std::array<BezierPiece<Dim>, 2> halves(const BezierPiece<Dim>& span) {
+    std::array<BezierPiece<Dim>, 2> h{span, span};
     h[0].end = h[1].begin = std::midpoint(span.begin, span.end);
     const int d = span.degree();
     for (int k = 0; k <= d; ++k) {
@@ -238,7 +238,7 @@ public:
     template <class M, class N, class D, class E>
     std::array<Lanes, 3> largest(const Places& places, M m, N n, D d, E e,
                                  const std::array<Coefficients, 2>& a, const std::array<Coefficients, 2>& b,
-                                 const Span<3>& edge) const {
+                                 const BezierPiece<3>& edge) const {
         const Net::Point* const net = &net_->at(0, 0);
         const auto* const curve = &edge.points[0];
         std::array<Lanes, 3> most{};
@@ -375,7 +375,7 @@ private:
     /// With s = a / w the place between the patch's sides along a trimming curve and b = w - a: all
     /// a^i b^(degree - i), as coefficients times binomials.
     struct Powers {
-        Powers(const Span<2>& trim, int coordinate, const MidRad& extent, int power)
+        Powers(const BezierPiece<2>& trim, int coordinate, const MidRad& extent, int power)
             : degree(trim.degree() * power), count(power + 1) {
             const int d = trim.degree();
             const MidRad scale = MidRad(1.0) / extent;

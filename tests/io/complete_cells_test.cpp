@@ -77,40 +77,10 @@ Scene random_scene_with_tubes(std::mt19937_64& rng, std::size_t tubes, std::opti
     return scene;
 }
 
-double distance(const Object& object, const Vec3& p) {
-    if (const auto* plane = std::get_if<Plane>(&object))
-        return std::abs(plane->normal.normalized().dot(p - plane->point));
-    if (const auto* tube = std::get_if<Cylinder>(&object))
-        return tube->axis.normalized().cross(p - tube->point).norm() - tube->radius;
-    const auto& sphere = std::get<Sphere>(object);
-    return (p - sphere.center).norm() - sphere.radius;
-}
-
-/// By how much the base is nearer to p than anything else; less than 0 behind it.
-double lead(const Scene& scene, const Vec3& p) {
-    const auto& base = std::get<Plane>(scene.base);
-    const double own = base.normal.normalized().dot(p - base.point);
-    double least = own;
-    for (const Object& o : scene.objects) least = std::min(least, distance(o, p) - own);
-    return least;
-}
-
 void check_measures(const Cell& cell) {
     const CompleteMeasures m = complete_measures(cell.scene);
     CHECK(cell.measures.volume_error <= 1e-6 * (1 + m.volume));
     check_complete_measures(cell, m);
-}
-
-void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64& rng) {
-    std::uniform_real_distribution<double> unit(0, 1);
-    const Box& box = cell.scene.box;
-    for (int i = 0; i < 60; ++i) {
-        const Vec3 p = box.min + (box.max - box.min).cwiseProduct(Vec3(unit(rng), unit(rng), unit(rng)));
-        const double ahead = lead(cell.scene, p);
-        if (std::abs(ahead) < 0.05) continue;  // nearer than chords may be
-        CAPTURE(p.transpose());
-        CHECK(winding(mesh, p) == doctest::Approx(ahead > 0 ? 1 : 0).epsilon(1e-6));
-    }
 }
 
 void check_certificate(const Cell& cell) {

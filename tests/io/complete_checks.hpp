@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <random>
+#include <variant>
 
 #include "../../envelope/complete_measures.hpp"
 #include "../../envelope/voronoi_cell.hpp"
@@ -48,6 +50,44 @@ inline CellMesh checked_mesh(const Cell& cell) {
     CHECK(is_closed(mesh));
     CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(0.01));
     return mesh;
+}
+
+/// From the surface of a ball or a tube, less than 0 inside; from a base plane less than 0 behind it, from
+/// any other plane on both sides alike.
+inline double distance_from(const Object& object, const Vec3& p, bool is_base) {
+    if (const auto* plane = std::get_if<Plane>(&object)) {
+        const double above = plane->normal.normalized().dot(p - plane->point);
+        return is_base ? above : std::abs(above);
+    }
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+        return (p - sphere->center).norm() - sphere->radius;
+    const auto& tube = std::get<Cylinder>(object);
+    return tube.axis.normalized().cross(p - tube.point).norm() - tube.radius;
+}
+
+/// By how much the base is nearer to p than anything else; less than 0 behind a base plane.
+inline double lead(const Scene& scene, const Vec3& p) {
+    const double own = distance_from(scene.base, p, true);
+    double least = std::holds_alternative<Plane>(scene.base) ? own : HUGE_VAL;
+    for (const Object& o : scene.objects) least = std::min(least, distance_from(o, p, false) - own);
+    return least;
+}
+
+/// The mesh winds once around what is nearest to the base, and not around the rest of the box.
+inline void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64& rng) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const Box& box = cell.scene.box;
+    for (int i = 0; i < 60; ++i) {
+        const double x = unit(rng), y = unit(rng), z = unit(rng);
+        const Vec3 p = box.min + (box.max - box.min).cwiseProduct(Vec3(x, y, z));
+        const double ahead = lead(cell.scene, p);
+        if (std::abs(ahead) < 0.05) continue;  // nearer than chords may be
+        if (!std::holds_alternative<Plane>(cell.scene.base) &&
+            distance_from(cell.scene.base, p, true) < chord)
+            continue;
+        CAPTURE(p.transpose());
+        CHECK(winding(mesh, p) == doctest::Approx(ahead > 0 ? 1 : 0).epsilon(1e-6));
+    }
 }
 
 }  // namespace vcell

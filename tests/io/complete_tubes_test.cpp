@@ -38,36 +38,7 @@ Scene scene_of(const std::vector<Object>& objects, std::size_t base) {
     return scene;
 }
 
-double distance(const Object& object, const Vec3& p) {
-    if (const auto* plane = std::get_if<Plane>(&object))
-        return std::abs(plane->normal.normalized().dot(p - plane->point));
-    if (const auto* sphere = std::get_if<Sphere>(&object))
-        return (p - sphere->center).norm() - sphere->radius;
-    const auto& tube = std::get<Cylinder>(object);
-    return tube.axis.normalized().cross(p - tube.point).norm() - tube.radius;
-}
-
-double lead(const Scene& scene, const Vec3& p) {
-    const double own = distance(scene.base, p);
-    double least = HUGE_VAL;
-    for (const Object& o : scene.objects) least = std::min(least, distance(o, p) - own);
-    return least;
-}
-
-void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64& rng) {
-    std::uniform_real_distribution<double> unit(0, 10);
-    const double radius = std::get<Cylinder>(cell.scene.base).radius;
-    for (int i = 0; i < 60; ++i) {
-        const double x = unit(rng), y = unit(rng), z = unit(rng);
-        const Vec3 p(x, y, z);
-        const double ahead = lead(cell.scene, p);
-        if (std::abs(ahead) < 0.05 || std::abs(distance(cell.scene.base, p)) < 0.01 + radius) continue;
-        CAPTURE(p.transpose());
-        CHECK(winding(mesh, p) == doctest::Approx(ahead > 0 ? 1 : 0).epsilon(1e-6));
-    }
-}
-
-void check_cell(const Cell& cell, std::mt19937_64& rng) {
+void check_tube_cell(const Cell& cell, std::mt19937_64& rng) {
     REQUIRE(cell.is_complete);
     CHECK(cell.measures.volume_error <= 5e-2);
     check_complete_measures(cell, complete_measures(cell.scene), cell.measures.area_error);
@@ -85,7 +56,7 @@ std::array<double, 2> tile(const std::vector<Object>& objects, std::mt19937_64& 
     for (std::size_t i = 0; i < objects.size(); ++i) {
         CAPTURE(i);
         const Cell cell = complete_cell(scene_of(objects, i));
-        check_cell(cell, rng);
+        check_tube_cell(cell, rng);
         sum[0] += cell.measures.volume;
         sum[1] += cell.measures.volume_error;
     }
@@ -126,9 +97,9 @@ TEST_CASE("complete tubes: among balls and planes, and with the axis beside the 
     scene.box = cube;
     scene.base = Cylinder{{5, 4, 5}, {1, 2, 3}, 0.5};
     scene.objects = {Sphere{{8, 2, 5}, 1}, Sphere{{2, 8, 4}, 0.5}, Cylinder{{1, 1, 0}, {1, -1, 2}, 0.25}};
-    check_cell(complete_cell(scene), rng);
+    check_tube_cell(complete_cell(scene), rng);
     scene.base = Cylinder{{-1, 5, 5}, {0.05, 3, 4}, 0.25};
-    check_cell(complete_cell(scene), rng);
+    check_tube_cell(complete_cell(scene), rng);
 }
 
 TEST_CASE("complete tubes: through edges and corners of the box, along its sides and beside it") {

@@ -8,6 +8,7 @@
 #include "../../core/errors.hpp"
 #include "../../io/files/cell_file.hpp"
 #include "../../io/files/scene_file.hpp"
+#include "hand_built_cells.hpp"
 
 namespace vcell {
 
@@ -74,22 +75,6 @@ void add_rim(Cell& cell, TrimmedPatch& patch, Site site, bool curved, double hei
     patch.loops.push_back(loop);
 }
 
-// The circle of radius r counter-clockwise, four rational quadratic spans.
-RationalCurve2 circle(double r) {
-    RationalCurve2 c;
-    c.degree = 2;
-    c.knots = {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4};
-    const double s = std::numbers::sqrt2 / 2;
-    const double x[] = {1, 1, 0, -1, -1, -1, 0, 1, 1}, y[] = {0, 1, 1, 1, 0, -1, -1, -1, 0};
-    for (int i = 0; i < 9; ++i) c.points.push_back({r * x[i], r * y[i], i % 2 ? s : 1});
-    return c;
-}
-
-RationalCurve2 reversed(RationalCurve2 c) {
-    std::reverse(c.points.begin(), c.points.end());  // the knots are symmetric
-    return c;
-}
-
 }  // namespace
 
 Cell one_sphere_cell(double height) {
@@ -122,12 +107,12 @@ Cell one_sphere_cell(double height) {
         rim.kind = CurveKind::Circle;
         rim.length = 2 * std::numbers::pi * r;
         rim.length_error = 1e-15;
-        const RationalCurve2 c = circle(r);
+        const RationalCurve2 c = hand_built::circle(r);
         rim.curve.degree = 2;
         rim.curve.knots = c.knots;
         for (const auto& p : c.points) rim.curve.points.push_back({p.x(), p.y(), height, p.z()});
         cell.edges.push_back(rim);
-        box.patches[0].loops.push_back({{4u, std::nullopt, true, reversed(c)}});
+        box.patches[0].loops.push_back({{4u, std::nullopt, true, hand_built::reversed(c)}});
         face.patches[0].loops.push_back({{4u, std::nullopt, false, c}});
         cell.faces = {face, box};
     }
