@@ -156,6 +156,7 @@ Status DiagramCommand::run() const {
         for (DiagramPicture& picture : pictures) picture.begin(scene);
     });
     const bool has_meshes = std::ranges::any_of(pictures, [](const DiagramPicture& p) { return !p.text; });
+    std::vector<bool> is_drawn(scene.objects.size(), false);
     VoronoiDiagram diagram;
     std::optional<VoidNetworkBuilder> network;
     if (voids) scene_.about([&] { network.emplace(scene); });
@@ -164,11 +165,15 @@ Status DiagramCommand::run() const {
         DiagramOptions options;
         options.threads = threads_.count();
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
+        options.complete = has_meshes;
         if (network || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {
-                if (network) network->add(object, cell);
-                for (DiagramPicture& picture : pictures)
-                    if (picture.text) picture.text->add(object, cell);
+                is_drawn[object] = true;
+                if (std::holds_alternative<Sphere>(cell.scene.base)) {
+                    if (network) network->add(object, cell);
+                    for (DiagramPicture& picture : pictures)
+                        if (picture.text) picture.text->add(object, cell);
+                }
                 if (!has_meshes) return;
                 const CellMesh mesh = mesh_among_many(cell);
                 for (DiagramPicture& picture : pictures)
@@ -201,6 +206,8 @@ Status DiagramCommand::run() const {
         if (cell.state == DiagramCell::State::Computed) ++computed;
         if (cell.state == DiagramCell::State::Empty) ++empty;
         if (cell.state == DiagramCell::State::Wall) ++walls;
+        if (has_meshes && cell.state == DiagramCell::State::Computed && !is_drawn[i])
+            warn(fmt::format("no picture of object {}: its cell is measured, but has no faces", i));
         if (cell.state == DiagramCell::State::Undecided || cell.state == DiagramCell::State::Refused)
             warn(fmt::format("no cell of object {}: {}", i, cell.reason));
     }

@@ -7,6 +7,7 @@
 #include "../core/platform.hpp"
 #include "../core/threads.hpp"
 #include "whole/cell_finder.hpp"
+#include "whole/complete_cells.hpp"
 #include "whole/totals.hpp"
 
 namespace vcell {
@@ -21,13 +22,19 @@ void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32
     const unsigned threads = thread_count(options.threads);
     for (std::size_t begin = 0; begin < which.size(); begin += cells_at_a_time) {
         const std::size_t count = std::min(cells_at_a_time, which.size() - begin);
-        std::vector<std::optional<Cell>> cells(options.visit ? count : 0);
+        std::vector<std::vector<Cell>> cells(options.visit ? count : 0);
         for_all(count, threads, [&](std::size_t i) {
             const std::uint32_t object = which[begin + i];
-            diagram.cells[object] = whole::find_cell(decided, object, options.visit ? &cells[i] : nullptr);
+            std::optional<Cell> cell;
+            diagram.cells[object] = whole::find_cell(decided, object, options.visit ? &cell : nullptr);
+            if (cell)
+                cells[i].push_back(*std::move(cell));
+            else if (options.visit && options.complete &&
+                     diagram.cells[object].state == DiagramCell::State::Computed)
+                cells[i] = whole::complete_cells(decided, object);
         });
         for (std::size_t i = 0; i < cells.size(); ++i)
-            if (cells[i]) options.visit(which[begin + i], *cells[i]);
+            for (const Cell& cell : cells[i]) options.visit(which[begin + i], cell);
         if (options.progress)
             options.progress(static_cast<double>(begin + count) / static_cast<double>(which.size()));
     }

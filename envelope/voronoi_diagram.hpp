@@ -99,6 +99,10 @@ struct DiagramOptions {
     /// are their numbers in the diagram, or where the box repeats, as images have no numbers, their places in
     /// that scene.
     std::function<void(std::uint32_t object, const Cell& cell)> visit;
+    /// `visit` is called with the complete cells of tubes and planes, too, where there are any
+    /// (CellOptions::complete): two of a plane, on its two sides. What the diagram says of them was measured
+    /// without.
+    bool complete = false;
 };
 
 /// Throws InputError for objects that are none (validate()), an empty list, periods or a probe with what is

@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "../random_tubes.hpp"
 #include "../test_support.hpp"
+#include "closed_meshes.hpp"
 
 namespace vcell {
 namespace {
@@ -70,6 +72,79 @@ bool contains(const std::vector<std::vector<Vec2>>& polygons, const Vec2& p) {
 }
 
 }  // namespace
+
+namespace {
+
+double distance_to(const Object& object, const Vec3& p) {
+    if (const auto* plane = std::get_if<Plane>(&object))
+        return std::abs(plane->normal.normalized().dot(p - plane->point));
+    if (const auto* tube = std::get_if<Cylinder>(&object))
+        return tube->axis.normalized().cross(p - tube->point).norm() - tube->radius;
+    const auto& ball = std::get<Sphere>(object);
+    return (p - ball.center).norm() - ball.radius;
+}
+
+// Each object's meshes are closed, of its cell's volume, and around each point there is that of what is
+// nearest to it.
+void check_complete_meshes(const DiagramScene& scene, std::mt19937_64& rng) {
+    std::map<std::uint32_t, std::vector<CellMesh>> meshes;
+    DiagramOptions options;
+    options.complete = true;
+    options.visit = [&](std::uint32_t object, const Cell& cell) {
+        meshes[object].push_back(tessellate(cell, {0.01, true}));
+        CHECK(is_closed(meshes[object].back()));
+    };
+    const VoronoiDiagram diagram = voronoi_diagram(scene, options);
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+        CAPTURE(i);
+        REQUIRE(diagram.cells[i].state == DiagramCell::State::Computed);
+        REQUIRE(meshes[i].size() == (std::holds_alternative<Plane>(scene.objects[i]) ? 2u : 1u));
+        double sum = 0;
+        for (const CellMesh& mesh : meshes[i]) sum += volume(mesh);
+        CHECK(sum == doctest::Approx(diagram.cells[i].volume).epsilon(0.02));
+    }
+    std::uniform_real_distribution<double> place(0, 10);
+    for (int k = 0; k < 100; ++k) {
+        const double x = place(rng), y = place(rng), z = place(rng);
+        const Vec3 p(x, y, z);
+        std::vector<std::pair<double, std::uint32_t>> nearest;
+        for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+            nearest.emplace_back(distance_to(scene.objects[i], p), i);
+        std::ranges::sort(nearest);
+        // Nearer to a boundary than chords may be; on a plane between its two cells.
+        if (nearest[1].first - nearest[0].first < 0.05 || std::abs(nearest[0].first) < 0.05) continue;
+        for (const auto& [object, of_object] : meshes) {
+            double turns = 0;
+            for (const CellMesh& mesh : of_object) turns += winding(mesh, p);
+            CAPTURE(object);
+            CHECK(turns == doctest::Approx(object == nearest[0].second ? 1 : 0).epsilon(1e-6));
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("diagram pictures: complete cells of tubes, planes and balls fill the box") {
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < 2 * rounds(); ++round) {
+        DiagramScene scene;
+        scene.box = {Vec3::Zero(), Vec3::Constant(10)};
+        if (round % 2 == 0)
+            scene.objects = random_tubes(rng, 5, 0.3);
+        else
+            scene.objects.push_back(Plane{{5, 5, 4}, {0.3, 0.2, 1}});
+        std::uniform_real_distribution<double> place(1, 9);
+        for (int tries = 0; scene.objects.size() < 8u && tries < 1000; ++tries) {
+            const double x = place(rng), y = place(rng), z = place(rng);
+            const Sphere ball{{x, y, z}, 0.2};
+            bool is_clear = true;
+            for (const Object& o : scene.objects)
+                is_clear = is_clear && distance_to(o, ball.center) > ball.radius + 0.02;
+            if (is_clear) scene.objects.push_back(ball);
+        }
+        check_complete_meshes(scene, rng);
+    }
+}
 
 TEST_CASE("diagram pictures: a cut shows at each place the cell of what is nearest there") {
     std::mt19937_64 rng(test_seed());

@@ -1,0 +1,16 @@
+/// The whole cells of a diagram's planes and tubes, with faces, for those who look at them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cell_finder.hpp"
+
+namespace vcell::whole {
+
+/// A tube's cell, and those on the two sides of a plane, complete (CellOptions::complete), among all objects.
+/// None where there is no such cell (docs/promises.md, "Limits"). Pre: the object has a cell and is no ball
+/// in the box, which find_cell() has.
+std::vector<Cell> complete_cells(const DecidedDiagram& decided, std::uint32_t object);
+
+}  // namespace vcell::whole
