@@ -101,6 +101,15 @@ struct Report {
     std::vector<std::string> warnings;
 };
 
+/// What closes a cell's faces to the boundary of a solid, the base's own body included: walls, the base's
+/// region, ends (io/solids/shell.hpp says which). Numbers go on from those of the cell's own elements;
+/// lengths and areas are not_measured.
+struct Closing {
+    std::vector<CellVertex> vertices;
+    std::vector<CellEdge> edges;
+    std::vector<CellFace> faces;
+};
+
 struct Cell {
     Scene scene;
     std::vector<CellVertex> vertices;
@@ -113,6 +122,8 @@ struct Cell {
     /// (CellOptions::complete)? Around a tube they come in parts, each with ends (complete_tube.hpp).
     /// Otherwise they stand over what the box holds of the base.
     bool is_complete = false;
+    /// As the cell's file has it. Cells that are computed have none: closing_of() makes it of their faces.
+    std::optional<Closing> closing = std::nullopt;
 };
 
 /// Is it a face through which a base plane's rays come into a complete cell? Others stand over the base,
@@ -121,7 +132,7 @@ struct Cell {
 bool is_entered(const Cell& cell, const CellFace& face);
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
-/// power of two; the parameters of its patches times `of_parameters`.
+/// power of two; the parameters of its patches times `of_parameters`. Pre: no `closing`.
 void scale(Cell& cell, double factor, double of_parameters, unsigned threads = 1);
 
 }  // namespace vcell

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <variant>
 
+#include "closing.hpp"
 #include "edges.hpp"
 #include "entries.hpp"
 #include "faces.hpp"
@@ -35,6 +36,7 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     certify_kinds(subject, options, certificate);
     certify_faces(subject, edges, options, certificate);
     certify_entries(subject, options, certificate);
+    certify_closing(subject, edges, options, certificate);
     const bool is_covered = certify_measures(subject, edges, options, certificate);
     if (!is_covered || !certificate.holds()) sample(subject, options, certificate);
     return certificate;

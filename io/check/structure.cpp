@@ -18,12 +18,31 @@ public:
         : cell_(cell), geometry_(geometry), certificate_(certificate) {}
 
     void run() {
-        check_vertex_structure();
-        check_edge_structure();
-        check_face_structure();
+        check_elements(
+            {"", cell_.vertices, cell_.edges, cell_.faces, cell_.vertices.size(), cell_.edges.size(), false});
+        if (!cell_.closing) return;
+        const auto& [vertices, edges, faces] = *cell_.closing;
+        check_elements({"closing.", vertices, edges, faces, cell_.vertices.size() + vertices.size(),
+                        cell_.edges.size() + edges.size(), true});
     }
 
 private:
+    /// The cell's own elements, or those that close it, and how many vertices and edges these may name.
+    struct Elements {
+        const char* prefix;  // of paths
+        const std::vector<CellVertex>& vertices;
+        const std::vector<CellEdge>& edges;
+        const std::vector<CellFace>& faces;
+        std::size_t known_vertices, known_edges;
+        bool close;  // without lengths, areas and seams; certify_closing() knows which sites they may have
+    };
+
+    void check_elements(const Elements& all) {
+        check_vertex_structure(all);
+        check_edge_structure(all);
+        check_face_structure(all);
+    }
+
     // Paths are functions that compose them: most are never read.
     template <class Where>
     void note(const Where& where, std::string what) {
@@ -68,10 +87,12 @@ private:
         }
     }
 
-    void check_vertex_structure() {
-        for (std::size_t i = 0; i < cell_.vertices.size(); ++i) {
-            const CellVertex& v = cell_.vertices[i];
-            const auto at = [i](const char* key) { return [i, key] { return vertex_path(i) + key; }; };
+    void check_vertex_structure(const Elements& all) {
+        for (std::size_t i = 0; i < all.vertices.size(); ++i) {
+            const CellVertex& v = all.vertices[i];
+            const auto at = [&all, i](const char* key) {
+                return [&all, i, key] { return all.prefix + vertex_path(i) + key; };
+            };
             if (!v.point.allFinite()) note(at(".point"), "is not finite");
             if (!std::isfinite(v.radius)) note(at(".radius"), "is not finite");
             check_amount(at(".error"), v.error);
@@ -81,37 +102,45 @@ private:
         }
     }
 
-    void check_edge_structure() {
-        for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
-            const CellEdge& e = cell_.edges[i];
-            const auto at = [i](const char* key) { return [i, key] { return edge_path(i) + key; }; };
-            check_sites_exist(at(".sites"), e.sites);
-            check_sites_exist(at(".extra_sites"), e.extra_sites);
+    void check_edge_structure(const Elements& all) {
+        for (std::size_t i = 0; i < all.edges.size(); ++i) {
+            const CellEdge& e = all.edges[i];
+            const auto at = [&all, i](const char* key) {
+                return [&all, i, key] { return all.prefix + edge_path(i) + key; };
+            };
+            if (!all.close) {
+                check_sites_exist(at(".sites"), e.sites);
+                check_sites_exist(at(".extra_sites"), e.extra_sites);
+                check_amount(at(".length"), e.length);
+            }
             if (e.vertices.size() != 0 && e.vertices.size() != 2)
                 note(at(".vertices"), fmt::format("are {}, must be two or none", e.vertices.size()));
             for (const std::uint32_t v : e.vertices)
-                if (v >= cell_.vertices.size()) note(at(".vertices"), fmt::format("no vertex {}", v));
+                if (v >= all.known_vertices) note(at(".vertices"), fmt::format("no vertex {}", v));
             check_amount(at(".error"), e.error);
-            check_amount(at(".length"), e.length);
             check_curve<3>(at(".curve"), e.curve);
         }
     }
 
-    void check_face_structure() {
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
-            const CellFace& face = cell_.faces[f];
-            const auto at = [f](const char* key) { return [f, key] { return face_path(f) + key; }; };
-            check_sites_exist(at(".site"), std::span(&face.site, 1));
-            check_sites_exist(at(".extra_sites"), face.extra_sites);
-            check_amount(at(".area"), face.area);
+    void check_face_structure(const Elements& all) {
+        for (std::size_t f = 0; f < all.faces.size(); ++f) {
+            const CellFace& face = all.faces[f];
+            const auto at = [&all, f](const char* key) {
+                return [&all, f, key] { return all.prefix + face_path(f) + key; };
+            };
+            if (!all.close) {
+                check_sites_exist(at(".site"), std::span(&face.site, 1));
+                check_sites_exist(at(".extra_sites"), face.extra_sites);
+                check_amount(at(".area"), face.area);
+            }
             if (face.patches.empty()) note(at(".patches"), "are none");
-            for (std::size_t p = 0; p < face.patches.size(); ++p) check_patch_structure(f, p);
+            for (std::size_t p = 0; p < face.patches.size(); ++p) check_patch_structure(all, f, p);
         }
     }
 
-    void check_patch_structure(std::size_t f, std::size_t p) {
-        const auto where = [f, p] { return patch_path(f, p); };
-        const TrimmedPatch& patch = cell_.faces[f].patches[p];
+    void check_patch_structure(const Elements& all, std::size_t f, std::size_t p) {
+        const auto where = [&] { return all.prefix + patch_path(f, p); };
+        const TrimmedPatch& patch = all.faces[f].patches[p];
         const RationalPatch& s = patch.surface;
         for (const int degree : {s.degree_u, s.degree_v})
             if (degree < 1 || degree > kMaxDegree) return note(where, fmt::format("degree {}", degree));
@@ -122,14 +151,15 @@ private:
             if (!(domain[0] < domain[1]) || !std::isfinite(domain[1] - domain[0]))
                 note(where, "empty domain");
         check_control_points<3>(where, s.points);
-        if (patch.loops.empty()) note([f, p] { return patch_path(f, p) + ".loops"; }, "are none");
+        if (patch.loops.empty()) note([&] { return where() + ".loops"; }, "are none");
         for (std::size_t l = 0; l < patch.loops.size(); ++l) {
-            if (patch.loops[l].empty()) note([f, p, l] { return loop_path(f, p, l); }, "is empty");
+            if (patch.loops[l].empty()) note([&] { return all.prefix + loop_path(f, p, l); }, "is empty");
             for (std::size_t t = 0; t < patch.loops[l].size(); ++t) {
                 const TrimCurve& trim = patch.loops[l][t];
-                const auto at = [&] { return fmt::format("{}[{}]", loop_path(f, p, l), t); };
-                if (trim.edge.has_value() == trim.seam.has_value()) note(at, "must name an edge or a seam");
-                if (trim.edge && *trim.edge >= cell_.edges.size())
+                const auto at = [&] { return fmt::format("{}{}[{}]", all.prefix, loop_path(f, p, l), t); };
+                if (all.close ? !trim.edge || trim.seam : trim.edge.has_value() == trim.seam.has_value())
+                    note(at, all.close ? "must name an edge" : "must name an edge or a seam");
+                if (trim.edge && *trim.edge >= all.known_edges)
                     note(at, fmt::format("no edge {}", *trim.edge));
                 check_curve<2>([&] { return at() + ".curve"; }, trim.curve);
             }

@@ -207,6 +207,7 @@ private:
             conditions.clear();
             for (const Site& s : v.sites) add_conditions(s, v, true, conditions);
         }
+        if (conditions.empty()) return;  // it has no sites, which is told of them
         const Interval r = space().clearance(to_vector<Interval>(v.point));
         if (const Interval off = magnitude(r - v.radius); off.lower() > v.error + rounding())
             return certificate_.refute(vertex_path(i) + ".radius",

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "../solids/shell.hpp"
 #include "cell_json.hpp"
 #include "files.hpp"
 #include "scene_json.hpp"
@@ -61,6 +62,15 @@ void write_edge(JsonWriter& out, const CellEdge& e) {
         out.key("error").value(e.error);
         out.key("length").value(e.length);
         out.key(error_key("length", e.is_estimated)).value(e.length_error);
+        write_curve(out.key("curve"), e.curve);
+    });
+}
+
+void write_closing_edge(JsonWriter& out, const CellEdge& e) {
+    out.object([&] {
+        write_sites(out.key("sites"), e.sites);
+        out.key("vertices").value(e.vertices);
+        out.key("error").value(e.error);
         write_curve(out.key("curve"), e.curve);
     });
 }
@@ -123,6 +133,24 @@ void write_face(JsonWriter& out, const CellFace& f) {
     });
 }
 
+void write_closing_face(JsonWriter& out, const CellFace& f) {
+    out.object([&] {
+        write_site(out.key("site"), f.site);
+        out.key("bisector").value(f.bisector);
+        out.key("patches").array([&] {
+            for (const TrimmedPatch& p : f.patches) write_patch(out, p);
+        });
+    });
+}
+
+void write_closing(JsonWriter& out, const Closing& closing) {
+    out.object([&] {
+        out.line_key("vertices").lines(closing.vertices, 1, write_vertex);
+        out.line_key("edges").lines(closing.edges, 1, write_closing_edge);
+        out.line_key("faces").lines(closing.faces, 1, write_closing_face);
+    });
+}
+
 void write_measures(JsonWriter& out, const Measures& m) {
     out.object([&] {
         out.key("volume").value(m.volume);
@@ -178,7 +206,8 @@ public:
                                       has_scene_ = true;
                                       cell_.scene = read_scene_value(in_);
                                   }),
-                  optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }));
+                  optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }),
+                  optional_member("closing", [&] { closing(cell_.closing.emplace()); }));
         in_.end();
         return std::move(cell_);
     }
@@ -361,6 +390,30 @@ private:
         return f;
     }
 
+    CellEdge closing_edge() {
+        CellEdge e;
+        in_.object(
+            required_member("sites", [&] { in_.array_of(2, [&](std::size_t i) { e.sites[i] = site(); }); }),
+            required_member("vertices", [&] { list(e.vertices, [&] { return index(); }); }),
+            required_member("error", [&] { e.error = in_.number(); }),
+            required_member("curve", [&] { e.curve = curve<3>(); }));
+        return e;
+    }
+
+    CellFace closing_face() {
+        CellFace f;
+        in_.object(required_member("site", [&] { f.site = site(); }),
+                   required_member("bisector", [&] { f.bisector = in_.string(); }),
+                   required_member("patches", [&] { list(f.patches, [&] { return patch(); }); }));
+        return f;
+    }
+
+    void closing(Closing& c) {
+        in_.object(required_member("vertices", [&] { list(c.vertices, [&] { return vertex(); }); }),
+                   required_member("edges", [&] { list(c.edges, [&] { return closing_edge(); }); }),
+                   required_member("faces", [&] { list(c.faces, [&] { return closing_face(); }); }));
+    }
+
     void measures(Measures& m) {
         in_.object(required_member("volume", [&] { m.volume = in_.number(); }),
                    error_member("volume_error", m.volume_error),
@@ -425,10 +478,11 @@ private:
 
 namespace {
 
-void write_elements(JsonWriter& out, const Cell& cell, unsigned threads) {
+void write_elements(JsonWriter& out, const Cell& cell, const Closing* closing, unsigned threads) {
     out.line_key("vertices").lines(cell.vertices, threads, write_vertex);
     out.line_key("edges").lines(cell.edges, threads, write_edge);
     out.line_key("faces").lines(cell.faces, threads, write_face);
+    if (closing) write_closing(out.line_key("closing"), *closing);
     out.line_key("neighbors").value(cell.neighbors);
     write_measures(out.line_key("measures"), cell.measures);
     write_report(out.line_key("report"), cell.report);
@@ -437,12 +491,15 @@ void write_elements(JsonWriter& out, const Cell& cell, unsigned threads) {
 }  // namespace
 
 void write_cell(std::ostream& out, const Cell& cell, unsigned threads) {
+    Closing made;
+    if (!cell.closing) made = closing_of(cell);
+    const Closing* const closing = cell.closing ? &*cell.closing : made.faces.empty() ? nullptr : &made;
     JsonWriter writer(out);
     writer.object([&] {
         writer.key("vcell").value(format_version);
         write_scene_value(writer.line_key("scene"), cell.scene);
         if (cell.is_complete) writer.line_key("complete").value(true);
-        write_elements(writer, cell, threads);
+        write_elements(writer, cell, closing, threads);
     });
     writer.finish();
     out << '\n';
@@ -491,7 +548,7 @@ std::optional<Cell> parse_if_cell(std::string_view text) {
 void write_cell_of_diagram(JsonWriter& out, std::uint32_t object, const Cell& cell) {
     out.object([&] {
         out.key("object").value(object);
-        write_elements(out, cell, 1);
+        write_elements(out, cell, nullptr, 1);
     });
 }
 

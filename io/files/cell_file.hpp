@@ -12,9 +12,10 @@
 namespace vcell {
 
 /// Every double reads back as itself. The sites that coincide with an owner all along an edge or all over
-/// a face are listed under "extra_sites", where there are any.
-/// The bytes are the same for any number of threads; 0: as many as the machine has cores.
-/// Throws InternalError where a number is not finite: of cells that are not measured (CellOptions::measure).
+/// a face are listed under "extra_sites", where there are any. "closing" has cell.closing, or where there is
+/// none closing_of() the cell, unless nothing closes it. The bytes are the same for any number of threads; 0:
+/// as many as the machine has cores. Throws InternalError where a number is not finite: of cells that are not
+/// measured (CellOptions::measure); and as closing_of() does.
 void write_cell(std::ostream& out, const Cell& cell, unsigned threads = 1);
 
 /// The cell of a file's text. Keys, types and shapes are checked, and the scene is validated; values are

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -34,25 +35,36 @@ struct RimPart {
     Loop edges;
 };
 
-[[noreturn]] void fail_rim() { throw InternalError("closed_shell: the rim of the cell does not close"); }
+[[noreturn]] void fail_rim() { throw InternalError("closing_of: the rim of the cell does not close"); }
+
+struct Closed {
+    Closing closing;
+    double off_plane = 0;
+};
 
 class Closer {
 public:
-    explicit Closer(const Cell& cell)
-        : cell_(cell),
-          shell_{cell.vertices, cell.edges, cell.faces, 0},
-          diagonal_(cell.scene.box.diagonal()) {}
+    explicit Closer(const Cell& cell) : cell_(cell), diagonal_(cell.scene.box.diagonal()) {}
 
-    Shell close() {
+    Closed close() {
         for (const Loop& rim : rims()) close_rim(parts(rim));
         // The base comes last, whatever its place among sites.
         const auto floor = loops_.extract(Site::base());
         for (const auto& [site, loops] : loops_) add_faces(site, loops);
         if (floor) add_faces(Site::base(), floor.mapped());
-        return std::move(shell_);
+        return std::move(closed_);
     }
 
 private:
+    const CellVertex& vertex(std::uint32_t v) const {
+        const std::size_t own = cell_.vertices.size();
+        return v < own ? cell_.vertices[v] : closed_.closing.vertices[v - own];
+    }
+    const CellEdge& edge(const Use& use) const {
+        const std::size_t own = cell_.edges.size();
+        return use.edge < own ? cell_.edges[use.edge] : closed_.closing.edges[use.edge - own];
+    }
+
     // Edges with a face on one side only, chained.
     std::vector<Loop> rims() const {
         std::vector<std::array<bool, 2>> used(cell_.edges.size(), {false, false});
@@ -87,9 +99,7 @@ private:
         return rims;
     }
 
-    std::uint32_t start(const Use& use) const {
-        return shell_.edges[use.edge].vertices[use.reversed ? 1 : 0];
-    }
+    std::uint32_t start(const Use& use) const { return edge(use).vertices[use.reversed ? 1 : 0]; }
     std::uint32_t end(const Use& use) const { return start(use.back()); }
 
     // The first part begins where the last one ends for another site's sake, if there are several.
@@ -121,7 +131,9 @@ private:
             loops_[rim[0].beside].push_back(run_back(rim[0].edges));
             return;
         }
-        const auto is_wall = [](const RimPart& part) { return part.beside != Site::base(); };
+        const auto is_wall = [&](const RimPart& part) {
+            return part.beside != Site::base() && !is_on_base(part.edges);
+        };
         std::vector<Foot> feet;
         for (std::size_t i = 0; i < rim.size(); ++i) {
             const RimPart& before = rim[(i + rim.size() - 1) % rim.size()];
@@ -146,6 +158,20 @@ private:
         loops_[Site::base()].push_back(std::move(floor));
     }
 
+    // Where an edge of the box lies on a base plane there is no height for a wall.
+    bool is_on_base(const Loop& edges) const {
+        return std::ranges::all_of(edges, [&](const Use& use) {
+            const CellVertex& corner = vertex(start(use));
+            const CellEdge& e = edge(use);
+            constexpr double rounding = 0x1p-44;  // of the box's diagonal
+            const double allowed = corner.error + e.error + rounding * diagonal_;
+            return std::ranges::all_of(e.curve.points, [&](const Eigen::Vector4d& p) {
+                return std::abs(corner.radius - outwards(Site::base()).dot(p.head<3>() - corner.point)) <=
+                       allowed;
+            });
+        });
+    }
+
     /// A vertex on the base, and the line from it to the corner above.
     struct Foot {
         std::uint32_t vertex;
@@ -159,9 +185,10 @@ private:
         foot.point = top.point + top.radius * outwards(Site::base());
         foot.sites = {std::min(before, after), std::max(before, after)};
         foot.error = top.error;
-        const auto vertex = static_cast<std::uint32_t>(shell_.vertices.size());
-        shell_.vertices.push_back(std::move(foot));
-        return {vertex, add_line(vertex, corner, {before, after})};
+        std::vector<CellVertex>& added = closed_.closing.vertices;
+        const auto number = static_cast<std::uint32_t>(cell_.vertices.size() + added.size());
+        added.push_back(std::move(foot));
+        return {number, add_line(number, corner, {before, after})};
     }
 
     std::uint32_t add_line(std::uint32_t from, std::uint32_t to, const std::array<Site, 2>& sites) {
@@ -170,12 +197,13 @@ private:
         line.vertices = {from, to};
         line.curve.knots = {0, 0, 1, 1};
         for (const std::uint32_t v : {from, to}) {
-            const CellVertex& at = shell_.vertices[v];
+            const CellVertex& at = vertex(v);
             line.curve.points.push_back(at.point.homogeneous());
             line.error = std::max(line.error, at.error);
         }
-        shell_.edges.push_back(std::move(line));
-        return static_cast<std::uint32_t>(shell_.edges.size() - 1);
+        std::vector<CellEdge>& added = closed_.closing.edges;
+        added.push_back(std::move(line));
+        return static_cast<std::uint32_t>(cell_.edges.size() + added.size() - 1);
     }
 
     // The normal, out of the solid, of what closes it at a site.
@@ -198,7 +226,7 @@ private:
     void add_faces(Site site, std::vector<Loop> loops) {
         const Vec3 out = outwards(site);
         const auto height = [&](const Loop& loop) {
-            const RationalCurve3& curve = shell_.edges[loop.front().edge].curve;
+            const RationalCurve3& curve = edge(loop.front()).curve;
             return out.dot(curve.evaluate(curve.domain_begin()));
         };
         constexpr double one_plane = 1e-12;  // of the box's diagonal: what is in one plane but for rounding
@@ -222,7 +250,7 @@ private:
             polygons.emplace_back();
             for (const Use& use : loops[i]) {
                 constexpr int steps = 64;
-                const RationalCurve3& curve = shell_.edges[use.edge].curve;
+                const RationalCurve3& curve = edge(use).curve;
                 for (int k = 0; k < steps; ++k) {
                     const double s = static_cast<double>(use.reversed ? steps - k : k) / steps;
                     const Vec3 p = curve.evaluate((1 - s) * curve.domain_begin() + s * curve.domain_end());
@@ -240,13 +268,13 @@ private:
 
     void add_face(Site site, const Vec3& out, const std::vector<Loop>& loops) {
         const Vec3 x = out.unitOrthogonal(), y = out.cross(x),
-                   origin = shell_.edges[loops[0][0].edge].curve.points[0].head<3>();
+                   origin = edge(loops[0][0]).curve.points[0].head<3>();
         TrimmedPatch patch;
         Eigen::AlignedBox2d domain;
         for (const Loop& loop : loops) {
             patch.loops.emplace_back();
             for (const Use& use : loop) {
-                const RationalCurve3& curve = shell_.edges[use.edge].curve;
+                const RationalCurve3& curve = edge(use).curve;
                 RationalCurve2 trim;
                 trim.degree = curve.degree;
                 trim.knots = curve.knots;
@@ -254,7 +282,7 @@ private:
                     const Vec3 q = p.head<3>() - origin;
                     trim.points.push_back({x.dot(q), y.dot(q), p[3]});
                     domain.extend(trim.points.back().head<2>());
-                    shell_.off_plane = std::max(shell_.off_plane, std::abs(out.dot(q)));
+                    closed_.off_plane = std::max(closed_.off_plane, std::abs(out.dot(q)));
                 }
                 patch.loops.back().push_back({use.edge, std::nullopt, use.reversed,
                                               use.reversed ? reversed(std::move(trim)) : std::move(trim)});
@@ -269,17 +297,29 @@ private:
         face.site = site;
         face.bisector = site == Site::base() ? "base" : site.kind == Site::Kind::End ? "end" : "wall";
         face.patches.push_back(std::move(patch));
-        shell_.faces.push_back(std::move(face));
+        closed_.closing.faces.push_back(std::move(face));
     }
 
     const Cell& cell_;
-    Shell shell_;
+    Closed closed_;
     double diagonal_;
     std::map<Site, std::vector<Loop>> loops_;  // of what closes the solid
 };
 
 }  // namespace
 
-Shell closed_shell(const Cell& cell) { return Closer(cell).close(); }
+Closing closing_of(const Cell& cell) { return Closer(cell).close().closing; }
+
+Shell closed_shell(const Cell& cell) {
+    Closed closed = Closer(cell).close();
+    Shell shell{cell.vertices, cell.edges, cell.faces, closed.off_plane};
+    const auto append = [](auto& all, auto& more) {
+        all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+    };
+    append(shell.vertices, closed.closing.vertices);
+    append(shell.edges, closed.closing.edges);
+    append(shell.faces, closed.closing.faces);
+    return shell;
+}
 
 }  // namespace vcell

@@ -41,7 +41,7 @@ void for_each_value(const json& value, const json::json_pointer& pointer, F f) {
         for (std::size_t i = 0; i < value.size(); ++i) for_each_value(value[i], pointer / i, f);
 }
 
-const std::set<std::string> optional_keys{"name", "units", "tolerance", "extra_sites", "seam"};
+const std::set<std::string> optional_keys{"name", "units", "tolerance", "extra_sites", "seam", "closing"};
 
 }  // namespace
 

@@ -335,6 +335,10 @@ TEST_CASE("damage: points, curves and patches moved") {
                                c.vertices[v].point.x() += 1e-7;
                                return std::size_t{v};
                            }});
+        damages.push_back({cell, "a vertex without sites", "vertices[#].sites", [](Cell& c) {
+                               c.vertices[inner_vertex(c)].sites.clear();
+                               return std::size_t{inner_vertex(c)};
+                           }});
         damages.push_back({cell, "a vertex without one of its sites", "vertices[#]", [](Cell& c) {
                                const auto v = inner_vertex(c);
                                c.vertices[v].sites.pop_back();
