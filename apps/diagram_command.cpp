@@ -19,6 +19,7 @@
 #include "../io/pictures/diagram_pictures.hpp"
 #include "../io/pictures/mesh_formats.hpp"
 #include "../io/pictures/page.hpp"
+#include "../io/solids/moments.hpp"
 #include "progress.hpp"
 
 namespace vcell {
@@ -86,6 +87,10 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_.add_option("--groups", groups_, "table of the groups of objects: their cells as one")
         ->type_name("FILE");
     command_
+        .add_option("--moments", moments_,
+                    "table of the cells of balls: centroid and second moments of the volume")
+        ->type_name("FILE");
+    command_
         .add_option(
             "-o,--output", outputs_,
             "mesh of all cells, .obj (with .mtl), .stl, .ply, .vtu, .glb or .3mf, a page to look at them, .html, or a "
@@ -145,13 +150,15 @@ Status DiagramCommand::run() const {
     std::vector<DiagramPicture> pictures;
     for (const std::string& name : outputs_) pictures.push_back(open_picture(name, cut_, open));
     OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_),
-               *voids = open(network_);
+               *voids = open(network_), *moments = open(moments_);
     const bool is_summary_shown =
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
 
     const DiagramScene scene = scene_.read();
     if (scene.probe && !pictures.empty())
         throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
+    if (scene.probe && moments) throw UsageError("--moments: cells that end at a probe have no patches");
+    if (moments) write_moment_header(moments->stream());
     scene_.about([&] {
         for (DiagramPicture& picture : pictures) picture.begin(scene);
     });
@@ -166,11 +173,12 @@ Status DiagramCommand::run() const {
         options.threads = threads_.count();
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
         options.complete = has_meshes;
-        if (network || !pictures.empty())
+        if (network || moments || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {
                 is_drawn[object] = true;
                 if (std::holds_alternative<Sphere>(cell.scene.base)) {
                     if (network) network->add(object, cell);
+                    if (moments) write_moment_row(moments->stream(), scene, object, moments_of(cell));
                     for (DiagramPicture& picture : pictures)
                         if (picture.text) picture.text->add(object, cell);
                 }

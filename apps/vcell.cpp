@@ -92,6 +92,8 @@ public:
             "--complete", complete_,
             "of a base plane or an oblique tube: all that is nearest to it in the box, over base points outside "
             "it, too");
+        command_.add_flag("--moments", moments_,
+                          "in .json: the volume's centroid and second moments, with their errors");
         threads_.add_to(command_);
         command_.footer("No output appears before all of them are complete.");
     }
@@ -102,7 +104,8 @@ public:
         // Every target is opened before the work: what cannot be written is known at once.
         for (const std::string& target : outputs_) add(target);
         const Scene scene = scene_.read();
-        const Cell cell = scene_.about([&] { return compute_cell(scene, threads_.count(), complete_); });
+        Cell cell = scene_.about([&] { return compute_cell(scene, threads_.count(), complete_); });
+        if (moments_) cell.moments = moments_of(cell);
         if (complete_ && !cell.is_complete)
             warn(
                 "the cell stands over what the box holds of the base: only those of planes and of "
@@ -194,6 +197,7 @@ private:
     std::size_t most_triangles_ = MeshOptions().most_triangles;
     bool solid_ = false;
     bool complete_ = false;
+    bool moments_ = false;
     ThreadsArgument threads_;
     std::vector<std::unique_ptr<Output>> files_;
 };
@@ -330,10 +334,11 @@ private:
     CLI::App& command_;
     SceneArgument scene_;
     bool complete_ = false;
-    std::array<Table, 3> tables_{
+    std::array<Table, 4> tables_{
         {{"--faces", "table of the faces: site, name, bisector, area", write_faces},
          {"--edges", "table of the edges: sites, names, kind, length, dihedral angle", write_edges},
-         {"--vertices", "table of the vertices: point, clearance, sites, names", write_vertices}}};
+         {"--vertices", "table of the vertices: point, clearance, sites, names", write_vertices},
+         {"--moments", "table of the volume's centroid and second moments", write_moments}}};
 };
 
 // ---- refine --------------------------------------------------------------------------------------

@@ -89,6 +89,17 @@ struct Measures {
     bool is_estimated = false;  ///< the errors of volume, area and box_area, otherwise proven bounds
 };
 
+/// First and second moments of a cell's volume, the base's body included.
+struct Moments {
+    Vec3 centroid = Vec3::Constant(not_measured);
+    double centroid_error = not_measured;  ///< bound on the distance from the true one
+    /// The integral of (p - centroid)(p - centroid)^T over the volume, symmetric: length^5. Divided by the
+    /// volume it is the covariance of a random point of the cell; its trace less itself is the tensor of
+    /// inertia at density 1.
+    Eigen::Matrix3d second = Eigen::Matrix3d::Constant(not_measured);
+    double second_error = not_measured;  ///< bound on the error of each entry
+};
+
 struct Report {
     Decisions decisions;
     /// How the diagram came about: forms inserted into diagrams (of pieces of the base's chart, or of discs),
@@ -124,6 +135,8 @@ struct Cell {
     bool is_complete = false;
     /// As the cell's file has it. Cells that are computed have none: closing_of() makes it of their faces.
     std::optional<Closing> closing = std::nullopt;
+    /// As asked for, and as the cell's file has them: moments_of() makes them (io/solids/moments.hpp).
+    std::optional<Moments> moments = std::nullopt;
 };
 
 /// Is it a face through which a base plane's rays come into a complete cell? Others stand over the base,
@@ -132,7 +145,8 @@ struct Cell {
 bool is_entered(const Cell& cell, const CellFace& face);
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
-/// power of two; the parameters of its patches times `of_parameters`. Pre: no `closing`.
+/// power of two; the parameters of its patches times `of_parameters`. Pre: no `closing`, no
+/// `moments`.
 void scale(Cell& cell, double factor, double of_parameters, unsigned threads = 1);
 
 }  // namespace vcell

@@ -17,3 +17,4 @@
 #include "pictures/obj.hpp"
 #include "pictures/page.hpp"
 #include "pictures/svg.hpp"
+#include "solids/moments.hpp"

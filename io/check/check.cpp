@@ -9,6 +9,7 @@
 #include "faces.hpp"
 #include "kinds.hpp"
 #include "measures.hpp"
+#include "moments.hpp"
 #include "structure.hpp"
 #include "tiling.hpp"
 #include "vertices.hpp"
@@ -37,6 +38,7 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     certify_faces(subject, edges, options, certificate);
     certify_entries(subject, options, certificate);
     certify_closing(subject, edges, options, certificate);
+    certify_moments(subject, options, certificate);
     const bool is_covered = certify_measures(subject, edges, options, certificate);
     if (!is_covered || !certificate.holds()) sample(subject, options, certificate);
     return certificate;

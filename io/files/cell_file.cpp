@@ -151,7 +151,18 @@ void write_closing(JsonWriter& out, const Closing& closing) {
     });
 }
 
-void write_measures(JsonWriter& out, const Measures& m) {
+void write_moments(JsonWriter& out, const Moments& m) {
+    out.object([&] {
+        out.key("centroid").value(m.centroid);
+        out.key("centroid_error").value(m.centroid_error);
+        out.key("second").array([&] {
+            for (int i = 0; i < 3; ++i) out.value(Vec3(m.second.row(i)));
+        });
+        out.key("second_error").value(m.second_error);
+    });
+}
+
+void write_measures(JsonWriter& out, const Measures& m, const std::optional<Moments>& moments) {
     out.object([&] {
         out.key("volume").value(m.volume);
         out.key(error_key("volume", m.is_estimated)).value(m.volume_error);
@@ -168,6 +179,7 @@ void write_measures(JsonWriter& out, const Measures& m) {
         out.key("max_clearance").value(m.max_clearance);
         out.key("max_clearance_error").value(m.max_clearance_error);
         out.key("touches_box").value(m.touches_box);
+        if (moments) write_moments(out.key("moments"), *moments);
     });
 }
 
@@ -432,10 +444,24 @@ private:
                    required_member("min_clearance_error", [&] { m.min_clearance_error = in_.number(); }),
                    required_member("max_clearance", [&] { m.max_clearance = in_.number(); }),
                    required_member("max_clearance_error", [&] { m.max_clearance_error = in_.number(); }),
-                   required_member("touches_box", [&] { m.touches_box = in_.boolean(); }));
+                   required_member("touches_box", [&] { m.touches_box = in_.boolean(); }),
+                   optional_member("moments", [&] { moments(cell_.moments.emplace()); }));
         need("volume_error", m.volume_error);
         need("area_error", m.area_error);
         need("box_area_error", m.box_area_error);
+    }
+
+    void moments(Moments& m) {
+        in_.object(required_member("centroid", [&] { m.centroid = read_vec3(in_); }),
+                   required_member("centroid_error", [&] { m.centroid_error = in_.number(); }),
+                   required_member("second",
+                                   [&] {
+                                       in_.array_of(3, [&](std::size_t i) {
+                                           m.second.row(static_cast<Eigen::Index>(i)) =
+                                               read_vec3(in_).transpose();
+                                       });
+                                   }),
+                   required_member("second_error", [&] { m.second_error = in_.number(); }));
     }
 
     void report(Report& r) {
@@ -484,7 +510,7 @@ void write_elements(JsonWriter& out, const Cell& cell, const Closing* closing, u
     out.line_key("faces").lines(cell.faces, threads, write_face);
     if (closing) write_closing(out.line_key("closing"), *closing);
     out.line_key("neighbors").value(cell.neighbors);
-    write_measures(out.line_key("measures"), cell.measures);
+    write_measures(out.line_key("measures"), cell.measures, cell.moments);
     write_report(out.line_key("report"), cell.report);
 }
 

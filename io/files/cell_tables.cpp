@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../check/space.hpp"
+#include "../solids/moments.hpp"
 
 namespace vcell {
 
@@ -105,6 +106,18 @@ void write_vertices(std::ostream& out, const Cell& cell) {
                    v.radius, v.error, v.is_touching, joined(v.sites, [](Site s) { return to_string(s); }),
                    joined(v.sites, [&](Site s) { return name_of(cell, s); }));
     }
+}
+
+void write_moment_line(std::ostream& out, const Moments& m) {
+    const Vec3& c = m.centroid;
+    const Eigen::Matrix3d& s = m.second;
+    fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n", c.x(), c.y(), c.z(), m.centroid_error,
+               s(0, 0), s(1, 1), s(2, 2), s(1, 2), s(2, 0), s(0, 1), m.second_error);
+}
+
+void write_moments(std::ostream& out, const Cell& cell) {
+    out << moment_columns << '\n';
+    write_moment_line(out, moments_of(cell));
 }
 
 }  // namespace vcell

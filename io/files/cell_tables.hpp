@@ -26,4 +26,10 @@ void write_edges(std::ostream& out, const Cell& cell);
 /// vertex x y z clearance error touching sites names
 void write_vertices(std::ostream& out, const Cell& cell);
 
+/// x y z centroid_error xx yy zz yz zx xy second_error, one line: moments_of() the cell.
+void write_moments(std::ostream& out, const Cell& cell);
+/// Its columns, and a line of them.
+inline constexpr const char* moment_columns = "x\ty\tz\tcentroid_error\txx\tyy\tzz\tyz\tzx\txy\tsecond_error";
+void write_moment_line(std::ostream& out, const Moments& moments);
+
 }  // namespace vcell

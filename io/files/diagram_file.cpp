@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "../../core/errors.hpp"
+#include "cell_tables.hpp"
 #include "files.hpp"
 #include "scene_json.hpp"
 #include "text.hpp"
@@ -182,6 +183,14 @@ void write_cell_rows(std::ostream& out, const DiagramScene& scene, std::span<con
 void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram) {
     write_cell_header(out);
     write_cell_rows(out, scene, diagram.cells, 0);
+}
+
+void write_moment_header(std::ostream& out) { fmt::print(out, "object\tname\tgroup\t{}\n", moment_columns); }
+
+void write_moment_row(std::ostream& out, const DiagramScene& scene, std::uint32_t object,
+                      const Moments& moments) {
+    fmt::print(out, "{}\t{}\t{}\t", object, column(scene.names, object), column(scene.groups, object));
+    write_moment_line(out, moments);
 }
 
 void write_contact_header(std::ostream& out) {

@@ -50,6 +50,12 @@ void write_contact_table(std::ostream& out, const DiagramScene& scene, const Con
 
 // The same in parts.
 
+/// The header of a table of moments: object name group, and the columns of a cell's (cell_tables.hpp).
+void write_moment_header(std::ostream& out);
+/// The line of an object's cell.
+void write_moment_row(std::ostream& out, const DiagramScene& scene, std::uint32_t object,
+                      const Moments& moments);
+
 void write_cell_header(std::ostream& out);
 /// Of the cells of the objects first, first + 1, ...; names and groups of the scene are those of these
 /// objects.

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <filesystem>
 #include <mutex>
 
@@ -188,6 +189,28 @@ void bind_mesh(py::module_& m) {
         "closed: with walls and the base's region, the mesh of the whole solid.");
 }
 
+void bind_moments(py::module_& m) {
+    py::class_<Moments>(m, "Moments",
+                        "The centroid and second moments of a cell's volume, with proven errors.")
+        .def_property_readonly(
+            "centroid", [](const Moments& of) { return array_of(of.centroid); }, "Shape (3,).")
+        .def_readonly("centroid_error", &Moments::centroid_error)
+        .def_property_readonly(
+            "second",
+            [](const Moments& of) {
+                return table<double>(std::array{0, 1, 2}, 3, [&](int i) { return Vec3(of.second.row(i)); });
+            },
+            "The integral of (p - centroid) (p - centroid)^T over the volume: shape (3, 3).")
+        .def_readonly("second_error", &Moments::second_error, "Of each of its entries.");
+    m.def(
+        "moments",
+        [](const Cell& cell) {
+            const py::gil_scoped_release unlocked;
+            return moments_of(cell);
+        },
+        py::arg("cell"), "Moments of all that the cell encloses, the base's body included.");
+}
+
 /// Writes a cell in the format of the file's ending.
 void write(const Cell& cell, const std::string& path, const std::optional<CellMesh>& given) {
     const std::string ending = std::filesystem::path(path).extension().string();
@@ -238,6 +261,7 @@ void bind_tools(py::module_& m) {
     bind_query(m);
     bind_check(m);
     bind_mesh(m);
+    bind_moments(m);
     bind_files(m);
 }
 

@@ -197,6 +197,23 @@ def test_a_closed_mesh_has_the_cell_s_volume(scene):
     assert np.median(np.einsum("ij,ij->i", normals, np.cross(b - a, c - a))) > 0
 
 
+def test_moments_are_those_of_the_closed_mesh(scene):
+    cell = vcell.cell(scene)
+    moments = vcell.moments(cell)
+    mesh = vcell.mesh(cell, closed=True, chord=0.002)
+    a, b, c = np.moveaxis(mesh.points[mesh.triangles], 1, 0)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    centroid = (volumes[:, None] * (a + b + c)).sum(axis=0) / 4 / volumes.sum()
+    assert np.linalg.norm(centroid - moments.centroid) < 0.01
+    a, b, c = (corner - moments.centroid for corner in (a, b, c))
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    second = sum(np.einsum("i,ij,ik->jk", volumes / 20, p, p) for p in (a, b, c, a + b + c))
+    assert moments.second.shape == (3, 3)
+    assert np.allclose(second, moments.second, atol=0.01 * np.trace(second))
+    assert 0 <= moments.centroid_error < 1e-3 and 0 <= moments.second_error < 1e-3 * np.trace(second)
+    assert np.array_equal(vcell.moments(vcell.parse_cell(cell.to_json())).centroid, moments.centroid)
+
+
 def test_parts_keep_what_they_are_of(around_a_ball):
     """References into a cell live on without it: no dangling memory, whatever is dropped first."""
     surface = vcell.cell(around_a_ball).faces[0].patches[0].surface
