@@ -94,6 +94,11 @@ public:
             "it, too");
         command_.add_flag("--moments", moments_,
                           "in .json: the volume's centroid and second moments, with their errors");
+        command_
+            .add_option("--contours", contours_,
+                        "in .svg: level curves of the clearance, at N round levels at most")
+            ->check(CLI::Range(1, 1000))
+            ->type_name("N");
         threads_.add_to(command_);
         command_.footer("No output appears before all of them are complete.");
     }
@@ -176,7 +181,7 @@ private:
     void write(Output& out, const Cell& cell, const std::optional<CellMesh>& mesh) const {
         std::ostream& stream = out.file.stream();
         if (out.format == "json") write_cell(stream, cell, threads_.count());
-        if (out.format == "svg") write_svg(stream, cell);
+        if (out.format == "svg") write_svg(stream, cell, {contours_});
         if (out.format == "itd") write_itd(stream, cell);
         if (out.format == "step") write_step(stream, cell);
         if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);
@@ -198,6 +203,7 @@ private:
     bool solid_ = false;
     bool complete_ = false;
     bool moments_ = false;
+    std::size_t contours_ = 0;
     ThreadsArgument threads_;
     std::vector<std::unique_ptr<Output>> files_;
 };

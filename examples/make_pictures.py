@@ -11,6 +11,8 @@ import subprocess
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 
 DIAGRAMS = ["table3_24", "hundreds", "pile_50", "figure1", "figure2", "figure8", "figure10"]
+# With level curves of the clearance: NAME_contours.svg.
+CONTOURS = {"leaning": "8"}
 # Azimuth and elevation.
 VIEWS = {
     "figure1": "-112,16",
@@ -40,12 +42,15 @@ def arguments(description):
 
 def main():
     options = arguments(__doc__)
-    for name in sorted({*DIAGRAMS, *VIEWS}):
+    for name in sorted({*DIAGRAMS, *CONTOURS, *VIEWS}):
         if options.names and name not in options.names:
             continue
         scene = SOURCE / f"examples/scenes/{name}.json"
         if name in DIAGRAMS:
             subprocess.run([options.program, "compute", scene, "-o", options.output / f"{name}.svg"], check=True)
+        if name in CONTOURS:
+            subprocess.run([options.program, "compute", scene, "-o", options.output / f"{name}_contours.svg", "--contours",
+                            CONTOURS[name]], check=True)
         if name in VIEWS:
             clips = [word for clip in CLIPS.get(name, []) for word in ("--clip", *clip.split())]
             subprocess.run([options.program, "draw", scene, "-o", options.output / f"{name}.png", "--view", VIEWS[name],

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace vcell {
 
@@ -58,6 +59,39 @@ std::optional<Vec2> place_of_text(std::span<const std::vector<Vec2>> polygons, d
             for (const int j : {-1, 0, 1}) look_at(from + Vec2(i * step.x(), j * step.y()));
     }
     return most > 0.6 * height ? std::optional(best) : std::nullopt;
+}
+
+std::optional<LinePlace> place_on_line(std::span<const Vec2> line, double width) {
+    double length = 0;
+    for (std::size_t k = 1; k < line.size(); ++k) length += (line[k] - line[k - 1]).norm();
+    constexpr double ample = 3, straight = 0.9;
+    if (!(length > ample * width)) return std::nullopt;
+    const auto at = [&](double distance) {
+        for (std::size_t k = 1; k < line.size(); ++k) {
+            const double step = (line[k] - line[k - 1]).norm();
+            if (distance <= step && step > 0)
+                return Vec2(line[k - 1] + distance / step * (line[k] - line[k - 1]));
+            distance -= step;
+        }
+        return line.back();
+    };
+    const Vec2 along = at(0.5 * (length + width)) - at(0.5 * (length - width));
+    if (!(along.norm() > straight * width)) return std::nullopt;
+    const double degrees = std::atan2(along.y(), along.x()) * 180 / std::numbers::pi;
+    return LinePlace{at(0.5 * length), degrees > 90     ? degrees - 180
+                                       : degrees <= -90 ? degrees + 180
+                                                        : degrees};
+}
+
+// Turned words fit a circle about them.
+bool TakenRoom::take(const Vec2& middle, const Vec2& room) {
+    constexpr double apart = 0.6;
+    for (const Place& place : places_)
+        if ((place.middle - middle).norm() < apart * std::max(place.room.maxCoeff() + room.minCoeff(),
+                                                              place.room.minCoeff() + room.maxCoeff()))
+            return false;
+    places_.push_back({middle, room});
+    return true;
 }
 
 double round_length(double longest) {

@@ -17,8 +17,10 @@
 
 #include "../../primitives/bases/plane_base.hpp"
 #include "../files/text.hpp"
+#include "contours.hpp"
 #include "labels.hpp"
 #include "site_style.hpp"
+#include "svg_paths.hpp"
 #include "unfold.hpp"
 
 namespace vcell {
@@ -27,26 +29,40 @@ namespace {
 
 class Picture {
 public:
-    Picture(std::ostream& out, const Cell& cell) : out_(out), cell_(cell), colours_(object_colours(cell)) {}
+    Picture(std::ostream& out, const Cell& cell, std::size_t most_levels)
+        : out_(out),
+          cell_(cell),
+          colours_(object_colours(cell)),
+          levels_(round_levels(cell, most_levels)),
+          contours_(contours(cell, levels_)) {}
 
     /// In the chart of a plane base.
     void draw() {
         project_cylinder_faces();
+        project_contours();
         const auto [low, high] = bounds();
         has_lengths_ = true;
         frame(low, high);
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
             if (!is_entered(cell_, cell_.faces[f])) face(f);
+        level_curves();
         edges_and_vertices();
         print("</g>\n");
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
             if (!is_entered(cell_, cell_.faces[f])) label(f, polygons(f));
+        label_levels();
         legend(low, high);
         print("</svg>\n");
         flush();
     }
 
-    void draw(const Unfolding& unfolding) {
+    /// Around a ball or a tube.
+    void draw_unfolded() {
+        std::vector<std::vector<Vec3>> lines;
+        for (const Contour& contour : contours_) lines.push_back(contour.points);
+        const Unfolding unfolding = unfold(cell_, lines);
+        for (std::size_t k = 0; k < contours_.size(); ++k)
+            for (const auto& line : unfolding.lines[k]) level_lines_.push_back({contours_[k].level, line});
         Vec2 low = Vec2::Constant(INFINITY), high = -low;
         for (const Unfolding::Panel& panel : unfolding.panels) {
             low = low.cwiseMin(panel.low);
@@ -56,24 +72,28 @@ public:
         std::string path;
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             path.clear();
-            for (const auto& polygon : unfolding.faces[f]) append(path, polygon, "Z");
+            for (const auto& polygon : unfolding.faces[f]) paths_.append(path, polygon, "Z");
             face(f, path);
         }
+        level_curves();
         for (const Unfolding::Panel& panel : unfolding.panels)
             print("<rect class=\"panel\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n",
-                  number(panel.low.x()), number(panel.low.y()), number(panel.high.x() - panel.low.x()),
-                  number(panel.high.y() - panel.low.y()));
+                  paths_.number(panel.low.x()), paths_.number(panel.low.y()),
+                  paths_.number(panel.high.x() - panel.low.x()),
+                  paths_.number(panel.high.y() - panel.low.y()));
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) {
             path.clear();
-            for (const auto& line : unfolding.edges[e]) append(path, line, "");
+            for (const auto& line : unfolding.edges[e]) paths_.append(path, line, "");
             edge(e, path, std::ranges::any_of(cell_.edges[e].sites, is_end));
         }
         for (std::size_t v = 0; v < cell_.vertices.size(); ++v) vertex(v, unfolding.vertices[v]);
         print("</g>\n");
         for (const Unfolding::Panel& panel : unfolding.panels)
-            print("<text class=\"panel\" x=\"{}\" y=\"{}\">{}</text>\n", number(panel.low.x() + size_ / 200),
-                  number(-panel.low.y() - size_ / 200), panel.name);
+            print("<text class=\"panel\" x=\"{}\" y=\"{}\">{}</text>\n",
+                  paths_.number(panel.low.x() + size_ / 200), paths_.number(-panel.low.y() - size_ / 200),
+                  panel.name);
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) label(f, unfolding.faces[f]);
+        label_levels();
         legend(low, high);
         print("</svg>\n");
         flush();
@@ -81,6 +101,10 @@ public:
 
 private:
     using Piece = const TrimCurve*;
+    struct LevelLine {
+        std::size_t level;
+        std::vector<Vec2> points;
+    };
 
     static bool is_end(Site s) { return s.kind == Site::Kind::End; }
 
@@ -130,6 +154,38 @@ private:
         return projected == projected_.end() ? c : projected->second;
     }
 
+    void project_contours() {
+        if (contours_.empty()) return;
+        const BaseFrame frame = plane_base_problem(cell_.scene).frame;
+        for (const Contour& contour : contours_) {
+            LevelLine& line = level_lines_.emplace_back(LevelLine{contour.level, {}});
+            for (const Vec3& p : contour.points) line.points.push_back(frame.to_canonical(p).head<2>());
+        }
+    }
+
+    void level_curves() {
+        for (std::size_t level = 0; level < levels_.size(); ++level) {
+            std::string path;
+            for (const LevelLine& line : level_lines_)
+                if (line.level == level) paths_.append_smooth(path, line.points);
+            print(
+                "<path class=\"contour\" data-clearance=\"{0:.6g}\" d=\"{1}\"><title>clearance {0:.6g}</title></path>\n",
+                levels_[level], path);
+        }
+    }
+
+    /// Beside its middle, along it, where no other words are.
+    void label_levels() {
+        for (const LevelLine& line : level_lines_) {
+            const std::string text = fmt::format("{:.6g}", levels_[line.level]);
+            const Vec2 room = small_letter * pixel_ * Vec2(wide * static_cast<double>(text.size()), 1);
+            const auto place = place_on_line(line.points, room.x());
+            if (!place || !words_.take(place->at, room)) continue;
+            print("<text class=\"words label level\" {} y=\"{:.3g}\">{}</text>\n",
+                  in_pixels(place->at, -place->degrees), 0.35 * small_letter, text);
+        }
+    }
+
     template <class F>
     void for_each_curve(F f) const {
         for (const CellFace& face : cell_.faces)
@@ -158,10 +214,10 @@ private:
     void frame(const Vec2& low, const Vec2& high) {
         const Vec2 extent = high - low;
         size_ = extent.maxCoeff();
-        tolerance_ = 1e-6 * size_;
+        paths_.tolerance = 1e-6 * size_;
         // Enough digits to place a point to a tenth of the tolerance, wherever the chart lies.
         const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-        digits_ = std::clamp(static_cast<int>(std::ceil(std::log10(largest / size_) + 7.0)), 7, 17);
+        paths_.digits = std::clamp(static_cast<int>(std::ceil(std::log10(largest / size_) + 7.0)), 7, 17);
 
         const double crowd = std::sqrt(static_cast<double>(std::max<std::size_t>(cell_.vertices.size(), 1)));
         const double stroke = size_ * std::min(1.0 / 400, 0.05 / crowd);
@@ -170,41 +226,48 @@ private:
         constexpr double width = 800;  // pixels
         pixel_ = (extent.x() + 2 * margin) / width;
         const double height =
-            extent.y() + 2 * margin + (has_lengths_ || has_hatches() ? legend_height * pixel_ : 0);
+            extent.y() + 2 * margin +
+            (has_lengths_ || has_hatches() || !levels_.empty() ? legend_height * pixel_ : 0);
         print(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"{:.0f}\" height=\"{:.0f}\" "
             "viewBox=\"{} {} {} {}\">\n",
-            width, std::max(1.0, height / pixel_), number(low.x() - margin), number(-high.y() - margin),
-            number(extent.x() + 2 * margin), number(height));
+            width, std::max(1.0, height / pixel_), paths_.number(low.x() - margin),
+            paths_.number(-high.y() - margin), paths_.number(extent.x() + 2 * margin), paths_.number(height));
         print("<title>Voronoi cell: minimization diagram, {} faces, {} edges, {} vertices</title>\n",
               cell_.faces.size(), cell_.edges.size(), cell_.vertices.size());
         print(
             "<style>\n.face{{fill:#dddddd;stroke:none}}\n.box{{fill:url(#hatch)}}\n"
             ".edge{{fill:none;stroke:#222222;stroke-width:{0};stroke-linecap:round;stroke-linejoin:round}}\n"
             ".rim{{stroke-width:{1}}}\n.vertex{{fill:#ffffff;stroke:#222222;stroke-width:{2}}}\n",
-            number(stroke), number(2 * stroke), number(0.6 * stroke));
+            paths_.number(stroke), paths_.number(2 * stroke), paths_.number(0.6 * stroke));
         print(
             "rect.panel{{fill:none;stroke:#888888;stroke-width:{0};stroke-dasharray:{1}}}\n"
             "text.panel{{fill:#444444;font-family:sans-serif;font-size:{2}px}}\n",
-            number(0.6 * stroke), number(2 * stroke), number(size_ / 50));
+            paths_.number(0.6 * stroke), paths_.number(2 * stroke), paths_.number(size_ / 50));
         print(
             ".words{{fill:#222222;font-family:sans-serif;font-size:{}px;pointer-events:none}}\n"
             "text.label{{text-anchor:middle}}\n.bar{{fill:none;stroke:#222222;stroke-width:1.5}}\n",
             letter);
+        if (!levels_.empty())
+            print(
+                ".contour{{fill:none;stroke:#000000;stroke-opacity:0.55;stroke-width:{}}}\ntext.level{{font-size:{}px;"
+                "paint-order:stroke;stroke:#ffffff;stroke-opacity:0.7;stroke-width:2px}}\n",
+                paths_.number(0.7 * stroke), small_letter);
         for (std::size_t c = 0; c < palette().size(); ++c) print(".c{}{{fill:{}}}\n", c, palette()[c]);
         print(
             "</style>\n<defs><pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"{0}\" "
             "height=\"{0}\" "
             "patternTransform=\"rotate(45)\"><rect width=\"{0}\" height=\"{0}\" fill=\"#eeeeee\"/>"
             "<rect width=\"{1}\" height=\"{0}\" fill=\"#cccccc\"/></pattern></defs>\n",
-            number(size_ / 80), number(size_ / 320));
+            paths_.number(size_ / 80), paths_.number(size_ / 320));
         print("<g transform=\"scale(1,-1)\">\n");
     }
 
     // Texts are in pixels: letters of a tiny picture's units have no shapes in some viewers.
-    std::string in_pixels(const Vec2& at) const {
-        return fmt::format("transform=\"translate({} {}) scale({})\"", number(at.x()), number(0.0 - at.y()),
-                           number(pixel_));
+    std::string in_pixels(const Vec2& at, double degrees = 0) const {
+        const std::string turn = degrees != 0 ? fmt::format(" rotate({:.4g})", degrees) : "";
+        return fmt::format("transform=\"translate({} {}) scale({}){}\"", paths_.number(at.x()),
+                           paths_.number(0.0 - at.y()), paths_.number(pixel_), turn);
     }
 
     /// A face as polygons, a few sides for each curve.
@@ -230,12 +293,12 @@ private:
         if (!site.is_object()) return;
         const bool has_name = site.index < cell_.scene.names.size() && !cell_.scene.names[site.index].empty();
         const std::string text = has_name ? cell_.scene.names[site.index] : std::to_string(site.index);
-        constexpr double wide = 0.65;  // of a letter's height
-        const auto place = place_of_text(polygons, wide * letter * pixel_ * static_cast<double>(text.size()),
-                                         letter * pixel_);
-        if (place)
-            print("<text class=\"words label\" {} y=\"{:.3g}\">{}</text>\n", in_pixels(*place), 0.35 * letter,
-                  xml_escaped(text));
+        const Vec2 room = letter * pixel_ * Vec2(wide * static_cast<double>(text.size()), 1);
+        const auto place = place_of_text(polygons, room.x(), room.y());
+        if (!place) return;
+        words_.take(*place, room);
+        print("<text class=\"words label\" {} y=\"{:.3g}\">{}</text>\n", in_pixels(*place), 0.35 * letter,
+              xml_escaped(text));
     }
 
     bool has_hatches() const {
@@ -254,9 +317,16 @@ private:
                   xml_escaped(cell_.scene.units));
             x += length + 120 * pixel_;
         }
+        if (levels_.size() > 1) {
+            print("<g {}><path class=\"bar level\" d=\"M0,-5H22\"/><text class=\"words\" x=\"28\">",
+                  in_pixels({x, line}));
+            print("clearance, every {:.6g} {}</text></g>\n", levels_[1] - levels_[0],
+                  xml_escaped(cell_.scene.units));
+            x += 220 * pixel_;
+        }
         if (!has_hatches()) return;
-        print("<rect class=\"box\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", number(x),
-              number(-line - 11 * pixel_), number(22 * pixel_), number(12 * pixel_));
+        print("<rect class=\"box\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", paths_.number(x),
+              paths_.number(-line - 11 * pixel_), paths_.number(22 * pixel_), paths_.number(12 * pixel_));
         print("<text class=\"words\" {}>sides of the box</text>\n", in_pixels({x + 28 * pixel_, line}));
     }
 
@@ -264,8 +334,8 @@ private:
         std::string path;
         for (const TrimmedPatch& patch : cell_.faces[index].patches)
             for (const auto& loop : patch.loops) {
-                move_to(path, in_chart(loop.front()).curve);
-                for (const TrimCurve& c : loop) append(path, in_chart(c).curve);
+                paths_.move_to(path, in_chart(loop.front()).curve);
+                for (const TrimCurve& c : loop) paths_.append(path, in_chart(c).curve);
                 path += 'Z';
             }
         face(index, path);
@@ -295,13 +365,13 @@ private:
             const auto [piece, uses] = first_use[e];
             if (uses == 0) continue;
             std::string path;
-            move_to(path, piece->curve);
-            append(path, piece->curve);
+            paths_.move_to(path, piece->curve);
+            paths_.append(path, piece->curve);
             edge(e, path, uses == 1);
             const CellEdge& from = cell_.edges[e];
             if (from.vertices.size() != 2) continue;
-            place[from.vertices[piece->reversed ? 1 : 0]] = end_point(piece->curve.points.front());
-            place[from.vertices[piece->reversed ? 0 : 1]] = end_point(piece->curve.points.back());
+            place[from.vertices[piece->reversed ? 1 : 0]] = piece->curve.points.front().head<2>();
+            place[from.vertices[piece->reversed ? 0 : 1]] = piece->curve.points.back().head<2>();
         }
         for (const auto& [v, point] : place) vertex(v, point);
     }
@@ -321,90 +391,8 @@ private:
         print(
             "<circle class=\"vertex\" data-vertex=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{}\">"
             "<title>clearance {:.9g}{}</title></circle>\n",
-            index, number(point.x()), number(point.y()), number(dot_), v.radius, xml_escaped(who));
-    }
-
-    static Vec2 end_point(const Eigen::Vector3d& control_point) { return control_point.head<2>(); }
-
-    std::string number(double x) const { return fmt::format("{:.{}g}", x, digits_); }
-    std::string pair(const Vec2& p) const {
-        return fmt::format("{:.{}g},{:.{}g}", p.x(), digits_, p.y(), digits_);
-    }
-    void move_to(std::string& path, const RationalCurve2& c) const {
-        path += fmt::format("M{}", pair(end_point(c.points.front())));
-    }
-
-    void append(std::string& path, const Unfolding::Polyline& line, const char* close) const {
-        for (std::size_t i = 0; i < line.size(); ++i)
-            path += fmt::format("{}{}", i == 0 ? 'M' : 'L', pair(line[i]));
-        path += close;
-    }
-
-    // Appends the curve to a path that has reached its start.
-    void append(std::string& path, const RationalCurve2& c) const {
-        const auto degree = static_cast<std::size_t>(c.degree);
-        bool bezier_pieces = true;  // every inner knot is there `degree` times
-        for (std::size_t i = degree + 1; i + degree < c.points.size() + 1; i += degree)
-            bezier_pieces = bezier_pieces && c.knots[i] == c.knots[i + degree - 1];
-        bezier_pieces = bezier_pieces && (c.points.size() - 1) % degree == 0;
-        for (std::size_t i = degree; i < c.points.size(); ++i) {
-            if (c.knots[i] == c.knots[i + 1]) continue;
-            // Knot span i; as a Bezier piece its control points are i - degree ... i.
-            const bool exact = bezier_pieces &&
-                               append_exact(path, {c.points.begin() + static_cast<std::ptrdiff_t>(i - degree),
-                                                   c.points.begin() + static_cast<std::ptrdiff_t>(i) + 1});
-            if (!exact) append_cubics(path, c, c.knots[i], c.knots[i + 1], 0);
-        }
-    }
-
-    // Lines, parabolas, circular arcs and polynomial cubics have words of their own.
-    bool append_exact(std::string& path, const std::vector<Eigen::Vector3d>& p) const {
-        const std::size_t degree = p.size() - 1;
-        if (degree == 1) {
-            path += fmt::format("L{}", pair(end_point(p[1])));
-            return true;
-        }
-        if (degree != 2) return false;
-        const Vec2 a = end_point(p[0]), b = end_point(p[1]), c = end_point(p[2]);
-        const Vec2 chord = c - a, leg = b - a;
-        const double shoulder = p[1].z() / std::sqrt(p[0].z() * p[2].z());
-        const double reach = (b - 0.5 * (a + c)).norm();
-        if (reach * std::abs(1 - shoulder) < tolerance_) {
-            path += fmt::format("Q{} {}", pair(b), pair(c));
-            return true;
-        }
-        // An arc of half angle h: an isosceles control triangle with angle h at the chord and shoulder
-        // weight cos h; it spans less than a half turn.
-        const double cosine = chord.dot(leg) / (chord.norm() * leg.norm());
-        const double sine = (leg.x() * chord.y() - leg.y() * chord.x()) / (chord.norm() * leg.norm());
-        const bool circular = std::abs(leg.norm() - (c - b).norm()) < tolerance_ &&
-                              std::abs(shoulder - cosine) * reach < tolerance_;
-        if (!circular) return false;
-        const std::string radius = number(0.5 * chord.norm() / std::abs(sine));
-        path += fmt::format("A{} {} 0 0 {} {}", radius, radius, sine > 0 ? 1 : 0, pair(c));
-        return true;
-    }
-
-    // Cubic Hermite pieces over [from, to], halved until they follow the curve to the tolerance.
-    void append_cubics(std::string& path, const RationalCurve2& c, double from, double to, int depth) const {
-        constexpr int deepest = 12;
-        const auto [p0, d0] = c.evaluate_with_derivative(from);
-        // Just before `to`: at a knot the derivative belongs to the next span.
-        const auto [p3, d3] = c.evaluate_with_derivative(std::nextafter(to, from));
-        const double h = to - from;
-        const Vec2 p1 = p0 + d0 * (h / 3), p2 = p3 - d3 * (h / 3);
-        double deviation = 0;
-        for (const double s : {0.25, 0.5, 0.75}) {
-            const double r = 1 - s;
-            const Vec2 q = r * r * r * p0 + 3 * r * r * s * p1 + 3 * r * s * s * p2 + s * s * s * p3;
-            deviation = std::max(deviation, (q - c.evaluate(from + s * h)).norm());
-        }
-        if (deviation > tolerance_ && depth < deepest) {
-            append_cubics(path, c, from, from + 0.5 * h, depth + 1);
-            append_cubics(path, c, from + 0.5 * h, to, depth + 1);
-            return;
-        }
-        path += fmt::format("C{} {} {}", pair(p1), pair(p2), pair(p3));
+            index, paths_.number(point.x()), paths_.number(point.y()), paths_.number(dot_), v.radius,
+            xml_escaped(who));
     }
 
     std::ostream& out_;
@@ -412,23 +400,27 @@ private:
     std::unordered_map<std::uint32_t, std::size_t> colours_;
     std::unordered_map<const TrimCurve*, TrimCurve> projected_;  // of the faces of cylinders
     std::string buffer_;
-    static constexpr double letter = 12, legend_height = 26;  // pixels
-    bool has_lengths_ = false;                                // the chart's coordinates are lengths
-    double pixel_ = 1;      // of the picture as wide as it says, in the chart's units
-    double size_ = 1;       // of the chart, its units
-    double tolerance_ = 0;  // of fitted curves, the same
-    double dot_ = 0;        // radius of a vertex
-    int digits_ = 7;
+    const std::vector<double> levels_;
+    const std::vector<Contour> contours_;
+    std::vector<LevelLine> level_lines_;  // of the picture
+    TakenRoom words_;
+    static constexpr double letter = 12, small_letter = 9, legend_height = 26;  // pixels
+    static constexpr double wide = 0.65;                                        // of a letter's height
+    bool has_lengths_ = false;  // the chart's coordinates are lengths
+    double pixel_ = 1;          // of the picture as wide as it says, in the chart's units
+    double size_ = 1;           // of the chart, its units
+    double dot_ = 0;            // radius of a vertex
+    SvgPaths paths_;
 };
 
 }  // namespace
 
-void write_svg(std::ostream& out, const Cell& cell) {
-    Picture picture(out, cell);
+void write_svg(std::ostream& out, const Cell& cell, const SvgOptions& options) {
+    Picture picture(out, cell, options.contours);
     if (std::holds_alternative<Plane>(cell.scene.base))
         picture.draw();
     else
-        picture.draw(unfold(cell));
+        picture.draw_unfolded();
 }
 
 }  // namespace vcell

@@ -185,10 +185,15 @@ public:
     Unfolder(const Cell& cell, const RadialBaseProblem& problem)
         : cell_(cell), frame_(problem.frame), sides_(problem) {}
 
-    Unfolding unfold() {
+    Unfolding unfold(std::span<const std::vector<Vec3>> lines) {
         add_panels();
         for (const CellFace& face : cell_.faces) add_face(face);
-        for (const CellEdge& edge : cell_.edges) add_edge(edge);
+        for (const CellEdge& edge : cell_.edges) add_line(sampled(edge), result_.edges.emplace_back());
+        for (const std::vector<Vec3>& line : lines) {
+            Directions points;
+            for (const Vec3& p : line) points.push_back(canonical(p));
+            add_line(points, result_.lines.emplace_back());
+        }
         for (const CellVertex& vertex : cell_.vertices) add_vertex(vertex);
         return std::move(result_);
     }
@@ -330,11 +335,9 @@ private:
 
     // ---- Edges and vertices ----
 
-    // Edges that run along the border of two panels are drawn in both.
-    void add_edge(const CellEdge& edge) {
+    // Lines that run along the border of two panels are drawn in both.
+    void add_line(const Directions& points, std::vector<Polyline>& lines) const {
         constexpr double border = 1 + 1e-6;
-        const Directions points = sampled(edge);
-        std::vector<Polyline>& lines = result_.edges.emplace_back();
         for (const Panel& panel : panels_) {
             bool goes_on = false;
             for (std::size_t i = 0; i + 1 < points.size(); ++i) {
@@ -368,10 +371,10 @@ private:
 
 }  // namespace
 
-Unfolding unfold(const Cell& cell) {
+Unfolding unfold(const Cell& cell, std::span<const std::vector<Vec3>> lines) {
     const RadialBaseProblem problem = radial_base_problem(cell.scene);
-    return problem.chart.is_sphere() ? Unfolder<Cube>(cell, problem).unfold()
-                                     : Unfolder<Strips>(cell, problem).unfold();
+    return problem.chart.is_sphere() ? Unfolder<Cube>(cell, problem).unfold(lines)
+                                     : Unfolder<Strips>(cell, problem).unfold(lines);
 }
 
 }  // namespace vcell

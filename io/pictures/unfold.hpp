@@ -1,6 +1,7 @@
 /// Minimization diagrams over spheres and cylinders, unfolded into the plane [HE, Figs. 8(b), 10(b)].
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,12 @@ struct Unfolding {
     /// By edge: cut where panels meet; in both of them along their border.
     std::vector<std::vector<Polyline>> edges;
     std::vector<Vec2> vertices;
+    std::vector<std::vector<Polyline>> lines;  ///< by line asked for, as edges
 };
 
 /// Curves become polylines within some 1e-5 of the picture's size.
 /// Pre: the base is a sphere or a cylinder; the cell is complete.
-Unfolding unfold(const Cell& cell);
+/// `lines`: further polylines on the cell's boundary.
+Unfolding unfold(const Cell& cell, std::span<const std::vector<Vec3>> lines = {});
 
 }  // namespace vcell
