@@ -1,4 +1,4 @@
-"""The schemas of docs/schema against the program: schema.py SCHEMAS PROGRAM FOLDER SCENES...
+"""The schemas of docs/schema against the program: schema.py SCHEMAS PROGRAM FOLDER SCENES... --diagrams SCENES...
 
 What the program reads or writes is valid by the schema. What is damaged in one place is refused by both: every key
 left out, misspelt or of another type, every list with an item too few. Needs python3-jsonschema; exit status 77
@@ -22,7 +22,7 @@ def load(path):
 
 
 def validators(folder):
-    schemas = {name: load(folder / f"{name}.schema.json") for name in ("scene", "cell")}
+    schemas = {name: load(folder / f"{name}.schema.json") for name in ("scene", "cell", "diagram_scene")}
     store = {schema["$id"]: schema for schema in schemas.values()}
     for schema in schemas.values():
         jsonschema.Draft202012Validator.check_schema(schema)
@@ -56,10 +56,13 @@ def damaged(document, path, damage):
     return changed
 
 
-def agree(validator, document, reads, faults, what):
-    """Schema and program refuse the same damages."""
+def agree(validator, document, reads, faults, what, below=()):
+    """Schema and program refuse the same damages, of all that is below a place."""
+    part = document
+    for step in below:
+        part = part[step]
     refused = 0
-    for path, damage in damages(document):
+    for path, damage in damages(part, below):
         changed = damaged(document, path, damage)
         by_schema, by_program = not validator.is_valid(changed), not reads(changed)
         refused += by_schema
@@ -77,33 +80,51 @@ def main():
     def run(verb, path, *more):
         return subprocess.run([program, verb, str(path), *more], capture_output=True, text=True, check=False).returncode
 
-    def reads(verb):
+    def reads(verb, *more):
         def read(document):
             path = folder / "damaged.json"
             path.write_text(json.dumps(document), encoding="utf-8")
-            return run(verb, path) != 2
+            return run(verb, path, *more) != 2
         return read
 
-    scenes = cells = refused = 0
-    for scene_path in sys.argv[4:]:
+    scenes = cells = closed = refused = 0
+    split = sys.argv.index("--diagrams")
+    for scene_path in sys.argv[4:split]:
         scene = load(scene_path)
         scenes += 1
         for error in valid["scene"].iter_errors(scene):
             faults.append(f"{scene_path}: {list(error.path)}: {error.message}")
         cell_path = folder / "cell.json"
-        if run("compute", scene_path, "-o", str(cell_path)) != 0:
+        if run("compute", scene_path, "-o", str(cell_path), "--moments") != 0:
             faults.append(f"{scene_path}: no cell")
             continue
         cell = load(cell_path)
         cells += 1
         for error in valid["cell"].iter_errors(cell):
             faults.append(f"cell of {scene_path}: {list(error.path)}: {error.message}")
+        if "closing" in cell and closed == 0:
+            closed += 1
+            refused += agree(valid["cell"], cell, reads("refine", "--vertex", "0", "--bits", "1"), faults, "closing", ("closing",))
         if cells > 1:
             continue
         refused += agree(valid["scene"], scene, reads("measure"), faults, "scene")
-        refused += agree(valid["cell"], cell, reads("check"), faults, "cell")
-    print(f"{scenes} scenes, {cells} cells, {refused} damages refused", *faults, sep="\n")
-    sys.exit(bool(faults) or scenes == 0 or cells == 0 or refused < 100)
+        refused += agree(valid["cell"], cell, reads("refine", "--vertex", "0", "--bits", "1"), faults, "cell")
+    diagrams = 0
+    for scene_path in sys.argv[split + 1:]:
+        scene = load(scene_path)
+        diagrams += 1
+        for error in valid["diagram_scene"].iter_errors(scene):
+            faults.append(f"{scene_path}: {list(error.path)}: {error.message}")
+        if run("diagram", scene_path) != 0:
+            faults.append(f"{scene_path}: no diagram")
+        if diagrams == 1:
+            refused += agree(valid["diagram_scene"], scene, reads("diagram"), faults, scene_path)
+    # What is a scene of one cell is one of a diagram, too.
+    for scene_path in sys.argv[4:split]:
+        for error in valid["diagram_scene"].iter_errors(load(scene_path)):
+            faults.append(f"{scene_path} as a diagram's: {list(error.path)}: {error.message}")
+    print(f"{scenes} scenes, {cells} cells, {diagrams} diagrams, {refused} damages refused", *faults, sep="\n")
+    sys.exit(bool(faults) or scenes == 0 or cells == 0 or closed == 0 or diagrams == 0 or refused < 100)
 
 
 if __name__ == "__main__":
