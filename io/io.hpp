@@ -18,3 +18,4 @@
 #include "pictures/page.hpp"
 #include "pictures/svg.hpp"
 #include "solids/moments.hpp"
+#include "solids/shell.hpp"

@@ -66,6 +66,42 @@ TEST_CASE("program: diagram writes tables of cells, contacts and groups") {
     CHECK(std::stod(groups[1][3]) == doctest::Approx(std::stod(cells[1][4]) + std::stod(cells[2][4])));
 }
 
+TEST_CASE("program: diagram writes moments, which add up to those of the box") {
+    const Workplace work;
+    work.write("balls.txt", four_balls);
+    const Outcome done =
+        work.run("diagram balls.txt --box -2 -2 -2 4 4 2 --cells cells.tsv --moments moments.tsv");
+    CAPTURE(done.err);
+    REQUIRE(done.status == 0);
+    const auto cells = table(work.read("cells.tsv")), moments = table(work.read("moments.tsv"));
+    REQUIRE(moments.size() == 4);  // one object has no cell
+    CHECK(moments[1][1] == "A");
+    CHECK(moments[3][2] == "two");
+    const std::vector<double> middle{1, 1, 0}, size{6, 6, 4};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        double first = 0, second = 0, error = 0;
+        for (std::size_t i = 1; i < moments.size(); ++i) {
+            REQUIRE(moments[i].size() == moments[0].size());
+            const double volume = std::stod(cells[i][4]),
+                         away = std::stod(moments[i][3 + axis]) - middle[axis];
+            first += volume * away;
+            second += std::stod(moments[i][7 + axis]) + volume * away * away;
+            error += volume * std::stod(moments[i][6]);
+        }
+        CHECK(std::abs(first) <= error + 1e-9);
+        CHECK(second == doctest::Approx(144 * size[axis] * size[axis] / 12));
+    }
+    // A cell's own program says the same of it.
+    work.write("plain.txt", "0 0 0 0.5\n2 0 0 0.5\n0 2 0 0.25\n0.1 0 0 0.25\n");
+    const auto alone = table(work.run("measure plain.txt --base 1 --box -2 -2 -2 4 4 2 --moments m.tsv").out);
+    CHECK(alone.size() == 2);
+    const auto line = table(work.read("m.tsv"));
+    REQUIRE(line.size() == 2);
+    for (std::size_t k = 0; k < 3; ++k)
+        CHECK(std::stod(line[1][k]) == doctest::Approx(std::stod(moments[2][3 + k])));
+    CHECK(work.run("diagram balls.txt --probe 0.5 --moments moments.tsv").status == 1);
+}
+
 TEST_CASE("program: diagram of a box that repeats, from JSON and from options") {
     const Workplace work;
     work.write("scene.json",

@@ -422,6 +422,27 @@ TEST_CASE("program: measure prints a header and a line") {
     CHECK(std::stod(values) == cell.at("measures").at("volume").get<double>());
 }
 
+TEST_CASE("program: moments and level curves are there where they are asked for") {
+    const Workplace w;
+    const std::string scene = example("three_spheres.json");
+    const json with = json::parse(w.run("compute " + scene + " --moments -o -").out),
+               without = json::parse(w.run("compute " + scene + " -o -").out);
+    CHECK_FALSE(without.at("measures").contains("moments"));
+    const json& moments = with.at("measures").at("moments");
+    std::istringstream table(w.run("measure " + scene + " --moments -").out);
+    std::string line, columns;
+    for (int k = 0; k < 3; ++k) std::getline(table, columns);
+    REQUIRE(columns.starts_with("x\ty\tz\tcentroid_error\t"));
+    std::getline(table, line);
+    CHECK(std::stod(line) == moments.at("centroid")[0].get<double>());
+    CHECK(w.run("check -", with.dump()).status == 0);
+
+    const std::string picture = w.run("compute " + scene + " --format svg --contours 6 -o -").out;
+    CHECK(picture.find("class=\"contour\"") != std::string::npos);
+    CHECK(w.run("compute " + scene + " --format svg -o -").out.find("contour") == std::string::npos);
+    CHECK(w.run("compute " + scene + " --format svg --contours 0 -o -").status == 1);
+}
+
 TEST_CASE("program: refine prints vertices to the digits asked for") {
     const Workplace w;
     // A point among points: the vertex (3/2, 3/2, 3/2), sqrt(27/4) away.
