@@ -8,6 +8,15 @@ namespace vcell::radial {
 
 namespace {
 
+// Between the ends of a piece, which may be half a turn apart: its box tells to which side.
+double turn_along(const MinimizationDiagram::ArcPiece& piece, double from, double to) {
+    const double middle = chart_angle(0.5 * (piece.box[0] + piece.box[1]));
+    const auto from_middle = [&](double angle) {
+        return std::remainder(angle - middle, 2 * std::numbers::pi);
+    };
+    return from_middle(to) - from_middle(from);
+}
+
 struct Mean {
     double sum = 0;
     int count = 0;
@@ -31,6 +40,10 @@ public:
             begin_ = extent_.from = extent_.to = angle_ = next;
         else
             angle_ += std::remainder(next - angle_, 2 * std::numbers::pi);
+        reach(p.y());
+    }
+    void go_along(const MinimizationDiagram::ArcPiece& piece, const Vec2& p) {
+        angle_ += turn_along(piece, angle_, chart_angle(p.x()));
         reach(p.y());
     }
     // At one height.
@@ -82,9 +95,13 @@ CylinderTurns::Extent CylinderTurns::extent(FaceId face) const {
                 loop.turn_by(sign * rim_turn(from, to, sign), problem_.stretch[edge.side == 0 ? 0 : 1]);
                 return;
             }
-            for (std::size_t i = 0; i + 1 < pieces.size(); ++i)
-                loop.go_to(pieces[reversed ? pieces.size() - 2 - i : i].end);
-            loop.go_to(to.valid() ? point(to) : Vec2(pieces.back().end));
+            const std::size_t count = pieces.size();
+            for (std::size_t i = 0; i < count; ++i) {
+                const bool is_last = i + 1 == count;
+                const Vec2 end = pieces[reversed && !is_last ? count - 2 - i : reversed ? count - 1 : i].end;
+                loop.go_along(pieces[reversed ? count - 1 - i : i], is_last && to.valid() ? point(to) : end);
+            }
+            if (count == 0) loop.go_to(point(to));
         });
         const Extent found = loop.extent();
         if (found.is_closed || (!widest.is_closed && !(found.width() < widest.width()))) widest = found;
@@ -154,7 +171,7 @@ std::array<double, 2> CylinderTurns::along(EdgeId e) const {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const bool is_end = i + 1 == pieces.size() && end.valid();
         const double next = is_end ? angle_at(end) : chart_angle(pieces[i].end.x());
-        turn += std::remainder(next - last, whole);
+        turn += turn_along(pieces[i], last, next);
         last = next;
     }
     return {from, turn};

@@ -52,6 +52,37 @@ TEST_CASE("cylinder cell: faces that go all around are cut along generators") {
               .bisector == "quartic");
 }
 
+TEST_CASE("cylinder cell: between two planes that lean across it there is a conic all around") {
+    // Its pieces are as long as a half turn, from one seam of the chart to the other.
+    const Cylinder tube{Vec3::Zero(), Vec3::UnitZ(), 0.2};
+    const Plane roof{{0, 0, 4.5}, {0.1, 0.2, -1}};
+    for (const Plane& ground : {Plane{{0, 0, -4.5}, {-0.2, 0.1, 1}}, Plane{{0, 0, -4.25}, {0.3, 0.1, 1}},
+                                Plane{{0, 0, -4.5}, {0.1, 0.2, 1}}, Plane{{0, 0, -4.5}, {0, 0, 1}}}) {
+        // Sides of the box are farther away than the planes are.
+        Scene scene = about_tube(tube, 4, {roof, ground});
+        scene.box = {{-12, -12, -4}, {12, 12, 4}};
+        const Cell cell = checked(scene);
+        int around = 0;
+        for (const CellEdge& edge : cell.edges) {
+            if (!edge.sites[0].is_object() || !edge.sites[1].is_object()) continue;
+            CHECK(edge.vertices.empty());
+            CHECK(edge.kind == CurveKind::Ellipse);
+            double turn = 0;
+            Vec3 last = edge.curve.evaluate(0);
+            constexpr int samples = 200;
+            for (int i = 1; i <= samples; ++i) {
+                const Vec3 p = edge.curve.evaluate(i / double(samples));
+                turn += std::remainder(std::atan2(p.y(), p.x()) - std::atan2(last.y(), last.x()),
+                                       2 * std::numbers::pi);
+                last = p;
+            }
+            CHECK(std::abs(turn) == doctest::Approx(2 * std::numbers::pi));
+            ++around;
+        }
+        CHECK(around == 1);
+    }
+}
+
 TEST_CASE("cylinder cell: tubes along it meet in lines") {
     for (const Vec3& axis : {Vec3(0, 1, 0), Vec3(3, 4, 0), Vec3(1, 1, 0), Vec3(-1, 0.3, 2)}) {
         CAPTURE(axis.transpose());
