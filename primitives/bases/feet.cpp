@@ -96,7 +96,42 @@ void hold_feet(Surroundings& around, const Cylinder& base, const Box& region) {
     });
 }
 
+// Is all of it certainly in front of a plane?
+bool is_in_front(const Plane& plane, const Object& other) {
+    constexpr double rounding = 0x1p-45;
+    const Vec3 n = plane.normal.stableNormalized();
+    const auto is_clear = [&](const Vec3& p, double radius) {
+        return n.dot(p - plane.point) - radius > rounding * (p.norm() + plane.point.norm() + radius);
+    };
+    if (const auto* sphere = std::get_if<Sphere>(&other)) return is_clear(sphere->center, sphere->radius);
+    const auto* tube = std::get_if<Cylinder>(&other);
+    return tube != nullptr && n.cwiseProduct(tube->axis).isZero(0) && is_clear(tube->point, tube->radius);
+}
+
 }  // namespace
+
+Object turned_over(const Object& object) {
+    const auto* plane = std::get_if<Plane>(&object);
+    return plane == nullptr ? object : Plane{plane->point, -plane->normal};
+}
+
+Object seen_from(const Object& object, const Vec3& p) {
+    const auto* plane = std::get_if<Plane>(&object);
+    return plane == nullptr || plane->normal.dot(p - plane->point) > 0 ? object : turned_over(object);
+}
+
+std::vector<Object> sides_to_look_from(const Object& base, std::span<const Object> others) {
+    std::vector<Object> sides{base};
+    const auto* plane = std::get_if<Plane>(&base);
+    if (plane == nullptr) return sides;
+    const Plane behind{plane->point, -plane->normal};
+    const auto none_in_front = [&](const Plane& of) {
+        return std::ranges::none_of(others, [&](const Object& o) { return is_in_front(of, o); });
+    };
+    if (none_in_front(*plane)) sides.emplace_back(behind);
+    if (sides.size() == 2 && !none_in_front(behind)) sides.erase(sides.begin());
+    return sides;
+}
 
 Vec3 foot_of(const Object& base, const Vec3& p) {
     return std::visit([&](const auto& o) { return foot_of(o, p); }, base);

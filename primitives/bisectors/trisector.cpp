@@ -345,8 +345,10 @@ std::string_view to_string(TrisectorKind kind) {
     return "spline";
 }
 
-Trisector trisector(const Object& base, const Object& a, const Object& b) {
-    const std::array<const Object*, 3> objects{&base, &a, &b};
+namespace {
+
+Trisector trisector(const std::array<const Object*, 3>& objects, bool are_solids) {
+    const Object& base = *objects[0];
     if (std::ranges::any_of(objects, [](const Object* o) { return is_vessel(*o); }))
         throw InputError(InputError::Kind::Unsupported, InputError::no_object, "",
                          "there is a vessel, of which no trisector is told");
@@ -357,7 +359,7 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
     }
     const bool round_base = !std::holds_alternative<Plane>(base);
     // What contains the base is seen from within; a line through a point has no inside.
-    for (std::size_t i = 1; round_base && i < rounds.size(); ++i) {
+    for (std::size_t i = 1; !are_solids && round_base && i < rounds.size(); ++i) {
         RoundCondition &first = rounds[0], &other = rounds[i];
         if (other.surface.contains(first.surface) && !is_zero(other.surface.rho))
             other.side = -1;
@@ -373,7 +375,7 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
         else
             range.at_most(c.surface.rho);
     }
-    if (rounds.size() < 3) range.at_least(Exact());
+    if (are_solids || rounds.size() < 3) range.at_least(Exact());
 
     // Equal radii, all seen from without: r + rho is the distance from centres and axes, and drops out of
     // two differences.
@@ -402,8 +404,9 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
         if (plane == nullptr) continue;
         const ExactVector n(plane->normal);
         const Exact d = -dot(n, ExactVector(plane->point)), length = rounded_sqrt(dot(n, n));
-        int seen = k == 0 ? 1 : 0;
-        if (round_base) seen = (dot(n, rounds[0].surface.point) + d).sign() == Sign::Negative ? -1 : 1;
+        int seen = k == 0 || are_solids ? 1 : 0;
+        if (round_base && !are_solids)
+            seen = (dot(n, rounds[0].surface.point) + d).sign() == Sign::Negative ? -1 : 1;
         planes.emplace_back();
         for (const double side : {1.0, -1.0})
             if (seen != -side)
@@ -428,6 +431,16 @@ Trisector trisector(const Object& base, const Object& a, const Object& b) {
     };
     choose(choose, 0, unit_basis(5));
     return components.take();
+}
+
+}  // namespace
+
+Trisector trisector(const Object& base, const Object& a, const Object& b) {
+    return trisector(std::array{&base, &a, &b}, false);
+}
+
+Trisector trisector_of_solids(const Object& a, const Object& b, const Object& c) {
+    return trisector(std::array{&a, &b, &c}, true);
 }
 
 std::optional<RationalCurve3> trisector_arc(const TrisectorComponent& component, const Vec3& from,

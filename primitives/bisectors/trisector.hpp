@@ -64,6 +64,10 @@ struct Trisector {
 /// (Unsupported) for vessels. Pre: no two of the objects are the same.
 Trisector trisector(const Object& base, const Object& a, const Object& b);
 
+/// The same of three solids, seen from outside all of them: a plane is the half space behind it, whose
+/// distance counts on the side that its normal points to alone, and distances are not negative.
+Trisector trisector_of_solids(const Object& a, const Object& b, const Object& c);
+
 /// The arc of a line or conic between two of its points, as a segment or rational quadratic Bezier curve on
 /// [0, 1]: of an ellipse the shorter arc. None for splines, for points of different branches, and where the
 /// tangents at both ends are parallel.

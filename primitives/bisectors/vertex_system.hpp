@@ -27,7 +27,7 @@ struct CylinderSite {
     std::array<double, 3> direction;
     double radius;
 };
-/// A side of the box: p_axis = bound, at any distance.
+/// A side of the box: p_axis = bound, at any distance; of axis 3 all that is at one distance, r = bound.
 struct BoxSideSite {
     int axis;
     double bound;

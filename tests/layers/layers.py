@@ -30,6 +30,8 @@ offered = {
     "envelope/trisector/trisector_curves.hpp",
     "primitives/bases/feet.cpp",
     "primitives/bases/feet.hpp",
+    "primitives/bases/solid_bases.cpp",
+    "primitives/bases/solid_bases.hpp",
     "primitives/bisectors/trisector.cpp",
     "primitives/bisectors/trisector.hpp",
     "primitives/bisectors/vertex_roots.cpp",
