@@ -44,16 +44,19 @@ PatchCoordinates coordinates(const RadialPatch& patch, double delta, std::option
 
 }  // namespace
 
-FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves)
+FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves,
+                         bool has_patches)
     : problem_(of.problem),
       diagram_(of.diagram),
       loops_(loops),
       curves_(curves),
       turns_(of, loops),
+      has_patches_(has_patches),
       is_flat_(problem_.objects.size()) {
     const std::size_t count = diagram_.dcel.face_count();
-    patches_.reserve(count);
     sectors_.resize(count);
+    if (!has_patches_) return;
+    patches_.reserve(count);
     for (const FormId form : problem_.floor) is_flat_[form] = true;
     if (!problem_.floor.empty())
         for (const EdgeId e : diagram_.edges.ids())
@@ -173,7 +176,7 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     const std::optional<double> reach =
         vessel != nullptr ? std::optional(vessel->radius + problem_.chart.radius) : std::nullopt;
     SpaceSite site{object, is_wall(problem_, form), {}};
-    if (!diagram_.face_forms[face].valid()) return site;
+    if (!has_patches_ || !diagram_.face_forms[face].valid()) return site;
     if (!is_cut(face)) {
         site.parts.push_back(
             {.patch = coordinates(patches_[face], delta, reach), .surface = &patches_[face]});

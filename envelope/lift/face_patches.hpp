@@ -27,7 +27,9 @@ struct Sector {
 
 class FacePatches {
 public:
-    FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves);
+    /// Without patches curves are fitted for their own sake: what they are told of has no trims.
+    FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves,
+                bool has_patches = true);
 
     /// The patch of a face that is not cut.
     const RadialPatch& operator[](FaceId face) const { return patches_[face]; }
@@ -66,6 +68,7 @@ private:
     const FaceLoops& loops_;
     const RadialCurves& curves_;
     const CylinderTurns turns_;
+    const bool has_patches_;
     IdVector<FaceId, RadialPatch> patches_;
     IdVector<FaceId, std::vector<Sector>> sectors_;
     IdVector<FaceId, bool> wide_;  // over a sphere: has the patch been changed?

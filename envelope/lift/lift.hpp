@@ -62,6 +62,12 @@ LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationD
 LiftedCell lift_without_patches(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                 double tolerance, bool with_measures);
 
+/// The curves of edges between two objects, for their own sake: as lift_all_around() has them where no patch
+/// has to hold a face. Other edges have none, faces no patches, and there are no measures; errors bound the
+/// distance from the true edge alone. Pre: the problem has no floor.
+LiftedCell lift_curves_between_objects(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                                       double tolerance);
+
 /// The measures of that cell, canonical: its faces have their sites and areas, its edges their kinds and
 /// lengths, it has no vertices, and its measures are those of the problem's unit. Pre: over a sphere, without
 /// tubes.

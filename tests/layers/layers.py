@@ -26,6 +26,7 @@ offered = {
     "core/solver/roots/solver.hpp",
     "envelope/cell_changes.cpp",
     "envelope/cell_changes.hpp",
+    "envelope/lift/curve_lift.cpp",
     "envelope/trisector/trisector_curves.cpp",
     "envelope/trisector/trisector_curves.hpp",
     "primitives/bases/feet.cpp",
