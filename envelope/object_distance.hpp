@@ -24,4 +24,11 @@ inline double distance_from(const Object& object, const Vec3& p) {
     return from_axis(tube) - tube.radius;
 }
 
+/// The same, but behind a plane negative, too.
+inline double signed_distance_from(const Object& object, const Vec3& p) {
+    const auto* plane = std::get_if<Plane>(&object);
+    if (plane == nullptr) return distance_from(object, p);
+    return plane->normal.stableNormalized().dot(p - plane->point);
+}
+
 }  // namespace vcell

@@ -103,7 +103,7 @@ void bind_trisectors(py::module_& m) {
         },
         py::arg("base"), py::arg("a"), py::arg("b"), py::kw_only(), py::arg("box"), py::arg("tolerance"),
         "All points of a box that are equally far from three objects, as a list of TrisectorCurve: lines and conics "
-        "exact, splines within `tolerance`, a length. A base plane is seen from the side that its normal points to.");
+        "exact, splines within `tolerance`, a length. Points in a ball or tube are none; planes count from both sides.");
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+/// The lines of points that are equally far from three planes, within a box.
+#pragma once
+
+#include <vector>
+
+#include "trisector_curves.hpp"
+#include "uncut_curves.hpp"
+
+namespace vcell {
+
+/// Of three half spaces, from outside all of them. No base is needed: the lines are roots of linear
+/// equations (primitives/bisectors/trisector.hpp), and how far their doubles are from them is told by the
+/// equations' values there. Throws UndecidedError where a line runs along a side of the region, or touches an
+/// edge of it.
+std::vector<TrisectorCurve> lines_between_planes(const Solids& planes, const Box& region);
+
+}  // namespace vcell
