@@ -1,5 +1,5 @@
 /// Moments, where the file has them: against a quadrature of the check's own over the patches as written.
-/// What it leaves out is estimated, so that it may refute, and proves nothing.
+/// What it leaves out is estimated, so that it proves nothing, and leaves open what contradicts it.
 #pragma once
 
 #include "room.hpp"

