@@ -1,6 +1,8 @@
 #include "face_cut.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 #include "joined_spans.hpp"
 
@@ -179,7 +181,14 @@ std::array<std::array<double, 2>, 2> curve_bounds(const RationalCurve2& curve) {
                 extend_by_rational(box[i], {row.data(), weights.size()}, weights);
                 continue;
             }
-            extend_by_polynomial(box[i], {row.data(), static_cast<std::size_t>(curve.degree) + 1});
+            const std::span<const double> coefficients(row.data(),
+                                                       static_cast<std::size_t>(curve.degree) + 1);
+            // Numbers that are none end no division; no patch holds them, nor are they proved.
+            if (!std::ranges::all_of(coefficients, [](double x) { return std::isfinite(x); })) {
+                box[i] = {-HUGE_VAL, HUGE_VAL};
+                continue;
+            }
+            extend_by_polynomial(box[i], coefficients);
         }
     }
     return box;

@@ -321,6 +321,8 @@ private:
         for (int k = 1; k < piece.degree; ++k)
             square = std::max(square, (piece.point(k) - middle).squaredNorm());
         const double radius = std::sqrt(square) + error;
+        // Halves of what has numbers that are none have some, too, without end.
+        if (!std::isfinite(radius)) return infinity;
         const Direction base = this->base(middle);
         const Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
         // The motion itself must stay within reach, too: more than the first guess, where objects are all but
