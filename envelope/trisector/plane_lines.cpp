@@ -34,10 +34,11 @@ struct SignedDistance {
 
 class PlaneLines {
 public:
-    PlaneLines(const Solids& planes, const Box& region)
+    PlaneLines(const Solids& planes, const Box& region, double most_error)
         : distances_{SignedDistance(std::get<Plane>(planes[0])), SignedDistance(std::get<Plane>(planes[1])),
                      SignedDistance(std::get<Plane>(planes[2]))},
-          region_(region) {}
+          region_(region),
+          most_error_(most_error) {}
 
     std::optional<TrisectorCurve> within(const TrisectorComponent& line) const {
         const Vec3 middle = 0.5 * (region_.min + region_.max), &d = line.direction;
@@ -75,6 +76,7 @@ public:
         curve.kind = TrisectorKind::Line;
         curve.degree = 1;
         curve.error = off + std::max(stops[0].off, stops[1].off);
+        if (!(curve.error <= most_error_)) fail_trisector("is a line that doubles do not tell", foot);
         curve.ends = {stops[0].side, stops[1].side};
         std::array<Eigen::Vector4d, 2> points;
         for (int i : {0, 1}) points[i] = Vec3(ends[0] + stops[i].at * (ends[1] - ends[0])).homogeneous();
@@ -113,13 +115,15 @@ private:
 
     std::array<SignedDistance, 3> distances_;
     Box region_;
+    double most_error_;
 };
 
 }  // namespace
 
-std::vector<TrisectorCurve> lines_between_planes(const Solids& planes, const Box& region) {
+std::vector<TrisectorCurve> lines_between_planes(const Solids& planes, const Box& region, double tolerance) {
+    constexpr double most_error = 256;  // in tolerances, as of edges of cells
     std::vector<TrisectorCurve> curves;
-    const PlaneLines lines(planes, region);
+    const PlaneLines lines(planes, region, most_error * tolerance);
     for (const TrisectorComponent& line : trisector_of_solids(planes[0], planes[1], planes[2]).components) {
         // In all three planes.
         if (line.clearance && line.clearance->isZero(0)) continue;

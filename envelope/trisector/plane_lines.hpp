@@ -11,7 +11,7 @@ namespace vcell {
 /// Of three half spaces, from outside all of them. No base is needed: the lines are roots of linear
 /// equations (primitives/bisectors/trisector.hpp), and how far their doubles are from them is told by the
 /// equations' values there. Throws UndecidedError where a line runs along a side of the region, or touches an
-/// edge of it.
-std::vector<TrisectorCurve> lines_between_planes(const Solids& planes, const Box& region);
+/// edge of it, and where planes are so nearly parallel that its error exceeds 256 tolerances.
+std::vector<TrisectorCurve> lines_between_planes(const Solids& planes, const Box& region, double tolerance);
 
 }  // namespace vcell

@@ -87,7 +87,7 @@ std::vector<TrisectorCurve> all_curves(const Solids& objects, const Box& region,
     if (!thinnest(objects)) {
         std::vector<TrisectorCurve> lines;
         for (const Solids& planes : seen_from_all_sides(objects)) {
-            const auto found = lines_between_planes(planes, region);
+            const auto found = lines_between_planes(planes, region, tolerance);
             lines.insert(lines.end(), found.begin(), found.end());
         }
         return lines;

@@ -67,8 +67,10 @@ void add_edges(const Cell& cell, const Box& region, bool is_as_given, SolidCurve
         if (!is_between_objects(edge)) continue;
         UncutCurve curve{edge.curve, edge.error, kind_of(edge.kind), edge.vertices.empty(),
                          {-1, -1},   is_as_given};
-        if (!std::isfinite(curve.error))
-            fail_trisector("has no bound on its error", edge.curve.points.front().head<3>());
+        double sum = curve.error;
+        for (const Eigen::Vector4d& p : edge.curve.points) sum += p.sum();
+        if (!std::isfinite(sum))
+            fail_trisector("has no curve with a bound on its error", edge.curve.points.front().head<3>());
         for (std::size_t end = 0; end < edge.vertices.size(); ++end)
             curve.ends[end] = end_of(cell.vertices[edge.vertices[end]], region, found.is_cut_already);
         found.curves.push_back(std::move(curve));

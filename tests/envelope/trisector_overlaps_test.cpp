@@ -257,3 +257,31 @@ TEST_CASE("trisector of objects that overlap: what is not told is refused") {
     CHECK(curves_of({level, below, Sphere{{0, 1, -1}, 0.25}}, box).size() == 1);
     CHECK_THROWS_AS(curves_of({HollowSphere{{0, 0, 0}, 1}, x_rod, y_rod}, box), InputError);
 }
+
+TEST_CASE("trisector of objects that overlap: next to special positions they end, answered or refused") {
+    // Numbers that are none had patches of a face of the one, and an edge of the other, halved without end.
+    const Triple tubes{Cylinder{{1.49999999999996, -1.4999999999999647, -3.3817449683125586e-15},
+                                {1.3631591822474731e-14, 1.0000000000000231, 2.241999751564914e-14},
+                                1},
+                       Cylinder{{-1.4999999999999631, -1.4999999999999789, 1.5000000000000289},
+                                {0.99999999999996858, -0.99999999999997646, 6.7299212625769215e-15},
+                                1.5},
+                       Cylinder{{1.4999999999999536, -1.4999999999999643, -1.4999999999999818},
+                                {1.0000000000000222, -2.7506388663430173e-14, -0.99999999999998312},
+                                0.5}};
+    std::mt19937_64 rng(test_seed());
+    Coverage all;
+    const Curves found = curves_of(tubes, box);
+    CHECK(found.size() == 1);
+    check(tubes, box, found, rng, all);
+    CHECK_THROWS_AS(
+        curves_of({Plane{{1.9999999999899629, -2.0000000000051936, -1.9999999999954221},
+                         {1.0000000000035512, 1.8497104033389089e-12, 3.384412561430344e-12}},
+                   Plane{{-1.9999999999956501, -1.9999999999951754, 1.9999999999955393},
+                         {-3.4295942149025127e-12, -1.0000000000024354, 1.0000000000035711}},
+                   Cylinder{{-1.4999999999973743, 1.4999999999934075, 1.4999999999995222},
+                            {-2.7459430057664691e-12, 7.6927344944958328e-13, 0.99999999999882416},
+                            1}},
+                  box),
+        UndecidedError);
+}
