@@ -6,6 +6,7 @@
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
 #include "../core/threads.hpp"
+#include "whole/ball_cell.hpp"
 #include "whole/cell_finder.hpp"
 #include "whole/complete_cells.hpp"
 #include "whole/totals.hpp"
@@ -40,6 +41,37 @@ void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32
     }
 }
 
+// All cells of a diagram that is simple, each face in one of its two: those of balls that lie together after
+// each other.
+void compute_sharing(const whole::DecidedDiagram& decided, VoronoiDiagram& diagram,
+                     const DiagramOptions& options) {
+    const unsigned threads = thread_count(options.threads);
+    const std::vector<BallTree::Leaf> leaves = decided.balls().tree().leaves();
+    std::vector<whole::SharedParts> shared(diagram.cells.size());
+    constexpr std::size_t leaves_at_a_time = 64;
+    for (std::size_t begin = 0; begin < leaves.size(); begin += leaves_at_a_time) {
+        const std::size_t count = std::min(leaves_at_a_time, leaves.size() - begin);
+        for_all(count, threads, [&](std::size_t i) {
+            const BallTree::Leaf& leaf = leaves[begin + i];
+            const whole::Neighborhood around(decided, leaf);
+            for (const BallTree::Entry& e : leaf.balls) {
+                whole::FoundCell found = whole::find_sharing_cell(decided, e.number, around);
+                diagram.cells[e.number] = std::move(found.cell);
+                shared[e.number] = std::move(found.shared);
+            }
+        });
+        if (options.progress)
+            options.progress(static_cast<double>(begin + count) / static_cast<double>(leaves.size()));
+    }
+    const std::vector<std::uint32_t> lacking = whole::share_faces(diagram.cells, shared);
+    for_all(lacking.size(), threads, [&](std::size_t i) {
+        if (!whole::complete_ball_cell(decided, lacking[i], diagram.cells[lacking[i]]))
+            diagram.cells[lacking[i]] = whole::find_cell(decided, lacking[i], nullptr);
+    });
+    for (std::uint32_t i = 0; i < diagram.cells.size(); ++i)
+        if (!decided.hidden(i).empty()) diagram.cells[i] = whole::find_cell(decided, i, nullptr);
+}
+
 }  // namespace
 
 Eigen::Matrix3d DiagramScene::edges() const {
@@ -55,6 +87,10 @@ VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& 
         VoronoiDiagram diagram;
         diagram.moved = decided.moved();
         diagram.cells.resize(scene.objects.size());
+        if (decided.is_simple() && !options.visit) {
+            compute_sharing(decided, diagram, options);
+            return diagram;
+        }
         std::vector<std::uint32_t> all(scene.objects.size());
         for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
         compute(decided, all, diagram, options);

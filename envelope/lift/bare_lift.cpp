@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -58,39 +57,6 @@ public:
         return {error, error};
     }
 
-    // The cell as measure_without_curves() has it.
-    Cell measured() {
-        Cell cell;
-        const MinimizationDiagram& diagram = of_.diagram;
-        for (const FormId form : diagram.face_forms) {
-            if (!form.valid()) continue;
-            CellFace& face = cell.faces.emplace_back();
-            face.site = of_.main_site(form);
-            const std::span<const Site> sites = of_.problem.sites[form];
-            face.extra_sites.assign(sites.begin() + 1, sites.end());
-        }
-        cell.edges.resize(diagram.edges.size());
-        IdVector<EdgeId, double> positions;
-        positions.resize(diagram.edges.size());
-        for (const EdgeId e : diagram.edges.ids()) {
-            cell.edges[e.value].kind = equations_.kind(e);
-            double ends = 0, far = 0;
-            if (curves_.has_ends(e))
-                for (const VertexId v : {diagram.start(e), diagram.end(e)}) {
-                    ends = std::max(ends, vertices_.error(v));
-                    far = std::max(far, vertices_[v].w());
-                }
-            if (!curves_.is_line(e))
-                for (const ConicSpan& span : curves_.conics(e))
-                    far = std::max({far, span.from.w(), span.middle.norm() / span.weight, span.to.w()});
-            positions[e] = std::min(4 * far, off(e, ends) + 16 * u * far);
-        }
-        measure_all_around(of_.problem, diagram, positions, curves_, cell);
-        cell.report.decisions = diagram.decisions;
-        cell.report.decisions += decisions();
-        return cell;
-    }
-
     void finish(Cell&) const {}
     void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
         measure_all_around(of_.problem, of_.diagram, positions, cell);
@@ -119,10 +85,6 @@ LiftedCell lift_without_patches(const RadialBaseProblem& problem, const Minimiza
     if (!problem.family.is_all_circular()) return lift_all_around(problem, diagram, tolerance, with_measures);
     BareLift lift({problem, diagram});
     return CellAssembly(lift)(with_measures);
-}
-
-Cell measure_without_curves(const RadialBaseProblem& problem, const MinimizationDiagram& diagram) {
-    return BareLift({problem, diagram}).measured();
 }
 
 }  // namespace vcell

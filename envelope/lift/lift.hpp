@@ -68,9 +68,4 @@ LiftedCell lift_without_patches(const RadialBaseProblem& problem, const Minimiza
 LiftedCell lift_curves_between_objects(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                        double tolerance);
 
-/// The measures of that cell, canonical: its faces have their sites and areas, its edges their kinds and
-/// lengths, it has no vertices, and its measures are those of the problem's unit. Pre: over a sphere, without
-/// tubes.
-Cell measure_without_curves(const RadialBaseProblem& problem, const MinimizationDiagram& diagram);
-
 }  // namespace vcell

@@ -36,15 +36,6 @@ void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiag
 void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                         const IdVector<EdgeId, double>& positions, Cell& cell);
 
-namespace radial {
-class RadialCurves;
-}
-/// Measures along `curves`, as measures alone need no curves in the cell: its edges have their kinds alone.
-/// Pre: over a sphere, without tubes.
-void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                        const IdVector<EdgeId, double>& positions, const radial::RadialCurves& curves,
-                        Cell& cell);
-
 /// How much longer, over its error, a conic's arc may be than the true one: the arc and its chord bound a
 /// convex body. Of two such bodies each within e of the other the perimeters differ by 2 pi e at most
 /// [Cauchy's formula], the chords by 2 e.

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
-#include "../lift/radial_curves.hpp"
 #include "cap_angle.hpp"
 #include "radial_integrals.hpp"
 
@@ -25,11 +24,10 @@ constexpr std::uint32_t no_face = UINT32_MAX;
 class RadialMeasurer {
 public:
     RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                   const IdVector<EdgeId, double>& positions, const radial::RadialCurves* curves, Cell& cell)
+                   const IdVector<EdgeId, double>& positions, Cell& cell)
         : problem_(problem),
           diagram_(diagram),
           positions_(positions),
-          curves_(curves),
           cell_(cell),
           areas_(cell.faces.size()) {}
 
@@ -150,23 +148,6 @@ private:
     // Those of the edge's curve, which is of the degree returned.
     int set_points(EdgeId e) {
         points_.clear();
-        if (curves_ != nullptr && curves_->is_line(e)) {
-            for (const Vector4d* end : {&curves_->from(e), &curves_->to(e)})
-                points_.push_back({end->x(), end->y(), end->z(), 1});
-            return 1;
-        }
-        if (curves_ != nullptr) {
-            const std::span<const ConicSpan> spans = curves_->conics(e);
-            const auto add = [&](const Vector4d& p, double w) {
-                points_.push_back({p.x() / w, p.y() / w, p.z() / w, w});
-            };
-            add(spans.front().from, 1);
-            for (const ConicSpan& span : spans) {
-                add(span.middle, span.weight);
-                add(span.to, 1);
-            }
-            return 2;
-        }
         const RationalCurve3& curve = cell_.edges[e.value].curve;
         for (const Vector4d& p : curve.points) {
             const Vec3 canonical = problem_.frame.to_canonical(p.head<3>());
@@ -307,7 +288,6 @@ private:
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     const IdVector<EdgeId, double>& positions_;
-    const radial::RadialCurves* const curves_;  // none: those of the cell
     Cell& cell_;
     std::vector<RadialFace> faces_;          // of the cell
     std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
@@ -323,13 +303,7 @@ private:
 
 void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                         const IdVector<EdgeId, double>& positions, Cell& cell) {
-    RadialMeasurer(problem, diagram, positions, nullptr, cell).run();
-}
-
-void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                        const IdVector<EdgeId, double>& positions, const radial::RadialCurves& curves,
-                        Cell& cell) {
-    RadialMeasurer(problem, diagram, positions, &curves, cell).run();
+    RadialMeasurer(problem, diagram, positions, cell).run();
 }
 
 }  // namespace vcell

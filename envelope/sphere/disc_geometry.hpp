@@ -24,6 +24,7 @@
 #include "../../core/solver/newton/kantorovich.hpp"
 #include "../../primitives/forms/form_family.hpp"
 #include "disc_mesh.hpp"
+#include "sphere_diagram.hpp"
 
 namespace vcell::discs {
 
@@ -42,7 +43,8 @@ inline Linear linear(const CircularForm& f) {
 
 class DiscGeometry : protected DiscMesh {
 protected:
-    explicit DiscGeometry(const FormFamily& family) : family_(family) {}
+    explicit DiscGeometry(const FormFamily& family, const TieSign& tie_sign = {})
+        : family_(family), tie_sign_(tie_sign) {}
 
     void set_curve(Index e) {
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
@@ -258,7 +260,7 @@ protected:
         std::vector<Index> forms;
         // What the kernel calls the vertex, as long as it keeps it:
         PointId point;
-        Index generation = 0;
+        Index generation = 0;  // 0: it has not been asked
     };
 
     // Are both ends exactly one point? None where there are no exact numbers, of forms that are not the
@@ -290,6 +292,17 @@ protected:
     // The sign of the challenger less the forms that tie in the vertex; none if no exact point is at hand.
     std::optional<Sign> exact_sign(const Vertex& v, Index challenger) {
         if (std::max(challenger, std::ranges::max(v.forms)) >= family_.size()) return std::nullopt;
+        is_point_asked_ = false;
+        if (tie_sign_ && std::abs(v.height) > v.doubt) {
+            const auto sign =
+                tie_sign_(FormId{challenger}, {FormId{v.forms[0]}, FormId{v.forms[1]}, FormId{v.forms[2]}},
+                          sign_of(v.height));
+            if (sign) {
+                ++decisions_.by_exact;
+                return sign;
+            }
+        }
+        is_point_asked_ = true;
         const auto point = exact_point(v);
         if (!point) return std::nullopt;
         point_ = *point;
@@ -341,6 +354,7 @@ protected:
     }
 
     const FormFamily& family_;
+    const TieSign tie_sign_;     // none: exact coefficients are asked for
     double steepest_ = 0;        // slope of forms
     std::vector<Linear> forms_;  // the family's, and some that are higher in the end
     bool has_points_ = false;    // among the edges
@@ -350,6 +364,7 @@ protected:
     std::vector<FormId> in_kernel_;  // none: not there yet
     Index generation_ = 1;           // of the kernel's points
     PointId point_;                  // where exact_sign() was asked last
+    bool is_point_asked_ = false;    // of the kernel: point_ is that point
 };
 
 }  // namespace vcell::discs

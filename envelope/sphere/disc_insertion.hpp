@@ -137,6 +137,32 @@ protected:
         return marks;
     }
 
+    // An arc whose angle is known: neither next to nothing nor next to all of its circle, which would look
+    // alike.
+    struct LongArc {
+        Vector3d center, from, across;  // from: seen from the centre; across: a quarter of a turn on
+        double angle;
+    };
+    std::optional<LongArc> long_arc(Index e) const {
+        constexpr double enough = 0x1p-40;  // for add_apex()
+        constexpr double pi = std::numbers::pi, least_angle = 0x1p-10;
+        const Edge& edge = edges_[e];
+        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
+        const double radius2 = 1 - edge.offset * edge.offset / edge.square;
+        LongArc arc;
+        arc.center = edge.offset / edge.square * edge.normal;
+        arc.from = p.p - arc.center;
+        arc.across = edge.normal.cross(arc.from) / edge.length;
+        const Vector3d to = q.p - arc.center;
+        arc.angle = std::atan2(arc.across.dot(to), arc.from.dot(to));
+        if (arc.angle < 0) arc.angle += 2 * pi;
+        if (radius2 > least_square && p.error + q.error + edge.error / edge.length < enough &&
+            arc.angle > least_angle && arc.angle < 2 * pi - least_angle)
+            return arc;
+        return std::nullopt;
+    }
+    bool is_long(Index e) const { return long_arc(e).has_value(); }
+
     SomeIndices alive_faces_;  // as long as there is no tree
 
 private:
@@ -193,25 +219,17 @@ private:
 
     // Adds the apexes of the parts of an arc of any length.
     void add_parts(Index e, SphereMarks& marks) const {
-        constexpr double enough = 0x1p-40;  // for add_apex()
-        constexpr double pi = std::numbers::pi, least_angle = 0x1p-10, most_angle = pi / 3;
-        const Edge& edge = edges_[e];
-        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
-        const double radius2 = 1 - edge.offset * edge.offset / edge.square;
-        const Vector3d center = edge.offset / edge.square * edge.normal, from = p.p - center,
-                       to = q.p - center, across = edge.normal.cross(from) / edge.length;
-        double angle = std::atan2(across.dot(to), from.dot(to));
-        if (angle < 0) angle += 2 * pi;
-        // Next to nothing may be next to all of the circle.
-        marks.are_all = radius2 > least_square && p.error + q.error + edge.error / edge.length < enough &&
-                        angle > least_angle && angle < 2 * pi - least_angle;
+        constexpr double most_angle = std::numbers::pi / 3;
+        const auto arc = long_arc(e);
+        marks.are_all = arc.has_value();
         if (!marks.are_all) return;
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
-        const int parts = static_cast<int>(angle / most_angle) + 1;
-        const double half = 0.5 * angle / parts, reach = 1 / std::cos(half);
+        const int parts = static_cast<int>(arc->angle / most_angle) + 1;
+        const double half = 0.5 * arc->angle / parts, reach = 1 / std::cos(half);
         for (int i = 0; i < parts; ++i) {
             const double turn = (2 * i + 1) * half;
-            add_apex(f, g, center + reach * (std::cos(turn) * from + std::sin(turn) * across), marks);
+            add_apex(f, g, arc->center + reach * (std::cos(turn) * arc->from + std::sin(turn) * arc->across),
+                     marks);
         }
     }
 
@@ -377,8 +395,10 @@ private:
         if (sign != Sign::Negative) v.taken = 0;
         if (sign == Sign::Zero) {
             add_tie(v.ties, challenger);
-            ties_[v.ties].point = point_;
-            ties_[v.ties].generation = generation_;
+            if (is_point_asked_) {
+                ties_[v.ties].point = point_;
+                ties_[v.ties].generation = generation_;
+            }
         }
         return sign.has_value();
     }

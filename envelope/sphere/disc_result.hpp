@@ -12,6 +12,7 @@
 
 #include "../../core/partition.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "disc_arcs.hpp"
 #include "disc_insertion.hpp"
 
 namespace vcell::discs {
@@ -91,6 +92,32 @@ protected:
         out.decisions = decisions_;
         out.decisions += kernel_.decisions();
         return out;
+    }
+
+    // The diagram as it lies on the sphere. Arcs that are as good as points, but are not known to be, stay.
+    // False where that is no common case.
+    bool set_arcs(DiscArcs& out) {
+        if (!unite_vertices() || !unite_edges()) return false;
+        out.forms = forms_;
+        out.faces.clear();
+        for (Index f = 0; f < family_.size(); ++f)
+            if (faces_[f].start != none && !is_point(f) && !is_sliver(f)) out.faces.push_back(FormId{f});
+        out.vertices.resize(vertices_.size());
+        for (Index v = 0; v < vertices_.size(); ++v) out.vertices[v] = {vertices_[v].p, vertices_[v].error};
+        out.arcs.clear();
+        for (Index e = 0; e < edges_.size(); ++e) {
+            const Edge& edge = edges_[e];
+            if (edge.apex.is_gone() || edge.is_point) continue;
+            const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+            const bool is_short = edge.apex.doubt < HUGE_VAL;
+            if (!is_short && !is_long(e)) return false;
+            constexpr double near = 0x1p-19;
+            const double chord = (vertices_[from].p - vertices_[to].p).norm();
+            out.arcs.push_back({FormId{left(2 * e)}, FormId{right(2 * e)}, from, to, edge.normal, edge.offset,
+                                edge.square, edge.length, edge.error, is_short,
+                                is_short && chord < near ? edge.apex.error + chord : HUGE_VAL});
+        }
+        return true;
     }
 
 private:

@@ -21,10 +21,27 @@ using namespace discs;
 
 class DiscDiagram : DiscResult {
 public:
-    DiscDiagram(const FormFamily& family, const EnvelopeOptions& options, const TakeMoreForms& more)
-        : DiscResult(family), options_(options), more_(more) {}
+    DiscDiagram(const FormFamily& family, const EnvelopeOptions& options, const TakeMoreForms& more,
+                const TieSign& tie_sign)
+        : DiscResult(family, tie_sign), options_(options), more_(more) {}
 
     std::optional<MinimizationDiagram> run(std::size_t attempt) {
+        const auto owner = insert_all(attempt);
+        if (!owner) return std::nullopt;
+        auto result = diagram(*owner);
+        if (result) result->work.insertions = inserted_;
+        return result;
+    }
+    bool run(std::size_t attempt, DiscArcs& out) { return insert_all(attempt) && set_arcs(out); }
+
+    std::size_t inserted() const { return inserted_; }
+    bool is_given_up() const { return is_given_up_; }
+
+private:
+    static constexpr std::size_t most_spread = 8;  // forms that are to surround the base first
+
+    // Whose face holds the chart's pole; none where that is no common case.
+    std::optional<Index> insert_all(std::size_t attempt) {
         double least_slope = HUGE_VAL;
         forms_.reserve(family_.size() + 16);
         for (const CircularForm& f : family_.forms) {
@@ -50,19 +67,9 @@ public:
         if (more_) {
             if (!take_more()) return std::nullopt;
             owner = owner_of_pole();
-            if (!owner) return std::nullopt;
         }
-        auto result = diagram(*owner);
-        if (result) result->work.insertions = inserted_;
-        return result;
+        return owner;
     }
-
-    std::size_t inserted() const { return inserted_; }
-    bool is_given_up() const { return is_given_up_; }
-
-private:
-    static constexpr std::size_t most_spread = 8;  // forms that are to surround the base first
-
     // The chart's pole is (0, 0, -1).
     std::optional<Index> owner_of_pole() const {
         const Vector3d pole(0, 0, -1);
@@ -119,7 +126,7 @@ private:
         while (true) {
             const std::size_t known = forms_.size();
             faces_.resize(known);
-            const MoreForms answer = more_(marks());
+            const MoreForms answer = more_([this] { return marks(); });
             is_given_up_ = answer == MoreForms::GivenUp;
             if (answer != MoreForms::Added) return !is_given_up_;
             double steepest = steepest_;
@@ -211,19 +218,35 @@ private:
 
 }  // namespace
 
-std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
-                                                          const EnvelopeOptions& options,
-                                                          const TakeMoreForms& more) {
-    // What fails in the beginning, when faces are large, may succeed in another order. The more forms there
-    // are, the less it costs to try again, compared with the other engine.
+// What fails in the beginning, when faces are large, may succeed in another order. The more forms there are,
+// the less it costs to try again, compared with the other engine.
+static bool attempt_all(const FormFamily& family, const EnvelopeOptions& options, const TakeMoreForms& more,
+                        const TieSign& tie_sign, const auto& run) {
     constexpr std::size_t beginning = 64, many = 1024;
     const std::size_t attempts = family.size() > many ? 16 : 4;
     for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
-        DiscDiagram diagram(family, options, more);
-        if (auto result = diagram.run(attempt)) return result;
+        DiscDiagram diagram(family, options, more, tie_sign);
+        if (run(diagram, attempt)) return true;
         if (diagram.inserted() > beginning || diagram.is_given_up()) break;
     }
-    return std::nullopt;
+    return false;
+}
+
+std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
+                                                          const EnvelopeOptions& options,
+                                                          const TakeMoreForms& more) {
+    std::optional<MinimizationDiagram> result;
+    attempt_all(family, options, more, {}, [&](DiscDiagram& diagram, std::size_t attempt) {
+        result = diagram.run(attempt);
+        return result.has_value();
+    });
+    return result;
+}
+
+bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TieSign& tie_sign,
+                         DiscArcs& arcs) {
+    return attempt_all(family, {}, more, tie_sign,
+                       [&](DiscDiagram& diagram, std::size_t attempt) { return diagram.run(attempt, arcs); });
 }
 
 }  // namespace vcell

@@ -11,11 +11,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "../diagram/minimization_diagram.hpp"
+#include "disc_arcs.hpp"
 
 namespace vcell {
 
@@ -37,9 +39,9 @@ struct SphereMarks {
     bool are_all = true;  ///< otherwise they tell nothing of some edge or face
 };
 
-/// Asked with the marks of a diagram of all forms so far: appends more to the family.
+/// Asked when all forms so far are in a diagram, whose marks it may ask for: appends more to the family.
 enum class MoreForms { None, Added, GivenUp };
-using TakeMoreForms = std::function<MoreForms(const SphereMarks&)>;
+using TakeMoreForms = std::function<MoreForms(const std::function<SphereMarks()>& marks)>;
 
 /// The lower envelope of circular forms over the sphere, if it and those of the forms inserted on the way are
 /// of the common kind: every form has at most one face and all faces are discs;
@@ -54,5 +56,13 @@ using TakeMoreForms = std::function<MoreForms(const SphereMarks&)>;
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
                                                           const EnvelopeOptions& options,
                                                           const TakeMoreForms& more = {});
+/// The sign of a form less three others in a point in which these tie, at values of that sign, not Zero.
+/// Exact; none: exact coefficients are to be asked for.
+using TieSign =
+    std::function<std::optional<Sign>(FormId form, const std::array<FormId, 3>& tied, Sign value)>;
+/// The same envelope as it lies on the sphere, in the coordinates of b above: all that measures take. False
+/// where it is nothing.
+bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TieSign& tie_sign,
+                         DiscArcs& arcs);
 
 }  // namespace vcell

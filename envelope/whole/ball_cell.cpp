@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "../../primitives/bases/sphere_base.hpp"
-#include "../diagram/settled_vertices.hpp"
-#include "../lift/lift.hpp"
+#include "../measures/arc_measures.hpp"
 #include "../sphere/sphere_diagram.hpp"
 #include "cell_marks.hpp"
 
@@ -20,26 +23,57 @@ using Neighbor = ImageTree::Found;
 // are left may touch the cell.
 constexpr std::size_t first_balls = 20, more_balls = 24;
 // Where the cell among the first has faces of which marks tell nothing.
-constexpr std::size_t many_balls = 80;
+constexpr std::size_t many_balls = 60;
+
+void add_area(DiagramCell& cell, const CellContact& contact) {
+    cell.area += contact.area;
+    cell.area_error += contact.area_error + std::numeric_limits<double>::epsilon() * cell.area;
+}
+
+Image opposite(const Image& image) {
+    return {static_cast<std::int16_t>(-image[0]), static_cast<std::int16_t>(-image[1]),
+            static_cast<std::int16_t>(-image[2])};
+}
 
 class BallCellFinder {
 public:
     BallCellFinder(const DecidedDiagram& decided, std::uint32_t object, const Box& room)
-        : decided_(decided),
-          object_(object),
-          room_(room),
-          base_(decided.ball(object)),
-          candidates_(decided.competitors(object, first_balls).nearest) {
-        for (const Neighbor& n : candidates_) {
-            searched_ = std::max(searched_, n.distance);
-            step_ = std::max(step_, 0.5 * (n.distance + n.ball.radius));
+        : decided_(decided), object_(object), room_(room), base_(decided.ball(object)) {}
+
+    // The cell is known to touch these, and nothing else.
+    void begin(std::span<const CellContact> contacts) {
+        searched_ = infinity;
+        for (const CellContact& contact : contacts) {
+            if (!contact.site.is_object()) continue;
+            const Sphere& ball = decided_.ball(contact.site.index);
+            const Sphere moved{ball.center + decided_.balls().lattice().shift(contact.image), ball.radius};
+            candidates_.push_back({distance_of(moved), contact.site.index, contact.image, moved});
         }
-        // In a unit of the cell's size heights are no steeper than directions tell, and vertices settled.
-        if (candidates_.empty()) step_ = (room.max - room.min).maxCoeff();
-        unit_ = std::ldexp(1.0, std::ilogb(step_));
+        set_unit();
+    }
+    // False where that is too few.
+    bool begin(const Neighborhood& around) {
+        searched_ = around.reach();
+        waiting_.clear();
+        waiting_.reserve(around.balls().size());
+        for (const Neighbor& n : around.balls()) {
+            const double distance = distance_of(n.ball);
+            if (distance > searched_ || (n.number == object_ && n.image == Image{0, 0, 0})) continue;
+            waiting_.push_back({distance, n.number, n.image, n.ball});
+        }
+        if (waiting_.size() < first_balls && searched_ < infinity) return false;
+        const auto middle =
+            waiting_.begin() + static_cast<std::ptrdiff_t>(std::min(first_balls, waiting_.size()));
+        std::ranges::nth_element(waiting_, middle,
+                                 [](const Neighbor& a, const Neighbor& b) { return a.key() < b.key(); });
+        candidates_.reserve(first_balls + more_balls);
+        candidates_.assign(waiting_.begin(), middle);
+        waiting_.erase(waiting_.begin(), middle);
+        set_unit();
+        return true;
     }
 
-    std::optional<MeasuredBallCell> operator()() {
+    std::optional<FoundCell> operator()(bool is_sharing) {
         Scene scene;
         const auto base = scaled(base_);
         const auto low = scaled(Sphere{room_.min, 0}), high = scaled(Sphere{room_.max, 0});
@@ -55,17 +89,24 @@ public:
         problem_.emplace(scene, unit_);
         const RadialBaseProblem& problem = problem_->problem();
         if (problem.moved != 0 || !problem.warnings.empty()) return std::nullopt;
-        auto diagram = disc_diagram_on_sphere(problem.family, {},
-                                              [this](const SphereMarks& marks) { return more(marks); });
-        if (!diagram) return std::nullopt;
-        settle_vertices(problem.family, *diagram, 1);
-        Cell cell = measure_without_curves(problem, *diagram);
-        scale(cell, unit_, 1);
-        if (!is_finite(cell)) return std::nullopt;
-        return MeasuredBallCell{std::move(cell), std::move(candidates_)};
+        DiscArcs arcs;
+        if (!disc_arcs_on_sphere(
+                problem.family, [this](const auto& marks) { return more(marks); },
+                [this](FormId form, const auto& tied, Sign value) {
+                    return problem_->tie_sign(form, tied, value);
+                },
+                arcs))
+            return std::nullopt;
+        return measured(arcs, is_sharing);
     }
 
 private:
+    // In a unit of the cell's size heights are no steeper than directions tell.
+    void set_unit() {
+        step_ = candidates_.empty() ? (room_.max - room_.min).maxCoeff() : 0;
+        for (const Neighbor& n : candidates_) step_ = std::max(step_, 0.5 * (n.distance + n.ball.radius));
+        unit_ = std::ldexp(1.0, std::ilogb(step_));
+    }
     // None where that is not exact, or out of all proportion.
     std::optional<Sphere> scaled(const Sphere& ball) const {
         constexpr double most = 0x1p200;
@@ -76,46 +117,47 @@ private:
         return s;
     }
 
-    // Balls that the marks leave and that are not among the forms, some at a time: the nearest, and of those
-    // in ever larger reaches. A cell gets small soon, and what is far from it is not looked at one by one.
-    MoreForms more(const SphereMarks& known) {
-        CellMarks marks(base_, known, problem_->problem().chart.turn, unit_);
+    double distance_of(const Sphere& ball) const { return (ball.center - base_.center).norm() - ball.radius; }
+
+    // Balls that the marks leave and that are not among the forms, some at a time: those of the
+    // neighbourhood, and then others in ever larger reaches. A cell gets small soon, and what is far from it
+    // is not looked at one by one.
+    MoreForms more(const std::function<SphereMarks()>& known) {
+        // What may not touch a cell may not touch what others leave of it.
+        if (waiting_.empty() && searched_ >= reach_) return MoreForms::None;
+        CellMarks marks(base_, known(), problem_->problem().chart.turn, unit_);
         if (!marks.are_bounds()) return is_widened_ ? MoreForms::GivenUp : widen();
+        reach_ = marks.reach();
+        marks.look_between(-infinity, reach_);
         std::erase_if(waiting_, [&](const Neighbor& n) { return !marks.may_touch(n.ball); });
         while (waiting_.empty()) {
-            if (searched_ >= marks.reach()) return MoreForms::None;
-            const double to = std::min(searched_ + step_, marks.reach());
-            marks.look_between(is_searched_ ? searched_ : -HUGE_VAL, to);
+            if (searched_ >= reach_) return MoreForms::None;
+            const double to = std::min(searched_ + step_, reach_);
+            marks.look_between(searched_, to);
             decided_.balls().touching(marks,
                                       [&](const Sphere& ball, std::uint32_t place, const Image& image) {
-                                          const Neighbor n{marks.distance(ball), place, image, ball};
-                                          const bool is_base = place == object_ && image == Image{0, 0, 0};
-                                          if (!is_base && !is_candidate(n)) waiting_.push_back(n);
+                                          if (place != object_ || image != Image{0, 0, 0})
+                                              waiting_.push_back({distance_of(ball), place, image, ball});
                                       });
-            is_searched_ = true;
             searched_ = to;
-            step_ *= 2;
+            step_ *= 4;
         }
-        // The nearest last. The tree has an order of its own.
-        std::ranges::sort(waiting_, std::ranges::greater(), &Neighbor::distance);
-        for (std::size_t i = 0; i < more_balls && !waiting_.empty(); ++i) {
-            if (!add(waiting_.back())) return MoreForms::GivenUp;
-            waiting_.pop_back();
-        }
-        return MoreForms::Added;
+        add_nearest(more_balls);
+        return is_out_of_range_ ? MoreForms::GivenUp : MoreForms::Added;
     }
     // The cell among a few balls may have faces of which marks tell nothing.
     MoreForms widen() {
         is_widened_ = true;
-        for (const Neighbor& n : decided_.competitors(object_, many_balls).nearest)
-            if (!is_candidate(n) && !add(n)) return MoreForms::GivenUp;
-        return MoreForms::Added;
+        add_nearest(many_balls);
+        return is_out_of_range_ ? MoreForms::GivenUp : MoreForms::Added;
     }
-
-    bool is_candidate(const Neighbor& n) const {
-        return std::ranges::any_of(candidates_, [&](const Neighbor& known) {
-            return known.number == n.number && known.image == n.image;
-        });
+    void add_nearest(std::size_t count) {
+        // The nearest last; the tree has an order of its own.
+        std::ranges::sort(waiting_, [](const Neighbor& a, const Neighbor& b) { return b.key() < a.key(); });
+        for (std::size_t i = 0; i < count && !waiting_.empty(); ++i) {
+            is_out_of_range_ = is_out_of_range_ || !add(waiting_.back());
+            waiting_.pop_back();
+        }
     }
     bool add(const Neighbor& n) {
         const auto ball = scaled(n.ball);
@@ -125,12 +167,71 @@ private:
         return true;
     }
 
-    static bool is_finite(const Cell& cell) {
-        const Measures& m = cell.measures;
-        return std::isfinite(m.volume + m.volume_error + m.area + m.area_error + m.min_clearance +
-                             m.min_clearance_error + m.max_clearance + m.max_clearance_error) &&
-               std::ranges::all_of(cell.faces,
-                                   [](const CellFace& f) { return std::isfinite(f.area + f.area_error); });
+    std::optional<FoundCell> measured(const DiscArcs& arcs, bool is_sharing) const {
+        const RadialBaseProblem& problem = problem_->problem();
+        // A contact for each face, and the face's place.
+        std::vector<std::pair<CellContact, std::uint32_t>> contacts;
+        contacts.reserve(arcs.faces.size());
+        std::vector<char> is_asked(arcs.faces.size(), 1);
+        for (std::uint32_t i = 0; i < arcs.faces.size(); ++i) {
+            const std::span<const Site> sites = problem.sites[arcs.faces[i]];
+            if (sites.size() != 1) return std::nullopt;
+            CellContact contact{sites.front()};
+            if (contact.site.is_object()) {
+                const Neighbor& n = candidates_[contact.site.index];
+                contact.site = Site::object(n.number);
+                contact.image = n.image;
+                is_asked[i] = !is_sharing || n.number >= object_ ? 1 : 0;
+            }
+            contact.faces = is_asked[i] != 0 ? 1 : 0;
+            contacts.emplace_back(contact, i);
+        }
+        ArcMeasures measures;
+        if (!measure_arcs(problem, arcs, is_asked, measures)) return std::nullopt;
+        std::ranges::sort(contacts, {}, [](const auto& c) { return std::pair(c.first.site, c.first.image); });
+
+        FoundCell found;
+        found.shared.is_sharing = is_sharing;
+        DiagramCell& cell = found.cell;
+        const double square = unit_ * unit_, cube = square * unit_;
+        constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
+        cell.contacts.reserve(contacts.size());
+        for (auto& [contact, i] : contacts) {
+            if (is_asked[i] != 0) {
+                const FaceMeasures& face = measures.faces[i];
+                // A face thinner than the spacing of doubles may come out below zero by its rounding.
+                contact.area = square * std::max(0.0, face.area.value);
+                contact.area_error = square * face.area.error + rounding * contact.area;
+                const double volume = cube * face.volume.value,
+                             error = cube * face.volume.error + rounding * std::abs(volume);
+                cell.volume += volume;
+                cell.volume_error += error;
+                if (contact.site.is_object()) add_area(cell, contact);
+                if (is_sharing && contact.site.is_object() && contact.site.index > object_) {
+                    const double both = cube * face.both.value;
+                    found.shared.parts.push_back(
+                        {both - volume, cube * face.both.error + error + rounding * std::abs(both)});
+                }
+            }
+            cell.touches_box = cell.touches_box || !contact.site.is_object();
+            cell.contacts.push_back(contact);
+        }
+        cell.volume_error += rounding * std::abs(cell.volume);
+        const double radius = base_.radius, most = unit_ * measures.most,
+                     most_error = unit_ * measures.most_error + rounding * (most + radius);
+        cell.min_clearance = unit_ * measures.least - radius;
+        cell.max_clearance = most - radius;
+        cell.reach = 2 * (cell.max_clearance + most_error) * (1 + rounding);
+        cell.candidates = static_cast<std::uint32_t>(candidates_.size());
+        if (!is_finite(found)) return std::nullopt;
+        return found;
+    }
+
+    static bool is_finite(const FoundCell& found) {
+        const DiagramCell& c = found.cell;
+        return std::isfinite(c.volume + c.volume_error + c.area + c.area_error + c.min_clearance + c.reach) &&
+               std::ranges::all_of(found.shared.parts,
+                                   [](const auto& p) { return std::isfinite(p.volume + p.error); });
     }
 
     const DecidedDiagram& decided_;
@@ -140,18 +241,77 @@ private:
     double unit_ = 1;
     std::vector<Neighbor> candidates_;
     std::optional<GrowingSphereProblem> problem_;
-    std::vector<Neighbor> waiting_;  // the nearest last
-    bool is_searched_ = false, is_widened_ = false;
-    // All balls whose surfaces are no farther than that from the base's centre have been asked about, and how
-    // much farther it goes from there.
+    // That may touch the cell, and are not among the forms.
+    std::vector<Neighbor> waiting_;
+    bool is_widened_ = false, is_out_of_range_ = false;
+    // No ball touches the cell whose surface is this far from the base's centre, or farther.
+    double reach_ = infinity;
+    // All balls whose surfaces are no farther than that from there have been asked about, and how much
+    // farther it goes from there.
     double searched_ = 0, step_ = 0;
 };
 
 }  // namespace
 
-std::optional<MeasuredBallCell> measured_ball_cell(const DecidedDiagram& decided, std::uint32_t object,
-                                                   const Box& room) {
-    return BallCellFinder(decided, object, room)();
+std::optional<FoundCell> measured_ball_cell(const DecidedDiagram& decided, std::uint32_t object,
+                                            const Box& room, const Neighborhood* around, bool is_sharing) {
+    BallCellFinder finder(decided, object, room);
+    if ((around == nullptr || !finder.begin(*around)) && !finder.begin(Neighborhood(decided, object)))
+        return std::nullopt;
+    return finder(is_sharing);
+}
+
+bool complete_ball_cell(const DecidedDiagram& decided, std::uint32_t object, DiagramCell& cell) {
+    const Box room = decided.room(decided.ball(object));
+    BallCellFinder finder(decided, object, room);
+    finder.begin(cell.contacts);
+    auto found = finder(false);
+    if (!found || found->cell.contacts.size() != cell.contacts.size()) return false;
+    // What has been shared stays what both cells have.
+    DiagramCell& complete = found->cell;
+    complete.area = complete.area_error = 0;
+    for (std::size_t k = 0; k < cell.contacts.size(); ++k) {
+        CellContact& contact = complete.contacts[k];
+        const CellContact& known = cell.contacts[k];
+        if (contact.site != known.site || contact.image != known.image) return false;
+        if (known.faces != 0) contact = known;
+        if (contact.site.is_object()) add_area(complete, contact);
+    }
+    complete.candidates = cell.candidates;
+    cell = std::move(complete);
+    return true;
+}
+
+std::vector<std::uint32_t> share_faces(std::span<DiagramCell> cells, std::span<const SharedParts> parts) {
+    for (std::uint32_t i = 0; i < cells.size(); ++i) {
+        if (!parts[i].is_sharing) continue;
+        auto part = parts[i].parts.begin();
+        for (const CellContact& mine : cells[i].contacts) {
+            if (!mine.site.is_object() || mine.site.index <= i) continue;
+            const SharedParts::Part& theirs = *part++;
+            if (!parts[mine.site.index].is_sharing) continue;
+            DiagramCell& other = cells[mine.site.index];
+            const std::pair key(Site::object(i), opposite(mine.image));
+            const auto place = std::ranges::lower_bound(
+                other.contacts, key, {}, [](const CellContact& c) { return std::pair(c.site, c.image); });
+            if (place == other.contacts.end() || std::pair(place->site, place->image) != key ||
+                place->faces != 0)
+                continue;
+            place->faces = mine.faces;
+            place->area = mine.area;
+            place->area_error = mine.area_error;
+            other.volume += theirs.volume;
+            other.volume_error +=
+                theirs.error + std::numeric_limits<double>::epsilon() * std::abs(other.volume);
+            add_area(other, *place);
+        }
+    }
+    std::vector<std::uint32_t> lacking;
+    for (std::uint32_t i = 0; i < cells.size(); ++i)
+        if (parts[i].is_sharing &&
+            std::ranges::any_of(cells[i].contacts, [](const CellContact& c) { return c.faces == 0; }))
+            lacking.push_back(i);
+    return lacking;
 }
 
 }  // namespace vcell::whole

@@ -1,6 +1,7 @@
 #include "ball_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -34,6 +35,26 @@ void BallTree::build(std::uint32_t begin, std::uint32_t end) {
     build(begin, middle);
     nodes_[at].second = static_cast<std::uint32_t>(nodes_.size());
     build(middle, end);
+}
+
+std::vector<BallTree::Leaf> BallTree::leaves() const {
+    std::vector<Leaf> leaves;
+    if (!nodes_.empty()) add_leaves(0, 0, leaves);
+    return leaves;
+}
+
+void BallTree::add_leaves(std::uint32_t at, double spacing, std::vector<Leaf>& leaves) const {
+    // Fewer have a box that is too small for them by what lies beside them.
+    constexpr std::uint32_t many = 64;
+    const Node& node = nodes_[at];
+    const std::uint32_t count = node.end - node.begin;
+    if (count >= many || at == 0) spacing = std::cbrt((node.box.max - node.box.min).prod() / count);
+    if (node.second == 0) {
+        leaves.push_back({entries().subspan(node.begin, count), node.box, spacing});
+        return;
+    }
+    add_leaves(at + 1, spacing, leaves);
+    add_leaves(node.second, spacing, leaves);
 }
 
 void BallTree::nearest(const Vec3& point, std::size_t count,

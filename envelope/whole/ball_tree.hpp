@@ -42,6 +42,14 @@ public:
                  std::vector<std::pair<double, std::uint32_t>>& out) const;
 
     std::span<const Entry> entries() const { return balls_; }
+    /// Balls that lie together, some at a time.
+    struct Leaf {
+        std::span<const Entry> balls;
+        Box box;  ///< of their centres
+        double
+            spacing;  ///< cube root of the room that a ball has thereabouts, zero where they lie in a plane
+    };
+    std::vector<Leaf> leaves() const;
     double largest_radius() const { return nodes_.empty() ? 0 : nodes_.front().largest; }
     /// Holds all centres. Pre: there is a ball.
     const Box& centers() const { return nodes_.front().box; }
@@ -69,6 +77,7 @@ private:
     }
 
     void build(std::uint32_t begin, std::uint32_t end);
+    void add_leaves(std::uint32_t at, double spacing, std::vector<Leaf>& leaves) const;
 
     template <class Visit>
     void within(std::uint32_t at, const Vec3& point, double reach, Visit&& visit) const {

@@ -223,21 +223,22 @@ bool DecidedDiagram::is_bounded(std::uint32_t i) const {
     return scene().is_periodic() || (is_ball(i) && holds(scene().box, ball(i).center));
 }
 
-DecidedDiagram::Competitors DecidedDiagram::competitors(std::uint32_t i, std::size_t count) const {
-    const Vec3& center = ball(i).center;
+DecidedDiagram::Competitors DecidedDiagram::competitors(const Sphere& ball, std::uint32_t self,
+                                                        std::size_t count) const {
+    const Vec3& center = ball.center;
     Competitors found;
     if (!lattice_.repeats()) {
-        found.nearest = balls_.nearest(center, 0, count, i);
+        found.nearest = balls_.nearest(center, 0, count, self);
         found.reach = found.nearest.size() < count ? std::numeric_limits<double>::infinity()
                                                    : found.nearest.back().distance;
         return found;
     }
     // Ever larger reaches find the nearest images: the tree holds the box alone.
-    const Box room = this->room(ball(i));
+    const Box room = this->room(ball);
     const double volume = scene().edges().determinant(), balls = static_cast<double>(part_.balls);
     found.reach = std::cbrt(volume * static_cast<double>(count) / balls);
     while (true) {
-        found.nearest = balls_.nearest(center, found.reach, count, i);
+        found.nearest = balls_.nearest(center, found.reach, count, self);
         if (found.nearest.size() == count || found.reach > 2 * (room.max - room.min).norm()) return found;
         found.reach *= 1.5;
     }
@@ -274,6 +275,67 @@ bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) c
     return may;
 }
 
+namespace {
+
+// Balls whose surfaces are near a box.
+class NearBox {
+public:
+    NearBox(const Box& box, double reach) : box_(box), reach_(reach) {
+        base_.center = 0.5 * (box.min + box.max);
+        half_ = 0.5 * (box.max - box.min).norm();
+    }
+
+    const Sphere& base() const { return base_; }
+    double extent(double) const { return half_ + reach_; }
+    bool may_touch(const Sphere& ball) const { return may_touch(Box{ball.center, ball.center}, ball.radius); }
+    bool may_touch(const Box& centers, double radius) const {
+        const Vec3 away = (centers.min - box_.max).cwiseMax(box_.min - centers.max).cwiseMax(0);
+        return away.norm() - radius <= reach_;
+    }
+
+private:
+    Box box_;
+    double reach_, half_;
+    Sphere base_;
+};
+
+}  // namespace
+
+Neighborhood::Neighborhood(const DecidedDiagram& decided, const BallTree::Leaf& leaf) {
+    // Room for some sixty balls: enough to bound most cells, and few enough to be looked at one by one.
+    constexpr double wide = 2.6;
+    constexpr std::size_t least = 32;
+    double largest = 0;
+    for (const BallTree::Entry& e : leaf.balls) largest = std::max(largest, e.ball.radius);
+    const Box& all = decided.scene().box;
+    const double size = (all.max - all.min).norm() + leaf.box.max.norm() + leaf.box.min.norm();
+    double reach = std::max(wide * leaf.spacing - largest, 0x1p-20 * size);
+    while (true) {
+        balls_.clear();
+        decided.balls().touching(NearBox(leaf.box, reach),
+                                 [&](const Sphere& ball, std::uint32_t number, const Image& image) {
+                                     balls_.push_back({0, number, image, ball});
+                                 });
+        if (balls_.size() >= least || reach > 2 * size) break;
+        reach *= 1.5;
+    }
+    set_reach(reach, leaf.box);
+}
+
+Neighborhood::Neighborhood(const DecidedDiagram& decided, std::uint32_t object) {
+    constexpr std::size_t count = 96;
+    const Vec3& center = decided.ball(object).center;
+    auto found = decided.competitors(object, count);
+    balls_ = std::move(found.nearest);
+    set_reach(balls_.size() < count ? found.reach : balls_.back().distance, {center, center});
+}
+
+void Neighborhood::set_reach(double reach, const Box& box) {
+    constexpr double rounding = 0x1p-46;
+    const double size = box.min.cwiseAbs().sum() + box.max.cwiseAbs().sum();
+    reach_ = reach < infinity ? reach - rounding * (std::abs(reach) + size) : reach;
+}
+
 // ---- One cell ---------------------------------------------------------------------------------------
 
 namespace {
@@ -289,7 +351,9 @@ struct Candidate {
 
 class CellFinder {
 public:
-    CellFinder(const DecidedDiagram& decided, std::uint32_t object) : decided_(decided), object_(object) {
+    CellFinder(const DecidedDiagram& decided, std::uint32_t object, const Neighborhood* around,
+               SharedParts* shared)
+        : decided_(decided), object_(object), around_(around), shared_(shared) {
         result_.min_clearance = result_.max_clearance = std::numeric_limits<double>::quiet_NaN();
     }
 
@@ -334,12 +398,11 @@ private:
         const Sphere& base = decided_.ball(object_);
         const Box room = decided_.room(base);
         // A part of a scene holds what may touch a bound, and finds the same from it as any other part.
-        const bool are_balls = decided_.others().empty() && !decided_.scene().probe;
-        if (are_balls && decided_.is_whole() && kept == nullptr)
-            if (const auto found = measured_ball_cell(decided_, object_, room)) {
-                for (const ImageTree::Found& n : found->candidates)
-                    candidates_.push_back({nullptr, n.ball, n.number, n.image});
-                return take(found->cell);
+        if (decided_.is_simple() && kept == nullptr)
+            if (auto found = measured_ball_cell(decided_, object_, room, around_, shared_ != nullptr)) {
+                result_ = std::move(found->cell);
+                if (shared_ != nullptr) *shared_ = std::move(found->shared);
+                return;
             }
         DecidedDiagram::Bound by_nearest = decided_.bound(object_);
         CellBound& bound = by_nearest.bound;
@@ -494,6 +557,8 @@ private:
 
     const DecidedDiagram& decided_;
     const std::uint32_t object_;
+    const Neighborhood* const around_;  // none: that of the object alone
+    SharedParts* const shared_;         // none: the cell is to be complete by itself
     std::vector<Candidate> candidates_;
     DiagramCell result_;
 };
@@ -501,7 +566,13 @@ private:
 }  // namespace
 
 DiagramCell find_cell(const DecidedDiagram& decided, std::uint32_t object, std::optional<Cell>* cell) {
-    return CellFinder(decided, object)(cell);
+    return CellFinder(decided, object, nullptr, nullptr)(cell);
+}
+
+FoundCell find_sharing_cell(const DecidedDiagram& decided, std::uint32_t object, const Neighborhood& around) {
+    FoundCell found;
+    found.cell = CellFinder(decided, object, &around, &found.shared)(nullptr);
+    return found;
 }
 
 }  // namespace vcell::whole

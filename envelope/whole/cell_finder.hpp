@@ -58,6 +58,8 @@ public:
         const Object& object = scene().objects[i];
         return is_vessel(object) || (has_vessels_ && std::holds_alternative<Plane>(object));
     }
+    /// Are all objects balls, and known, and do cells end nowhere but between them and at the box?
+    bool is_simple() const { return others_.empty() && is_whole() && !scene().probe; }
     /// Objects that are no balls, ascending.
     const std::vector<std::uint32_t>& others() const { return others_; }
     /// All balls that are not hidden, by their places.
@@ -78,7 +80,11 @@ public:
         double reach;
     };
     /// The nearest balls, images included, so many of them: they bound a ball's cell to begin with.
-    Competitors competitors(std::uint32_t i, std::size_t count) const;
+    Competitors competitors(std::uint32_t i, std::size_t count) const {
+        return competitors(ball(i), i, count);
+    }
+    /// The nearest to a ball's centre, but for the ball `self`, none being UINT32_MAX.
+    Competitors competitors(const Sphere& ball, std::uint32_t self, std::size_t count) const;
     /// Few bound most cells nearly as well as all. Where they do not, along the sides of a box, many do.
     static constexpr std::size_t few = 28, many = 112;
 
@@ -110,9 +116,48 @@ private:
     ImageTree balls_;
 };
 
-/// The cell of an object. Where `cell` is asked for it gets that of a computed ball, whose sites are numbered
-/// as the diagram's objects. Throws nothing that is about this cell alone. Pre: all balls are known that may
-/// touch its bound, and all within the reach of its competitors; of objects that are not bounded, everything.
+/// Balls that lie together, and those around them: their cells are found among these, and what else may touch
+/// them is searched for.
+class Neighborhood {
+public:
+    Neighborhood(const DecidedDiagram& decided, const BallTree::Leaf& leaf);
+    /// Of a ball alone.
+    Neighborhood(const DecidedDiagram& decided, std::uint32_t object);
+
+    /// Images included, in no order.
+    std::span<const ImageTree::Found> balls() const { return balls_; }
+    /// Holds all balls whose surfaces are no farther from the centre of any of those that lie together, as
+    /// doubles have that distance.
+    double reach() const { return reach_; }
+
+private:
+    void set_reach(double reach, const Box& box);
+
+    double reach_;
+    std::vector<ImageTree::Found> balls_;
+};
+
+/// What a cell of a ball gives to those of its neighbours of greater numbers: their parts of the volume, as
+/// seen through the faces that they share, in the order of its contacts.
+struct SharedParts {
+    struct Part {
+        double volume, error;
+    };
+    bool is_sharing = false;  ///< otherwise the cell is complete by itself, and gives nothing
+    std::vector<Part> parts;
+};
+struct FoundCell {
+    DiagramCell cell;
+    SharedParts shared;
+};
+
+/// The cell of an object, complete by itself. Where `cell` is asked for it gets that of a computed ball,
+/// whose sites are numbered as the diagram's objects. Throws nothing that is about this cell alone. Pre: all
+/// balls are known that may touch its bound, and all within the reach of its competitors; of objects that are
+/// not bounded, everything.
 DiagramCell find_cell(const DecidedDiagram& decided, std::uint32_t object, std::optional<Cell>* cell);
+/// The cell of a ball where all others are asked for, too. Pre: the diagram is whole, all its objects are
+/// balls, and there is no probe.
+FoundCell find_sharing_cell(const DecidedDiagram& decided, std::uint32_t object, const Neighborhood& around);
 
 }  // namespace vcell::whole

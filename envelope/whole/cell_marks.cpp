@@ -1,7 +1,13 @@
 #include "cell_marks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 namespace vcell::whole {
 
@@ -11,8 +17,23 @@ namespace {
 // their terms.
 constexpr double rounding = 0x1p-44;
 constexpr float coarseness = 0x1p-19F;
+// The same of squares of distances, and of what subtracting coordinates loses there.
+constexpr float head_coarseness = 0x1p-15F;
 // In units of a cell; squares of squares of lengths up to this are numbers.
 constexpr double farthest = 0x1p30;
+
+// Which of four values are: a bit for each. One that is no number is not.
+unsigned positive(const Eigen::Array4f& values) {
+#if defined(__SSE2__)
+    return static_cast<unsigned>(
+        _mm_movemask_ps(_mm_cmpgt_ps(_mm_loadu_ps(values.data()), _mm_setzero_ps())));
+#else
+    unsigned bits = 0;
+    for (int i = 0; i < 4; ++i)
+        if (values[i] > 0) bits |= 1u << i;
+    return bits;
+#endif
+}
 
 }  // namespace
 
@@ -32,32 +53,69 @@ CellMarks::CellMarks(const Sphere& base, const SphereMarks& marks, const Eigen::
     // A ball that is as near to a point at t as the base is no farther than 2 (t - R0) from its surface.
     from_ = -HUGE_VAL;
     reach_ = to_ = 2 * unit_ - base.radius + rounding * (unit_ + base.radius + base.center.cwiseAbs().sum());
-    places_.resize((marks.places.size() + 3) / 4);
-    gradients_.resize((marks.gradients.size() + 3) / 4);
-    // Rows are filled up with the last marks.
-    for (std::size_t i = 0; i < 4 * places_.size(); ++i) {
-        const SphereMarks::Mark& m = marks.places[std::min(i, marks.places.size() - 1)];
-        add(places_, i, turn * m.p, -m.level * most);
-    }
-    for (std::size_t i = 0; i < 4 * gradients_.size(); ++i) {
-        const SphereMarks::Mark& m = marks.gradients[std::min(i, marks.gradients.size() - 1)];
+    // Octant by octant, for rows to lie together.
+    constexpr std::size_t octants = 8;
+    const auto octant = [](const Vec3& p) {
+        return static_cast<std::size_t>((p.x() > 0) + 2 * (p.y() > 0) + 4 * (p.z() > 0));
+    };
+    std::array<std::uint32_t, octants + 1> begin{};
+    for (const SphereMarks::Mark& m : marks.places) ++begin[octant(m.p) + 1];
+    for (const SphereMarks::Mark& m : marks.gradients) ++begin[octant(-m.p) + 1];
+    for (std::size_t k = 0; k < octants; ++k) begin[k + 1] += begin[k];
+    const std::size_t count = marks.places.size() + marks.gradients.size();
+    rows_.resize((count + 3) / 4);
+    for (const SphereMarks::Mark& m : marks.places)
+        add(begin[octant(m.p)]++, turn * m.p, -most * m.level, true);
+    for (const SphereMarks::Mark& m : marks.gradients) {
         are_bounds_ = are_bounds_ && m.level > 0;
-        add(gradients_, i, turn * -m.p, m.level * most);
+        add(begin[octant(-m.p)]++, turn * -m.p, most * m.level, false);
     }
+    // The last row is filled up with any mark.
+    const SphereMarks::Mark& m = marks.places.front();
+    for (std::size_t i = count; i < 4 * rows_.size(); ++i) add(i, turn * m.p, -most * m.level, true);
+    set_heads();
 }
 
-void CellMarks::add(std::vector<Row>& rows, std::size_t i, const Vec3& p, double level) {
-    Row& row = rows[i / 4];
+void CellMarks::add(std::size_t i, const Vec3& p, double level, bool is_place) {
+    Row& row = rows_[i / 4];
     const auto k = static_cast<Eigen::Index>(i % 4);
-    const Vec3 at = p / level;
+    const Vec3 at = (1 / level) * p;
     row.x[k] = static_cast<float>(2 * p.x());
     row.y[k] = static_cast<float>(2 * p.y());
     row.z[k] = static_cast<float>(2 * p.z());
     row.level[k] = static_cast<float>(level);
+    row.with_delta[k] = is_place ? 1 : 0;
     row.at_x[k] = static_cast<float>(at.x());
     row.at_y[k] = static_cast<float>(at.y());
     row.at_z[k] = static_cast<float>(at.z());
     row.offset[k] = static_cast<float>(p.dot(at));
+}
+
+void CellMarks::set_heads() {
+    heads_.resize((rows_.size() + 3) / 4);
+    for (std::size_t i = 0; i < 4 * heads_.size(); ++i) {
+        const Row& row = rows_[std::min(i, rows_.size() - 1)];
+        const float x = row.at_x.mean(), y = row.at_y.mean(), z = row.at_z.mean();
+        const Four away =
+                       ((row.at_x - x).square() + (row.at_y - y).square() + (row.at_z - z).square()).sqrt(),
+                   far = (row.at_x.square() + row.at_y.square() + row.at_z.square()).sqrt();
+        Head& head = heads_[i / 4];
+        const auto k = static_cast<Eigen::Index>(i % 4);
+        head.x[k] = x;
+        head.y[k] = y;
+        head.z[k] = z;
+        head.radius[k] = (away + far).maxCoeff();
+    }
+}
+
+template <class IsFar, class SaysNo>
+bool CellMarks::all_say_no(const IsFar& is_far, const SaysNo& says_no) const {
+    for (std::size_t i = 0; i < heads_.size(); ++i) {
+        unsigned near = ~is_far(heads_[i]) & 15u;
+        for (std::size_t k = 4 * i; near != 0 && k < rows_.size(); ++k, near >>= 1)
+            if ((near & 1u) != 0 && says_no(rows_[k]) != 15u) return false;
+    }
+    return true;
 }
 
 bool CellMarks::may_touch(const Sphere& ball) const {
@@ -78,12 +136,19 @@ bool CellMarks::may_touch(const Sphere& ball) const {
     const auto x = static_cast<float>(c.x()), y = static_cast<float>(c.y()), z = static_cast<float>(c.z());
     const auto less = static_cast<float>(C - coarseness * size);
     const auto linear = static_cast<float>(coarseness * (4 * length + 2 * std::abs(delta)));
-    const float of_delta = static_cast<float>(2 * delta) + linear;
-    for (const Row& row : places_)
-        if (!(row.level * less - (row.x * x + row.y * y + row.z * z) > of_delta).all()) return true;
-    for (const Row& row : gradients_)
-        if (!(row.level * less - (row.x * x + row.y * y + row.z * z) > linear).all()) return true;
-    return false;
+    const float twice_delta = static_cast<float>(2 * delta);
+    const float apart = static_cast<float>(std::abs(delta)),
+                doubt = static_cast<float>(square) * head_coarseness;
+    return !all_say_no(
+        [&](const Head& head) {
+            const Four reach = head.radius + apart;
+            return positive((head.x - x).square() + (head.y - y).square() + (head.z - z).square() -
+                            reach.square() * (1 + head_coarseness) - doubt);
+        },
+        [&](const Row& row) {
+            return positive(row.level * less - (row.x * x + row.y * y + row.z * z) -
+                            row.with_delta * twice_delta - linear);
+        });
 }
 
 bool CellMarks::may_touch(const Box& centers, double radius) const {
@@ -106,7 +171,7 @@ bool CellMarks::may_touch(const Box& centers, double radius) const {
     const auto wx = static_cast<float>(half.x()), wy = static_cast<float>(half.y()),
                wz = static_cast<float>(half.z());
     const auto away = [](const Four& at, float from, float extent) {
-        return ((at - from).abs() - extent).max(0.0F).square();
+        return ((at - from).abs() - extent).max(0.0F).square().eval();
     };
     // What is taken of L for squares of delta, and where delta is linear; both are least at the ends.
     const auto least_of = [&](const Four& level) {
@@ -119,18 +184,19 @@ bool CellMarks::may_touch(const Box& centers, double radius) const {
     const auto doubt = static_cast<float>(coarseness * 4 * size),
                linear = static_cast<float>(coarseness * (8 * length + 4 * wide)),
                square = static_cast<float>(wide * wide);
-    for (const Row& row : places_) {
-        const Four distance = away(row.at_x, x, wx) + away(row.at_y, y, wy) + away(row.at_z, z, wz);
-        const Four value =
-            row.level * (distance - doubt) - row.offset * (1 + coarseness) + least_of(row.level);
-        if (!(value > linear).all()) return true;
-    }
-    for (const Row& row : gradients_) {
-        const Four distance = away(row.at_x, x, wx) + away(row.at_y, y, wy) + away(row.at_z, z, wz);
-        const Four value = row.level * (distance - doubt - square) - row.offset * (1 + coarseness);
-        if (!(value > linear).all()) return true;
-    }
-    return false;
+    const float apart = static_cast<float>(wide), far_doubt = static_cast<float>(size) * head_coarseness;
+    return !all_say_no(
+        [&](const Head& head) {
+            const Four reach = head.radius + apart;
+            return positive(away(head.x, x, wx) + away(head.y, y, wy) + away(head.z, z, wz) -
+                            reach.square() * (1 + head_coarseness) - far_doubt);
+        },
+        [&](const Row& row) {
+            const Four distance = away(row.at_x, x, wx) + away(row.at_y, y, wy) + away(row.at_z, z, wz);
+            const Four delta =
+                row.with_delta * least_of(row.level) - (1 - row.with_delta) * row.level * square;
+            return positive(row.level * (distance - doubt) - row.offset * (1 + coarseness) + delta - linear);
+        });
 }
 
 }  // namespace vcell::whole

@@ -6,9 +6,13 @@
 ///     L C - 2 p.c - 2 delta > 0        at a place p of the level -L (SphereMarks),
 ///     L C - 2 n.c > 0                  for a face whose gradient is L (-n).
 ///
-/// With the point p / L these are L |c - p / L|^2 - |p|^2 / L less what delta has: least of all balls with
-/// centres in a box where that is nearest to p / L. All of it is computed in floats, four marks at a time,
-/// and less than a part of 2^-19 of the terms proves nothing.
+/// With the point P = p / L these are L |c - P|^2 - |p|^2 / L less what delta has: least of all balls with
+/// centres in a box where that is nearest to P. As L |P| >= 1 at places,
+///
+///     |c - P| > |P| + |delta|
+///
+/// will do for both, so that marks that lie together say no together. All of it is computed in floats, four
+/// marks at a time, and less than a part of 2^-19 of the terms proves nothing.
 #pragma once
 
 #include <Eigen/Core>
@@ -48,20 +52,31 @@ public:
 
 private:
     using Four = Eigen::Array4f;
-    // Of places and gradients: p, L, and for boxes p / L and |p|^2 / L.
+    // Four marks that lie together: 2 p, L, and for boxes p / L and |p|^2 / L; `with_delta` is 1 of places
+    // and 0 of gradients.
     struct Row {
-        Four x, y, z, level;
+        Four x, y, z, level, with_delta;
         Four at_x, at_y, at_z, offset;
     };
+    // Spheres about what four rows can tell of, but for |delta|: centres and radii.
+    struct Head {
+        Four x, y, z, radius;
+    };
 
-    static void add(std::vector<Row>& rows, std::size_t i, const Vec3& p, double level);
+    void add(std::size_t i, const Vec3& p, double level, bool is_place);
+    void set_heads();
+    /// Do all rows say no whose heads do not? is_far(head) names heads that say no, says_no(row) is asked of
+    /// the others' rows.
+    template <class IsFar, class SaysNo>
+    bool all_say_no(const IsFar& is_far, const SaysNo& says_no) const;
 
     Sphere base_;
     double unit_ = 1;  // of the rows
     double steepest_;  // forms that are steeper are not compared
     double reach_ = 0, from_ = 0, to_ = 0;
     bool are_bounds_ = false;
-    std::vector<Row> places_, gradients_;
+    std::vector<Row> rows_;
+    std::vector<Head> heads_;
 };
 
 }  // namespace vcell::whole

@@ -1,7 +1,9 @@
 #include "sphere_base.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -51,6 +53,7 @@ struct FormSources {
     std::vector<ExactForm> planes;  // and vessels
     std::optional<double> probe;
     IdVector<FormId, Source> forms;
+    double grid = 0;  // multiples of its reciprocal are the integers below; a power of two
 
     ExactForm exact(FormId f) const {
         const Source& source = forms[f];
@@ -59,7 +62,79 @@ struct FormSources {
         return frame.form(source.kind == Kind::Ball ? frame.height(balls[source.index])
                                                     : frame.height(WorldSide(box, source.index)));
     }
+
+    // GrowingSphereProblem::tie_sign(). Where the bisector is a plane n.x = w / 2 the form is -2 n.u / w.
+    // Three of these meet in a point x, seen along u or against it, and there a fourth form is -q (w - 2 n.x)
+    // / w above them, q = 1 / t, of which
+    //
+    //     D (w - 2 n.x) = w n1.(n2 x n3) - w1 n.(n2 x n3) - w2 n.(n3 x n1) - w3 n.(n1 x n2),
+    //
+    // D = n1.(n2 x n3), is exact: coordinates are at most 2^24, so |n| < 2^24.8, w < 2^49.6, and each of the
+    // four terms is less than 2^124.
+    std::optional<Sign> tie_sign(FormId form, const std::array<FormId, 3>& tied, Sign value) const;
+
+private:
+    struct FlatBisector {
+        std::int64_t x, y, z, w;
+    };
+    // None where it is no plane, or digits are too many.
+    std::optional<FlatBisector> flat_bisector(FormId f) const;
 };
+
+#if defined(__SIZEOF_INT128__)
+__extension__ using WideInteger = __int128;
+
+std::optional<FormSources::FlatBisector> FormSources::flat_bisector(FormId f) const {
+    constexpr double most = 0x1p24;
+    const auto is_integer = [](double x) { return std::abs(x) <= most && x == std::nearbyint(x); };
+    // None where a - b is rounded: what is lost is a double, and these tell it.
+    const auto difference = [](double a, double b) -> std::optional<double> {
+        const double d = a - b, part = a - d;
+        return (a - (d + part)) + (part - b) == 0 ? std::optional(d) : std::nullopt;
+    };
+    const Source& source = forms[f];
+    if (grid == 0 || source.kind == Kind::Plane || source.kind == Kind::Cap) return std::nullopt;
+    if (source.kind == Kind::Side) {
+        const WorldSide side(box, source.index);
+        const auto distance = difference(side.sign * side.bound, side.sign * frame.center[side.axis]);
+        if (!distance || !is_integer(grid * *distance)) return std::nullopt;
+        FlatBisector flat{0, 0, 0, static_cast<std::int64_t>(2 * grid * *distance)};
+        (side.axis == 0 ? flat.x : side.axis == 1 ? flat.y : flat.z) = side.sign > 0 ? 1 : -1;
+        return flat;
+    }
+    const Ball& ball = balls[source.index];
+    if (ball.rho != frame.radius) return std::nullopt;
+    std::array<std::int64_t, 3> n;
+    const std::array<double, 3> place{ball.cx, ball.cy, ball.cz};
+    for (int k = 0; k < 3; ++k) {
+        const auto along = difference(place[k], frame.center[k]);
+        if (!along || !is_integer(grid * *along)) return std::nullopt;
+        n[k] = static_cast<std::int64_t>(grid * *along);
+    }
+    return FlatBisector{n[0], n[1], n[2], n[0] * n[0] + n[1] * n[1] + n[2] * n[2]};
+}
+
+std::optional<Sign> FormSources::tie_sign(FormId form, const std::array<FormId, 3>& tied, Sign value) const {
+    const auto d = flat_bisector(form), a = d ? flat_bisector(tied[0]) : std::nullopt,
+               b = a ? flat_bisector(tied[1]) : std::nullopt, c = b ? flat_bisector(tied[2]) : std::nullopt;
+    if (!c) return std::nullopt;
+    const auto triple = [](const FlatBisector& p, const FlatBisector& q, const FlatBisector& r) {
+        return p.x * (static_cast<WideInteger>(q.y) * r.z - static_cast<WideInteger>(q.z) * r.y) +
+               p.y * (static_cast<WideInteger>(q.z) * r.x - static_cast<WideInteger>(q.x) * r.z) +
+               p.z * (static_cast<WideInteger>(q.x) * r.y - static_cast<WideInteger>(q.y) * r.x);
+    };
+    const WideInteger volume = triple(*a, *b, *c);
+    if (volume == 0) return std::nullopt;
+    const WideInteger beyond =
+        d->w * volume - a->w * triple(*d, *b, *c) - b->w * triple(*d, *c, *a) - c->w * triple(*d, *a, *b);
+    return sign_of(beyond) * sign_of(volume) * -value;
+}
+#else
+std::optional<FormSources::FlatBisector> FormSources::flat_bisector(FormId) const { return std::nullopt; }
+std::optional<Sign> FormSources::tie_sign(FormId, const std::array<FormId, 3>&, Sign) const {
+    return std::nullopt;
+}
+#endif
 
 class SphereProblem {
 public:
@@ -335,6 +410,12 @@ private:
         if (probe_)
             add(Site::cap(), Sphere{Vec3::Zero(), frame_.radius + *probe_},
                 rounded(frame_.form(frame_.cap(*probe_))), {Kind::Cap, 0});
+        // Four times as far there is room for others.
+        double far = 0;
+        for (const Ball& b : objects_.balls.items)
+            far = std::max(far, (Vec3(b.cx, b.cy, b.cz) - frame_.center).cwiseAbs().maxCoeff());
+        constexpr int digits = 21;
+        if (far > 0) sources->grid = std::ldexp(1.0, digits - std::ilogb(far));
         sources->balls = std::move(objects_.balls.items);
 
         const auto add_tubes = [&]<class Tube>(const auto& tubes, std::type_identity<Tube>, auto form) {
@@ -389,6 +470,11 @@ GrowingSphereProblem::GrowingSphereProblem(const Scene& scene, double unit) {
     SphereProblem problem(scene, std::get<Sphere>(scene.base), unit, std::nullopt);
     problem_ = problem.build();
     growth_ = std::make_shared<Growth>(Growth{problem.sources()});
+}
+
+std::optional<Sign> GrowingSphereProblem::tie_sign(FormId form, const std::array<FormId, 3>& tied,
+                                                   Sign value) const {
+    return growth_->sources->tie_sign(form, tied, value);
 }
 
 bool GrowingSphereProblem::add(const Sphere& sphere, Site site) {

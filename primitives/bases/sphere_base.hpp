@@ -1,6 +1,7 @@
 /// Sphere bases: the scene in canonical position. See radial_base.hpp.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -23,6 +24,9 @@ public:
     /// is as before. The chart's pole is where it was. Pre: neither ball holds the other, nor are any two
     /// equal.
     bool add(const Sphere& ball, Site site);
+    /// The sign of a form less three others in a point in which these tie, at values of that sign, not Zero.
+    /// Exact; none where numbers of a fixed width are not enough for it.
+    std::optional<Sign> tie_sign(FormId form, const std::array<FormId, 3>& tied, Sign value) const;
 
 private:
     struct Growth;

@@ -1,0 +1,227 @@
+// Cells of whole diagrams that share their faces, beside the same cells by the engine, each by itself.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "../../envelope/voronoi_diagram.hpp"
+#include "../../primitives/bases/sphere_base.hpp"
+#include "../test_support.hpp"
+
+namespace vcell {
+namespace {
+
+using State = DiagramCell::State;
+
+// Scenes of some thirty balls, among them many in which more than four tie.
+DiagramScene shared_scene(int kind, std::mt19937_64& rng) {
+    const auto uniform = [&](double a, double b) {
+        return std::uniform_real_distribution<double>(a, b)(rng);
+    };
+    const auto integer = [&](int below) { return static_cast<double>(rng() % below); };
+    const auto random_radius = [&] { return std::pow(10, uniform(-4, -1)); };
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Ones()};
+    switch (kind) {
+        case 0:  // small integers, some of them one ball, some in another one
+            scene.box.max = Vec3::Constant(6);
+            for (int i = 0; i < 40; ++i)
+                scene.objects.push_back(
+                    Sphere{{1 + integer(5), 1 + integer(5), 1 + integer(5)}, 0.25 * integer(3)});
+            break;
+        case 1:  // the same, of two radii, in a box that repeats along two axes
+            scene.box.max = Vec3::Constant(4);
+            scene.periodic = {true, true, false};
+            for (int i = 0; i < 30; ++i)
+                scene.objects.push_back(
+                    Sphere{{integer(4) + 0.5, integer(4) + 0.5, integer(4) + 0.5}, 0.5 * integer(2)});
+            break;
+        case 2:  // face-centred cubic
+            scene.box.max = Vec3::Constant(4);
+            scene.periodic = {true, true, true};
+            for (int i = 0; i < 32; ++i) {
+                constexpr std::array<std::array<int, 3>, 4> places{
+                    {{0, 0, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}}};
+                const auto& p = places[static_cast<std::size_t>(i % 4)];
+                scene.objects.push_back(
+                    Sphere{Vec3(2 * (i / 4 % 2) + p[0], 2 * (i / 8 % 2) + p[1], 2 * (i / 16) + p[2]), 0.25});
+            }
+            break;
+        case 3:  // radii over three decades
+            for (int i = 0; i < 50; ++i)
+                scene.objects.push_back(
+                    Sphere{{uniform(0, 1), uniform(0, 1), uniform(0, 1)}, random_radius()});
+            break;
+        case 4:  // in a box that leans
+            scene.periodic = {true, true, true};
+            scene.tilt = {0.3, -0.2, 0.1};
+            for (int i = 0; i < 40; ++i)
+                scene.objects.push_back(
+                    Sphere{{uniform(0, 1), uniform(0, 1), uniform(0, 1)}, random_radius()});
+            break;
+        default:  // around a large one, which has more than one face with a neighbour
+            scene.objects.push_back(Sphere{Vec3::Constant(0.5), uniform(0.05, 0.3)});
+            for (int i = 0; i < 40; ++i) {
+                const Vec3 way(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+                scene.objects.push_back(
+                    Sphere{Vec3::Constant(0.5) + 0.4 * way.normalized(), 0.5 * random_radius()});
+            }
+    }
+    return scene;
+}
+
+void check_same_cell(const DiagramCell& shared, const DiagramCell& alone) {
+    REQUIRE(shared.state == alone.state);
+    CHECK(shared.reason == alone.reason);
+    if (shared.state != State::Computed) return;
+    CHECK(std::abs(shared.volume - alone.volume) <= shared.volume_error + alone.volume_error);
+    CHECK(std::abs(shared.area - alone.area) <= shared.area_error + alone.area_error);
+    CHECK(shared.min_clearance == doctest::Approx(alone.min_clearance).epsilon(1e-9));
+    CHECK(shared.max_clearance == doctest::Approx(alone.max_clearance).epsilon(1e-9));
+    CHECK(shared.touches_box == alone.touches_box);
+    CHECK(shared.assumed == 0);
+    REQUIRE(shared.contacts.size() == alone.contacts.size());
+    for (std::size_t k = 0; k < shared.contacts.size(); ++k) {
+        const CellContact &a = shared.contacts[k], &b = alone.contacts[k];
+        CHECK(a.site == b.site);
+        CHECK(a.image == b.image);
+        CHECK(a.faces == b.faces);
+        CHECK(std::abs(a.area - b.area) <= a.area_error + b.area_error);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("shared faces: the cells are those that the engine finds, each by itself") {
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < rounds(); ++round)
+        for (int kind = 0; kind < 6; ++kind) {
+            CAPTURE(round);
+            CAPTURE(kind);
+            const DiagramScene scene = shared_scene(kind, rng);
+            const VoronoiDiagram shared = voronoi_diagram(scene);
+            DiagramOptions options;
+            options.visit = [](std::uint32_t, const Cell&) {};
+            const VoronoiDiagram alone = voronoi_diagram(scene, options);
+            for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+                CAPTURE(i);
+                check_same_cell(shared.cells[i], alone.cells[i]);
+            }
+            const FilledVolume sum = filled_volume(scene, shared);
+            CHECK(sum.fills());
+            CHECK(sum.error < 1e-9 * sum.box);
+        }
+}
+
+TEST_CASE("shared faces: both cells of a pair have one area, whatever the number of threads") {
+    std::mt19937_64 rng(test_seed() + 1);
+    for (int kind = 0; kind < 6; ++kind) {
+        CAPTURE(kind);
+        const DiagramScene scene = shared_scene(kind, rng);
+        DiagramOptions options;
+        options.threads = 1;
+        const VoronoiDiagram one = voronoi_diagram(scene, options);
+        options.threads = 3;
+        const VoronoiDiagram three = voronoi_diagram(scene, options);
+        std::size_t equal = 0, all = 0;
+        for (std::uint32_t i = 0; i < one.cells.size(); ++i) {
+            const DiagramCell &a = one.cells[i], &b = three.cells[i];
+            CHECK(a.volume == b.volume);
+            CHECK(a.volume_error == b.volume_error);
+            CHECK(a.reach == b.reach);
+            REQUIRE(a.contacts.size() == b.contacts.size());
+            for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+                CHECK(a.contacts[k].area == b.contacts[k].area);
+                CHECK(a.contacts[k].area_error == b.contacts[k].area_error);
+            }
+        }
+        for (std::uint32_t i = 0; i < one.cells.size(); ++i)
+            for (const CellContact& mine : one.cells[i].contacts) {
+                if (!mine.site.is_object()) continue;
+                for (const CellContact& theirs : one.cells[mine.site.index].contacts) {
+                    const bool is_back =
+                        theirs.site == Site::object(i) && theirs.image[0] == -mine.image[0] &&
+                        theirs.image[1] == -mine.image[1] && theirs.image[2] == -mine.image[2];
+                    if (!is_back) continue;
+                    ++all;
+                    equal += mine.area == theirs.area ? 1 : 0;
+                }
+            }
+        CHECK(all > 0);
+        // Cells that the engine finds have areas of their own.
+        CHECK((kind >= 2 && kind <= 4 ? 10 * equal > 8 * all : 4 * equal > all));
+    }
+}
+
+TEST_CASE("tie_sign: agrees with whole numbers about points that are equally far from four balls") {
+    std::mt19937_64 rng(test_seed() + 2);
+    int zeros = 0, told = 0;
+    for (int round = 0; round < 2000; ++round) {
+        // Half of all have the same distance from the middle of a cube, so that they tie.
+        std::array<std::array<long long, 3>, 4> n;
+        const bool is_cube = round % 2 == 0;
+        for (auto& p : n)
+            for (long long& x : p)
+                x = static_cast<long long>(rng() % 2) * 2 +
+                    (is_cube ? 0 : static_cast<long long>(rng() % 9) - 4);
+        Scene scene;
+        scene.base = Sphere{{0.5, 0.25, -0.5}, 0.125};
+        scene.box = {Vec3::Constant(-16), Vec3::Constant(16)};
+        bool is_scene = true;
+        for (std::size_t i = 0; i < 4; ++i) {
+            is_scene = is_scene && n[i] != std::array<long long, 3>{0, 0, 0};
+            for (std::size_t k = 0; k < i; ++k) is_scene = is_scene && n[i] != n[k];
+            scene.objects.push_back(Sphere{Vec3(static_cast<double>(n[i][0]), static_cast<double>(n[i][1]),
+                                                static_cast<double>(n[i][2])) +
+                                               std::get<Sphere>(scene.base).center,
+                                           0.125});
+        }
+        if (!is_scene) continue;
+        // Cramer's rule: the point x with 2 n.x = n.n of the first three, times D.
+        const auto square = [](const auto& p) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2]; };
+        const auto minor = [&](const std::array<std::array<long long, 3>, 3>& m) {
+            return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                   m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                   m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+        };
+        const std::array<std::array<long long, 3>, 3> rows{n[0], n[1], n[2]};
+        const long long D = minor(rows);
+        long long along = 0;
+        for (int k = 0; k < 3; ++k) {
+            auto replaced = rows;
+            for (int i = 0; i < 3; ++i) replaced[i][k] = square(n[i]);
+            along += n[3][k] * minor(replaced);
+        }
+        const GrowingSphereProblem problem(scene, 1);
+        const std::array<FormId, 3> tied{FormId{0}, FormId{1}, FormId{2}};
+        for (const Sign value : {Sign::Negative, Sign::Positive}) {
+            const auto sign = problem.tie_sign(FormId{3}, tied, value);
+            if (D == 0) {
+                CHECK(!sign);
+                continue;
+            }
+            // A fourth ball is nearer to x than the base where 2 n.x > n.n; then its form is lower, forms
+            // being -1 / t.
+            const long long beyond = (square(n[3]) * D - along) * (D > 0 ? 1 : -1);
+            REQUIRE(sign);
+            CHECK(*sign == sign_of(beyond) * -value);
+            zeros += beyond == 0 ? 1 : 0;
+            ++told;
+        }
+    }
+    CHECK(zeros > 100);
+    CHECK(told > 1000);
+    // Radii that differ are for the general way.
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 0.125};
+    scene.box = {Vec3::Constant(-4), Vec3::Constant(4)};
+    scene.objects = {Sphere{{1, 0, 0}, 0.125}, Sphere{{0, 1, 0}, 0.125}, Sphere{{0, 0, 1}, 0.125},
+                     Sphere{{1, 1, 1}, 0.25}};
+    CHECK(!GrowingSphereProblem(scene, 1).tie_sign(FormId{3}, {FormId{0}, FormId{1}, FormId{2}},
+                                                   Sign::Negative));
+}
+
+}  // namespace vcell
