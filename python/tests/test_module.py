@@ -38,7 +38,8 @@ def test_ctrl_c_ends_a_diagram(many):
         vcell.diagram(many, threads=1)
         pytest.fail("it took less time than it takes to press Ctrl-C")
     interrupted = time.monotonic() - begin
-    assert vcell.diagram(vcell.DiagramScene([vcell.Sphere((0.5, 0.5, 0.5))], box)).volume[0] == 1
+    alone = vcell.diagram(vcell.DiagramScene([vcell.Sphere((0.5, 0.5, 0.5))], box))
+    assert abs(alone.volume[0] - 1) <= alone.volume_error[0] < 1e-11
     assert interrupted < 20
 
 
