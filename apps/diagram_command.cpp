@@ -176,7 +176,7 @@ Status DiagramCommand::run() const {
         if (network || moments || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {
                 is_drawn[object] = true;
-                if (std::holds_alternative<Sphere>(cell.scene.base)) {
+                if (std::holds_alternative<Sphere>(scene.objects[object])) {
                     if (network) network->add(object, cell);
                     if (moments) write_moment_row(moments->stream(), scene, object, moments_of(cell));
                     for (DiagramPicture& picture : pictures)

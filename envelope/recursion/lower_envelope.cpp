@@ -12,8 +12,8 @@
 // without a competing cylinder are left to exact merging.
 //
 // Circular forms over a plane are linear on the sphere, too, where discs are inserted for a fraction of the
-// work (../sphere); but there faces have to be discs, and over a plane those of low balls are islands in those
-// of wide ones for a time: of 1,593 pieces of 10,000 random balls 21 came out.
+// work (../sphere); but there faces have to be discs, and over a plane those of low balls are islands in
+// those of wide ones for a time: of 1,593 pieces of 10,000 random balls 21 came out.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -14,6 +14,7 @@
 #include "../object_distance.hpp"
 #include "../voronoi_cell.hpp"
 #include "ball_cell.hpp"
+#include "complete_cells.hpp"
 
 namespace vcell::whole {
 
@@ -277,10 +278,11 @@ bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) c
 
 namespace {
 
-// Balls whose surfaces are near a box.
+// Balls whose surfaces are near a box, until there are too many.
 class NearBox {
 public:
-    NearBox(const Box& box, double reach) : box_(box), reach_(reach) {
+    NearBox(const Box& box, double reach, const std::vector<ImageTree::Found>& found, std::size_t most)
+        : box_(box), reach_(reach), found_(found), most_(most) {
         base_.center = 0.5 * (box.min + box.max);
         half_ = 0.5 * (box.max - box.min).norm();
     }
@@ -289,6 +291,7 @@ public:
     double extent(double) const { return half_ + reach_; }
     bool may_touch(const Sphere& ball) const { return may_touch(Box{ball.center, ball.center}, ball.radius); }
     bool may_touch(const Box& centers, double radius) const {
+        if (found_.size() > most_) return false;
         const Vec3 away = (centers.min - box_.max).cwiseMax(box_.min - centers.max).cwiseMax(0);
         return away.norm() - radius <= reach_;
     }
@@ -297,6 +300,8 @@ private:
     Box box_;
     double reach_, half_;
     Sphere base_;
+    const std::vector<ImageTree::Found>& found_;
+    const std::size_t most_;
 };
 
 }  // namespace
@@ -304,20 +309,32 @@ private:
 Neighborhood::Neighborhood(const DecidedDiagram& decided, const BallTree::Leaf& leaf) {
     // Room for some sixty balls: enough to bound most cells, and few enough to be looked at one by one.
     constexpr double wide = 2.6;
-    constexpr std::size_t least = 32;
+    constexpr std::size_t least = 32, most = 1024;
     double largest = 0;
     for (const BallTree::Entry& e : leaf.balls) largest = std::max(largest, e.ball.radius);
     const Box& all = decided.scene().box;
     const double size = (all.max - all.min).norm() + leaf.box.max.norm() + leaf.box.min.norm();
     double reach = std::max(wide * leaf.spacing - largest, 0x1p-20 * size);
-    while (true) {
+    // Beside a denser part of the scene there are too many: fewer may be too few, and then each cell looks
+    // for its own.
+    constexpr int most_narrowings = 8;
+    for (int narrowings = 0;;) {
         balls_.clear();
-        decided.balls().touching(NearBox(leaf.box, reach),
+        decided.balls().touching(NearBox(leaf.box, reach, balls_, most),
                                  [&](const Sphere& ball, std::uint32_t number, const Image& image) {
                                      balls_.push_back({0, number, image, ball});
                                  });
-        if (balls_.size() >= least || reach > 2 * size) break;
-        reach *= 1.5;
+        if (balls_.size() > most) {
+            reach *= 0.5;
+            if (++narrowings < most_narrowings) continue;
+            balls_.clear();  // the search has not ended
+            reach = -infinity;
+            break;
+        } else if (balls_.size() >= least || narrowings > 0 || reach > 2 * size) {
+            break;
+        } else {
+            reach *= 1.5;
+        }
     }
     set_reach(reach, leaf.box);
 }
@@ -523,19 +540,10 @@ private:
 
     // Their cells may stand over base points outside the box, and have measures only.
     void find_measures() {
-        const DiagramScene& all = decided_.scene();
-        candidates_.clear();
-        for (std::uint32_t x = 0; x < all.objects.size(); ++x) {
-            if (x == object_ || !decided_.hidden(x).empty()) continue;
-            candidates_.push_back({&all.objects[x], {}, x, here});
-        }
-        const Object& self = all.objects[object_];
-        std::vector<Object> bases{self};
-        if (const auto* plane = std::get_if<Plane>(&self))
-            bases.push_back(Plane{plane->point, -plane->normal});
         std::map<std::uint32_t, CellContact> found;
-        for (const Object& base : bases) {
-            const CompleteMeasures m = complete_measures(part_scene(base, all.box));
+        for (const Scene& scene : scenes_among_all(decided_, object_)) {
+            const CompleteMeasures m = complete_measures(scene);
+            result_.candidates = static_cast<std::uint32_t>(scene.objects.size());
             result_.volume += m.volume;
             result_.volume_error += m.volume_error;
             result_.area += m.area;
@@ -551,7 +559,6 @@ private:
         }
         result_.touches_box = true;  // of planes and tubes always; of others not known
         result_.reach = std::numeric_limits<double>::infinity();
-        result_.candidates = static_cast<std::uint32_t>(candidates_.size());
         for (const auto& [number, contact] : found) result_.contacts.push_back(contact);
     }
 

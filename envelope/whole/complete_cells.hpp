@@ -8,6 +8,10 @@
 
 namespace vcell::whole {
 
+/// The scene of an object among all others, and of a plane that of its other side. Pre: the box does not
+/// repeat.
+std::vector<Scene> scenes_among_all(const DecidedDiagram& decided, std::uint32_t object);
+
 /// A tube's cell, and those on the two sides of a plane, complete (CellOptions::complete), among all objects.
 /// None where there is no such cell (docs/promises.md, "Limits"). Pre: the object has a cell and is no ball
 /// in the box, which find_cell() has.

@@ -49,7 +49,7 @@ std::array<MidRad, N> blend(const std::array<MidRad, N>& a, const std::array<Mid
 /// A curve's control point, homogeneous about an origin.
 template <int Dim>
 typename BezierPiece<Dim>::Point homogeneous(const RationalCurve<Dim>& c, std::size_t i,
-                                      const Eigen::Matrix<double, Dim, 1>& origin) {
+                                             const Eigen::Matrix<double, Dim, 1>& origin) {
     typename BezierPiece<Dim>::Point p;
     const double w = c.points[i][Dim];
     p[Dim] = w;
@@ -58,7 +58,8 @@ typename BezierPiece<Dim>::Point homogeneous(const RationalCurve<Dim>& c, std::s
 }
 /// Where a curve has no knots inside its domain it is one span.
 template <int Dim>
-std::optional<BezierPiece<Dim>> only_span(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
+std::optional<BezierPiece<Dim>> only_span(const RationalCurve<Dim>& c,
+                                          const Eigen::Matrix<double, Dim, 1>& origin) {
     if (c.points.size() != static_cast<std::size_t>(c.degree) + 1) return std::nullopt;
     if (c.knots[0] != c.knots[c.degree] || c.knots[c.degree + 1] != c.knots[2 * c.degree + 1])
         return std::nullopt;
@@ -70,7 +71,8 @@ std::optional<BezierPiece<Dim>> only_span(const RationalCurve<Dim>& c, const Eig
 /// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom at
 /// (a, ..., a, b, ..., b) with j times b.
 template <int Dim>
-std::vector<BezierPiece<Dim>> spans(const RationalCurve<Dim>& c, const Eigen::Matrix<double, Dim, 1>& origin) {
+std::vector<BezierPiece<Dim>> spans(const RationalCurve<Dim>& c,
+                                    const Eigen::Matrix<double, Dim, 1>& origin) {
     using Point = typename BezierPiece<Dim>::Point;
     const int d = c.degree;
     const auto homogeneous = [&](int i) {
