@@ -315,7 +315,9 @@ private:
         bool any = false;
         for (std::size_t e = 0; e < coarse.size(); ++e)
             if (coarse[e]) {
-                lines_[e].pieces = std::max(2 * lines_[e].pieces, sampled_[e].points.size());
+                // Where halving made some pieces shorter, all become so.
+                const std::size_t stretches = lines_[e].breaks.size() - 1;
+                lines_[e].pieces = std::max(2 * lines_[e].pieces, sampled_[e].points.size() / stretches);
                 sampled_[e].parameters.clear();
                 any = true;
             }

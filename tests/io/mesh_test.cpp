@@ -11,7 +11,9 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../../io/pictures/obj.hpp"
+#include "closed_meshes.hpp"
 #include "sample_cells.hpp"
 #include "test_support.hpp"
 
@@ -94,13 +96,6 @@ double polygon_area(const std::vector<std::vector<Vec2>>& loops) {
             twice += a.x() * b.y() - a.y() * b.x();
         }
     return 0.5 * twice;
-}
-
-double volume(const CellMesh& mesh) {
-    double six = 0;
-    for (const Triangle& t : mesh.triangles)
-        six += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
-    return six / 6;
 }
 
 }  // namespace
@@ -327,6 +322,20 @@ TEST_CASE("mesh: a face in two patches is joined along their seam") {
         CHECK(t.euler == 2);
         CHECK(std::abs(volume(mesh) - 4 * (2.0 / 3 + 15.0 / 16) / 2.5) < 4 * chord);
         CHECK(mesh.groups.size() == 3);
+    }
+}
+
+// Two edges beside each other, in many trimming curves: with a number of pieces that counted all of them the
+// mesh had millions.
+TEST_CASE("mesh: chords that cross those beside them are halved, and no more often") {
+    const Cell cell = voronoi_cell(read_scene(test_data("chords_that_cross.json")));
+    for (const double chord : {0.1, 0.05, 0.02}) {
+        CAPTURE(chord);
+        const CellMesh mesh = tessellate(cell, {chord, true});
+        CHECK(is_closed(mesh));
+        CHECK(mesh.chord == chord);
+        CHECK(mesh.triangles.size() < 60000);
+        CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(0.05));
     }
 }
 
