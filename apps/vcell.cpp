@@ -303,13 +303,13 @@ public:
         const Cell cell = scene_.about([&] { return compute_cell(scene); });
         const Measures& m = cell.measures;
         OutputFile out("-");
-        out.stream() << "volume\tvolume_error\tbody_volume\tarea\tarea_error\tbox_area\tbase_area\t"
-                        "min_clearance\tmax_clearance\ttouches_box\tfaces\tedges\tvertices\tneighbors\n"
-                     << fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n", m.volume,
-                                    m.volume_error, m.body_volume, m.area, m.area_error, m.box_area,
-                                    m.base_area, m.min_clearance, m.max_clearance, m.touches_box,
-                                    cell.faces.size(), cell.edges.size(), cell.vertices.size(),
-                                    cell.neighbors.size());
+        out.stream()
+            << "volume\tvolume_error\tbody_volume\tarea\tarea_error\tbox_area\tbase_area\t"
+               "min_clearance\tmax_clearance\ttouches_box\tfaces\tedges\tvertices\tneighbors\testimated\n"
+            << fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\n", m.volume,
+                           m.volume_error, m.body_volume, m.area, m.area_error, m.box_area, m.base_area,
+                           m.min_clearance, m.max_clearance, m.touches_box, cell.faces.size(),
+                           cell.edges.size(), cell.vertices.size(), cell.neighbors.size(), m.is_estimated);
         out.commit();
         for (const Table& table : tables_) {
             if (table.path.empty()) continue;
@@ -330,9 +330,9 @@ private:
     Status run_complete(const Scene& scene) const {
         const CompleteMeasures m = scene_.about([&] { return complete_measures(scene); });
         OutputFile out("-");
-        out.stream() << "volume\tvolume_error\tarea\tarea_error\tneighbors\n"
-                     << fmt::format("{}\t{}\t{}\t{}\t{}\n", m.volume, m.volume_error, m.area, m.area_error,
-                                    m.neighbors.size());
+        out.stream() << "volume\tvolume_error\tarea\tarea_error\tneighbors\testimated\n"
+                     << fmt::format("{}\t{}\t{}\t{}\t{}\t{:d}\n", m.volume, m.volume_error, m.area,
+                                    m.area_error, m.neighbors.size(), m.is_estimated);
         out.commit();
         return report_assumed(m.assumed);
     }

@@ -193,7 +193,7 @@ TEST_CASE("program: measure --complete measures what is nearest to a ball outsid
         const Outcome o =
             w.run(std::string("measure balls.xyzr --complete --box -1 -1 -1 1 1 1 --base ") + base);
         CHECK(o.status == 0);
-        CHECK(o.out.starts_with("volume\tvolume_error\tarea\tarea_error\tneighbors\n"));
+        CHECK(o.out.starts_with("volume\tvolume_error\tarea\tarea_error\tneighbors\testimated\n"));
         sum += std::stod(o.out.substr(o.out.find('\n') + 1));
     }
     CHECK(std::abs(sum - 8) < 1e-9);
@@ -420,6 +420,9 @@ TEST_CASE("program: measure prints a header and a line") {
     CHECK(header.find("volume\tvolume_error\tbody_volume\tarea\t") == 0);
     const json cell = json::parse(w.run("compute " + example("three_spheres.json") + " -o -").out);
     CHECK(std::stod(values) == cell.at("measures").at("volume").get<double>());
+    CHECK(values.ends_with("\t0"));
+    // Around a tube errors are estimates.
+    CHECK(w.run("measure " + example("figure10.json")).out.ends_with("\t1\n"));
 }
 
 TEST_CASE("program: moments and level curves are there where they are asked for") {
