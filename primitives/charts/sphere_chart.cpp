@@ -100,7 +100,8 @@ Vec3 nearest_direction(const Nearness& n) {
         const double length = f.foot.norm(), q = 2 / std::abs(length - f.delta);
         if (!(q > best)) continue;
         best = q;
-        direction = f.foot / length;
+        // From a point of the axis it does so all around.
+        direction = length > 0 ? Vec3(f.foot / length) : Vec3(f.axis.unitOrthogonal());
     }
     return direction;
 }
