@@ -24,7 +24,7 @@ inline double distance_from(const Object& object, const Vec3& p) {
     return from_axis(tube) - tube.radius;
 }
 
-/// The same, but behind a plane negative, too.
+/// distance_from(), but negative behind a plane, too: half spaces are solid as balls and tubes are.
 inline double signed_distance_from(const Object& object, const Vec3& p) {
     const auto* plane = std::get_if<Plane>(&object);
     if (plane == nullptr) return distance_from(object, p);

@@ -2,25 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
 #include "../../primitives/forms/axial_ties.hpp"
 #include "../../primitives/objects/message.hpp"
 #include "../measures/measures.hpp"
-#include "based_diagram.hpp"
-#include "cell_assembly.hpp"
-#include "edge_equations.hpp"
 #include "edge_errors.hpp"
 #include "edge_fits.hpp"
+#include "edge_lift.hpp"
 #include "face_loops.hpp"
 #include "face_patches.hpp"
 #include "face_surfaces.hpp"
-#include "radial_curves.hpp"
 #include "radial_patch.hpp"
-#include "radial_vertices.hpp"
-#include "sphere_arcs.hpp"
 
 namespace vcell {
 
@@ -28,18 +22,10 @@ namespace {
 
 using Eigen::Vector4d;
 
-using roundoff::u;
-
-class RadialLift {
+class RadialLift : public EdgeLift {
 public:
     RadialLift(const RadialDiagram& of, double tolerance)
-        : of_(of),
-          problem_(of.problem),
-          diagram_(of.diagram),
-          origin_(of.problem.frame.origin.norm()),
-          equations_(of),
-          vertices_(of, equations_),
-          curves_(with_sphere_arcs(radial::RadialCurves(of, vertices_, equations_))),
+        : EdgeLift(of),
           loops_(of.diagram),
           patches_(of, loops_, curves_),
           fits_(of, patches_, curves_, tolerance),
@@ -48,29 +34,15 @@ public:
         surfaces_.make();
     }
 
-    const RadialDiagram& of() const { return of_; }
-    Decisions decisions() const {
-        Decisions sum = equations_.decisions();
-        return sum += decisions_;
-    }
-
-    LiftedVertex vertex(VertexId v) const {
-        return {vertices_.point(v), vertices_[v].w() - problem_.chart.radius, vertices_.error(v)};
-    }
-    void add_rim_sites(VertexId v, SmallVector<Site, 4>& sites) const { of_.add_rim_sites(v, sites); }
-    std::string_view bisector(FormId form) const { return bisector_name(problem_, form); }
+    std::string_view bisector(FormId form) const { return bisector_name(of_.problem, form); }
     void set_patches(FaceId face, std::vector<TrimmedPatch>& patches) {
         patches = std::move(surfaces_.of(face));
     }
-    CurveKind kind(EdgeId e) const { return equations_.kind(e); }
 
     // The trims are compared with the space curve on patches as computed, whose control points are rounded;
     // and all of it is moved back, as for vertices.
     LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) {
-        curves_.to_world(e, problem_.frame, curve);
-        double square = origin_ * origin_;
-        for (const Vector4d& p : curve.points) square = std::max(square, p.head<3>().squaredNorm());
-        const double far = std::sqrt(square), rounding = 16 * u * (far + origin_);
+        const auto [far, rounding] = set_world_curve(e, curve);
         const auto [off, trims] = errors_(e, ends, rounding);
         if (surfaces_.rounding(e) > fits_.most_error())
             throw of_.unproved(e, "rounding leaves few digits of their faces",
@@ -82,34 +54,29 @@ public:
     }
 
     void finish(Cell& cell) {
-        if (problem_.generator_ties.empty()) return;
-        for (const EdgeId e : diagram_.edges.ids())
-            if (curves_.is_line(e) && !diagram_.edges[e].on_rim()) add_generator_ties(e, cell);
+        if (of_.problem.generator_ties.empty()) return;
+        for (const EdgeId e : of_.diagram.edges.ids())
+            if (curves_.is_line(e) && !of_.diagram.edges[e].on_rim()) add_generator_ties(e, cell);
     }
 
     void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
-        measure_all_around(problem_, diagram_, positions, cell);
+        measure_all_around(of_.problem, of_.diagram, positions, cell);
     }
 
 private:
-    radial::RadialCurves with_sphere_arcs(radial::RadialCurves curves) {
-        add_sphere_arcs(of_, equations_, curves, decisions_);
-        return curves;
-    }
-
     // Two forms change places over one generator as the angle grows, and back over the other they have in
     // common.
     void add_generator_ties(EdgeId e, Cell& cell) {
         CellEdge& edge = cell.edges[e.value];
         const Vector4d &from = curves_.from(e), &to = curves_.to(e);
         const bool is_upward = from.y() < to.y();
-        const FormId left = diagram_.edges[e].left, right = diagram_.edges[e].right;
+        const FormId left = of_.diagram.edges[e].left, right = of_.diagram.edges[e].right;
         bool is_decided = true;
-        for (const RadialBaseProblem::GeneratorTie& tie : problem_.generator_ties) {
+        for (const RadialBaseProblem::GeneratorTie& tie : of_.problem.generator_ties) {
             if (tie.before != (is_upward ? left : right) || tie.after != (is_upward ? right : left)) continue;
             is_decided = is_decided && tie.is_decided;
             edge.extra_sites.push_back(tie.site);
-            for (const VertexId v : {diagram_.start(e), diagram_.end(e)}) {
+            for (const VertexId v : {of_.diagram.start(e), of_.diagram.end(e)}) {
                 auto& sites = cell.vertices[v.value].sites;
                 sites.push_back(tie.site);
                 sort_unique(sites);
@@ -121,20 +88,12 @@ private:
         std::string sites = to_string(edge.sites[0]) + ", " + to_string(edge.sites[1]);
         for (const Site site : edge.extra_sites) sites += ", " + to_string(site);
         const Vector4d middle = 0.5 * (from + to);
-        cell.report.warnings.push_back("objects " + sites + ": taken to meet in one line through " +
-                                       to_text(problem_.unit * problem_.frame.to_world(middle.head<3>())) +
-                                       ", not told apart within " +
-                                       to_text(problem_.unit * narrow_tie * middle.w()));
+        cell.report.warnings.push_back(
+            "objects " + sites + ": taken to meet in one line through " +
+            to_text(of_.problem.unit * of_.problem.frame.to_world(middle.head<3>())) +
+            ", not told apart within " + to_text(of_.problem.unit * narrow_tie * middle.w()));
     }
 
-    const RadialDiagram of_;
-    const RadialBaseProblem& problem_;
-    const MinimizationDiagram& diagram_;
-    const double origin_;  // how far the frame's is from the world's
-    Decisions decisions_;
-    radial::EdgeEquations equations_;
-    const radial::RadialVertices vertices_;
-    radial::RadialCurves curves_;
     FaceLoops loops_;
     radial::FacePatches patches_;
     radial::EdgeFits fits_;

@@ -140,7 +140,10 @@ public:
         const double length = (corner - span.U.first() / w0).norm() + (span.U.last() / w2 - corner).norm();
         const double t = std::max({span.W.first() / w0, span.W.middle() / w1, span.W.last() / w2});
         const double off = 1.1 * t * (direction_error_ + t * reciprocal_error_);
-        if (!(w0 > 0 && w1 > 0 && w2 > 0 && t * reciprocal_error_ < 0x1p-10)) return false;
+        // The reciprocal's error changes a height by this part of it at most: `off` bounds it to first order,
+        // with a tenth for the rest. Beyond that the face is left to the engine.
+        constexpr double most_relative_error = 0x1p-10;
+        if (!(w0 > 0 && w1 > 0 && w2 > 0 && t * reciprocal_error_ < most_relative_error)) return false;
         const double strip = (2 * length + 4 * off) * off;
         const double error =
             truncated * moment + 2 * term_rounding * of_span / squared(std::min({w0, w1, w2}));
@@ -354,8 +357,8 @@ private:
     std::vector<MeasuredFace> faces_;   // that are asked about
     std::vector<std::uint32_t> place_;  // of forms, among those
     std::vector<char> is_flat_;         // of forms that have a face
-    // Of the arc at hand: the form that is told best, what its error and rounding change about values of it,
-    // and the faces.
+    // The arc at hand has these: the form that is told best, what its error and rounding change about values
+    // of it, and the faces.
     const discs::Linear* form_ = nullptr;
     double rounding_ = 0;
     SmallVector<Side, 2> sides_;

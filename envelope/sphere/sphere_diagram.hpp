@@ -56,12 +56,14 @@ using TakeMoreForms = std::function<MoreForms(const std::function<SphereMarks()>
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
                                                           const EnvelopeOptions& options,
                                                           const TakeMoreForms& more = {});
+
 /// The sign of a form less three others in a point in which these tie, at values of that sign, not Zero.
 /// Exact; none: exact coefficients are to be asked for.
 using TieSign =
     std::function<std::optional<Sign>(FormId form, const std::array<FormId, 3>& tied, Sign value)>;
-/// The same envelope as it lies on the sphere, in the coordinates of b above: all that measures take. False
-/// where it is nothing.
+
+/// Finds the envelope of disc_diagram_on_sphere() as it lies on the sphere, in the coordinates of b above:
+/// measures take no more. False where that function has none.
 bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TieSign& tie_sign,
                          DiscArcs& arcs);
 

@@ -44,7 +44,8 @@ public:
         const Vec3 middle = 0.5 * (region_.min + region_.max), &d = line.direction;
         const double reach = region_.diagonal();
         const Vec3 foot = line.point + d.dot(middle - line.point) * d;
-        // Of the region no point is farther from its middle than half its diagonal.
+        // The region lies within half its diagonal of its middle: lines that pass farther away miss it, with
+        // room for their rounding.
         if (!((foot - middle).norm() < 0.75 * reach)) return std::nullopt;
         const std::array<Vec3, 2> ends{foot - reach * d, foot + reach * d};
         const double off = std::max(distance_from_line(ends[0]), distance_from_line(ends[1]));
@@ -92,7 +93,8 @@ private:
         double off;
     };
 
-    // Of two linear equations with gradients g and h, off by a and b: |a h - b g| / |g x h|.
+    // The line solves two linear equations with gradients g and h. Where they are off by a and b it is
+    // |a h - b g| / |g x h| away.
     double distance_from_line(const Vec3& p) const {
         Row g, h, across;
         for (int k = 0; k < 3; ++k) {

@@ -8,7 +8,7 @@
 
 namespace vcell {
 
-/// Of three half spaces, from outside all of them. No base is needed: the lines are roots of linear
+/// The lines lie outside three half spaces and are equally far from all. They need no base: they solve linear
 /// equations (primitives/bisectors/trisector.hpp), and how far their doubles are from them is told by the
 /// equations' values there. Throws UndecidedError where a line runs along a side of the region, or touches an
 /// edge of it, and where planes are so nearly parallel that its error exceeds 256 tolerances.

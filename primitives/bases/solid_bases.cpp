@@ -181,12 +181,14 @@ private:
     // What of the stretch is in a solid, and as much on both sides as has nothing.
     void add_surroundings(const std::array<double, 2>& inside,
                           std::vector<std::array<double, 2>>& out) const {
-        constexpr double near = 0x1p-10;
+        // Parts of the stretch. A solid may miss it by so much for its rounding; and ways that are shorter
+        // are not told from none. What comes of either is proved below.
+        constexpr double near = 0x1p-10, shortest = 0x1p-45;
         std::array<double, 2> part = inside;
         if (part[1] < stretch_[0] - near * length() || part[0] > stretch_[1] + near * length()) return;
         for (const int end : {0, 1}) {
             const double sign = end == 0 ? -1 : 1, from = std::clamp(inside[end], stretch_[0], stretch_[1]);
-            for (double way = length(); way > 0x1p-45 * length(); way *= 0.5) {
+            for (double way = length(); way > shortest * length(); way *= 0.5) {
                 const double to = std::clamp(inside[end] + sign * way, stretch_[0], stretch_[1]);
                 if (sign * (to - from) < 0 || !has_nothing(std::min(from, to), std::max(from, to), shallow))
                     continue;

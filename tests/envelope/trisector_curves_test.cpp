@@ -34,26 +34,18 @@ TEST_CASE(
     };
     Coverage all;
     int checked = 0, undecided = 0;
-    for (int round = 0; round < 4 * rounds(); ++round)
-        for (int i = 0; i < 3; ++i)
-            for (int j = i; j < 3; ++j)
-                for (int k = j; k < 3; ++k) {
-                    CAPTURE(i);
-                    CAPTURE(j);
-                    CAPTURE(k);
-                    CAPTURE(round);
-                    const Triple t{object(i), object(j), object(k)};
-                    Curves curves;
-                    try {
-                        curves = trisector(t.base, t.a, t.b, box, tolerance);
-                    } catch (const UndecidedError&) {
-                        // Tubes that all but cross, or a side of the box that nearly touches.
-                        ++undecided;
-                        continue;
-                    }
-                    check(t, box, curves, rng, all);
-                    ++checked;
-                }
+    for_triples_of_all_kinds(4 * rounds(), object, [&](const Triple& t) {
+        Curves curves;
+        try {
+            curves = trisector(t.base, t.a, t.b, box, tolerance);
+        } catch (const UndecidedError&) {
+            // Tubes that all but cross, or a side of the box that nearly touches.
+            ++undecided;
+            return;
+        }
+        check(t, box, curves, rng, all);
+        ++checked;
+    });
     CHECK(all.found > 100 * rounds());
     CHECK(all.missed == 0);
     CHECK(checked + undecided == 40 * rounds());

@@ -143,4 +143,20 @@ inline void check(const Triple& t, std::mt19937_64& rng, Coverage& all) {
     check(t, trisector_box, trisector(t.base, t.a, t.b, trisector_box, trisector_tolerance), rng, all);
 }
 
+/// visit(triple) for the triples of every three kinds (0: planes, 1: balls, 2: tubes), `times` of each;
+/// object(kind) makes one.
+template <class MakeObject, class Visit>
+void for_triples_of_all_kinds(int times, MakeObject&& object, Visit&& visit) {
+    for (int round = 0; round < times; ++round)
+        for (int i = 0; i < 3; ++i)
+            for (int j = i; j < 3; ++j)
+                for (int k = j; k < 3; ++k) {
+                    CAPTURE(i);
+                    CAPTURE(j);
+                    CAPTURE(k);
+                    CAPTURE(round);
+                    visit(Triple{object(i), object(j), object(k)});
+                }
+}
+
 }  // namespace vcell

@@ -100,26 +100,18 @@ TEST_CASE("trisector of objects that overlap: all of it, the same for every orde
     };
     Coverage all;
     int checked = 0, undecided = 0, undecided_orders = 0;
-    for (int round = 0; round < 2 * rounds(); ++round)
-        for (int i = 0; i < 3; ++i)
-            for (int j = i; j < 3; ++j)
-                for (int k = j; k < 3; ++k) {
-                    CAPTURE(i);
-                    CAPTURE(j);
-                    CAPTURE(k);
-                    CAPTURE(round);
-                    const Triple t{object(i), object(j), object(k)};
-                    Curves curves;
-                    try {
-                        curves = curves_of(t, box);
-                    } catch (const UndecidedError&) {
-                        ++undecided;
-                        continue;
-                    }
-                    check(t, box, curves, rng, all);
-                    check_orders(t, box, curves, undecided_orders);
-                    ++checked;
-                }
+    for_triples_of_all_kinds(2 * rounds(), object, [&](const Triple& t) {
+        Curves curves;
+        try {
+            curves = curves_of(t, box);
+        } catch (const UndecidedError&) {
+            ++undecided;
+            return;
+        }
+        check(t, box, curves, rng, all);
+        check_orders(t, box, curves, undecided_orders);
+        ++checked;
+    });
     CHECK(all.missed == 0);
     CHECK(all.found > 100 * rounds());
     if (rounds() > 1)
