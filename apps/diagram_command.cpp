@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -81,6 +82,10 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     scene_.add_path_to(command_);
     command_.add_option("--cells", cells_, "table of the cells: volume, area, neighbours, clearance")
         ->type_name("FILE");
+    command_.add_flag(
+        "--bodies", bodies_,
+        "what the objects themselves take of their cells, too: columns body_volume and body_error of "
+        "--cells, and what they leave of the box, its porosity");
     command_
         .add_option("--contacts", contacts_, "table of the pairs of neighbours: area, distance, direction")
         ->type_name("FILE");
@@ -173,6 +178,7 @@ Status DiagramCommand::run() const {
         options.threads = threads_.count();
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
         options.complete = has_meshes;
+        options.bodies = bodies_;
         if (network || moments || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {
                 is_drawn[object] = true;
@@ -220,12 +226,20 @@ Status DiagramCommand::run() const {
             warn(fmt::format("no cell of object {}: {}", i, cell.reason));
     }
     for (const std::string& fault : table.faults) warn(fault);
-    const FilledVolume sum = filled_volume(scene, diagram);
+    const FilledVolume sum = filled_volume(scene, diagram), bodies = body_volume(scene, diagram);
     if (is_summary_shown) {
         OutputFile out("-");
-        out.stream() << "cells\tempty\tcontacts\tvolume\tvolume_error\tbox\testimated\n"
-                     << fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{:d}\n", computed, empty, table.contacts.size(),
-                                    sum.volume, sum.error, sum.box, sum.is_estimated);
+        std::string header = "cells\tempty\tcontacts\tvolume\tvolume_error\tbox\testimated",
+                    line = fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{:d}", computed, empty, table.contacts.size(),
+                                       sum.volume, sum.error, sum.box,
+                                       sum.is_estimated || (bodies_ && bodies.is_estimated));
+        if (bodies_) {
+            header += "\tbodies\tbodies_error\tporosity";
+            line += std::isfinite(bodies.volume) ? fmt::format("\t{}\t{}\t{}", bodies.volume, bodies.error,
+                                                               1 - bodies.volume / bodies.box)
+                                                 : "\t-\t-\t-";
+        }
+        out.stream() << header << '\n' << line << '\n';
         out.commit();
     }
     const bool is_whole =

@@ -23,6 +23,7 @@ private:
     DiagramSceneArguments scene_;
     std::string cells_, contacts_, groups_, network_, moments_, cut_;
     std::vector<std::string> outputs_;
+    bool bodies_ = false;
     ThreadsArgument threads_;
 };
 

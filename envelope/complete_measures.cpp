@@ -187,6 +187,16 @@ Box room(const BoxSides& sides, unsigned subset, const Box& around) {
     return room;
 }
 
+Cell lift(const RadialBaseProblem& problem, double tolerance) {
+    const MinimizationDiagram diagram = diagram_of(problem, {});
+    // A cap has no patches.
+    bool has_cap = false;
+    for (const FormId f : problem.sites.ids()) has_cap = has_cap || is_cap(problem, f);
+    LiftedCell lifted = has_cap ? lift_without_patches(problem, diagram, tolerance, true)
+                                : lift_all_around(problem, diagram, tolerance, true);
+    return std::move(lifted.cell);
+}
+
 template <class Problem>  // make_problem(room) of these rays
 void add_rooms(Sum& sum, const BoxSides& sides, const Box& around, double tolerance, Problem make_problem) {
     unsigned beyond = 0;
@@ -194,14 +204,13 @@ void add_rooms(Sum& sum, const BoxSides& sides, const Box& around, double tolera
         if (sides.beyond[s]) beyond |= 1u << s;
     for (unsigned subset = 0; subset < 64; ++subset) {
         if ((subset & ~beyond) != 0) continue;
-        const RadialBaseProblem problem = make_problem(room(sides, subset, around));
-        sum.add(lift_all_around(problem, diagram_of(problem, {}), tolerance, true).cell, sign_of(subset));
+        sum.add(lift(make_problem(room(sides, subset, around)), tolerance), sign_of(subset));
     }
 }
 
 double tolerance_of(const Scene& scene) { return scene.tolerance.value_or(1e-7 * scene.box.diagonal()); }
 
-CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit) {
+CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit, std::optional<double> probe) {
     const double least = least_room * scene.box.diagonal();
     BoxSides sides{scene.box, {}};
     for (unsigned s = 0; s < 6; ++s) {
@@ -216,7 +225,7 @@ CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit) 
     add_rooms(sum, sides, {base.center, base.center}, tolerance_of(scene), [&](const Box& room) {
         Scene part = scene;
         part.box = room;
-        return sphere_base_problem(part, base, unit);
+        return sphere_base_problem(part, base, unit, probe);
     });
     sum.leave_out(sides.moved, scene.box.diagonal());
     return sum.result(unit);
@@ -293,15 +302,27 @@ private:
     Sum sum_;
 };
 
+void refuse(const std::optional<double>& probe) {
+    if (probe)
+        throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe",
+                         "is around balls: the base is none");
+}
+
 }  // namespace
 
-CompleteMeasures complete_measures(const Scene& scene) {
-    return in_ieee_arithmetic("complete_measures()", [&] {
+CompleteMeasures complete_measures(const Scene& scene, std::optional<double> probe) {
+    return in_ieee_arithmetic("complete_measures()", [&, probe]() mutable {
         validate(scene);
-        if (const auto* plane = std::get_if<Plane>(&scene.base)) return of_plane(scene, *plane);
+        if (const auto* plane = std::get_if<Plane>(&scene.base)) {
+            refuse(probe);
+            return of_plane(scene, *plane);
+        }
         const DecidedScene decided = decide(scene);
-        if (const auto* sphere = std::get_if<Sphere>(&decided.scene.base))
-            return of_sphere(decided.scene, *sphere, decided.unit);
+        if (const auto* sphere = std::get_if<Sphere>(&decided.scene.base)) {
+            if (probe) *probe /= decided.unit;
+            return of_sphere(decided.scene, *sphere, decided.unit, probe);
+        }
+        refuse(probe);
         return AroundCylinder(decided.scene, std::get<Cylinder>(decided.scene.base), decided.unit)();
     });
 }

@@ -23,6 +23,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "../primitives/objects/scene.hpp"
@@ -51,6 +52,9 @@ struct CompleteMeasures {
 /// Throws as voronoi_cell() does; but the box need not contain any of the base. Objects must stay clear of
 /// the base where it is outside the box, too, as far as its rays come into the box: where an object cuts it
 /// there, InputError says so.
-CompleteMeasures complete_measures(const Scene& scene);
+///
+/// `probe`: the region ends at this clearance (CellOptions::probe), which may be 0: then it is the base's own
+/// body, where that is nearer to the base than to any object. Pre: probe >= 0; around balls among balls.
+CompleteMeasures complete_measures(const Scene& scene, std::optional<double> probe = std::nullopt);
 
 }  // namespace vcell

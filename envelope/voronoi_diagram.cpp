@@ -1,12 +1,14 @@
 #include "voronoi_diagram.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
 #include "../core/threads.hpp"
 #include "whole/ball_cell.hpp"
+#include "whole/body_volume.hpp"
 #include "whole/cell_finder.hpp"
 #include "whole/complete_cells.hpp"
 #include "whole/totals.hpp"
@@ -18,6 +20,19 @@ namespace {
 // Some cells at a time are held for `visit`, which has them in order.
 constexpr std::size_t cells_at_a_time = 256;
 
+// What cannot be told stays not_measured.
+void add_body(const whole::DecidedDiagram& decided, std::uint32_t object, DiagramCell& cell) {
+    if (cell.state != DiagramCell::State::Computed) return;
+    try {
+        const whole::BodyVolume body = whole::body_volume(decided, object);
+        cell.body_volume = body.volume;
+        cell.body_error = body.error;
+        cell.body_estimated = body.is_estimated;
+    } catch (const UndecidedError&) {
+    } catch (const InputError&) {
+    }
+}
+
 void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32_t>& which,
              VoronoiDiagram& diagram, const DiagramOptions& options) {
     const unsigned threads = thread_count(options.threads);
@@ -28,6 +43,7 @@ void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32
             const std::uint32_t object = which[begin + i];
             std::optional<Cell> cell;
             diagram.cells[object] = whole::find_cell(decided, object, options.visit ? &cell : nullptr);
+            if (options.bodies) add_body(decided, object, diagram.cells[object]);
             if (cell)
                 cells[i].push_back(*std::move(cell));
             else if (options.visit && options.complete &&
@@ -70,6 +86,9 @@ void compute_sharing(const whole::DecidedDiagram& decided, VoronoiDiagram& diagr
     });
     for (std::uint32_t i = 0; i < diagram.cells.size(); ++i)
         if (!decided.hidden(i).empty()) diagram.cells[i] = whole::find_cell(decided, i, nullptr);
+    if (options.bodies)
+        for_all(diagram.cells.size(), threads,
+                [&](std::size_t i) { add_body(decided, static_cast<std::uint32_t>(i), diagram.cells[i]); });
 }
 
 }  // namespace
@@ -135,6 +154,19 @@ FilledVolume filled_volume(const DiagramScene& scene, const VoronoiDiagram& diag
     whole::VolumeSum sum(scene, diagram.moved);
     sum.add(diagram.cells);
     return sum.of(diagram.cells.size());
+}
+
+FilledVolume body_volume(const DiagramScene& scene, const VoronoiDiagram& diagram) {
+    FilledVolume sum = whole::VolumeSum(scene, diagram.moved).of(0);
+    for (const DiagramCell& cell : diagram.cells) {
+        if (cell.state != DiagramCell::State::Computed) continue;
+        sum.volume += cell.body_volume;
+        sum.error += cell.body_error;
+        sum.is_estimated = sum.is_estimated || cell.body_estimated;
+    }
+    sum.error +=
+        std::numeric_limits<double>::epsilon() * static_cast<double>(diagram.cells.size()) * sum.volume;
+    return sum;
 }
 
 }  // namespace vcell

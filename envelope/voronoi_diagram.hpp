@@ -71,6 +71,10 @@ struct DiagramCell {
     /// Of the cap, which no other object is near (DiagramScene::probe): the accessible surface, at the
     /// probe's distance.
     double exposed_area = 0, exposed_error = 0;
+    /// What the object itself takes of the cell (DiagramOptions::bodies): over all cells, the union of balls
+    /// and tubes in the box. `body_estimated`: the error, which otherwise is a proven bound.
+    double body_volume = not_measured, body_error = not_measured;
+    bool body_estimated = false;
     /// NaN for planes, tubes and balls centred outside the box, whose cells have no faces over base points
     /// there.
     double min_clearance = 0, max_clearance = 0;
@@ -103,6 +107,8 @@ struct DiagramOptions {
     /// (CellOptions::complete): two of a plane, on its two sides. What the diagram says of them was measured
     /// without.
     bool complete = false;
+    /// The objects' own volumes are asked for, too (DiagramCell::body_volume).
+    bool bodies = false;
 };
 
 /// Throws InputError for objects that are none (validate()), an empty list, periods or a probe with what is
@@ -142,5 +148,10 @@ struct FilledVolume {
     bool fills() const { return volume - error <= box && box <= volume + error; }
 };
 FilledVolume filled_volume(const DiagramScene& scene, const VoronoiDiagram& diagram);
+
+/// The sum of the volumes that objects themselves take of their cells, and of the box: the part of the box
+/// that is in no ball and no tube is 1 - volume / box. NaN where one was not asked for or could not be told.
+/// Not of objects without a cell, as what lies beyond a vessel's wall.
+FilledVolume body_volume(const DiagramScene& scene, const VoronoiDiagram& diagram);
 
 }  // namespace vcell

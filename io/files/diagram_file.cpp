@@ -155,7 +155,7 @@ DiagramScene read_diagram_scene(const std::string& path, const DiagramSceneOptio
 
 void write_cell_header(std::ostream& out) {
     out << "object\tname\tgroup\tstate\tvolume\tvolume_error\tarea\tarea_error\texposed_area\texposed_error\tneighbors\tmin_clearance\t"
-           "max_clearance\ttouches_box\testimated\tcandidates\treason\n";
+           "max_clearance\ttouches_box\testimated\tcandidates\tbody_volume\tbody_error\treason\n";
 }
 
 void write_cell_rows(std::ostream& out, const DiagramScene& scene, std::span<const DiagramCell> cells,
@@ -168,13 +168,14 @@ void write_cell_rows(std::ostream& out, const DiagramScene& scene, std::span<con
         fmt::print(out, "{}\t{}\t{}\t{}", first + i, column(scene.names, i), column(scene.groups, i),
                    word(c.state));
         if (is_computed) {
-            fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t-\n", c.volume,
+            fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t{}\t{}\t-\n", c.volume,
                        c.volume_error, c.area, c.area_error, c.exposed_area, c.exposed_error, neighbors,
-                       number(c.min_clearance), number(c.max_clearance), c.touches_box, c.is_estimated,
-                       c.candidates);
+                       number(c.min_clearance), number(c.max_clearance), c.touches_box,
+                       c.is_estimated || c.body_estimated, c.candidates, number(c.body_volume),
+                       number(c.body_error));
         } else {
             const char* nothing = c.state == DiagramCell::State::Empty ? "0" : "-";
-            fmt::print(out, "\t{0}\t-\t{0}\t-\t{0}\t-\t{0}\t-\t-\t-\t-\t-\t{1}\n", nothing,
+            fmt::print(out, "\t{0}\t-\t{0}\t-\t{0}\t-\t{0}\t-\t-\t-\t-\t-\t-\t-\t{1}\n", nothing,
                        printable(c.reason));
         }
     }

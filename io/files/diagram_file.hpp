@@ -40,7 +40,7 @@ DiagramScene read_diagram_scene(const std::string& path, const DiagramSceneOptio
 // `-` where there is none. Errors are bounds, estimates where the column `estimated` says 1.
 
 /// object name group state volume volume_error area area_error exposed_area exposed_error neighbors
-/// min_clearance max_clearance touches_box estimated candidates reason
+/// min_clearance max_clearance touches_box estimated candidates body_volume body_error reason
 void write_cell_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram);
 
 /// first second image name1 name2 faces area area_error distance nx ny nz: the distance of the surfaces, and

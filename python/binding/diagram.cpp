@@ -33,9 +33,10 @@ class Listener {
 public:
     Listener(py::object progress, py::object visit) : watch_(std::move(progress)), visit_(std::move(visit)) {}
 
-    DiagramOptions options(unsigned threads) {
+    DiagramOptions options(unsigned threads, bool bodies = false) {
         DiagramOptions result;
         result.threads = threads;
+        result.bodies = bodies;
         result.progress = [this](double fraction) { watch_(fraction); };
         if (!visit_.is_none())
             result.visit = [this](std::uint32_t object, const Cell& cell) {
@@ -141,12 +142,19 @@ void bind_table(py::module_& m) {
                                "Of the cap at the probe's distance, the accessible surface: shape (n,).")
         .def_property_readonly("exposed_error", cells<double>([](auto& c) { return c.exposed_error; }),
                                "Shape (n,).")
+        .def_property_readonly(
+            "body_volume", cells<double>([](auto& c) { return c.body_volume; }),
+            "What the object itself takes of its cell; NaN where diagram() was not asked for "
+            "bodies: shape (n,).")
+        .def_property_readonly("body_error", cells<double>([](auto& c) { return c.body_error; }),
+                               "Shape (n,).")
         .def_property_readonly("min_clearance", cells<double>([](auto& c) { return c.min_clearance; }),
                                "NaN for planes and cylinders: shape (n,).")
         .def_property_readonly("max_clearance", cells<double>([](auto& c) { return c.max_clearance; }),
                                "NaN for planes and cylinders: shape (n,).")
         .def_property_readonly("touches_box", flags([](auto& c) { return c.touches_box; }), "Shape (n,).")
-        .def_property_readonly("is_estimated", flags([](auto& c) { return c.is_estimated; }),
+        .def_property_readonly("is_estimated",
+                               flags([](auto& c) { return c.is_estimated || c.body_estimated; }),
                                "Are errors estimates, no bounds? Shape (n,).")
         .def_property_readonly("assumed", cells<std::int64_t>([](auto& c) { return c.assumed; }),
                                "Coincidences that were taken for granted: shape (n,).")
@@ -167,8 +175,12 @@ void bind_table(py::module_& m) {
             "filled_volume", [](const Diagram& d) { return filled_volume(d.scene, d.diagram); },
             "A FilledVolume: do the cells fill the box?")
         .def(
+            "filled_by_bodies", [](const Diagram& d) { return body_volume(d.scene, d.diagram); },
+            "A FilledVolume: what balls and tubes take of the box, which leaves it the porosity 1 - volume / box; "
+            "NaN where diagram() was not asked for bodies.")
+        .def(
             "update",
-            [](py::object self, std::uint32_t number, const Object& object, unsigned threads) {
+            [](py::object self, std::uint32_t number, const Object& object, unsigned threads, bool bodies) {
                 auto& diagram = self.cast<Diagram&>();
                 if (number >= diagram.scene.objects.size())
                     throw py::index_error("number: there is no such object");
@@ -178,11 +190,12 @@ void bind_table(py::module_& m) {
                 Listener listener{py::none(), py::none()};
                 {
                     const py::gil_scoped_release unlocked;
-                    update(changed.diagram, changed.scene, number, object, listener.options(threads));
+                    update(changed.diagram, changed.scene, number, object, listener.options(threads, bodies));
                 }
                 diagram = std::move(changed);
             },
             py::arg("number"), py::arg("object"), py::kw_only(), py::arg("threads") = 0,
+            py::arg("bodies") = false,
             "After objects[number] has become `object`: only cells that either may touch are computed again.")
         .def("__repr__", [](const Diagram& d) {
             return "<vcell.Diagram: " + std::to_string(d.diagram.cells.size()) + " cells>";
@@ -190,22 +203,23 @@ void bind_table(py::module_& m) {
 
     m.def(
         "diagram",
-        [](const DiagramScene& scene, unsigned threads, py::object progress, py::object visit) {
+        [](const DiagramScene& scene, unsigned threads, py::object progress, py::object visit, bool bodies) {
             Listener listener(std::move(progress), std::move(visit));
             Diagram result{scene, {}};
             const py::gil_scoped_release unlocked;
-            result.diagram = voronoi_diagram(result.scene, listener.options(threads));
+            result.diagram = voronoi_diagram(result.scene, listener.options(threads, bodies));
             return result;
         },
         py::arg("scene"), py::kw_only(), py::arg("threads") = 0, py::arg("progress") = py::none(),
-        py::arg("visit") = py::none(),
+        py::arg("visit") = py::none(), py::arg("bodies") = false,
         "The cells of all objects, each proved to be that among all others. What one cell runs into is in its "
         "state.\n\n"
         "threads: 0 is as many as there are cores; the result is the same for any number.\n"
         "progress: called with the fraction of cells that is done, up to twenty times a second; may raise.\n"
         "visit: called with the number and the Cell of each computed cell of a ball, ascending. The cell's scene "
         "has the objects that were looked at; its sites are their numbers in the diagram or, where the box repeats, "
-        "places in that scene.\n\n"
+        "places in that scene.\n"
+        "bodies: Diagram.body_volume is told, too.\n\n"
         "Ctrl-C ends it. Raises InputError.");
 }
 

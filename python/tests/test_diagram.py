@@ -89,6 +89,7 @@ def test_a_probe_leaves_the_accessible_surface():
     pair = vcell.DiagramScene([vcell.Sphere((3, 5, 5), 1), vcell.Sphere((6, 5, 5), 1)], box, probe=1)
     diagram = vcell.diagram(pair)
     # Caps of balls of radius 2 whose centres are 3 apart: each loses one of height 2 - 1.5.
+    assert np.isnan(diagram.body_volume).all()
     assert np.allclose(diagram.exposed_area, 4 * np.pi * 4 - 2 * np.pi * 2 * 0.5, rtol=1e-12)
     assert np.allclose(diagram.volume, 4 / 3 * np.pi * 8 - np.pi * 0.5 ** 2 * (3 * 2 - 0.5) / 3, rtol=1e-12)
 
@@ -156,3 +157,15 @@ def test_scenes_of_all_combinations_of_periods():
                                    periodic=periodic)
         assert tuple(scene.periodic) == periodic
         assert vcell.diagram(scene).volume.sum() == pytest.approx(64, rel=1e-12)
+
+
+def test_bodies_tell_the_porosity():
+    balls = np.array([[1, 1, 1, 0.5], [3, 3, 3, 1]])
+    scene = vcell.DiagramScene(balls, [(0, 0, 0), (4, 4, 4)])
+    diagram = vcell.diagram(scene, bodies=True)
+    expected = 4 / 3 * np.pi * np.array([0.125, 1])
+    assert np.allclose(diagram.body_volume, expected, rtol=1e-13)
+    filled = diagram.filled_by_bodies()
+    assert abs(filled.volume - expected.sum()) <= filled.error and filled.box == 64 and not filled.is_estimated
+    diagram.update(0, vcell.Sphere((1, 1, 1), 0.25), bodies=True)
+    assert np.isclose(diagram.body_volume[0], expected[0] / 8, rtol=1e-13)

@@ -66,6 +66,34 @@ TEST_CASE("program: diagram writes tables of cells, contacts and groups") {
     CHECK(std::stod(groups[1][3]) == doctest::Approx(std::stod(cells[1][4]) + std::stod(cells[2][4])));
 }
 
+TEST_CASE("program: diagram tells the porosity of balls and of fibres where it is asked to") {
+    const Workplace work;
+    work.write("balls.txt", four_balls);
+    const Outcome done = work.run("diagram balls.txt --box -2 -2 -2 4 4 2 --bodies --cells cells.tsv");
+    REQUIRE(done.status == 0);
+    const auto summary = table(done.out), cells = table(work.read("cells.tsv"));
+    const double ball = 4 * std::numbers::pi / 3 / 8, all = 2 * ball + ball / 8;  // one is in another one
+    REQUIRE(summary[0].size() == 10);
+    CHECK(summary[0].back() == "porosity");
+    CHECK(std::stod(summary[1][7]) == doctest::Approx(all).epsilon(1e-12));
+    CHECK(std::stod(summary[1][9]) == doctest::Approx(1 - all / 144).epsilon(1e-12));
+    const auto column = std::ranges::find(cells[0], "body_volume") - cells[0].begin();
+    REQUIRE(column < static_cast<std::ptrdiff_t>(cells[0].size()));
+    CHECK(std::stod(cells[1][column]) == doctest::Approx(ball).epsilon(1e-12));
+    CHECK(cells[4][column] == "-");
+    work.run("diagram balls.txt --box -2 -2 -2 4 4 2 --cells plain.tsv");
+    CHECK(table(work.read("plain.tsv"))[1][column] == "-");
+
+    work.write("fibres.json", R"({"vcell": 1, "box": {"min": [0, 0, 0], "max": [4, 4, 4]}, "objects": [
+        {"cylinder": {"point": [2, 1, 1], "axis": [1, 0, 0], "radius": 0.5}},
+        {"cylinder": {"point": [2, 3, 3], "axis": [0, 0, 2], "radius": 0.25}}]})");
+    const Outcome fibres = work.run("diagram fibres.json --bodies");
+    CAPTURE(fibres.err);
+    REQUIRE(fibres.status == 0);
+    CHECK(std::stod(table(fibres.out)[1][9]) ==
+          doctest::Approx(1 - std::numbers::pi * (0.25 + 0.0625) / 16).epsilon(1e-12));
+}
+
 TEST_CASE("program: diagram writes moments, which add up to those of the box") {
     const Workplace work;
     work.write("balls.txt", four_balls);
