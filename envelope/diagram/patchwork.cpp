@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -148,15 +149,21 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
         for (std::size_t k = 0; k < out.size(); ++k)
             link(twin(out[k]), out[(k + out.size() - 1) % out.size()]);
     }
+    std::size_t orbits = 1;  // with the one outside
     for (Index h = 2 * first_edge; h < half_edges_.size(); ++h) {
         const bool outside = h < 2 * (first_edge + rim) && (h & 1u);
         if (outside || half_edges_[h].face != none) continue;
         const Index f = add_face(left_of(h));
+        ++orbits;
         for (Index g = h; half_edges_[g].face == none; g = half_edges_[g].next) {
             if (left_of(g) != face_sites_[f]) throw InternalError("labels differ around a face of a piece");
             half_edges_[g].face = f;
         }
     }
+    // Euler's formula tells whether all arcs hang together.
+    const auto corners = static_cast<std::size_t>(std::ranges::count_if(
+        std::span(vertices_).subspan(first_vertex), [](const Vertex& v) { return v.out != none; }));
+    if (corners + orbits != 2 + (edges_.size() - first_edge)) join_island(first_edge);
     // A vertex without edges is one of a piece without arcs.
     for (Index v = rim; v < piece.vertices.size(); ++v) {
         if (!piece.leaving[v].empty()) continue;
@@ -164,6 +171,42 @@ Patchwork::Index Patchwork::add(const MixedPiece& piece) {
         isolated_.push_back(first_vertex + v);
     }
     return 2 * first_edge + 1;
+}
+
+// Arcs that hang together with nothing of the rim are an island, which one of its orbits surrounds: that has
+// the label of the face that it lies in. Where one orbit and one face alone have a label in common, these are
+// they.
+void Patchwork::join_island(Index first_edge) {
+    const Index first = 2 * first_edge;
+    std::vector<char> part(half_edges_.size() - first, 0);
+    std::vector<Index> open;
+    const auto flood = [&](Index from, char number) {
+        open.push_back(from);
+        while (!open.empty()) {
+            const Index h = open.back();
+            open.pop_back();
+            if (std::exchange(part[h - first], number) == number) continue;
+            open.push_back(half_edges_[h].next);
+            open.push_back(twin(h));
+        }
+    };
+    flood(first, 1);
+    const auto of_island = std::ranges::find(part, char{0});
+    if (of_island == part.end()) throw InternalError("a piece's arcs do not fit together");
+    flood(first + static_cast<Index>(of_island - part.begin()), 2);
+    std::vector<Index> around, inside;
+    for (Index h = first; h < half_edges_.size(); ++h)
+        if (half_edges_[h].face != none)
+            (part[h - first] == 2 ? inside : around).push_back(half_edges_[h].face);
+    sort_unique(around);
+    sort_unique(inside);
+    std::vector<std::pair<Index, Index>> pairs;
+    for (const Index f : around)
+        for (const Index g : inside)
+            if (face_sites_[f] == face_sites_[g]) pairs.emplace_back(f, g);
+    if (pairs.size() != 1 || std::ranges::find(part, char{0}) != part.end())
+        throw UndecidedError("islands in a piece: which face they lie in is not told by labels");
+    merge_faces(pairs.front().first, pairs.front().second);
 }
 
 // The links of `edge` become those of both edges, `other` before or after it.

@@ -154,6 +154,7 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
         face_map[f] = id.value;
         out.face_forms.push_back(form);
         const Index outer = components.outer(f);
+        if (outer == none) throw InternalError("glued pieces: a face hangs together with no other");
         out.dcel.add_outer_ccb(id, half_edge(components.start(outer)));
         for (Index c = components.first(f); c != none; c = components.next(c))
             if (c != outer) add_inner(id, c);

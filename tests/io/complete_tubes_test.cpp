@@ -65,6 +65,25 @@ std::array<double, 2> tile(const std::vector<Object>& objects, std::mt19937_64& 
 
 }  // namespace
 
+// Beside three others, not far from where its rays come in through a side, all that shows of them is three
+// faces that meet in a vertex: so small that one piece holds them, whose rim tells nothing of them.
+TEST_CASE("complete tubes: faces that nothing joins to others are islands of the face around them") {
+    std::mt19937_64 rng(test_seed());
+    const std::vector<Object> tubes{Cylinder{{9.215956608343024, 2.6051441598083325, 9.743597610384949},
+                                             {-0.05593461247449121, -0.9357331707281962, 0.34824524738506474},
+                                             0.04},
+                                    Cylinder{{8.886746114696109, 0.14856980375721363, 8.008642576555111},
+                                             {0.14913127730120931, -0.23931321610921236, -0.9594212040214534},
+                                             0.04},
+                                    Cylinder{{9.393355068865382, 0.7951648699113067, 9.02820604571657},
+                                             {0.6795335394567411, -0.40855003539902435, -0.6093611714975362},
+                                             0.04},
+                                    Cylinder{{9.071420389970998, 1.8275298021214703, 9.975346310513752},
+                                             {-0.23544532605100474, 0.9685393866782248, 0.0806036903231122},
+                                             0.04}};
+    check_tube_cell(complete_cell(scene_of(tubes, 0)), rng);
+}
+
 TEST_CASE("complete tubes: random oblique tubes tile their box") {
     std::mt19937_64 rng(test_seed());
     const int tubes = rounds() > 1 ? 30 : 8;
