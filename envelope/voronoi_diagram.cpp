@@ -42,7 +42,9 @@ void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32
         for_all(count, threads, [&](std::size_t i) {
             const std::uint32_t object = which[begin + i];
             std::optional<Cell> cell;
-            diagram.cells[object] = whole::find_cell(decided, object, options.visit ? &cell : nullptr);
+            diagram.cells[object] = whole::find_cell(
+                decided, object,
+                options.visit && (options.complete || decided.is_ball(object)) ? &cell : nullptr);
             if (options.bodies) add_body(decided, object, diagram.cells[object]);
             if (cell)
                 cells[i].push_back(*std::move(cell));

@@ -104,8 +104,8 @@ struct DiagramOptions {
     /// that scene.
     std::function<void(std::uint32_t object, const Cell& cell)> visit;
     /// `visit` is called with the complete cells of tubes and planes, too, where there are any
-    /// (CellOptions::complete): two of a plane, on its two sides. What the diagram says of them was measured
-    /// without.
+    /// (CellOptions::complete): two of a plane, on its two sides. A tube's measures are then those of that
+    /// cell, whose bounds are some times as wide; those of a plane were found without.
     bool complete = false;
     /// The objects' own volumes are asked for, too (DiagramCell::body_volume).
     bool bodies = false;

@@ -158,7 +158,9 @@ Status MpiDiagram::run(Ranks& ranks) const {
     ranks.together([&] {
         for_all(cells.size(), threads, [&](std::size_t i) {
             std::optional<Cell> cell;
-            cells[i] = whole::find_cell(around.decided(), around.place(i), grid_file ? &cell : nullptr);
+            cells[i] =
+                whole::find_cell(around.decided(), around.place(i),
+                                 grid_file && around.decided().is_ball(around.place(i)) ? &cell : nullptr);
             if (!cell) return;
             meshes[i].emplace();
             meshes[i]->add(static_cast<std::int32_t>(parts.own[i].number), *cell, mesh_among_many(*cell));

@@ -395,7 +395,7 @@ public:
             else if (decided_.scene().probe)
                 find_beyond_box();
             else
-                find_measures();
+                find_measures(kept);
         } catch (const UndecidedError& e) {
             end(State::Undecided, e.what());
         } catch (const InternalError& e) {
@@ -538,8 +538,19 @@ private:
 
     // ---- All others ----
 
-    // Their cells may stand over base points outside the box, and have measures only.
-    void find_measures() {
+    // Their cells may stand over base points outside the box, and have measures only; a tube's complete cell
+    // is measured where it is asked for, so that it is computed once.
+    void find_measures(std::optional<Cell>* kept) {
+        result_.touches_box = true;  // of planes and tubes always; of others not known
+        result_.reach = std::numeric_limits<double>::infinity();
+        if (kept != nullptr && std::holds_alternative<Cylinder>(decided_.scene().objects[object_])) {
+            std::vector<Cell> cells = complete_cells(decided_, object_);
+            if (cells.size() == 1) {
+                take_complete(cells.front());
+                *kept = std::move(cells.front());
+                return;
+            }
+        }
         std::map<std::uint32_t, CellContact> found;
         for (const Scene& scene : scenes_among_all(decided_, object_)) {
             const CompleteMeasures m = complete_measures(scene);
@@ -557,9 +568,37 @@ private:
                 contact.area_error += n.area_error;
             }
         }
-        result_.touches_box = true;  // of planes and tubes always; of others not known
-        result_.reach = std::numeric_limits<double>::infinity();
         for (const auto& [number, contact] : found) result_.contacts.push_back(contact);
+    }
+    void take_complete(const Cell& cell) {
+        const Measures& m = cell.measures;
+        result_.volume = m.volume;
+        result_.volume_error = m.volume_error;
+        result_.area = m.area;
+        result_.area_error = m.area_error;
+        result_.is_estimated = m.is_estimated;
+        result_.candidates = static_cast<std::uint32_t>(cell.scene.objects.size());
+        result_.assumed = cell.report.decisions.assumed;
+        std::map<std::uint32_t, CellContact> found;
+        double of_faces = 0;
+        for (const CellFace& face : cell.faces) {
+            const auto add = [&](const Site& site) {
+                if (!site.is_object()) return;
+                CellContact& contact = found.try_emplace(site.index, CellContact{site}).first->second;
+                contact.area += face.area;
+                contact.area_error += face.area_error + std::numeric_limits<double>::epsilon() * contact.area;
+            };
+            add(face.site);
+            for (const Site& site : face.extra_sites) add(site);
+            if (face.site.is_object()) of_faces += face.area_error;
+        }
+        // Slabs that are in no part of the cell may have faces with any of them.
+        const double left_out = std::max(0.0, m.area_error - of_faces);
+        for (auto& [number, contact] : found) {
+            contact.area_error += left_out;
+            // What is no more than its error may be no contact.
+            if (contact.area > contact.area_error) result_.contacts.push_back(contact);
+        }
     }
 
     const DecidedDiagram& decided_;

@@ -152,9 +152,9 @@ struct FoundCell {
 };
 
 /// The cell of an object, complete by itself. Where `cell` is asked for it gets that of a computed ball,
-/// whose sites are numbered as the diagram's objects. Throws nothing that is about this cell alone. Pre: all
-/// balls are known that may touch its bound, and all within the reach of its competitors; of objects that are
-/// not bounded, everything.
+/// whose sites are numbered as the diagram's objects, or the complete cell of a tube, if there is one, which
+/// then is what is measured. Throws nothing that is about this cell alone. Pre: all balls are known that may
+/// touch its bound, and all within the reach of its competitors; of objects that are not bounded, everything.
 DiagramCell find_cell(const DecidedDiagram& decided, std::uint32_t object, std::optional<Cell>* cell);
 /// The cell of a ball where all others are asked for, too. Pre: the diagram is whole, all its objects are
 /// balls, and there is no probe.

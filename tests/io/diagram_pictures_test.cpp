@@ -94,7 +94,7 @@ void check_complete_meshes(const DiagramScene& scene, std::mt19937_64& rng) {
         meshes[object].push_back(tessellate(cell, {0.01, true}));
         CHECK(is_closed(meshes[object].back()));
     };
-    const VoronoiDiagram diagram = voronoi_diagram(scene, options);
+    const VoronoiDiagram diagram = voronoi_diagram(scene, options), plain = voronoi_diagram(scene);
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         CAPTURE(i);
         REQUIRE(diagram.cells[i].state == DiagramCell::State::Computed);
@@ -102,6 +102,17 @@ void check_complete_meshes(const DiagramScene& scene, std::mt19937_64& rng) {
         double sum = 0;
         for (const CellMesh& mesh : meshes[i]) sum += volume(mesh);
         CHECK(sum == doctest::Approx(diagram.cells[i].volume).epsilon(0.02));
+        // A tube's is measured as the complete cell that was drawn, and without as other cells.
+        const DiagramCell &drawn = diagram.cells[i], &alone = plain.cells[i];
+        CHECK(std::abs(drawn.volume - alone.volume) <= drawn.volume_error + alone.volume_error);
+        CHECK(std::abs(drawn.area - alone.area) <= drawn.area_error + alone.area_error);
+        CHECK(drawn.touches_box == alone.touches_box);
+        REQUIRE(drawn.contacts.size() == alone.contacts.size());
+        for (std::size_t k = 0; k < drawn.contacts.size(); ++k) {
+            const CellContact &a = drawn.contacts[k], &b = alone.contacts[k];
+            CHECK(a.site == b.site);
+            CHECK(std::abs(a.area - b.area) <= a.area_error + b.area_error);
+        }
     }
     std::uniform_real_distribution<double> place(0, 10);
     for (int k = 0; k < 100; ++k) {
