@@ -66,6 +66,17 @@ struct DiagramPicture {
         if (page) page->add(object, cell, of_cell);
         if (mesh) mesh->add(static_cast<std::int32_t>(object), cell, of_cell, colours.add(object, cell));
     }
+    // The cells' own numbers: where bodies are known, what they leave.
+    void set_numbers(const VoronoiDiagram& diagram) {
+        if (!mesh) return;
+        LabelledMesh::Numbers volume{"volume", {}}, porosity{"porosity", {}};
+        for (const LabelledMesh::Part& part : mesh->parts) {
+            const DiagramCell& cell = diagram.cells[static_cast<std::size_t>(part.cell)];
+            volume.of_parts.push_back(cell.volume);
+            porosity.of_parts.push_back(1 - cell.body_volume / cell.volume);
+        }
+        mesh->numbers = {std::move(volume), std::move(porosity)};
+    }
     void end() {
         if (text) text->finish();
         if (cut) cut->write(file->stream());
@@ -196,7 +207,10 @@ Status DiagramCommand::run() const {
         diagram = scene_.about([&] { return voronoi_diagram(scene, options); });
     }
     const ContactTable table = contacts(diagram);
-    for (DiagramPicture& picture : pictures) picture.end();
+    for (DiagramPicture& picture : pictures) {
+        if (bodies_) picture.set_numbers(diagram);
+        picture.end();
+    }
     if (cells) write_cell_table(cells->stream(), scene, diagram);
     if (pairs) write_contact_table(pairs->stream(), scene, table);
     if (groups) write_group_table(groups->stream(), scene, diagram, table);

@@ -274,7 +274,7 @@ std::vector<Contour> contours(const Cell& cell, std::span<const double> levels) 
     if (levels.empty()) return found;
     const double size = cell_diagonal(cell);
     MeshOptions options;
-    options.chord = 1e-4 * size;
+    options.chord = 5e-5 * size;
     const CellMesh mesh = tessellate(cell, options);
     for (const CellMesh::Group& group : mesh.groups) {
         if (group.kind != CellMesh::Group::Kind::Face || is_entered(cell, cell.faces[group.face])) continue;

@@ -1,6 +1,8 @@
 #include "mesh.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,11 +28,68 @@ struct SampledLine {
     std::vector<std::uint32_t> points;
 };
 
-/// How far the middle of the side from a to b, straight in space, stays away from the patch.
+double distance_from_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+    const Vec3 way = b - a;
+    const double square = way.squaredNorm(),
+                 part = square > 0 ? std::clamp((p - a).dot(way) / square, 0.0, 1.0) : 0.0;
+    return (p - a - part * way).norm();
+}
+
+/// How far a curve, `at` 0 <= s <= 1, stays away from the segment between its ends, measured at its middle.
+/// How fast it is run through is no deviation; but where it is run through so unevenly that its middle is
+/// near an end, its quarters tell, too.
+double deviation(const RationalCurve3& curve, double from, double to) {
+    const Vec3 a = curve.evaluate(from), b = curve.evaluate(to), way = b - a;
+    const auto at = [&](double s) { return curve.evaluate((1 - s) * from + s * to); };
+    const Vec3 middle = at(0.5);
+    double most = distance_from_segment(middle, a, b);
+    const double along = (middle - a).dot(way) - 0.5 * way.squaredNorm();
+    if (!(std::abs(along) <= 0.25 * way.squaredNorm()))
+        for (const double s : {0.25, 0.75}) most = std::max(most, distance_from_segment(at(s), a, b));
+    return most;
+}
+
+/// How far the patch rises over the side from a to b, straight in space, measured at the middle of its
+/// parameters along the normal there: how the side lies on the surface makes no difference to that. Where the
+/// middle is far from that of the side, the quarters tell, too.
 double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
-    const Vec2 m = 0.5 * (a + b);
-    const Vec3 chord_middle = 0.5 * (s.evaluate(a.x(), a.y()) + s.evaluate(b.x(), b.y()));
-    return (s.evaluate(m.x(), m.y()) - chord_middle).norm();
+    const Vec3 from = s.evaluate(a.x(), a.y()), to = s.evaluate(b.x(), b.y()), way = to - from;
+    const auto height = [&](double t, Vec3& p) {
+        const Vec2 uv = (1 - t) * a + t * b;
+        p = s.evaluate(uv.x(), uv.y());
+        const auto [du, dv] = s.partials(uv.x(), uv.y());
+        const Vec3 normal = du.cross(dv).stableNormalized();
+        const double square = way.squaredNorm(),
+                     part = square > 0 ? std::clamp((p - from).dot(way) / square, 0.0, 1.0) : 0.0;
+        const Vec3 off = p - from - part * way;
+        return normal.isZero(0) ? off.norm() : std::abs(normal.dot(off));
+    };
+    Vec3 p;
+    double most = height(0.5, p);
+    if (!((p - 0.5 * (from + to)).squaredNorm() <= 0.0625 * way.squaredNorm()))
+        for (const double t : {0.25, 0.75}) most = std::max(most, height(t, p));
+    return most;
+}
+
+/// Parameters turned and stretched so that triangles that are round in them are about as round in space: a
+/// linear map whose square is the patch's metric, each place's of determinant 1, in the mean of these places.
+/// The identity where that is not worth the rounding.
+Eigen::Matrix2d rounding_map(const RationalPatch& s, const std::vector<std::vector<Vec2>>& loops) {
+    Eigen::Matrix2d mean = Eigen::Matrix2d::Zero();
+    for (const auto& loop : loops)
+        for (const Vec2& p : loop) {
+            const auto [du, dv] = s.partials(p.x(), p.y());
+            Eigen::Matrix2d metric;
+            metric << du.dot(du), du.dot(dv), du.dot(dv), dv.dot(dv);
+            const double determinant = metric.determinant();
+            if (determinant > 0x1p-40 * metric.squaredNorm()) mean += metric / std::sqrt(determinant);
+        }
+    constexpr double least = 1.5;  // of lengths
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> squares(mean);
+    const Vec2 values = squares.eigenvalues();
+    if (!(values[0] > 0 && values[1] > least * least * values[0])) return Eigen::Matrix2d::Identity();
+    const Vec2 stretches(1, std::sqrt(values[1] / values[0]));
+    return squares.eigenvectors() * stretches.asDiagonal() * squares.eigenvectors().transpose();
 }
 
 /// The mesh has grown beyond its bound, or a line beyond all halving.
@@ -177,8 +236,7 @@ private:
     bool too_coarse(std::size_t line, double from, double to) const {
         if (line < shell_.edges.size()) {
             const RationalCurve3& curve = shell_.edges[line].curve;
-            const Vec3 chord_middle = 0.5 * (curve.evaluate(from) + curve.evaluate(to));
-            if ((curve.evaluate(0.5 * (from + to)) - chord_middle).norm() > chord_) return true;
+            if (deviation(curve, from, to) > chord_) return true;
         }
         for (const Use& use : lines_[line].uses) {
             const RationalCurve2& curve = use.curve->curve;
@@ -358,9 +416,13 @@ private:
         }
         // Each point inside makes two triangles: when this bound ends it, there are more than are left.
         const std::size_t left = most_triangles_ - std::min(most_triangles_, mesh_.triangles.size());
-        const Triangulation t = triangulate(
-            uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, a, b) > chord_; },
+        const Eigen::Matrix2d rounded = rounding_map(s, uv), back = rounded.inverse();
+        for (auto& loop : uv)
+            for (Vec2& p : loop) p = rounded * p;
+        Triangulation t = triangulate(
+            uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, back * a, back * b) > chord_; },
             point.size() + left / 2 + 1);
+        for (Vec2& p : t.points) p = back * p;
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
         for (std::size_t i = 0; i < t.points.size(); ++i) {
             const double u = t.points[i].x(), v = t.points[i].y();

@@ -11,8 +11,8 @@
 namespace vcell {
 
 struct MeshOptions {
-    /// The largest distance, in length, between a triangle's side and the surface, measured at the side's
-    /// middle. None: a thousandth of cell_diagonal().
+    /// The largest distance, in length, between a triangle's side and the surface, along its normal, or the
+    /// edge, measured at the side's middle. None: a thousandth of cell_diagonal().
     std::optional<double> chord;
     /// The mesh of the whole solid, the base's own body included. Over a plane base: with walls under the rim
     /// and the base region as floor; over a cylinder base with both ends as walls; over a sphere base the

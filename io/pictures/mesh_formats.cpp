@@ -1,5 +1,7 @@
 #include "mesh_formats.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -155,6 +157,15 @@ void write_vtu(std::ostream& out, const LabelledMesh& mesh) {
     out << "</PointData>\n<CellData Scalars=\"cell\">\n";
     write_array(out, "type=\"Int32\" Name=\"cell\"", mesh.cell);
     write_array(out, "type=\"Int32\" Name=\"neighbor\"", mesh.neighbor);
+    for (const LabelledMesh::Numbers& numbers : mesh.numbers)
+        write_array(out, fmt::format("type=\"Float32\" Name=\"{}\"", numbers.name), sizeof(float) * count,
+                    [&](Bytes& data) {
+                        for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+                            const LabelledMesh::Range& of = mesh.parts[p].triangles;
+                            for (std::size_t t = of.begin; t < of.end; ++t)
+                                data.add(static_cast<float>(numbers.of_parts[p]));
+                        }
+                    });
     out << "</CellData>\n<Points>\n";
     write_array(out, "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"",
                 3 * sizeof(double) * mesh.points.size(), [&](Bytes& data) {
@@ -162,14 +173,22 @@ void write_vtu(std::ostream& out, const LabelledMesh& mesh) {
                         for (int k = 0; k < 3; ++k) data.add(p[k]);
                 });
     out << "</Points>\n<Cells>\n";
-    write_array(out, "type=\"Int64\" Name=\"connectivity\"", 3 * sizeof(std::int64_t) * count,
-                [&](Bytes& data) {
-                    for (const Triangle& t : mesh.triangles)
-                        for (int k = 0; k < 3; ++k) data.add(static_cast<std::int64_t>(t[k]));
-                });
-    write_array(out, "type=\"Int64\" Name=\"offsets\"", sizeof(std::int64_t) * count, [&](Bytes& data) {
-        for (std::size_t t = 1; t <= count; ++t) data.add(static_cast<std::int64_t>(3 * t));
-    });
+    // VTK keeps numbers of 32 bits as they are, and they are a third of the file less.
+    const auto write_numbers = [&]<class Number>(std::string_view type, Number) {
+        write_array(out, fmt::format("type=\"{}\" Name=\"connectivity\"", type), 3 * sizeof(Number) * count,
+                    [&](Bytes& data) {
+                        for (const Triangle& t : mesh.triangles)
+                            for (int k = 0; k < 3; ++k) data.add(static_cast<Number>(t[k]));
+                    });
+        write_array(out, fmt::format("type=\"{}\" Name=\"offsets\"", type), sizeof(Number) * count,
+                    [&](Bytes& data) {
+                        for (std::size_t t = 1; t <= count; ++t) data.add(static_cast<Number>(3 * t));
+                    });
+    };
+    if (std::max(mesh.points.size(), 3 * count) <= INT32_MAX)
+        write_numbers("Int32", std::int32_t());
+    else
+        write_numbers("Int64", std::int64_t());
     write_array(out, "type=\"UInt8\" Name=\"types\"", count, [&](Bytes& data) {
         constexpr std::uint8_t triangle = 5;
         for (std::size_t t = 0; t < count; ++t) data.add(triangle);

@@ -50,7 +50,12 @@ struct LabelledMesh {
         Range points, triangles, faces, lines;
     };
     std::vector<Part> parts;  ///< one for each cell
-    std::string units;        ///< of the scene
+    struct Numbers {
+        std::string name;
+        std::vector<double> of_parts;  ///< one for each
+    };
+    std::vector<Numbers> numbers;  ///< of cells, as cell data of a .vtu
+    std::string units;             ///< of the scene
 
     /// Appends a cell's mesh. Sites are numbers of objects, as the cell has them. `colour` is the place in
     /// palette() that all of it has; without one its faces have the colours of their neighbours, and its

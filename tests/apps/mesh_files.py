@@ -155,7 +155,7 @@ def main():
     scene = scenes / "figure8.json"
     truth = measured(scene)
     for name in ("once", "twice"):
-        vcell("compute", scene, "--chord", "0.5%", "-o", f"{name}.glb", "-o", f"{name}.3mf")
+        vcell("compute", scene, "--chord", "0.2%", "-o", f"{name}.glb", "-o", f"{name}.3mf")
     for ending in ("glb", "3mf"):
         check((folder / f"once.{ending}").read_bytes() == (folder / f"twice.{ending}").read_bytes(), f"{ending}: other bytes the second time")
     (name, center, triangles, edges, neighbors), = Glb(folder / "once.glb").cells()
@@ -174,11 +174,11 @@ def main():
     # Over a plane: open, or with walls and floor.
     scene = scenes / "three_spheres.json"
     truth = measured(scene)
-    vcell("compute", scene, "--chord", "0.5%", "-o", "open.glb", "-o", "open.3mf")
+    vcell("compute", scene, "--chord", "0.2%", "-o", "open.glb", "-o", "open.3mf")
     (_, _, triangles, _, _), = Glb(folder / "open.glb").cells()
     check(not is_closed(triangles), "glb: a cell over a plane is closed")
     check([o[1] for o in objects_of_3mf(folder / "open.3mf", "millimeter")] == ["surface"], "3mf: an open cell")
-    vcell("compute", scene, "--chord", "0.5%", "--solid", "-o", "solid.GLB", "-o", "solid.3mf")
+    vcell("compute", scene, "--chord", "0.2%", "--solid", "-o", "solid.GLB", "-o", "solid.3mf")
     (_, _, triangles, _, neighbors), = Glb(folder / "solid.GLB").cells()
     check(is_closed(triangles) and abs(volume(triangles) / truth["volume"] - 1) < 0.02, "glb: a solid over a plane")
     check(neighbors.count(-7) == 2, "glb: walls and base")

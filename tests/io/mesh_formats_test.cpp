@@ -132,7 +132,8 @@ TEST_CASE("mesh formats: PLY") {
 
 TEST_CASE("mesh formats: VTK's unstructured grid") {
     std::ostringstream out;
-    const LabelledMesh mesh = two_cells();
+    LabelledMesh mesh = two_cells();
+    mesh.numbers = {{"porosity", {0.25, 0.75}}};
     write_mesh(out, "vtu", mesh);
     const std::string file = out.str(), points = array_of(file, "Points"),
                       corners = array_of(file, "connectivity"), offsets = array_of(file, "offsets"),
@@ -148,13 +149,18 @@ TEST_CASE("mesh formats: VTK's unstructured grid") {
     std::size_t at = 0, offset = 0;
     for (std::size_t t = 0; t < count; ++t) {
         for (Vec3& p : triangles[t]) {
-            std::size_t place = 24 * static_cast<std::size_t>(take<std::int64_t>(corners, at));
+            std::size_t place = 24 * static_cast<std::size_t>(take<std::int32_t>(corners, at));
             for (double& x : p) x = take<double>(points, place);
         }
-        CHECK(take<std::int64_t>(offsets, offset) == static_cast<std::int64_t>(3 * (t + 1)));
+        CHECK(take<std::int32_t>(offsets, offset) == static_cast<std::int32_t>(3 * (t + 1)));
     }
     CHECK(at == corners.size());
     CHECK(volume(triangles) == doctest::Approx(2));
+    const std::string porosities = array_of(file, "porosity");
+    CHECK(porosities.size() == 4 * count);
+    at = 0;
+    for (std::size_t t = 0; t < count; ++t)
+        CHECK(take<float>(porosities, at) == (t < mesh.parts[0].triangles.end ? 0.25f : 0.75f));
 }
 
 }  // namespace vcell

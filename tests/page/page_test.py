@@ -39,7 +39,7 @@ def hits(eye, to, triangle):
 
 
 def read_obj(path):
-    """Triangles by face, and the points of all edges."""
+    """Triangles by face, and points all along the edges, however long their chords are."""
     points, faces, line_points, face = [], {}, [], None
     for line in path.read_text().splitlines():
         word, *rest = line.split()
@@ -50,7 +50,9 @@ def read_obj(path):
         elif word == "f" and face is not None:
             faces.setdefault(face, []).append([points[int(c.split("//")[0]) - 1] for c in rest])
         elif word == "l":
-            line_points += [points[int(c) - 1] for c in rest]
+            line = [points[int(c) - 1] for c in rest]
+            line_points += [[(1 - s / 12) * x + s / 12 * y for x, y in zip(a, b)]
+                            for a, b in zip(line, line[1:]) for s in range(13)]
     return faces, line_points
 
 
