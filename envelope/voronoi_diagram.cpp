@@ -20,9 +20,14 @@ namespace {
 // Some cells at a time are held for `visit`, which has them in order.
 constexpr std::size_t cells_at_a_time = 256;
 
+// Objects that cut each other too deep for cells are solid all the same; others lie in these, or are walls.
+bool has_body(const DiagramCell& cell) {
+    return cell.state != DiagramCell::State::Empty && cell.state != DiagramCell::State::Wall;
+}
+
 // What cannot be told stays not_measured.
 void add_body(const whole::DecidedDiagram& decided, std::uint32_t object, DiagramCell& cell) {
-    if (cell.state != DiagramCell::State::Computed) return;
+    if (!has_body(cell)) return;
     try {
         const whole::BodyVolume body = whole::body_volume(decided, object);
         cell.body_volume = body.volume;
@@ -161,7 +166,7 @@ FilledVolume filled_volume(const DiagramScene& scene, const VoronoiDiagram& diag
 FilledVolume body_volume(const DiagramScene& scene, const VoronoiDiagram& diagram) {
     FilledVolume sum = whole::VolumeSum(scene, diagram.moved).of(0);
     for (const DiagramCell& cell : diagram.cells) {
-        if (cell.state != DiagramCell::State::Computed) continue;
+        if (!has_body(cell)) continue;
         sum.volume += cell.body_volume;
         sum.error += cell.body_error;
         sum.is_estimated = sum.is_estimated || cell.body_estimated;

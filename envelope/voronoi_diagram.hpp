@@ -72,7 +72,8 @@ struct DiagramCell {
     /// probe's distance.
     double exposed_area = 0, exposed_error = 0;
     /// What the object itself takes of the cell (DiagramOptions::bodies): over all cells, the union of balls
-    /// and tubes in the box. `body_estimated`: the error, which otherwise is a proven bound.
+    /// and tubes in the box, those included that are refused a cell. `body_estimated`: the error, which
+    /// otherwise is a proven bound.
     double body_volume = not_measured, body_error = not_measured;
     bool body_estimated = false;
     /// NaN for planes, tubes and balls centred outside the box, whose cells have no faces over base points
@@ -151,7 +152,6 @@ FilledVolume filled_volume(const DiagramScene& scene, const VoronoiDiagram& diag
 
 /// The sum of the volumes that objects themselves take of their cells, and of the box: the part of the box
 /// that is in no ball and no tube is 1 - volume / box. NaN where one was not asked for or could not be told.
-/// Not of objects without a cell, as what lies beyond a vessel's wall.
 FilledVolume body_volume(const DiagramScene& scene, const VoronoiDiagram& diagram);
 
 }  // namespace vcell

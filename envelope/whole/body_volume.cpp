@@ -13,6 +13,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../core/quadrature/quadrature.hpp"
+#include "../../primitives/bases/canonical.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 #include "../complete_measures.hpp"
 #include "../object_distance.hpp"
@@ -131,32 +132,36 @@ struct BodyRay {
 // t its distance is t - radius. (The quadratics of primitives/forms/radial_form.hpp.)
 double nearest_along(const Object& object, const BodyRay& ray, double radius) {
     constexpr double never = std::numeric_limits<double>::infinity();
-    // C q^2 - 2 B q - A^2 = 0 for q = 1 / t.
-    const auto first = [&](double C, double B, double A2) {
-        if (!(C > 0)) return 0.0;
-        const double root = std::sqrt(std::max(0.0, B * B + A2 * C)),
-                     sum = B >= 0 ? B + root : A2 * C / (root - B);
-        return sum > 0 ? C / sum : never;
+    // A^2 t^2 + 2 B t = C. Where C > 0 the object is farther than the base in the ray's beginning, and one
+    // root is positive. Where C <= 0 a solid that is larger than the base by delta is nearer all along; a
+    // smaller one is within the base there, and comes out of it at the larger root, if it does at all.
+    const auto first = [&](double C, double B, double A2, double delta) {
+        if (!(C > 0) && delta >= 0) return 0.0;
+        const double root = std::sqrt(std::max(0.0, B * B + A2 * C));
+        const double t = C > 0 && B >= 0 ? C / (B + root) : (root - B) / A2;
+        return t > 0 ? t : never;  // no number without a root: never, too
     };
     if (const auto* ball = std::get_if<Sphere>(&object)) {
         const Vec3 m = ray.from - ball->center;
         const double delta = ball->radius - radius;
-        return first(m.squaredNorm() - delta * delta, delta - m.dot(ray.direction), 0);
+        return first(m.squaredNorm() - delta * delta, delta - m.dot(ray.direction), 0, delta);
     }
     if (const auto* tube = std::get_if<Cylinder>(&object)) {
         const Vec3 a = tube->axis.stableNormalized(), m = (ray.from - tube->point).cross(a);
         const double delta = tube->radius - radius, along = ray.direction.dot(a);
-        return first(m.squaredNorm() - delta * delta, delta - m.dot(ray.direction.cross(a)), along * along);
+        return first(m.squaredNorm() - delta * delta, delta - m.dot(ray.direction.cross(a)), along * along,
+                     delta);
     }
     if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
         const Vec3 m = ray.from - vessel->center;
         const double reach = vessel->radius + radius;
-        return first(reach * reach - m.squaredNorm(), reach + m.dot(ray.direction), 0);
+        return first(reach * reach - m.squaredNorm(), reach + m.dot(ray.direction), 0, reach);
     }
     if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
         const Vec3 a = vessel->axis.stableNormalized(), m = (ray.from - vessel->point).cross(a);
         const double reach = vessel->radius + radius, along = ray.direction.dot(a);
-        return first(reach * reach - m.squaredNorm(), reach + m.dot(ray.direction.cross(a)), -along * along);
+        return first(reach * reach - m.squaredNorm(), reach + m.dot(ray.direction.cross(a)), -along * along,
+                     reach);
     }
     return never;
 }
@@ -353,6 +358,12 @@ bool bodies_overlap(const Sphere& a, const Sphere& b) {
     return (dot(d, d) - sum * sum).sign() == Sign::Negative;
 }
 
+bool are_equal_tubes(const Cylinder& a, const Cylinder& b) {
+    if (a.radius != b.radius) return false;
+    const ExactVector axis(scaled_axis(a.axis)), way = ExactVector(b.point) - ExactVector(a.point);
+    return cross(axis, ExactVector(scaled_axis(b.axis))).is_zero() && cross(axis, way).is_zero();
+}
+
 // Sides that a ball does not cut are moved out of its way: touching ones would be ties.
 Box room_of(const Sphere& ball, const Box& box, bool& is_cut) {
     Box room = box;
@@ -417,10 +428,14 @@ BodyVolume tube_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
     for (std::uint32_t x = 0; x < decided.scene().objects.size(); ++x) {
         if (x == object || !decided.hidden(x).empty()) continue;
         const Object& o = decided.scene().objects[x];
-        double distance = std::numeric_limits<double>::infinity();
+        double distance = is_vessel(o) ? 0 : std::numeric_limits<double>::infinity();
         if (const auto* ball = std::get_if<Sphere>(&o)) {
             distance = (ball->center - tube.point).cross(axis).norm() - ball->radius;
         } else if (const auto* other = std::get_if<Cylinder>(&o)) {
+            if (are_equal_tubes(tube, *other)) {
+                if (x < object) return {};  // it is the first one's
+                continue;
+            }
             const Vec3 a = other->axis.stableNormalized(), normal = axis.cross(a),
                        way = other->point - tube.point;
             const double sine = normal.norm();

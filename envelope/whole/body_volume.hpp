@@ -19,7 +19,8 @@ struct BodyVolume {
 /// has a closed form (tube_in_box(); proven, rounding to first order, doubled), and what overlaps it, or a
 /// ball that tubes or the wall of a vessel overlap, takes away what a quadrature along the rays from the axis
 /// or the centre finds: its error is estimated from the difference of two rules, doubled. Planes, points and
-/// lines have none. Pre: the object's cell is computed; all objects are known that overlap it.
+/// lines have none. Of a tube that others cut so deep that it has no cell the body is told all the same. Pre:
+/// the object is not left out as lying in another one; all objects are known that overlap it.
 BodyVolume body_volume(const DecidedDiagram& decided, std::uint32_t object);
 
 /// The volume of a tube in a box. Error: rounding to first order, doubled. An axis that leans by less than

@@ -175,8 +175,8 @@ void write_cell_rows(std::ostream& out, const DiagramScene& scene, std::span<con
                        number(c.body_error));
         } else {
             const char* nothing = c.state == DiagramCell::State::Empty ? "0" : "-";
-            fmt::print(out, "\t{0}\t-\t{0}\t-\t{0}\t-\t{0}\t-\t-\t-\t-\t-\t-\t-\t{1}\n", nothing,
-                       printable(c.reason));
+            fmt::print(out, "\t{0}\t-\t{0}\t-\t{0}\t-\t{0}\t-\t-\t-\t-\t-\t{1}\t{2}\t{3}\n", nothing,
+                       number(c.body_volume), number(c.body_error), printable(c.reason));
         }
     }
 }

@@ -208,6 +208,33 @@ TEST_CASE("bodies: tubes and balls that overlap tubes") {
     check_body(both.volume, both.error, pi * r * r * edge + ball_volume(q0) - shared, 1e-4);
 }
 
+TEST_CASE("bodies: tubes that are in each other, or cut each other so deep that they have no cells") {
+    const double r = 0.5, s = 0.3, edge = 4;
+    const auto sum_of = [&](std::vector<Object> objects, double most_error) {
+        const DiagramScene scene = scene_in(edge, std::move(objects));
+        const FilledVolume sum = body_volume(scene, with_bodies(scene));
+        CHECK(sum.error <= most_error);
+        return std::pair(sum.volume, sum.error);
+    };
+    // Axes that meet: at height y a square, 4 sqrt(r^2 - y^2) sqrt(s^2 - y^2).
+    const double common = integral_between(-s, s, [&](double y) {
+        return 4 * std::sqrt(r * r - y * y) * std::sqrt(std::max(0.0, s * s - y * y));
+    });
+    const auto [crossing, doubt] =
+        sum_of({Cylinder{{0, 2, 2}, {1, 0, 0}, r}, Cylinder{{2, 2, 0}, {0, 0, 1}, s}}, 1e-4);
+    CHECK(std::abs(crossing - (pi * (r * r + s * s) * edge - common)) <= doubt);
+    // Of one radius: 16/3 r^3 in common.
+    const auto [equal, doubt_of_equal] =
+        sum_of({Cylinder{{0, 2, 2}, {1, 0, 0}, r}, Cylinder{{2, 2, 0}, {0, 0, 1}, r}}, 1e-4);
+    CHECK(std::abs(equal - (2 * pi * r * r * edge - 16.0 / 3 * r * r * r)) <= doubt_of_equal);
+    // One in another one, the same twice, and a ball in a tube.
+    const auto [inner, doubt_of_inner] =
+        sum_of({Cylinder{{0, 2, 2}, {1, 0, 0}, r}, Cylinder{{0, 2, 2.1}, {2, 0, 0}, s},
+                Cylinder{{1, 2, 2}, {-1, 0, 0}, r}, Sphere{{2, 2, 2.1}, 0.2}},
+               1e-4);
+    CHECK(std::abs(inner - pi * r * r * edge) <= doubt_of_inner);
+}
+
 TEST_CASE("bodies: random scenes against sampled points") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> place(0.2, 3.8), size(0.2, 0.9), any(-1, 1);
