@@ -17,6 +17,7 @@
 #include "../../core/curves/scaled_bernstein.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../charts/chart.hpp"
+#include "../forms/twins.hpp"
 #include "../objects/objects.hpp"
 
 namespace vcell::space_fit {
@@ -157,6 +158,15 @@ public:
         e.kappa_ = 0;
         return e;
     }
+    // A quadric through the arc, over the length of its gradient at `near`.
+    static Equation quadric(const SpaceQuadric& quadric, const Vector4d& near) {
+        Equation e;
+        e.quadric_ = std::make_shared<const SpaceQuadric>(quadric);
+        e.kappa_ = e.scale_ = 1;
+        e.scale_ = 1 / e.gradient(near).norm();
+        return e;
+    }
+    bool is_quadric() const { return quadric_ != nullptr; }
     // Are both balls, or tubes, so alike at X that their difference turns much less than either?
     static bool are_alike(const Equation& a, const Equation& b, const Vector4d& X) {
         constexpr double share = 0.125;  // only how fast proofs go depends on this
@@ -168,6 +178,10 @@ public:
 
     double operator()(const Vector4d& X) const {
         if (pair_) return right()(X) - left()(X);
+        if (quadric_) {
+            const Vec3 p = X.head<3>();
+            return scale_ * (p.dot(quadric_->M * p) + quadric_->l.dot(X) + quadric_->k);
+        }
         if (is_paraboloid_)
             return scale_ * (across(X.head<3>() - point_).squaredNorm() + width_ * (behind_ - 2 * X[3]));
         const Vec3 m = X.head<3>() - point_;
@@ -176,6 +190,7 @@ public:
     // The lengths that enter G at X.
     double size(const Vector4d& X) const {
         if (pair_) return left().size(X) + right().size(X);
+        if (quadric_) return terms(X.cwiseAbs());
         if (is_paraboloid_) return paraboloid_size(across(X.head<3>() - point_).norm(), X[3]);
         return X.head<3>().norm() + std::abs(X[3]) + reach_;
     }
@@ -184,6 +199,11 @@ public:
     Vector4d gradient(const Vector4d& X) const {
         if (pair_) return right().gradient(X) - left().gradient(X);
         Vector4d result;
+        if (quadric_) {
+            result = quadric_->l;
+            result.head<3>() += 2 * (quadric_->M * X.head<3>());
+            return scale_ * result;
+        }
         if (is_paraboloid_) {
             result << 2 * scale_ * across(X.head<3>() - point_), -2 * scale_ * width_;
             return result;
@@ -198,7 +218,7 @@ public:
     }
     // How far what is within `room` of the hull of the points is from X, across the axis, if there is one.
     double reach(const Vector4d& X, const Points& points, double room) const {
-        if (!is_round_ && !is_paraboloid_ && !pair_) return 0;
+        if (!is_round_ && !is_paraboloid_ && !pair_ && !quadric_) return 0;
         double squared = 0;
         for (int k = 0; k < points.cols(); ++k)
             squared = std::max(squared, across(points.col(k).head<3>() - X.head<3>()).squaredNorm());
@@ -210,6 +230,9 @@ public:
             return std::min(
                 turn(left(), right(), X, reach) * reach + left().variation(X, 0) + right().variation(X, 0),
                 left().variation(X, reach) + right().variation(X, reach));
+        if (quadric_)
+            return scale_ * (2 * quadric_->M.norm() * (reach + rounding * X.head<3>().norm()) +
+                             rounding * quadric_->l.norm());
         if (is_paraboloid_)
             return 2 * scale_ * (reach + rounding * (across(X.head<3>() - point_).norm() + reach_ + width_));
         if (!is_round_) return rounding + blur_;
@@ -223,12 +246,14 @@ public:
             return std::min(turn(left(), right(), X, reach),
                             left().curvature_bound(X, reach) + right().curvature_bound(X, reach));
         if (is_paraboloid_) return 2 * scale_;
+        if (quadric_) return 2 * scale_ * quadric_->M.norm();
         return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - reach) : 0;
     }
     // The second derivative in the direction T.
     double second(const Vector4d& X, const Vector4d& T) const {
         if (pair_) return right().second(X, T) - left().second(X, T);
         if (is_paraboloid_) return 2 * scale_ * across(T.head<3>()).squaredNorm();
+        if (quadric_) return 2 * scale_ * T.head<3>().dot(quadric_->M * T.head<3>());
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
         const double d = m.norm();
@@ -242,6 +267,7 @@ public:
     //                                 (- (axis.(p - point))^2).
     double residual(const SpanPolynomials& span) const {
         if (pair_) return difference_residual(span);
+        if (quadric_) return quadric_residual(span);
         const Vec3 m = point_ - span.foot;
         if (is_paraboloid_) {
             const Bernstein<10> Q = vcell::square(span.X[0]) + vcell::square(span.X[1]) +
@@ -338,6 +364,27 @@ private:
                rounding * (2 * span.size() + a.reach_ + b.reach_);
     }
 
+    // The sum of the absolute values of a quadric's terms, where those of X are these or less.
+    double terms(const Vector4d& sizes) const {
+        const Vec3 p = sizes.head<3>();
+        return scale_ * (p.dot(quadric_->M.cwiseAbs() * p) + quadric_->l.cwiseAbs().dot(sizes) +
+                         std::abs(quadric_->k));
+    }
+    double quadric_residual(const SpanPolynomials& span) const {
+        const Eigen::Matrix3d& M = quadric_->M;
+        const Vec3 slope = 2 * (M * span.foot) + quadric_->l.head<3>();
+        Bernstein<10> Q = raised<10>(
+            span.linear(slope, quadric_->l[3],
+                        span.foot.dot(M * span.foot) + quadric_->l.head<3>().dot(span.foot) + quadric_->k));
+        for (int i = 0; i < 3; ++i) {
+            Q = Q + M(i, i) * vcell::square(span.X[i]);
+            for (int j = 0; j < i; ++j) Q = Q + 2 * M(i, j) * (span.X[i] * span.X[j]);
+        }
+        Vector4d sizes;
+        for (int i = 0; i < 4; ++i) sizes[i] = span.largest[i] + (i < 3 ? std::abs(span.foot[i]) : 0);
+        return scale_ * QuinticNodes::get().largest(Q) + rounding * terms(sizes);
+    }
+
     // Bounds |d^2 - (kappa t + delta)^2| along a span. What rounding has changed about the object, in its
     // reach, counts times the distance from it, which may be far less, as all terms are about the span's
     // foot.
@@ -395,6 +442,7 @@ private:
     double width_ = 0, behind_ = 0, scale_ = 0;        // paraboloid: c_z + rho, c_z - rho
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
     std::shared_ptr<const Pair> pair_;                 // of a difference, which has nothing else
+    std::shared_ptr<const SpaceQuadric> quadric_;      // of a quadric, which has a scale only
 };
 
 // The gradients of an arc's equations at a point, and its direction there.
@@ -432,6 +480,13 @@ struct ArcEquations {
         right = 3;
         equations[3] = equations[2];
         equations[2] = Equation::difference(equations[1], equations[3]);
+    }
+
+    // Twins' quadric tells them apart to a part of their difference.
+    void tell_apart(const SpaceQuadric& twins, const Vector4d& X) {
+        right = 3;
+        equations[3] = equations[2];
+        equations[2] = Equation::quadric(twins, X);
     }
 
     Frame frame(const Vector4d& X) const {

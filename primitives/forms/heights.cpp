@@ -113,12 +113,12 @@ const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
 }
 
 template <int order>
-RadialJet<Interval> Heights::radial_jet(FormId f, Interval x, Interval y) const {
+FunctionJet<Interval> Heights::radial_jet(FormId f, Interval x, Interval y) const {
     return radial_[f.value].jet<order>(normals(x, y));
 }
 
 template <int order>
-RadialJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) const {
+FunctionJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) const {
     ++wide_evaluations_;
     std::unique_ptr<RadialHeight<Wide>>& p = wide_radial_[f.value];
     if (!p && family_.is_circular(f)) {
@@ -141,7 +141,7 @@ Interval Heights::scale(Interval x, Interval y) const {
 
 HeightJet<Interval> Heights::jet(FormId f, Interval x, Interval y) const {
     if (is_radial()) {
-        const RadialJet<Interval> j = radial_jet<1>(f, x, y);
+        const FunctionJet<Interval> j = radial_jet<1>(f, x, y);
         return {j.v, j.x, j.y};
     }
     const Prepared& p = prepared_[f.value];
@@ -189,7 +189,7 @@ const Heights::WidePrepared& Heights::wide(FormId f) const {
 
 HeightJet<Wide> Heights::jet(FormId f, const Wide& x, const Wide& y) const {
     if (is_radial()) {
-        const RadialJet<Wide> j = radial_jet<1>(f, x, y);
+        const FunctionJet<Wide> j = radial_jet<1>(f, x, y);
         return {j.v, j.x, j.y};
     }
     const auto& [p, constants, cylinder] = wide(f);
@@ -240,7 +240,7 @@ std::array<double, 3> Heights::near(FormId f, double x, double y) const {
 // Differentiating F = 0 once more: 2 root r_xy = C_xy - 2 beta_x r_y - 2 beta_y r_x - 2 A r_x r_y.
 HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) const {
     if (is_radial()) {
-        const RadialJet<Interval> j = radial_jet<2>(f, x, y);
+        const FunctionJet<Interval> j = radial_jet<2>(f, x, y);
         return {j.xx, j.xy, j.yy};
     }
     const Prepared& p = prepared_[f.value];
@@ -267,11 +267,62 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
             second(two * (square(ax) + square(az)), by, by, j.gy, j.gy)};
 }
 
+void Heights::find_twins() const {
+    signatures_.reserve(family_.size());
+    for (std::uint32_t f = 0; f < family_.size(); ++f) signatures_.emplace_back(family_, FormId{f});
+    have_twins_ = which_have_twins(signatures_);
+}
+
+std::optional<FunctionJet<Interval>> Heights::twin_difference(FormId f, FormId g, Interval x,
+                                                              Interval y) const {
+    if (g < f) {
+        const auto reversed = twin_difference(g, f, x, y);
+        return reversed ? std::optional(-*reversed) : std::nullopt;
+    }
+    const std::optional<double> mu = twin_factor(f, g);
+    if (!mu) return std::nullopt;
+    const auto [it, is_new] = twins_.try_emplace({f, g}, family_, f, g, *mu);
+    if (is_radial()) {
+        const RadialHeight<Interval>& height = radial_[f.value];
+        const RadialNormals<Interval>& n = normals(x, y);
+        return height.with_tips(it->second.over(height.plain_jet<2>(n), n), y);
+    }
+    const auto [v, gx, gy] = jet(f, x, y);
+    const auto [xx, xy, yy] = curvature(f, x, y);
+    return it->second.over({v, gx, gy, xx, xy, yy}, x, y);
+}
+
+Interval Heights::value_difference(FormId f, FormId g, Interval x, Interval y) const {
+    const Interval d = value(f, x, y) - value(g, x, y);
+    if (d.sign()) return d;
+    const auto twins = twin_difference(f, g, x, y);
+    return twins ? narrowed(d, twins->v) : d;
+}
+
+HeightJet<Interval> Heights::difference(FormId f, FormId g, Interval x, Interval y) const {
+    const HeightJet<Interval> a = jet(f, x, y), b = jet(g, x, y), d{a.v - b.v, a.gx - b.gx, a.gy - b.gy};
+    const auto twins = twin_difference(f, g, x, y);
+    if (!twins) return d;
+    return {narrowed(d.v, twins->v), narrowed(d.gx, twins->x), narrowed(d.gy, twins->y)};
+}
+
+HeightJet<Wide> Heights::difference(FormId f, FormId g, const Wide& x, const Wide& y) const {
+    const HeightJet<Wide> a = jet(f, x, y), b = jet(g, x, y);
+    return {a.v - b.v, a.gx - b.gx, a.gy - b.gy};
+}
+
+HeightCurvature<Interval> Heights::curvature_difference(FormId f, FormId g, Interval x, Interval y) const {
+    const HeightCurvature<Interval> d = curvature(f, x, y) - curvature(g, x, y);
+    const auto twins = twin_difference(f, g, x, y);
+    if (!twins) return d;
+    return {narrowed(d.xx, twins->xx), narrowed(d.xy, twins->xy), narrowed(d.yy, twins->yy)};
+}
+
 std::array<Interval, 2> Heights::gradient_difference(FormId f, FormId g, Interval x, Interval y) const {
     const Interval mx(x.mid()), my(y.mid());
-    const HeightJet<Interval> a = jet(f, x, y), b = jet(g, x, y), p = jet(f, mx, my), q = jet(g, mx, my);
-    return refined_gradient({a.gx - b.gx, a.gy - b.gy}, {p.gx - q.gx, p.gy - q.gy},
-                            curvature(f, x, y) - curvature(g, x, y), x - mx, y - my);
+    const HeightJet<Interval> d = difference(f, g, x, y), middle = difference(f, g, mx, my);
+    return refined_gradient({d.gx, d.gy}, {middle.gx, middle.gy}, curvature_difference(f, g, x, y), x - mx,
+                            y - my);
 }
 
 Wide Heights::plain_value(FormId f, const Wide& x, const Wide& y) const {
@@ -280,13 +331,13 @@ Wide Heights::plain_value(FormId f, const Wide& x, const Wide& y) const {
 }
 
 HeightJet<Interval> Heights::plain_jet(FormId f, Interval x, Interval y) const {
-    const RadialJet<Interval> j = radial_[f.value].plain_jet<1>(normals(x, y));
+    const FunctionJet<Interval> j = radial_[f.value].plain_jet<1>(normals(x, y));
     return {j.v, j.x, j.y};
 }
 
 Heights::PlainGradient Heights::plain_gradient(FormId f, Interval x, Interval y) const {
     const HeightJet<Interval> middle = plain_jet(f, x.mid(), y.mid());
-    const RadialJet<Interval> over = radial_[f.value].plain_jet<2>(normals(x, y));
+    const FunctionJet<Interval> over = radial_[f.value].plain_jet<2>(normals(x, y));
     return {{over.x, over.y}, {middle.gx, middle.gy}, {over.xx, over.xy, over.yy}};
 }
 
@@ -298,7 +349,7 @@ std::array<Interval, 2> Heights::difference(const PlainGradient& f, const PlainG
 }
 
 Sign Heights::compare(FormId f, FormId g, double x, double y, Decisions& decisions) const {
-    if (const auto s = (value(f, Interval(x), Interval(y)) - value(g, Interval(x), Interval(y))).sign()) {
+    if (const auto s = value_difference(f, g, Interval(x), Interval(y)).sign()) {
         ++decisions.by_interval;
         return *s;
     }

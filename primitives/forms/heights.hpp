@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "exact_heights.hpp"
 #include "form_family.hpp"
 #include "radial_height.hpp"
+#include "twins.hpp"
 
 namespace vcell {
 
@@ -100,6 +102,17 @@ public:
     /// Encloses the second derivatives of f over the box, likewise.
     HeightCurvature<Interval> curvature(FormId f, Interval x, Interval y) const;
 
+    /// f - g over the box with all derivatives, as the difference of their coefficients tells it (twins.hpp):
+    /// none unless they are twins.
+    std::optional<FunctionJet<Interval>> twin_difference(FormId f, FormId g, Interval x, Interval y) const;
+    /// Are the two twins?
+    bool are_twins(FormId f, FormId g) const { return twin_factor(f, g).has_value(); }
+    /// Enclose f - g and its derivatives over the box: heights less each other, of twins as they tell.
+    Interval value_difference(FormId f, FormId g, Interval x, Interval y) const;
+    HeightJet<Interval> difference(FormId f, FormId g, Interval x, Interval y) const;
+    HeightJet<Wide> difference(FormId f, FormId g, const Wide& x, const Wide& y) const;
+    HeightCurvature<Interval> curvature_difference(FormId f, FormId g, Interval x, Interval y) const;
+
     /// Encloses the gradient of f - g over the box, in natural and in mean value form.
     std::array<Interval, 2> gradient_difference(FormId f, FormId g, Interval x, Interval y) const;
     /// Of heights without the distances from tips. Pre: the base is curved.
@@ -146,9 +159,9 @@ private:
     }
     bool is_radial() const { return !radial_.empty(); }
     template <int order>
-    RadialJet<Interval> radial_jet(FormId f, Interval x, Interval y) const;
+    FunctionJet<Interval> radial_jet(FormId f, Interval x, Interval y) const;
     template <int order>
-    RadialJet<Wide> radial_jet(FormId f, const Wide& x, const Wide& y) const;
+    FunctionJet<Wide> radial_jet(FormId f, const Wide& x, const Wide& y) const;
 
     const FormFamily& family_;
     std::vector<Prepared> prepared_;
@@ -165,6 +178,16 @@ private:
     mutable std::size_t newer_ = 0;
     mutable std::size_t wide_evaluations_ = 0;
     const RadialNormals<Interval>& normals(Interval x, Interval y) const;
+    // Made when asked for.
+    mutable std::vector<FormSignature> signatures_;
+    mutable std::vector<bool> have_twins_;
+    mutable std::map<std::array<FormId, 2>, TwinDifference> twins_;
+    void find_twins() const;
+    std::optional<double> twin_factor(FormId f, FormId g) const {
+        if (have_twins_.empty()) find_twins();
+        if (!have_twins_[f.value] || !have_twins_[g.value] || f == g) return std::nullopt;
+        return signatures_[f.value].factor(signatures_[g.value]);
+    }
 };
 
 }  // namespace vcell

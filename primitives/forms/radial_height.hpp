@@ -27,17 +27,12 @@
 
 #include "../../core/numbers/sign.hpp"
 #include "form_family.hpp"
+#include "function_jet.hpp"
 #include "linear_ball.hpp"
 #include "radial_form.hpp"
 #include "root_range.hpp"
 
 namespace vcell {
-
-/// A function with its derivatives of first and second order.
-template <class T>
-struct RadialJet {
-    T v, x, y, xx, xy, yy;
-};
 
 /// Linear functions of the unit normals around a cylinder, v.u = v_x sin phi + v_z cos phi, over a stretch of
 /// the half-angle coordinate x: with phi' = m,
@@ -70,9 +65,9 @@ public:
     }
 
     template <int order>
-    RadialJet<T> along(const LinearOfNormals<T>& v) const {
+    FunctionJet<T> along(const LinearOfNormals<T>& v) const {
         const auto [at_first, at_last] = at_ends(v);
-        RadialJet<T> j;
+        FunctionJet<T> j;
         j.v = range(at_first[0], at_last[0], at_first[1], at_last[1], v);
         if constexpr (order > 0) {
             const T g = range(at_first[1], at_last[1], -at_first[0], -at_last[0], v);
@@ -120,7 +115,7 @@ private:
 template <class T>
 class NormalsOfSphere {
 public:
-    using Jets = std::array<RadialJet<T>, 3>;
+    using Jets = std::array<FunctionJet<T>, 3>;
 
     NormalsOfSphere() = default;
     NormalsOfSphere(const T& x, const T& y)
@@ -138,7 +133,7 @@ public:
 
     /// The jet of v.u.
     template <int order>
-    RadialJet<T> along(const std::array<T, 3>& v) const {
+    FunctionJet<T> along(const std::array<T, 3>& v) const {
         if (is_point_) return sum<order>(v, u_);
         return refined(sum<2>(v, u_), sum<1>(v, middle_));
     }
@@ -157,7 +152,7 @@ private:
     }
 
     // With mean value forms for the value and the first derivatives.
-    RadialJet<T> refined(RadialJet<T> j, const RadialJet<T>& middle) const {
+    FunctionJet<T> refined(FunctionJet<T> j, const FunctionJet<T>& middle) const {
         j.x = intersection(j.x, middle.x + j.xx * dx_ + j.xy * dy_);
         j.y = intersection(j.y, middle.y + j.xy * dx_ + j.yy * dy_);
         j.v = intersection(j.v, middle.v + j.x * dx_ + j.y * dy_);
@@ -168,20 +163,20 @@ private:
     }
 
     template <int order>
-    static RadialJet<T> sum(const std::array<T, 3>& v, const Jets& u) {
-        const auto dot = [&](T RadialJet<T>::*part) {
+    static FunctionJet<T> sum(const std::array<T, 3>& v, const Jets& u) {
+        const auto dot = [&](T FunctionJet<T>::*part) {
             return v[0] * (u[0].*part) + v[2] * (u[2].*part) + v[1] * (u[1].*part);
         };
-        RadialJet<T> j;
-        j.v = dot(&RadialJet<T>::v);
+        FunctionJet<T> j;
+        j.v = dot(&FunctionJet<T>::v);
         if constexpr (order > 0) {
-            j.x = dot(&RadialJet<T>::x);
-            j.y = dot(&RadialJet<T>::y);
+            j.x = dot(&FunctionJet<T>::x);
+            j.y = dot(&FunctionJet<T>::y);
         }
         if constexpr (order > 1) {
-            j.xx = dot(&RadialJet<T>::xx);
-            j.xy = dot(&RadialJet<T>::xy);
-            j.yy = dot(&RadialJet<T>::yy);
+            j.xx = dot(&FunctionJet<T>::xx);
+            j.xy = dot(&FunctionJet<T>::xy);
+            j.yy = dot(&FunctionJet<T>::yy);
         }
         return j;
     }
@@ -209,7 +204,7 @@ public:
 
     /// The jet of v.u; over a half-angle chart without v_y.
     template <int order>
-    RadialJet<T> along(const std::array<T, 3>& v) const {
+    FunctionJet<T> along(const std::array<T, 3>& v) const {
         if (around()) return around()->template along<order>(LinearOfNormals<T>(v));
         return std::get_if<NormalsOfSphere<T>>(&normals_)->template along<order>(v);
     }
@@ -263,18 +258,18 @@ public:
     /// Derivatives up to the given order; the others are unset. Where the root may vanish (the object is met
     /// at infinity only) the first ones bound difference quotients, and second ones are the whole line.
     template <int order>
-    RadialJet<T> jet(const RadialNormals<T>& n) const {
+    FunctionJet<T> jet(const RadialNormals<T>& n) const {
         if (!tips_.any()) return plain_jet<order>(n);
         return own_tip_ ? jet_at_own_tip<order>(n) : times<order>(plain_jet<order>(n), distances(n.y()));
     }
 
     /// Without the distances from tips.
     template <int order>
-    RadialJet<T> plain_jet(const RadialNormals<T>& n) const {
+    FunctionJet<T> plain_jet(const RadialNormals<T>& n) const {
         // B = b.u + slope y a.u, the two parts the larger and the more opposite to each other the farther the
         // box is from y = 0: they are added up at the box's middle, where b + slope y a are numbers. C is
         // constant around a cylinder, and everywhere over a sphere.
-        RadialJet<T> B, f;
+        FunctionJet<T> B, f;
         T C = c_[0], C_y(0.0);
         const NormalsAround<T>* around = n.around();
         if (!around)
@@ -303,7 +298,7 @@ public:
             }
             return f;
         }
-        const RadialJet<T> A =
+        const FunctionJet<T> A =
             around ? around->template along<order>(around_a_) : n.template along<order>(a_);
         if (around) {
             if constexpr (order > 0) B.y = slope_ * A.v;
@@ -355,6 +350,11 @@ public:
         return f;
     }
 
+    /// What is known of a plain height, or of a difference of such, times the distances from tips.
+    FunctionJet<T> with_tips(const FunctionJet<T>& plain, const T& y) const {
+        return tips_.any() ? times<2>(plain, distances(y)) : plain;
+    }
+
     /// About the plain height and its derivatives where the angle's sine and cosine are these and x grows by
     /// 1 / m of it. Pre: T is Interval, over a cylinder.
     std::array<double, 3> near(double sine, double cosine, double m, double y) const {
@@ -378,10 +378,10 @@ private:
     //
     // as s^2 - 1 = C k^2. Where R may vanish nothing is said but f itself.
     template <int order>
-    [[gnu::noinline]] static RadialJet<T> hollow_jet(const RadialJet<T>& B, const RadialJet<T>& A,
-                                                     const T& C) {
+    [[gnu::noinline]] static FunctionJet<T> hollow_jet(const FunctionJet<T>& B, const FunctionJet<T>& A,
+                                                       const T& C) {
         const T A2 = square(A.v);
-        RadialJet<T> f;
+        FunctionJet<T> f;
         f.v = -hollow_root_range(B.v, A2, C);
         if constexpr (order > 0) {
             const T s = hollow_share(B.v, B.v, A2, C), k = hollow_share(A.v, B.v, A2, C);
@@ -411,7 +411,7 @@ private:
     }
 
     static T twice(const T& t) { return t + t; }
-    static RadialJet<T> unknown() {
+    static FunctionJet<T> unknown() {
         return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
     }
 
@@ -435,8 +435,8 @@ private:
         return d;
     }
     template <int order>
-    static RadialJet<T> times(const RadialJet<T>& f, const AlongAxis& d) {
-        RadialJet<T> out;
+    static FunctionJet<T> times(const FunctionJet<T>& f, const AlongAxis& d) {
+        FunctionJet<T> out;
         out.v = f.v * d.v;
         if constexpr (order > 0) {
             out.x = f.x * d.v;
@@ -452,7 +452,7 @@ private:
     // -2 B / C times the distances; B depends on x alone. From C at the tip C is told without cancellation,
     // and its quotient with the distance is monotone.
     template <int order>
-    RadialJet<T> jet_at_own_tip(const RadialNormals<T>& n) const {
+    FunctionJet<T> jet_at_own_tip(const RadialNormals<T>& n) const {
         const T& y = n.y();
         const double tip = *tips_[*own_tip_];
         const auto C = [&](const T& at) { return c_at_tip_ + c_[1] * (at - T(tip)); };
@@ -464,7 +464,7 @@ private:
                     T(4.0) * c_[1] * slope / over};
         const AxialEnd other = *own_tip_ == AxialEnd::Low ? AxialEnd::High : AxialEnd::Low;
         if (tips_[other]) k = k * distance(other, *tips_[other], y);
-        RadialJet<T> B = n.around()->template along<order>(around_b_);
+        FunctionJet<T> B = n.around()->template along<order>(around_b_);
         B.v += b0_;
         return times<order>(B, k);
     }

@@ -83,9 +83,9 @@ TEST_CASE("radial heights: linear functions of normals around a cylinder hold th
         CAPTURE(x.lower());
         CAPTURE(x.upper());
         CAPTURE(m);
-        const RadialJet<Interval> over =
+        const FunctionJet<Interval> over =
             RadialNormals<Interval>(BaseShape::Cylinder, x, Interval(0.0)).along<2>(v);
-        const RadialJet<Wide> jet = at.along<2>({Wide(v[0].lower()), Wide(0.0), Wide(v[2].lower())});
+        const FunctionJet<Wide> jet = at.along<2>({Wide(v[0].lower()), Wide(0.0), Wide(v[2].lower())});
         CHECK(holds(over.v, jet.v));
         CHECK(holds(over.x, jet.x));
         CHECK(holds(over.xx, jet.xx));

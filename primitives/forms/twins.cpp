@@ -1,0 +1,330 @@
+#include "twins.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vcell {
+
+namespace {
+
+using Jet = FunctionJet<Interval>;
+
+// Numbers of twins differ by less than this part of the largest one among them.
+constexpr double alike = 0x1p-10;
+
+// K (x^2 + y^2) + A x + B y + C over W.
+template <class T>
+PlaneTerms<T> terms_of_circle(const T& K, const T& A, const T& B, const T& C, const T& W) {
+    const T zero(0.0);
+    return {-(W + W), {C, A, B, K, zero, K}, {zero, zero, zero, zero, zero, zero}};
+}
+
+// In the cylinder's unit lengths are multiplied by u: the equation is that of primitives/forms/exact_heights.
+template <class T>
+PlaneTerms<T> terms_of_cylinder(const CylinderNumbers<T>& f, const T& u) {
+    const T uu = u * u, norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az,
+            k = f.px * f.ax + f.py * f.ay + f.pz * f.az, two_u = u + u,
+            squares = f.px * f.px + f.py * f.py + f.pz * f.pz - f.rho * f.rho, zero(0.0);
+    return {-(uu * f.az * f.az),
+            {-(u * (norm * (f.rho + f.pz) - k * f.az)), -(uu * f.ax * f.az), -(uu * f.ay * f.az), zero, zero,
+             zero},
+            {norm * squares - k * k, two_u * (f.ax * k - norm * f.px), two_u * (f.ay * k - norm * f.py),
+             uu * (norm - f.ax * f.ax), -((uu + uu) * f.ax * f.ay), uu * (norm - f.ay * f.ay)}};
+}
+
+template <class T, class Convert>
+RadialTerms<T> terms_of_radial(const RadialForm& f, Convert&& to) {
+    const auto all = [&](const std::array<Exact, 3>& v) {
+        return std::array<T, 3>{to(v[0]), to(v[1]), to(v[2])};
+    };
+    const std::array<T, 3> a = all(f.a);
+    const T slope = to(f.slope);
+    return {all(f.c), to(f.b0), all(f.b), {slope * a[0], slope * a[1], slope * a[2]}, a, a};
+}
+
+// A circular form over a sphere (RadialHeight), times 4.
+template <class T>
+RadialTerms<T> terms_on_sphere(const T& K, const T& A, const T& B, const T& C, const T& W) {
+    const T zero(0.0);
+    const std::array<T, 3> none{zero, zero, zero};
+    return {{T(4.0) * W, zero, zero}, -(K + C), {-A, -B, K - C}, none, none, none};
+}
+
+struct FormTerms {
+    EitherTerms<Exact> of;
+    bool has_root;
+};
+
+FormTerms terms(const FormFamily& family, FormId f) {
+    if (family.is_circular(f)) {
+        const auto [K, A, B, C, W] = family.exact(f);
+        if (family.radial.empty()) return {terms_of_circle(K, A, B, C, W), false};
+        return {terms_on_sphere(K, A, B, C, W), false};
+    }
+    if (family.radial.empty()) {
+        const ExactCylinder exact = exact_cylinder(family.cylinder(f));
+        return {terms_of_cylinder<Exact>(exact, exact.unit), true};
+    }
+    const RadialForm& r = family.radial_form(f);
+    return {terms_of_radial<Exact>(r, [](const Exact& e) { return e; }), r.has_root()};
+}
+
+// The same in doubles: to compare forms at a glance.
+EitherTerms<double> rough_terms(const FormFamily& family, FormId f) {
+    if (family.is_circular(f)) {
+        const CircularForm& c = family.forms[f];
+        const double A = c.a - 2 * c.k * c.cx, B = c.b - 2 * c.k * c.cy,
+                     C = c.e + c.k * (c.cx * c.cx + c.cy * c.cy);
+        if (family.radial.empty()) return terms_of_circle(c.k, A, B, C, c.w);
+        return terms_on_sphere(c.k, A, B, C, c.w);
+    }
+    if (family.radial.empty()) {
+        const CylinderForm& c = family.cylinder(f);
+        return terms_of_cylinder<double>({c.px, c.py, c.pz, c.ax, c.ay, c.az, c.rho}, 1.0);
+    }
+    return terms_of_radial<double>(family.radial_form(f), [](const Exact& e) { return e.enclosure().mid(); });
+}
+
+template <class T, std::size_t n, class Function>
+auto each(const std::array<T, n>& a, Function&& f) {
+    std::array<decltype(f(a[0])), n> out;
+    std::ranges::transform(a, out.begin(), f);
+    return out;
+}
+
+template <class Function>
+auto each(const PlaneTerms<Exact>& t, Function&& f) {
+    return PlaneTerms<decltype(f(t.a))>{f(t.a), each(t.b, f), each(t.c, f)};
+}
+template <class Function>
+auto each(const RadialTerms<Exact>& t, Function&& f) {
+    return RadialTerms<decltype(f(t.b0))>{each(t.c, f), f(t.b0),      each(t.b, f),
+                                          each(t.s, f), each(t.p, f), each(t.q, f)};
+}
+
+template <std::size_t n>
+std::array<Exact, n> less(const std::array<Exact, n>& a, const Exact& factor, const std::array<Exact, n>& b) {
+    std::array<Exact, n> out;
+    for (std::size_t i = 0; i < n; ++i) out[i] = a[i] - factor * b[i];
+    return out;
+}
+
+// The terms of f less lambda times those of g; p q of theirs is (p_f - mu p_g) (p_f + mu p_g), lambda = mu^2.
+PlaneTerms<Exact> less(const PlaneTerms<Exact>& f, const Exact& mu, const PlaneTerms<Exact>& g) {
+    const Exact lambda = mu * mu;
+    return {f.a - lambda * g.a, less(f.b, lambda, g.b), less(f.c, lambda, g.c)};
+}
+RadialTerms<Exact> less(const RadialTerms<Exact>& f, const Exact& mu, const RadialTerms<Exact>& g) {
+    const Exact lambda = mu * mu;
+    return {less(f.c, lambda, g.c), f.b0 - lambda * g.b0, less(f.b, lambda, g.b),
+            less(f.s, lambda, g.s), less(f.p, mu, g.p),   less(f.p, -mu, g.p)};
+}
+
+struct TermJets {
+    Jet a, b, c;
+};
+
+TermJets terms_over(const PlaneTerms<Interval>& t, const std::array<Interval, 2>& place) {
+    const auto& [x, y] = place;
+    // About the middle of the box.
+    const Interval mx(x.mid()), my(y.mid()), dx = x - mx, dy = y - my;
+    const auto polynomial = [&](const std::array<Interval, 6>& k) -> Jet {
+        const Interval kx = k[1] + 2.0 * (k[3] * mx) + k[4] * my, ky = k[2] + k[4] * mx + 2.0 * (k[5] * my),
+                       at = k[0] + mx * (k[1] + k[3] * mx + k[4] * my) + my * (k[2] + k[5] * my);
+        return {at + kx * dx + ky * dy + k[3] * square(dx) + k[4] * (dx * dy) + k[5] * square(dy),
+                kx + 2.0 * (k[3] * dx) + k[4] * dy,
+                ky + k[4] * dx + 2.0 * (k[5] * dy),
+                2.0 * k[3],
+                k[4],
+                2.0 * k[5]};
+    };
+    return {Jet::constant(t.a), polynomial(t.b), polynomial(t.c)};
+}
+
+TermJets terms_over(const RadialTerms<Interval>& t, const RadialNormals<Interval>& n) {
+    const Interval &y = n.y(), &m = n.middle_y(), dy = y - m;
+    const auto linear = [&](const std::array<Interval, 3>& v) { return n.along<2>(v); };
+    if (n.around() == nullptr) {
+        const Jet p = linear(t.p), q = linear(t.q);
+        return {Jet::constant(t.c[0]), Jet::constant(t.b0) + linear(t.b), -(p * q)};
+    }
+    const Interval slope = t.c[1] + 2.0 * (t.c[2] * m), at = t.c[0] + m * (t.c[1] + t.c[2] * m), zero(0.0);
+    const Jet a{
+        at + slope * dy + t.c[2] * square(dy), zero, slope + 2.0 * (t.c[2] * dy), zero, zero, 2.0 * t.c[2]},
+        along{dy, zero, Interval(1.0), zero, zero, zero};
+    // What is linear in y is taken together at the middle.
+    std::array<Interval, 3> middle;
+    for (std::size_t i = 0; i < 3; ++i) middle[i] = t.b[i] + m * t.s[i];
+    return {a, Jet::constant(t.b0) + linear(middle) + along * linear(t.s), -(linear(t.p) * linear(t.q))};
+}
+
+template <class Terms, class Place>
+Jet root_over(const Terms& t, const Place& place) {
+    const TermJets j = terms_over(t, place);
+    return sqrt(square(j.b) + -(j.a * j.c));
+}
+
+}  // namespace
+
+FormSignature::FormSignature(const FormFamily& family, FormId f) {
+    if (!family.radial.empty() && !family.is_circular(f) && family.radial_form(f).is_hollow) return;
+    has_root = !family.is_circular(f) && (family.radial.empty() || family.radial_form(f).has_root());
+    std::size_t n = 0;
+    const auto put = [&](const auto& all) {
+        for (const double number : all) numbers[n++] = number;
+        return n;
+    };
+    const EitherTerms<double> rough = rough_terms(family, f);
+    double square_of_scale;
+    if (const auto* plane = std::get_if<PlaneTerms<double>>(&rough)) {
+        ends = {put(std::array{plane->a}), put(plane->b), put(plane->c)};
+        square_of_scale = has_root ? numbers[10] + numbers[12] : -numbers[0];
+    } else {
+        const auto& radial = *std::get_if<RadialTerms<double>>(&rough);
+        ends[0] = put(radial.c);
+        put(std::array{radial.b0});
+        put(radial.b);
+        ends[1] = put(radial.s);
+        ends[2] = put(radial.p);
+        const auto& v = numbers;
+        square_of_scale = has_root ? v[10] * v[10] + v[11] * v[11] + v[12] * v[12]
+                                   : std::max({std::abs(v[0]), std::abs(v[1]), v[2]});
+        c_is_square = true;
+    }
+    scale = std::sqrt(square_of_scale);
+}
+
+std::optional<double> FormSignature::factor(const FormSignature& o) const {
+    const double mu = scale / o.scale;
+    if (has_root != o.has_root || !(mu > 0) || !std::isfinite(mu)) return std::nullopt;
+    const auto agree = [&](std::size_t from, std::size_t to, double k) {
+        double most = 0, apart = 0;
+        for (std::size_t i = from; i < to; ++i) {
+            most = std::max(most, std::abs(numbers[i]));
+            apart = std::max(apart, std::abs(numbers[i] - k * o.numbers[i]));
+        }
+        return apart <= alike * most;
+    };
+    if (!agree(0, ends[0], mu * mu) || !agree(ends[0], ends[1], mu * mu)) return std::nullopt;
+    if (!c_is_square) return agree(ends[1], ends[2], mu * mu) ? std::optional(mu) : std::nullopt;
+    for (const double signed_mu : {mu, -mu})
+        if (agree(ends[1], ends[2], signed_mu)) return signed_mu;
+    return std::nullopt;
+}
+
+std::vector<bool> which_have_twins(std::span<const FormSignature> forms) {
+    // A number that twins have nearly in common, and few others do: a sum of all with weights.
+    struct Key {
+        double number, size;
+        std::size_t form;
+    };
+    std::vector<Key> keys;
+    keys.reserve(forms.size());
+    for (std::size_t f = 0; f < forms.size(); ++f) {
+        const FormSignature& form = forms[f];
+        Key key{0, 0, f};
+        for (std::size_t i = 0; i < form.ends[form.c_is_square ? 1 : 2]; ++i) {
+            const double term = form.numbers[i] / (form.scale * form.scale) / static_cast<double>(i + 1);
+            key.number += term;
+            key.size = std::max(key.size, std::abs(term));
+        }
+        if (std::isfinite(key.number)) keys.push_back(key);
+    }
+    std::ranges::sort(keys, {}, &Key::number);
+    std::vector<bool> have(forms.size(), false);
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        for (std::size_t j = i + 1; j < keys.size(); ++j) {
+            constexpr double most_terms = 13;
+            if (keys[j].number - keys[i].number > most_terms * 2 * alike * keys[i].size) break;
+            const std::size_t f = keys[i].form, g = keys[j].form;
+            if (have[f] && have[g]) continue;
+            if (forms[f].factor(forms[g])) have[f] = have[g] = true;
+        }
+    return have;
+}
+
+namespace {
+
+// With r = z over a plane: a r^2 + 2 b r + c, of circular forms a r + 2 b.
+SpaceQuadric in_space(const PlaneTerms<Exact>& d, bool has_root) {
+    const auto rounded = [](const Exact& e) { return e.enclosure().mid(); };
+    SpaceQuadric q;
+    const auto& p = has_root ? d.c : d.b;
+    const double times = has_root ? 1 : 2;
+    q.k = times * rounded(p[0]);
+    q.l << times * rounded(p[1]), times * rounded(p[2]), rounded(has_root ? 2.0 * d.b[0] : d.a), 0;
+    q.M(0, 0) = times * rounded(p[3]);
+    q.M(1, 1) = times * rounded(p[5]);
+    q.M(0, 1) = q.M(1, 0) = 0.5 * times * rounded(p[4]);
+    if (!has_root) return q;
+    q.M(0, 2) = q.M(2, 0) = rounded(d.b[1]);
+    q.M(1, 2) = q.M(2, 1) = rounded(d.b[2]);
+    q.M(2, 2) = rounded(d.a);
+    return q;
+}
+
+// With t u = p less its part along the axis: of a f^2 + 2 b f + c and f = -1 / t it is a - 2 b t + c t^2,
+// where b0 t, b.p and so on are linear.
+SpaceQuadric in_space(const RadialTerms<Exact>& d, bool is_around_axis) {
+    const auto rounded = [](const Exact& e) { return e.enclosure().mid(); };
+    SpaceQuadric q;
+    q.k = rounded(d.c[0]);
+    for (int i = 0; i < 3; ++i) q.l[i] = -2 * rounded(d.b[i]);
+    q.l[3] = -2 * rounded(d.b0);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) q.M(i, j) = -0.5 * rounded(d.p[i] * d.q[j] + d.p[j] * d.q[i]);
+    if (!is_around_axis) return q;
+    q.l[1] = rounded(d.c[1]);
+    for (const int i : {0, 2}) q.M(i, 1) = q.M(1, i) = -rounded(d.s[i]);
+    q.M(1, 1) = rounded(d.c[2]);
+    return q;
+}
+
+}  // namespace
+
+std::optional<SpaceQuadric> twin_quadric(const FormFamily& family, FormId f, FormId g) {
+    const auto mu = FormSignature(family, f).factor(FormSignature(family, g));
+    if (!mu) return std::nullopt;
+    const FormTerms p = terms(family, f), q = terms(family, g);
+    if (const auto* plane = std::get_if<PlaneTerms<Exact>>(&p.of))
+        return in_space(less(*plane, Exact(*mu), *std::get_if<PlaneTerms<Exact>>(&q.of)), p.has_root);
+    return in_space(
+        less(*std::get_if<RadialTerms<Exact>>(&p.of), Exact(*mu), *std::get_if<RadialTerms<Exact>>(&q.of)),
+        family.chart.is_cylinder());
+}
+
+TwinDifference::TwinDifference(const FormFamily& family, FormId f, FormId g, double mu)
+    : lambda_((Exact(mu) * Exact(mu)).enclosure()) {
+    const FormTerms p = terms(family, f), q = terms(family, g);
+    has_root_ = p.has_root;
+    const auto enclose = [](const Exact& e) { return e.enclosure(); };
+    const auto take = [&]<class Terms>(const Terms& of_f) {
+        const Terms& of_g = *std::get_if<Terms>(&q.of);
+        f_ = each(of_f, enclose);
+        g_ = each(of_g, enclose);
+        less_ = each(less(of_f, Exact(mu), of_g), enclose);
+    };
+    std::visit(take, p.of);
+}
+
+template <class Terms, class Place>
+FunctionJet<Interval> TwinDifference::difference(const FunctionJet<Interval>& f, const Place& place) const {
+    const auto of = [](const EitherTerms<Interval>& t) -> const Terms& { return *std::get_if<Terms>(&t); };
+    const TermJets d = terms_over(of(less_), place);
+    const Jet slope = d.a * f + d.b;
+    if (!has_root_) return -((slope + d.b) / (lambda_ * terms_over(of(g_), place).a));
+    return (slope * f + d.b * f + d.c) /
+           (root_over(of(f_), place) + lambda_ * root_over(of(g_), place) + slope);
+}
+
+FunctionJet<Interval> TwinDifference::over(const FunctionJet<Interval>& f, const Interval& x,
+                                           const Interval& y) const {
+    return difference<PlaneTerms<Interval>>(f, std::array{x, y});
+}
+
+FunctionJet<Interval> TwinDifference::over(const FunctionJet<Interval>& f,
+                                           const RadialNormals<Interval>& normals) const {
+    return difference<RadialTerms<Interval>>(f, normals);
+}
+
+}  // namespace vcell
