@@ -22,6 +22,11 @@ struct HeightDifference {
                      const HeightCurvature<Interval>& over, const Interval& x, const Interval& y)
         : v(a.v - b.v), gx(a.gx - b.gx), gy(a.gy - b.gy), curvature(over), dx(x), dy(y) {}
 
+    // That of twins, which is told at once (primitives/forms/twins.hpp).
+    HeightDifference(const FunctionJet<Interval>& at_middle, const HeightCurvature<Interval>& over,
+                     const Interval& x, const Interval& y)
+        : v(at_middle.v), gx(at_middle.x), gy(at_middle.y), curvature(over), dx(x), dy(y) {}
+
     // Where the offsets from the middle are these.
     std::array<Interval, 2> gradient(const Interval& x, const Interval& y) const {
         return {gx + curvature.xx * x + curvature.xy * y, gy + curvature.xy * x + curvature.yy * y};

@@ -64,9 +64,15 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     if (!rule_.is_any()) drop_out_of_range(spreads);
     for (Spread& s : spreads) s.v = heights_.value(s.form, mx, my);
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
-        return a.range.lower() > b.range.upper() || (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) -
-                                                     (a.gy - b.gy).magnitude() * Interval(ry))
-                                                            .lower() > 0;
+        const auto is_positive = [&](Interval v, Interval gx, Interval gy) {
+            return (v - gx.magnitude() * Interval(rx) - gy.magnitude() * Interval(ry)).lower() > 0;
+        };
+        if (a.range.lower() > b.range.upper() || is_positive(a.v - b.v, a.gx - b.gx, a.gy - b.gy))
+            return true;
+        if (!heights_.are_twins(a.form, b.form)) return false;
+        const auto over = *heights_.twin_difference(a.form, b.form, X, Y);
+        return over.v.lower() > 0 ||
+               is_positive(heights_.twin_difference(a.form, b.form, mx, my)->v, over.x, over.y);
     };
     const auto top = [&](const Spread& s) {
         return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
@@ -117,6 +123,15 @@ SmallVector<MixedAnalysis::Rival, MixedAnalysis::usual_rivals> MixedAnalysis::lo
     return rivals;
 }
 
+// Supports are compared with errors that are parts of the heights.
+bool MixedAnalysis::have_twins(const SmallVector<Rival, usual_rivals>& rivals) const {
+    if (rivals.size() > most_compared_in_pairs) return false;
+    for (std::size_t i = 0; i < rivals.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (heights_.are_twins(rivals[i].form, rivals[j].form)) return true;
+    return false;
+}
+
 std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box,
                                         std::span<const FormId> candidates) {
     normals_.reset();
@@ -124,10 +139,17 @@ std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box,
                             extent_at({box[0], box[1]}, {box[2], box[3]}))) {
         normals_.emplace(box[0], box[1], box[2], box[3]);
         spreads_.clear();
-        for (const Rival& r : lowest_supports(*normals_, candidates)) {
+        const auto rivals = lowest_supports(*normals_, candidates);
+        for (const Rival& r : rivals) {
             Spread& s = append_new(spreads_);
             s.form = r.form;
             s.support = r.support;
+        }
+        if (have_twins(rivals)) {
+            normals_.reset();
+            SmallVector<FormId, usual_rivals> left;
+            for (const Rival& r : rivals) left.push_back(r.form);
+            spreads_ = lowest_spreads(box, {left.begin(), left.end()});
         }
     } else {
         spreads_ = lowest_spreads(box, candidates);
@@ -144,8 +166,8 @@ void MixedAnalysis::cull_by_curvature(Work& work) {
     const std::size_t before = work.rivals.size();
     rule_.drop_hidden(
         work.rivals, [](const Spread& s) { return s.form; },
-        [](const Spread& a, const Spread& b) {
-            const HeightDifference d = Work::difference(a, b);
+        [&](const Spread& a, const Spread& b) {
+            const HeightDifference d = work.difference(a, b);
             return d.value(d.dx, d.dy).lower() > 0;
         });
     decisions_.by_interval += before - work.rivals.size();
@@ -155,17 +177,16 @@ void MixedAnalysis::cull_by_curvature(Work& work) {
 // Is g - f certainly positive all over the piece? Asked where its gradient may vanish: about that place it
 // changes least.
 bool MixedAnalysis::stays_above(const Work& work, const Spread& g, const Spread& f) const {
-    const HeightDifference d = Work::difference(g, f);
+    const HeightDifference d = work.difference(g, f);
     const auto& box = work.piece.box;
     const auto [offset, value] = d.stationary();
     if (!(value > 0) || !offset.allFinite()) return false;
     const Vector2d m = work.middle();
     const double x = std::clamp(m.x() + offset.x(), box[0], box[1]),
                  y = std::clamp(m.y() + offset.y(), box[2], box[3]);
-    const HeightJet<Interval> p = heights_.jet(g.form, Interval(x), Interval(y)),
-                              q = heights_.jet(f.form, Interval(x), Interval(y));
+    const HeightJet<Interval> at = heights_.difference(g.form, f.form, Interval(x), Interval(y));
     const Interval dx = Interval(box[0], box[1]) - Interval(x), dy = Interval(box[2], box[3]) - Interval(y);
-    Interval range = (p.v - q.v) + (p.gx - q.gx) * dx + (p.gy - q.gy) * dy;
+    Interval range = at.v + at.gx * dx + at.gy * dy;
     // A convex function lies above its tangent planes.
     if (!d.is_convex())
         range = range + 0.5 * (d.curvature.xx * square(dx) + 2.0 * (d.curvature.xy * dx * dy) +
@@ -208,9 +229,7 @@ void MixedAnalysis::cull_from_rim(Work& work) {
         if (Work::grow_together({gradients.begin(), gradients.size()})) return true;
         if (!g.bend) return false;
         if (rim.size() == 1 && !work.supports && work.direction(g, *work.find(rim[0]))) return true;
-        const auto is_concave = [&](const Spread& s) {
-            return Work::difference(g, s).is_concave_somewhere();
-        };
+        const auto is_concave = [&](const Spread& s) { return work.difference(g, s).is_concave_somewhere(); };
         if (rim.size() == 1 && is_concave(*work.find(rim[0]))) return true;
         if (std::ranges::any_of(rim, [&](FormId f) { return stays_above(work, g, *work.find(f)); }))
             return true;

@@ -214,12 +214,11 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         if (inside == Inside::No) continue;
         if (inside == Inside::Unknown) return false;
         // Nor where another form is lower.
-        const Interval x = Interval::ball(p.x(), r), y = Interval::ball(p.y(), r),
-                       low = heights_.value(t.f, x, y);
+        const Interval x = Interval::ball(p.x(), r), y = Interval::ball(p.y(), r);
         bool is_hidden = false;
         for (const Spread& other : work.rivals) {
             if (other.form == t.f || other.form == t.g) continue;
-            const auto sign = (heights_.value(other.form, x, y) - low).sign();
+            const auto sign = heights_.value_difference(other.form, t.f, x, y).sign();
             if (!sign) return false;
             is_hidden = is_hidden || *sign == Sign::Negative;
         }
@@ -228,11 +227,10 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         if (!t.decided) assume(p, r, t.vertex.ties);
     }
     for (const Lens& l : lenses) {
-        const Interval low = heights_.value(l.f, l.x, l.y);
         bool is_hidden = false;
         for (const Spread& other : work.rivals) {
             if (other.form == l.f || other.form == l.g) continue;
-            const auto sign = (heights_.value(other.form, l.x, l.y) - low).sign();
+            const auto sign = heights_.value_difference(other.form, l.f, l.x, l.y).sign();
             if (!sign) return false;
             is_hidden = is_hidden || *sign == Sign::Negative;
         }

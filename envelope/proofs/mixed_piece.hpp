@@ -23,6 +23,9 @@
 /// cases (two changes of label, or three between three competitors) no point needs to be located to know it.
 /// Other pieces are split. Along a side everything is one-dimensional: the same argument with slopes.
 ///
+/// Forms that all but coincide are compared by the difference of their coefficients
+/// (primitives/forms/twins.hpp): heights enclosed one by one are wider than what tells them apart.
+///
 /// Two heights have equal gradients where the objects touch from inside (equal cylinders with crossing axes):
 /// the trisector has a node there and no piece around it is plain. If all competitors of a small piece tie in
 /// such a point, or more than three of them in any point, the diagram is a fan around it (tie_fan.hpp),
@@ -237,6 +240,7 @@ private:
     };
     SmallVector<Rival, usual_rivals> lowest_supports(const NormalBox& box,
                                                      std::span<const FormId> candidates) const;
+    bool have_twins(const SmallVector<Rival, usual_rivals>& rivals) const;
     std::optional<FormId> certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const;
     struct Rivals {
         SmallVector<FormId, usual_rivals> forms;

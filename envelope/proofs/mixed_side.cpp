@@ -133,21 +133,29 @@ constexpr int most_newton_steps = 30;
 MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0, double s1, FormId before,
                                                      FormId after) const {
     const double side_slope = line.slope.mid();
+    const bool are_twins = heights_.are_twins(before, after);
     const double enough = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(s0), std::abs(s1));
     Guess root{Interval(s0, s1).mid(), 0};
     for (int i = 0; i < most_newton_steps; ++i) {
         const IntervalPoint p = line.at(Interval(root.s));
         const double x = p[0].mid(), y = p[1].mid();
         const PointNormal n = supports_ ? PointNormal(x, y) : PointNormal();
-        // Next to a tip only intervals take heights together without cancellation.
-        const auto jet = [&](FormId f) {
-            if (supports_) return supports_->jet(f, n);
-            if (!heights_.family().tips.any()) return heights_.near(f, x, y);
-            const HeightJet<Interval> j = heights_.jet(f, p[0], p[1]);
-            return std::array{j.v.mid(), j.gx.mid(), j.gy.mid()};
+        const auto difference = [&]() -> std::array<double, 3> {
+            if (are_twins) {
+                const HeightJet<Interval> d = heights_.difference(before, after, p[0], p[1]);
+                return {d.v.mid(), d.gx.mid(), d.gy.mid()};
+            }
+            // Next to a tip only intervals take heights together without cancellation.
+            const auto jet = [&](FormId f) {
+                if (supports_) return supports_->jet(f, n);
+                if (!heights_.family().tips.any()) return heights_.near(f, x, y);
+                const HeightJet<Interval> j = heights_.jet(f, p[0], p[1]);
+                return std::array{j.v.mid(), j.gx.mid(), j.gy.mid()};
+            };
+            const auto f = jet(before), g = jet(after);
+            return {f[0] - g[0], f[1] - g[1], f[2] - g[2]};
         };
-        const auto f = jet(before), g = jet(after);
-        const double v = f[0] - g[0], dx = f[1] - g[1], dy = f[2] - g[2];
+        const auto [v, dx, dy] = difference();
         root.slope = line.by_x ? dx + side_slope * dy : dy + side_slope * dx;
         (v < 0 ? s0 : s1) = root.s;
         const double step = v / root.slope, next = root.s - step;
@@ -186,7 +194,7 @@ RimTransition MixedAnalysis::locate_rise(const Line& line, double s0, double s1,
     bool found = false;
     const IntervalPoint stretch = line.at(Interval(s0, s1));
     if (compare_by_supports(s1 - s0, extent_at(stretch[0], stretch[1])) && is_point(near[0]) &&
-        is_point(near[1])) {
+        is_point(near[1]) && !heights_.are_twins(before, after)) {
         const PointNormal n(near[0].mid(), near[1].mid());
         const Interval residual =
             Interval::ball(supports_->value(before, n) - supports_->value(after, n),
@@ -200,8 +208,7 @@ RimTransition MixedAnalysis::locate_rise(const Line& line, double s0, double s1,
             found = narrow_by(residual);
         }
     }
-    if (!found)
-        found = narrow_by(heights_.value(before, near[0], near[1]) - heights_.value(after, near[0], near[1]));
+    if (!found) found = narrow_by(heights_.value_difference(before, after, near[0], near[1]));
     const auto enclose = [&](const auto& difference) {
         const Interval root = enclose_zero(
             Interval(lo, hi), [&](const Interval& s) { return difference(s.lower()); },
@@ -228,15 +235,21 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     Rivals out{{}, 0};
     const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
     const double extent = extent_at(range[0], range[1]);
+    std::vector<FormId> left;  // where supports do not tell twins apart
     if (compare_by_supports(s1 - s0, extent)) {
         const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
         const auto rivals = lowest_supports(box, candidates);
         for (const Rival& rival : rivals) out.forms.push_back(rival.form);
-        if (rivals.size() == 2) {
-            const auto [gx, gy] = box.gradient(rivals[0].support, rivals[1].support);
-            out.least_slope = least(line.along({{}, gx, gy}));
+        if (!have_twins(rivals)) {
+            if (rivals.size() == 2) {
+                const auto [gx, gy] = box.gradient(rivals[0].support, rivals[1].support);
+                out.least_slope = least(line.along({{}, gx, gy}));
+            }
+            return out;
         }
-        return out;
+        left.assign(out.forms.begin(), out.forms.end());
+        candidates = left;
+        out.forms.clear();
     }
     struct Item {
         FormId form;
@@ -254,8 +267,13 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r);
     };
     const auto certainly_above = [&](const Item& a, const Item& b) {
-        return a.range.lower() > b.range.upper() ||
-               (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0;
+        const auto is_positive = [&](Interval at_middle, Interval slope) {
+            return (at_middle - Interval(slope.magnitude()) * Interval(r)).lower() > 0;
+        };
+        if (a.range.lower() > b.range.upper() || is_positive(a.v - b.v, a.slope - b.slope)) return true;
+        const auto over = heights_.twin_difference(a.form, b.form, range[0], range[1]);
+        return over && is_positive(heights_.value_difference(a.form, b.form, middle[0], middle[1]),
+                                   line.along({over->v, over->x, over->y}));
     };
     if (rule_.is_any())
         rule_.drop_hidden(
@@ -267,7 +285,10 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         items[0].slope = line.mean_slope_difference(heights_, items[0].form, items[1].form, Interval(s0, s1));
         items[1].slope = 0;
         out.least_slope = least(items[0].slope);
-        const Interval difference = items[0].v - items[1].v,
+        const FormId f = items[0].form, g = items[1].form;
+        const Interval difference = heights_.are_twins(f, g)
+                                        ? heights_.value_difference(f, g, middle[0], middle[1])
+                                        : items[0].v - items[1].v,
                        reach = Interval(items[0].slope.magnitude()) * Interval(r);
         const bool is_above = (difference - reach).lower() > 0, is_below = (difference + reach).upper() < 0,
                    shows_greater = rule_.shows_greater(items[0].form, items[1].form);

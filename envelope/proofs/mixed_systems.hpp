@@ -35,9 +35,12 @@ std::optional<ProvedRoot> root_near(const Model& model, const Eigen::Vector2d& s
 template <class T>
 LocalModel<T, 2> equal_heights(const Heights& heights, const std::array<FormId, 3>& forms,
                                const std::array<T, 2>& p) {
-    const HeightJet<T> a = heights.jet(forms[0], p[0], p[1]), b = heights.jet(forms[1], p[0], p[1]),
-                       c = heights.jet(forms[2], p[0], p[1]);
-    return {{a.v - b.v, a.v - c.v}, {{{a.gx - b.gx, a.gy - b.gy}, {a.gx - c.gx, a.gy - c.gy}}}};
+    // A difference of twins is to be one of the two.
+    if (heights.are_twins(forms[1], forms[2]) && !heights.are_twins(forms[0], forms[1]))
+        return equal_heights(heights, {forms[1], forms[2], forms[0]}, p);
+    const HeightJet<T> b = heights.difference(forms[0], forms[1], p[0], p[1]),
+                       c = heights.difference(forms[0], forms[2], p[0], p[1]);
+    return {{b.v, c.v}, {{{b.gx, b.gy}, {c.gx, c.gy}}}};
 }
 
 // The same in doubles; over a point derivatives are rounded only.
@@ -65,10 +68,9 @@ inline LocalModel<Interval, 2> equal_heights(const SphereSupports& supports,
 // grad f = grad g.
 inline LocalModel<Interval, 2> equal_gradients(const Heights& heights, FormId f, FormId g,
                                                const IntervalBox<2>& p) {
-    const HeightJet<Interval> a = heights.jet(f, p[0], p[1]), b = heights.jet(g, p[0], p[1]);
-    const HeightCurvature<Interval> c = heights.curvature(f, p[0], p[1]),
-                                    d = heights.curvature(g, p[0], p[1]);
-    return {{a.gx - b.gx, a.gy - b.gy}, {{{c.xx - d.xx, c.xy - d.xy}, {c.xy - d.xy, c.yy - d.yy}}}};
+    const HeightJet<Interval> d = heights.difference(f, g, p[0], p[1]);
+    const HeightCurvature<Interval> c = heights.curvature_difference(f, g, p[0], p[1]);
+    return {{d.gx, d.gy}, {{{c.xx, c.xy}, {c.xy, c.yy}}}};
 }
 
 // The same with many digits, and derivatives in doubles: to approach a root, not to prove it.

@@ -69,9 +69,8 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     }
     const Interval X = Interval::ball(root->point.x(), root->error),
                    Y = Interval::ball(root->point.y(), root->error);
-    const Interval lowest = heights_.value(r[0].form, X, Y);
     for (std::size_t i = 1; i < n; ++i)
-        if ((heights_.value(r[i].form, X, Y) - lowest).sign()) return std::nullopt;
+        if (heights_.value_difference(r[i].form, r[0].form, X, Y).sign()) return std::nullopt;
 
     if (touching.empty()) {
         MixedPiece::Vertex v{apex.point, apex.error, triple[0], work.forms()};
@@ -99,8 +98,7 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
         if (!agree(jets[i].gx, jets[j].gx, Wide(1.0)) || !agree(jets[i].gy, jets[j].gy, Wide(1.0)))
             return std::nullopt;
         apex.decided = apex.decided && have_equal_gradients(heights_.family(), r[i].form, r[j].form, *exact);
-        apex.differences[i][j].curvature =
-            heights_.curvature(r[i].form, bx, by) - heights_.curvature(r[j].form, bx, by);
+        apex.differences[i][j].curvature = heights_.curvature_difference(r[i].form, r[j].form, bx, by);
     }
     if (apex.rim)
         for (const PieceSide* side : work.sides_at(*apex.rim))
@@ -319,7 +317,7 @@ bool MixedAnalysis::divide_arm(const Work& work, MixedPiece::Arc& arc, const Ape
             // The arc's left form is lower where the line starts.
             const auto difference = [&](const Vector2d& p) {
                 const Interval x(p.x()), y(p.y());
-                return heights_.value(arc.left, x, y) - heights_.value(arc.right, x, y);
+                return heights_.value_difference(arc.left, arc.right, x, y);
             };
             double lo = 0, hi = 1;
             for (int i = 0; i < 50; ++i) {
@@ -353,8 +351,7 @@ bool MixedAnalysis::join_at_saddle(Work& work) {
     if (!rule_.spares(work.forms())) return false;
     const FormId f = work.rivals[0].form, g = work.rivals[1].form;
     const Interval X(work.piece.box[0], work.piece.box[1]), Y(work.piece.box[2], work.piece.box[3]);
-    const HeightCurvature<Interval> p = heights_.curvature(f, X, Y), q = heights_.curvature(g, X, Y);
-    const Interval xx = p.xx - q.xx, xy = p.xy - q.xy, yy = p.yy - q.yy;
+    const auto [xx, xy, yy] = heights_.curvature_difference(f, g, X, Y);
     if ((xx * yy - square(xy)).sign() != Sign::Negative || !work.knots.empty()) return false;
     const auto& changes = work.changes;
     if (changes.empty()) return true;

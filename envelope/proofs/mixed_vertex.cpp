@@ -23,7 +23,9 @@ MixedAnalysis::Inside MixedAnalysis::find_vertex(const Work& work, std::array<Fo
     }
     const Spread &a = *work.find(forms[0]), &b = *work.find(forms[1]), &c = *work.find(forms[2]);
     if (!by_supports && a.bend && b.bend && c.bend) {
-        const auto offsets = common_zeros(Work::difference(b, a), Work::difference(c, a));
+        const auto offsets = heights_.are_twins(b.form, c.form)
+                                 ? common_zeros(work.difference(c, b), work.difference(a, b))
+                                 : common_zeros(work.difference(b, a), work.difference(c, a));
         if (!offsets) return Inside::No;
         for (const int i : {0, 1}) {
             const Interval part = Interval(work.middle()[i]) + (*offsets)[i];
@@ -164,7 +166,7 @@ bool MixedAnalysis::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3
 std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms,
                                                   FormId other) {
     const Interval X = Interval::ball(v.point.x(), v.error), Y = Interval::ball(v.point.y(), v.error);
-    if (const auto s = (heights_.value(other, X, Y) - heights_.value(forms[0], X, Y)).sign()) {
+    if (const auto s = heights_.value_difference(other, forms[0], X, Y).sign()) {
         ++decisions_.by_interval;
         return s;
     }

@@ -57,6 +57,12 @@ struct MixedAnalysis::Work {
     double width = 0, extent = 0;
     bool is_small = false;                             // in one direction at least
     mutable std::vector<std::array<FormId, 3>> apart;  // known to tie nowhere, in the order of the rivals
+    // The difference of twins among the rivals, at the middle of the box and all over it.
+    struct Twins {
+        FormId f, g;
+        FunctionJet<Interval> middle, over;
+    };
+    mutable std::vector<Twins> twins{};
 
     Vector2d middle() const {
         return {Interval(piece.box[0], piece.box[1]).mid(), Interval(piece.box[2], piece.box[3]).mid()};
@@ -101,7 +107,22 @@ struct MixedAnalysis::Work {
     std::array<Interval, 2> gradient(const Spread& a, const Spread& b) const {
         const auto over =
             normals ? normals->gradient(a.support, b.support) : std::array{a.gx - b.gx, a.gy - b.gy};
+        if (const Twins* t = find_twins(a.form, b.form))
+            return refined_gradient({narrowed(over[0], t->over.x), narrowed(over[1], t->over.y)},
+                                    {t->middle.x, t->middle.y}, {t->over.xx, t->over.xy, t->over.yy},
+                                    Interval(piece.box[0], piece.box[1]) - Interval(middle().x()),
+                                    Interval(piece.box[2], piece.box[3]) - Interval(middle().y()));
         return a.bend && b.bend ? bent_gradient(over, a, b) : over;
+    }
+    // Null unless the two are twins.
+    const Twins* find_twins(FormId f, FormId g) const {
+        for (const Twins& t : twins)
+            if (t.f == f && t.g == g) return &t;
+        if (!heights.are_twins(f, g)) return nullptr;
+        const Interval X(piece.box[0], piece.box[1]), Y(piece.box[2], piece.box[3]);
+        twins.push_back(
+            {f, g, *heights.twin_difference(f, g, X.mid(), Y.mid()), *heights.twin_difference(f, g, X, Y)});
+        return &twins.back();
     }
     // The same of heights that are not multiplied by the distances from tips: near one the product of those
     // that do not grow there is nearly zero, and changes little but with the distance.
@@ -134,8 +155,10 @@ struct MixedAnalysis::Work {
         return all_grow(middle) || all_grow(end);
     }
     // Pre: both are bent.
-    static HeightDifference difference(const Spread& a, const Spread& b) {
+    HeightDifference difference(const Spread& a, const Spread& b) const {
         const auto &p = *a.bend, &q = *b.bend;
+        if (const Twins* t = find_twins(a.form, b.form))
+            return {t->middle, {t->over.xx, t->over.xy, t->over.yy}, p.dx, p.dy};
         return {p.middle, q.middle, p.curvature - q.curvature, p.dx, p.dy};
     }
     bool is_on_rim(FormId f) const {
@@ -228,6 +251,10 @@ struct MixedAnalysis::Work {
         const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
         if (b.form < a.form) return reversed(turn(b, a, c));
         if (c.form < b.form) return reversed(turn(a, c, b));
+        // A difference of twins is to be one of the two that are compared.
+        return heights.are_twins(b.form, c.form) ? turn_from(b, c, a) : turn_from(a, b, c);
+    }
+    std::optional<Sign> turn_from(const Spread& a, const Spread& b, const Spread& c) const {
         const auto orientation = [](const std::array<Interval, 2>& p, const std::array<Interval, 2>& q) {
             const auto sign = (p[0] * q[1] - p[1] * q[0]).sign();
             return sign == Sign::Zero ? std::nullopt : sign;
@@ -250,7 +277,9 @@ struct MixedAnalysis::Work {
     bool is_hidden(const Spread& a, const Spread& b, const Spread& c) const {
         if (supports || rivals.size() < 4 || !rule.spares(forms())) return false;
         if (!a.bend || !b.bend || !c.bend) return false;
-        const auto where = common_zeros(difference(b, a), difference(c, a));
+        const auto where = heights.are_twins(b.form, c.form)
+                               ? common_zeros(difference(c, b), difference(a, b))
+                               : common_zeros(difference(b, a), difference(c, a));
         return !where || std::ranges::any_of(rivals, [&](const Spread& s) {
             return &s != &a && &s != &b && &s != &c && s.bend &&
                    difference(s, a).value((*where)[0], (*where)[1]).upper() < 0;
@@ -282,8 +311,8 @@ struct MixedAnalysis::Work {
         if (normals && !bends) return false;
         const auto from_a = [&](const Spread& s) -> Difference {
             if (!bends) return {s.v - a.v, s.gx - a.gx, s.gy - a.gy};
-            const auto &p = s.bend->middle, &q = a.bend->middle;
-            return {p.v - q.v, p.gx - q.gx, p.gy - q.gy, s.bend->curvature - a.bend->curvature};
+            const HeightDifference d = difference(s, a);
+            return {d.v, d.gx, d.gy, d.curvature};
         };
         Difference p = from_a(b), q = from_a(c);
         if (p.dot(p) < q.dot(q)) std::swap(p, q);

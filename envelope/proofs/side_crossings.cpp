@@ -85,8 +85,7 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
         return line.slope_difference(heights_, forms[i], forms[j], Interval(s0, s1));
     };
     const auto bend = [&](std::size_t i, std::size_t j) {
-        return line.bend(heights_.curvature(forms[i], range[0], range[1])) -
-               line.bend(heights_.curvature(forms[j], range[0], range[1]));
+        return line.bend(heights_.curvature_difference(forms[i], forms[j], range[0], range[1]));
     };
     std::size_t a = 0, b = 1;
     bool touching = false;

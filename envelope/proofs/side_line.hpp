@@ -52,7 +52,7 @@ struct MixedAnalysis::Line {
     }
     Interval difference(const Heights& heights, FormId f, FormId g, double s) const {
         const IntervalPoint p = at(Interval(s));
-        return heights.value(f, p[0], p[1]) - heights.value(g, p[0], p[1]);
+        return heights.value_difference(f, g, p[0], p[1]);
     }
     // difference() at one point, with 320 bits: where heights are all but equal doubles cancel.
     Interval sharp_difference(const Heights& heights, FormId f, FormId g, double s) const {
@@ -61,8 +61,7 @@ struct MixedAnalysis::Line {
     // Encloses the difference's derivative over a stretch.
     Interval slope_difference(const Heights& heights, FormId f, FormId g, const Interval& stretch) const {
         const IntervalPoint range = at(stretch);
-        const Interval derivative =
-            along(heights.jet(f, range[0], range[1])) - along(heights.jet(g, range[0], range[1]));
+        const Interval derivative = along(heights.difference(f, g, range[0], range[1]));
         return derivative.sign() ? derivative : mean_slope_difference(heights, f, g, stretch);
     }
     // In mean value form: by far the sharper one where the two are nearly the same function.
@@ -70,10 +69,8 @@ struct MixedAnalysis::Line {
                                    const Interval& stretch) const {
         const Interval m(stretch.mid());
         const IntervalPoint p = at(m), range = at(stretch);
-        return along(heights.jet(f, p[0], p[1])) - along(heights.jet(g, p[0], p[1])) +
-               (bend(heights.curvature(f, range[0], range[1])) -
-                bend(heights.curvature(g, range[0], range[1]))) *
-                   (stretch - m);
+        return along(heights.difference(f, g, p[0], p[1])) +
+               bend(heights.curvature_difference(f, g, range[0], range[1])) * (stretch - m);
     }
     Wide sharp_height(const Heights& heights, FormId f, double m) const {
         const auto p = wide_at(Wide(m));
