@@ -14,6 +14,21 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
+// The equation of g, or where it is nearly that of f what it adds to it.
+AxialEquation told_from(const AxialEquation& f, const AxialEquation& g) {
+    constexpr double nearly_alike = 1 - 0x1p-20;
+    const auto normal = [](const AxialEquation& e) {
+        return Vector4d(nearest(e.b[0]), nearest(e.b[1]), nearest(e.b[2]), nearest(e.b0));
+    };
+    const Vector4d m = normal(f), n = normal(g);
+    const double along = m.dot(n) / (m.norm() * n.norm());
+    if (!(std::abs(along) > nearly_alike)) return g;
+    const Exact factor = std::copysign(n.norm() / m.norm(), along);
+    AxialEquation rest{{}, g.b0 - factor * f.b0, g.k - factor * f.k};
+    for (std::size_t i = 0; i < 3; ++i) rest.b[i] = g.b[i] - factor * f.b[i];
+    return rest;
+}
+
 // Of its part along the axis.
 double magnitude(const AxialEquation& f, double size) {
     return std::hypot(size * nearest(f.b[1]), nearest(f.k));
@@ -61,19 +76,21 @@ AxialConic::AxialConic(const RadialBaseProblem& problem, const AxialEquation& f,
         return Equation{scale * b, scale * b0, scale * nearest(e.k)};
     };
     equations_ = {rounded(f), rounded(g)};
+    apart_ = {equations_[0], rounded(told_from(f, g))};
 }
 
 bool is_pair_of_lines(const AxialEquation& f, const AxialEquation& g, double size) {
-    const double c = size * nearest(f.b[1] * g.k - g.b[1] * f.k);
+    const AxialEquation h = told_from(f, g);
+    const double c = size * nearest(f.b[1] * h.k - h.b[1] * f.k);
     constexpr double known =
         0x1p-48;  // output accuracy: how well a turned base's planes know where they meet it
-    return std::abs(c) <= known * magnitude(f, size) * magnitude(g, size);
+    return std::abs(c) <= known * magnitude(f, size) * magnitude(h, size);
 }
 
-std::array<DistancePlane, 2> AxialConic::planes() const {
+std::array<DistancePlane, 2> AxialConic::planes(const Equations& equations) {
     std::array<DistancePlane, 2> result;
     for (int i = 0; i < 2; ++i) {
-        const Equation& e = equations_[i];
+        const Equation& e = equations[i];
         const double length = e.b.norm();
         result[i] = {{e.b.x(), e.b.y(), e.b.z(), e.b0}, e.k, (length - e.b0) * (length + e.b0)};
     }
@@ -84,7 +101,7 @@ Vector4d AxialConic::at(const Vec3& normal) const {
     Matrix2d rows;
     Vector2d k;
     for (int i = 0; i < 2; ++i) {
-        const Equation& e = equations_[i];
+        const Equation& e = apart_[i];
         rows.row(i) << e.b.dot(normal) + e.b0, e.b.y();
         k[i] = e.k;
     }
@@ -99,7 +116,7 @@ ConicSpan AxialConic::between(const Vector4d& from, const Vector4d& to) const {
     Matrix2d rows;
     Vector2d rest;
     for (int i = 0; i < 2; ++i) {
-        const Equation& e = equations_[i];
+        const Equation& e = apart_[i];
         rows.row(i) << e.b.y(), -e.k;
         rest[i] = -(e.b.dot(p) + e.b0 * t * cosine);
     }

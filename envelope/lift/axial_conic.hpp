@@ -53,7 +53,9 @@ public:
     /// (p, t) in the direction of a unit normal, canonical.
     Eigen::Vector4d at(const Vec3& normal) const;
     /// The equations, over unit normals.
-    std::array<DistancePlane, 2> planes() const;
+    std::array<DistancePlane, 2> planes() const { return planes(equations_); }
+    /// That of f, and where g's is nearly the same what tells g from it, which has all its digits.
+    std::array<DistancePlane, 2> planes_apart() const { return planes(apart_); }
     /// The arc between two of its points, less than half a turn of the normal.
     ConicSpan between(const Eigen::Vector4d& from, const Eigen::Vector4d& to) const;
 
@@ -62,7 +64,10 @@ private:
         Vec3 b;  // canonical
         double b0, k;
     };
-    std::array<Equation, 2> equations_;
+    using Equations = std::array<Equation, 2>;
+    static std::array<DistancePlane, 2> planes(const Equations& equations);
+
+    Equations equations_, apart_;
 };
 
 /// Control points (u w, v w, w) on a patch AboutBase. There u is the tangent of half an angle, a quotient of

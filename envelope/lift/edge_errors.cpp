@@ -27,7 +27,9 @@ double conic_error(const RadialDiagram& of, const RadialCurves& curves, EdgeId e
     constexpr double nearly_alike = 1 - 0x1p-33;
     const MinimizationDiagram::Edge& edge = of.diagram.edges[e];
     const Chart chart = of.problem.chart;
-    if (curves.is_axial_conic(e) || !(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
+    if (curves.is_axial_conic(e))
+        return conic_distance(curves.conics(e), curves.equations().axial_conic(e).planes_apart(), chart);
+    if (!(std::abs(planes[0].normal.dot(planes[1].normal)) > nearly_alike))
         return conic_distance(curves.conics(e), planes, chart);
     return conic_distance(curves.conics(e), {planes[0], difference_plane(of.problem, edge.left, edge.right)},
                           chart);

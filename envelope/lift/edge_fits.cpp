@@ -28,6 +28,8 @@ void EdgeFits::fit(EdgeId e) {
     } else {
         arc.sites[1] = patches_.site(e, is_turned ? 0 : 1);
         arc.sites_cross = problem.cross_equally(edge.left, edge.right);
+        if (const auto twins = twin_quadric(problem.family, edge.right, edge.left))
+            arc.twins = twins->turned(problem.chart.turn);
     }
     curves_.set_spline(e, [&](std::vector<SpaceSpan>& spans) {
         const SpaceFitError error = fit_space_spline(problem.chart, arc, tolerance_, spans, effort_);

@@ -378,7 +378,10 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
                         space_site_beside(problem, e, edge.right, sides[1])},
                        end(diagram_.start(e)),
                        end(diagram_.end(e)),
-                       diagram_.pieces(e)};
+                       diagram_.pieces(e),
+                       0,
+                       false,
+                       twin_quadric(problem.family, edge.right, edge.left)};
     constexpr std::size_t most_of_edge = 500;
     effort_.spans += most_of_edge;
     std::vector<SpaceSpan> fitted;

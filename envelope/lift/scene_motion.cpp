@@ -12,6 +12,7 @@
 
 #include "../../core/small_vector.hpp"
 #include "../../primitives/bases/canonical.hpp"
+#include "../../primitives/objects/exact_space.hpp"
 
 namespace vcell {
 
@@ -28,7 +29,9 @@ struct Direction {
     double distance = infinity;
     Vec3 from_center = Vec3::Zero();
     Vec3 axis = Vec3::Zero();  // a tube's, a unit vector
-    double rounding = 4 * u;   // of g
+    const Cylinder* tube = nullptr;
+    Vec3 along = Vec3::Zero();  // of its axis, from its point to next to the foot
+    double rounding = 4 * u;    // of g
     bool is_ball = false, is_tube = false;
     bool turns = false;            // with the base, or gives way to a tie
     const Vec3* center = nullptr;  // of a ball
@@ -56,7 +59,8 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     }
     const auto from_axis = [&](const Vec3& point) {
         d.from_center = p - point;
-        d.from_center -= unit.dot(d.from_center) * unit;
+        d.along = unit.dot(d.from_center) * unit;
+        d.from_center -= d.along;
         d.rounding += 4 * u * (p - point).norm() / d.from_center.norm();
     };
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
@@ -66,6 +70,7 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     } else if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
         d.is_tube = true;
         d.axis = unit;
+        d.tube = cylinder;
         from_axis(cylinder->point);
     } else if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
         d.from_center = p - vessel->center;
@@ -96,6 +101,15 @@ struct Row {
     }
 };
 
+// b / |b| less a / |a| or -a / |a|, whichever is nearer: nothing cancels but in b - mu a, which is rounded
+// once.
+Vec3 tilt_between(const Vec3& a, const Vec3& b) {
+    const double of_a = a.stableNorm(), of_b = b.stableNorm(), mu = std::copysign(of_b / of_a, a.dot(b));
+    Vec3 way;
+    for (int i = 0; i < 3; ++i) way[i] = std::fma(-mu, a[i], b[i]);
+    return (way - way.dot(b + mu * a) / (of_b + std::abs(mu) * of_a) * (mu / std::abs(mu * of_a) * a)) / of_b;
+}
+
 // The difference of two unit vectors. They turn nearly alike where centres or axes are next to each other. A
 // derivative is the projection across g, or on t = axis x g of a tube, over the distance |m|. Let centres or
 // axes be `apart` at the point, seen along m, and axes differ by `tilt`; within half the lesser distance h is
@@ -118,9 +132,22 @@ Row difference(const Direction& b, const Direction& a) {
             (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
         row.rounding = 32 * u * way.norm() / row.nearest;
     }
-    const double tilt = std::min((b.axis - a.axis).norm(), (b.axis + a.axis).norm());
-    const double half = 0.5 * row.nearest,
-                 apart = (b.from_center - a.from_center).norm() + tilt * half + row.rounding * row.nearest,
+    Vec3 way = b.from_center - a.from_center;
+    double tilt = 0;
+    if (a.is_tube && row.nearest > 0) {
+        // So, too, where what cancels in the ways from the axes is the difference of points and of
+        // directions.
+        const Vec3 turned = tilt_between(a.tube->axis, b.tube->axis), points = b.tube->point - a.tube->point,
+                   from_b = b.along + b.from_center;
+        const double sense = b.axis.dot(a.axis) < 0 ? -1 : 1, along = sense * a.axis.dot(a.along),
+                     farther = turned.dot(from_b) - sense * a.axis.dot(points);
+        way = -points - along * turned - farther * b.axis;
+        tilt = turned.norm();
+        row.value =
+            (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
+        row.rounding = 64 * u * (points.norm() + tilt * (a.along.norm() + from_b.norm())) / row.nearest;
+    }
+    const double half = 0.5 * row.nearest, apart = way.norm() + tilt * half + row.rounding * row.nearest,
                  turn = (tilt + 2 * apart / half) / half;
     if (half > 0 && turn < row.turn) {
         row.nearest = half;
@@ -234,7 +261,8 @@ private:
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);
         row.object = object;
-        row.object.turns = object.is_tube && base.is_tube;
+        row.object.turns = object.is_tube && base.is_tube &&
+                           cross(ExactVector(object.tube->axis), ExactVector(base.tube->axis)).is_zero();
         row.has_object = true;
         return row;
     }

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "../../primitives/forms/twins.hpp"
 #include "../../primitives/objects/objects.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "patch_coordinate.hpp"
@@ -49,6 +50,7 @@ struct SpaceArc {
     std::span<const MinimizationDiagram::ArcPiece> pieces;
     double turn = 0;           ///< of a rim's arc; 0: its ends' points tell
     bool sites_cross = false;  ///< both are cylinders, of one radius, and their axes cross
+    std::optional<SpaceQuadric> twins = std::nullopt;  ///< the right form less the left one, if they are
 };
 
 /// A Bezier span of degree 5, polynomial: space curve and trims in one parameter.

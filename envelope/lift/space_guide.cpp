@@ -208,6 +208,14 @@ std::optional<Vec2> ArcGuide::meet(const Vec2& q, const Piece& piece) const {
     return found && holds(piece.box, *found) ? found : bisect(q, piece);
 }
 
+// Where the ray over a point meets the bisector of equation k.
+Vector4d ArcGuide::met(int k, const Vec3& foot, const Vec3& normal) const {
+    const double t = equations_[k].distance_along(foot, normal);
+    Vector4d X;
+    X << t * normal + foot, t;
+    return X;
+}
+
 // Between the sides of the piece's box: the line may meet the two again beyond them.
 std::optional<Vec2> ArcGuide::bisect(const Vec2& q, const Piece& piece) const {
     constexpr int halvings = 60;
@@ -222,6 +230,7 @@ std::optional<Vec2> ArcGuide::bisect(const Vec2& q, const Piece& piece) const {
     const auto is_left_nearer = [&](double s) {
         const Vec2 p = q + s * d;
         const Vec3 foot = chart_.foot(p), normal = chart_.normal(p);
+        if (equations_[2].is_quadric()) return equations_[2](met(1, foot, normal)) > 0;
         // Negative or infinite distances are those of rays that do not get there.
         return 1 / equations_[1].distance_along(foot, normal) >
                1 / equations_[equations_.right].distance_along(foot, normal);
@@ -241,6 +250,18 @@ std::optional<Vec2> ArcGuide::approach(Vec2 q, const Vec2& direction) const {
     for (int i = 0; i < enough; ++i) {
         const Vec3 f = chart_.foot(q), w = chart_.normal(q);
         const Vec3 moving = chart_.foot(direction), turning = chart_.normal_derivative(q, direction);
+        if (equations_[2].is_quadric()) {
+            // Along the left one's bisector.
+            const Vector4d X = met(1, f, w), g = equations_[1].gradient(X), h = equations_[2].gradient(X);
+            const Vec3 across = X[3] * turning + moving;
+            const double rise = g.head<3>().dot(across) / (-g[3] - g.head<3>().dot(w));
+            const double value = equations_[2](X),
+                         step = value / (h.head<3>().dot(across + rise * w) + h[3] * rise);
+            if (!std::isfinite(step)) return std::nullopt;
+            q -= step * direction;
+            if (std::abs(value) <= near * X[3]) return q;
+            continue;
+        }
         std::array<double, 2> t, slope;
         for (int k = 0; k < 2; ++k) {
             const Equation& G = equations_[k == 0 ? 1 : equations_.right];

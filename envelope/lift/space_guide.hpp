@@ -82,6 +82,7 @@ private:
     std::array<Interval, 4> over(const StripPart& strip, bool is_back, int k, const Interval& doubt) const;
     bool is_off_arc(const StripPart& strip, bool is_back) const;
     bool is_off_arc(const StripPart& strip) const;
+    Vector4d met(int k, const Vec3& foot, const Vec3& normal) const;
     std::optional<Vec2> bisect(const Vec2& q, const Piece& piece) const;
     std::optional<Vec2> approach(Vec2 q, const Vec2& direction) const;
 

@@ -103,7 +103,10 @@ public:
         equations[0] = base_equation(chart, foot_);
         for (int i = 0; i < 2; ++i) equations[i + 1] = equation_of(chart, arc.sites[i], foot_);
         if (arc.sites_cross) take_plane();
-        if (!arc.pieces.empty()) equations_.tell_apart(first_point());
+        if (arc.twins && !equations_.is_replaced())
+            equations_.tell_apart(*arc.twins, first_point());
+        else if (!arc.pieces.empty())
+            equations_.tell_apart(first_point());
     }
 
     SpaceFitError run(double tolerance, std::vector<SpaceSpan>& spans, FitEffort& effort) const {
