@@ -21,8 +21,10 @@ public:
 
 LiftedCell lift_without_patches(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                 double tolerance, bool with_measures) {
-    // Over a cylinder no form is circular.
-    if (!problem.family.is_all_circular()) return lift_all_around(problem, diagram, tolerance, with_measures);
+    // Over a cylinder no form is circular; around a sphere the box has sides that are.
+    if (problem.family.forms.empty()) return lift_all_around(problem, diagram, tolerance, with_measures);
+    if (!problem.family.is_all_circular())
+        return lift_curves_around_sphere(problem, diagram, tolerance, with_measures);
     BareLift lift({problem, diagram});
     return CellAssembly(lift)(with_measures);
 }

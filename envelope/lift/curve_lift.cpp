@@ -1,10 +1,10 @@
-// Curves of edges between objects around a sphere or a cylinder, before faces have patches: these may be of
-// any shape.
+// Curves of edges around a sphere or a cylinder, before faces have patches: these may be of any shape.
 #include "lift.hpp"
 
 #include <algorithm>
 #include <vector>
 
+#include "../measures/measures.hpp"
 #include "edge_fits.hpp"
 #include "edge_lift.hpp"
 #include "face_loops.hpp"
@@ -14,10 +14,13 @@ namespace vcell {
 
 namespace {
 
+enum class Wanted { All, BetweenObjects };
+
 class CurveLift : public EdgeLift {
 public:
-    CurveLift(const RadialDiagram& of, double tolerance)
+    CurveLift(const RadialDiagram& of, double tolerance, Wanted wanted)
         : EdgeLift(of),
+          wanted_(wanted),
           loops_(of.diagram),
           patches_(of, loops_, curves_, false),
           fits_(of, patches_, curves_, tolerance) {
@@ -35,13 +38,18 @@ public:
         if (!is_wanted(e)) return {0, 0};
         return EdgeLift::set_curve(e, ends, curve);
     }
+    void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
+        measure_all_around(of_.problem, of_.diagram, positions, cell);
+    }
 
 private:
     bool is_wanted(EdgeId e) const {
+        if (wanted_ == Wanted::All) return true;
         return std::ranges::count_if(of_.diagram.label(e),
                                      [&](FormId f) { return of_.main_site(f).is_object(); }) >= 2;
     }
 
+    const Wanted wanted_;
     FaceLoops loops_;
     radial::FacePatches patches_;
     radial::EdgeFits fits_;
@@ -51,8 +59,14 @@ private:
 
 LiftedCell lift_curves_between_objects(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                        double tolerance) {
-    CurveLift lift({problem, diagram}, tolerance);
+    CurveLift lift({problem, diagram}, tolerance, Wanted::BetweenObjects);
     return CellAssembly(lift)(false);
+}
+
+LiftedCell lift_curves_around_sphere(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                                     double tolerance, bool with_measures) {
+    CurveLift lift({problem, diagram}, tolerance, Wanted::All);
+    return CellAssembly(lift)(with_measures);
 }
 
 }  // namespace vcell

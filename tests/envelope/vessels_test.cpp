@@ -1,112 +1,24 @@
-/// Balls in vessels: cells against closed forms and against distances as they are, whole diagrams of them.
+/// Balls in spheres and tubes: cells against closed forms and against distances as they are, whole diagrams
+/// of them.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <random>
 #include <set>
 
 #include "../../core/errors.hpp"
-#include "../../envelope/point_query.hpp"
 #include "../../envelope/vertex_refinement.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../envelope/voronoi_diagram.hpp"
 #include "../test_support.hpp"
+#include "vessel_oracle.hpp"
 
 namespace vcell {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
-// ---- An oracle that knows distances alone ---------------------------------------------------------------
-
-double away(const Object& object, const Vec3& p) {
-    if (const auto* o = std::get_if<Plane>(&object))
-        return std::abs(o->normal.dot(p - o->point)) / o->normal.norm();
-    if (const auto* o = std::get_if<Sphere>(&object)) return (p - o->center).norm() - o->radius;
-    if (const auto* o = std::get_if<HollowSphere>(&object)) return o->radius - (p - o->center).norm();
-    const auto across = [&](const auto& tube) {
-        return tube.axis.cross(p - tube.point).norm() / tube.axis.norm();
-    };
-    if (const auto* o = std::get_if<HollowCylinder>(&object)) return o->radius - across(*o);
-    const auto& tube = std::get<Cylinder>(object);
-    return across(tube) - tube.radius;
-}
-
-double inside_box(const Box& box, const Vec3& p) {
-    return std::min((p - box.min).minCoeff(), (box.max - p).minCoeff());
-}
-
-// How far the cell of a base ball reaches in a direction from its centre.
-double reach_along(const Scene& scene, const Vec3& u) {
-    const auto& base = std::get<Sphere>(scene.base);
-    double low = 0, high = scene.box.diagonal();
-    for (int i = 0; i < 60; ++i) {
-        const double t = 0.5 * (low + high);
-        const Vec3 p = base.center + t * u;
-        bool is_in = inside_box(scene.box, p) >= 0;
-        for (std::size_t k = 0; k < scene.objects.size(); ++k)
-            is_in = is_in && (!scene.competes(k) || away(scene.objects[k], p) >= t - base.radius);
-        (is_in ? low : high) = t;
-    }
-    return low;
-}
-
-// The volume by a product rule of directions. Creases leave errors of the order of the square of its step.
-double sampled_volume(const Scene& scene, int rows) {
-    double sum = 0;
-    for (int i = 0; i < rows; ++i) {
-        const double z = -1 + 2 * (i + 0.5) / rows, r = std::sqrt(1 - z * z);
-        for (int k = 0; k < 2 * rows; ++k) {
-            const double phi = pi * (k + 0.5) / rows;
-            const double t = reach_along(scene, Vec3(r * std::cos(phi), r * std::sin(phi), z));
-            sum += t * t * t / 3;
-        }
-    }
-    return sum * 2 * pi / rows / rows;
-}
-
-void check_volume(const Scene& scene, const Cell& cell) {
-    CHECK(cell.measures.volume == doctest::Approx(sampled_volume(scene, 60)).epsilon(4e-3));
-}
-
-// Every vertex is as far from all its sites as from the base, every site of a face shows there.
-void check_vertices(const Cell& cell) {
-    const auto& base = std::get<Sphere>(cell.scene.base);
-    for (const CellVertex& v : cell.vertices) {
-        const double slop = 4 * v.error + 1e-13 * cell.scene.box.diagonal();
-        CHECK(std::abs((v.point - base.center).norm() - base.radius - v.radius) <= slop);
-        for (const Site& s : v.sites) {
-            if (!s.is_object()) continue;
-            CHECK(std::abs(away(cell.scene.objects[cell.scene.place(s.index)], v.point) - v.radius) <= slop);
-        }
-        for (std::size_t k = 0; k < cell.scene.objects.size(); ++k)
-            if (cell.scene.competes(k)) CHECK(away(cell.scene.objects[k], v.point) >= v.radius - slop);
-    }
-}
-
-// Owners of rays against distances.
-void check_queries(const Scene& scene, std::mt19937_64& rng, int count) {
-    PointQuery query(scene);
-    const auto& base = std::get<Sphere>(scene.base);
-    std::normal_distribution<double> normal;
-    for (int i = 0; i < count; ++i) {
-        const Vec3 u = Vec3(normal(rng), normal(rng), normal(rng)).normalized();
-        const double t = reach_along(scene, u);
-        const auto answer = query(base.center + 0.5 * t * u);
-        REQUIRE(answer);
-        CHECK(answer->inside);
-        CHECK(answer->clearance == doctest::Approx(t - base.radius).epsilon(1e-9).scale(base.radius));
-        if (answer->site && answer->site->is_object())
-            CHECK(away(scene.objects[answer->site->index], base.center + t * u) ==
-                  doctest::Approx(t - base.radius).epsilon(1e-9).scale(base.radius));
-    }
-}
-
-std::set<std::uint32_t> owners(const Cell& cell) { return {cell.neighbors.begin(), cell.neighbors.end()}; }
+using namespace vessel_oracle;
 
 // ---- Scenes ---------------------------------------------------------------------------------------------
 
@@ -116,27 +28,6 @@ Scene in_sphere(const Sphere& base, const HollowSphere& vessel) {
     scene.objects = {vessel};
     const Vec3 half = Vec3::Constant(1.25 * vessel.radius);
     scene.box = {vessel.center - half, vessel.center + half};
-    return scene;
-}
-
-// Balls that do not overlap, the first of which is the base, in a vessel, in a box around it.
-Scene packed(std::mt19937_64& rng, const Object& vessel, std::size_t count, const Box& box) {
-    std::uniform_real_distribution<double> unit(0, 1);
-    std::vector<Sphere> balls;
-    for (int tries = 0; balls.size() < count && tries < 20'000; ++tries) {
-        Sphere ball;
-        for (int k = 0; k < 3; ++k) ball.center[k] = std::lerp(box.min[k], box.max[k], unit(rng));
-        ball.radius = 0.1 + 0.1 * unit(rng);
-        if (away(vessel, ball.center) < ball.radius || inside_box(box, ball.center) < ball.radius) continue;
-        if (std::ranges::all_of(balls, [&](const Sphere& o) { return away(o, ball.center) >= ball.radius; }))
-            balls.push_back(ball);
-    }
-    REQUIRE(balls.size() == count);
-    Scene scene;
-    scene.base = balls[0];
-    scene.objects.assign(balls.begin() + 1, balls.end());
-    scene.objects.push_back(vessel);
-    scene.box = box;
     return scene;
 }
 
@@ -262,6 +153,11 @@ TEST_CASE("vessels: ties of small integers are decided") {
         four += v.sites.size() == 4;
     }
     CHECK(four == 8);
+    for (std::size_t i = 0; i < cell.vertices.size(); ++i) {
+        const auto refined = refine(cell, i, 200);
+        REQUIRE(refined);
+        CHECK(refined->tie_width < 1e-50);
+    }
     CHECK(cell.report.decisions.assumed == 0);
     CHECK(cell.measures.volume == doctest::Approx(4).epsilon(1e-12));  // the wall touches it in its corners
 
@@ -370,6 +266,24 @@ TEST_CASE("vessels: a ball on the axis of a tube, between sides of the box") {
     CHECK(std::abs(cell.measures.volume - volume) <= cell.measures.volume_error + 1e-9);
     CHECK(cell.measures.volume_error < 1e-6);
     CHECK(cell.measures.min_clearance == doctest::Approx(b - 0.5).epsilon(1e-12));
+}
+
+TEST_CASE("vessels: a ball's cell may reach all around the axis of a tube, without patches") {
+    const double D = 2.5, h = 1.5;
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 0.5};
+    scene.objects = {HollowCylinder{{0, 0, 7}, {0, 0, 2}, 2}};
+    scene.box = {{-4, -4, -h}, {4, 4, h}};
+    CellOptions options;
+    options.patches = false;
+    const Cell cell = voronoi_cell(scene, options);
+    // The integral of pi (D^2 - z^2)^2 / (2 D)^2.
+    const double D2 = D * D, h2 = h * h,
+                 volume = pi / (2 * D2) * h * (D2 * D2 - 2 * D2 * h2 / 3 + h2 * h2 / 5);
+    CHECK(std::abs(cell.measures.volume - volume) <= cell.measures.volume_error + 1e-12);
+    CHECK(cell.measures.volume_error < 1e-6);
+    CHECK(cell.edges.size() == 2);
+    CHECK(cell.vertices.empty());
 }
 
 TEST_CASE("vessels: random balls in a tube, against distances alone") {
