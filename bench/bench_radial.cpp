@@ -62,6 +62,10 @@ double distance(const Plane& plane, const Vec3& p) {
 double distance(const HollowSphere& vessel, const Vec3& p) {
     return vessel.radius - (p - vessel.center).norm();
 }
+double distance(const HollowCone& vessel, const Vec3& p) {
+    const Vec3 axis = vessel.axis.normalized(), way = p - vessel.apex;
+    return vessel.sine() * axis.dot(way) - vessel.cosine() * axis.cross(way).norm();
+}
 double distance(const HollowCylinder& vessel, const Vec3& p) {
     return -distance(Cylinder{vessel.point, vessel.axis, vessel.radius}, p);
 }

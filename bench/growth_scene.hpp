@@ -145,6 +145,10 @@ private:
         vessel.point = q * vessel.point;
         vessel.axis = q * vessel.axis;
     }
+    static void turn_about_origin(HollowCone& vessel, const Eigen::Quaterniond& q) {
+        vessel.apex = q * vessel.apex;
+        vessel.axis = q * vessel.axis;
+    }
     static void turn_about_origin(Cylinder& tube, const Eigen::Quaterniond& q) {
         tube.point = q * tube.point;
         tube.axis = q * tube.axis;

@@ -20,6 +20,10 @@ inline double distance_from(const Object& object, const Vec3& p) {
         return (p - tube.point).cross(tube.axis.stableNormalized()).norm();
     };
     if (const auto* vessel = std::get_if<HollowCylinder>(&object)) return vessel->radius - from_axis(*vessel);
+    if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        const Vec3 w = cone->axis.stableNormalized(), m = p - cone->apex;
+        return cone->sine() * w.dot(m) - cone->cosine() * m.cross(w).norm();
+    }
     const auto& tube = std::get<Cylinder>(object);
     return from_axis(tube) - tube.radius;
 }

@@ -34,6 +34,11 @@ Vector4d gradient(const CylinderSite& s, const Vec3& p) {
     const double side = s.radius < 0 ? -1 : 1;
     return with_clearance(side * (m - m.dot(d) * d).stableNormalized(), -1);
 }
+Vector4d gradient(const ConeSite& s, const Vec3& p) {
+    const Vec3 d = vector(s.direction).stableNormalized(), m = p - vector(s.apex);
+    const double sine = s.radius / s.slant, cosine = std::sqrt((1 - sine) * (1 + sine));
+    return with_clearance(sine * d - cosine * (m - m.dot(d) * d).stableNormalized(), -1);
+}
 Vector4d gradient(const BoxSideSite& s, const Vec3&) { return with_clearance(Vec3::Unit(s.axis), 0); }
 Vector4d gradient(const RimSite& s, const Vec3&) {
     return with_clearance(Vec3::Unit(s.side.axis), -vector(s.base.normal).stableNormalized()[s.side.axis]);

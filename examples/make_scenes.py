@@ -65,6 +65,13 @@ def hollow_cylinder(point, axis, radius, name=None):
     return entry
 
 
+def hollow_cone(apex, axis, radius, slant, name=None):
+    entry = {"hollow_cone": {"apex": apex, "axis": axis, "radius": radius, "slant": slant}}
+    if name:
+        entry["name"] = name
+    return entry
+
+
 def scene(objects, low, high, base=None):
     return {
         "vcell": 1,
@@ -270,9 +277,9 @@ def around_cylinders():
     write("bundle.json", scene(skew_tubes(20, 20, (1, 3.5), 0.5), [-4, -4, -3], [4, 4, 3], base))
 
 
-def rained(count, seed, wall, radii, above_floor):
+def rained(count, seed, wall, radii, rest):
     """Balls that fall into a tube about the z axis one by one, each in the lowest of some places, and stay
-    where they touch the first other one, or just above the floor z = 0."""
+    where they touch the first other one, or at the height rest(distance from the axis, radius)."""
     random = Random(seed)
     balls = []
     while len(balls) < count:
@@ -282,7 +289,7 @@ def rained(count, seed, wall, radii, above_floor):
             x, y = (random.uniform(r - wall, wall - r) for _ in range(2))
             if math.hypot(x, y) > wall - r:
                 continue
-            z = r + above_floor
+            z = rest(math.hypot(x, y), r)
             for (a, b, c), s in balls:
                 across = (x - a) ** 2 + (y - b) ** 2
                 if across < (r + s) ** 2:
@@ -304,7 +311,7 @@ def in_vessels():
 
     # The box ends above the uppermost ball. Seed 240: the base lies at the wall, half-way up.
     wall = 4
-    balls = rained(240, 240, wall, (0.45, 0.55), 0.0625)
+    balls = rained(240, 240, wall, (0.45, 0.55), lambda away, r: r + 0.0625)
     top = math.ceil(max(c[2] + r for c, r in balls))
     base = min(range(len(balls)), key=lambda i: wall - math.hypot(*balls[i][0][:2]) - balls[i][1]
                + abs(balls[i][0][2] - top / 2))
@@ -313,6 +320,26 @@ def in_vessels():
                  [-4.5, -4.5, -0.5], [4.5, 4.5, top], sphere(*balls[base]))
     silo["base_object"] = base
     write("silo.json", silo)
+
+    # A cone below, with its apex in 0 and 3/5 the sine of half its angle, that a plane closes at z = 1: balls
+    # stay clear of both walls by 1/16. The tube on top is as wide as the cone is at z = 4. Of the balls in
+    # the cone the base is nearest to its wall.
+    sine, cosine, wall, outlet, gap = 0.6, 0.8, 3, 1, 0.0625
+
+    def above_cone(away, r):
+        return max(outlet + r + gap, (r + gap + cosine * away) / sine)
+
+    balls = rained(120, 120, wall - gap, (0.4, 0.5), above_cone)
+    top = math.ceil(max(c[2] + r for c, r in balls))
+    base = min((i for i, (c, r) in enumerate(balls) if 2 < c[2] < 3),
+               key=lambda i: sine * balls[i][0][2] - cosine * math.hypot(*balls[i][0][:2]) - balls[i][1])
+    hopper = scene([sphere(c, r) for c, r in balls] +
+                   [hollow_cone([0, 0, 0], [0, 0, 1], 3, 5, "hopper"),
+                    hollow_cylinder([0, 0, 0], [0, 0, 1], wall, "bin"),
+                    plane([0, 0, outlet], [0, 0, 1], "outlet")],
+                   [-3.5, -3.5, outlet - 0.5], [3.5, 3.5, top], sphere(*balls[base]))
+    hopper["base_object"] = base
+    write("hopper.json", hopper)
 
 
 def main():

@@ -23,6 +23,11 @@ void Letter::put(const Object& object) {
             } else if constexpr (requires { o.normal; }) {
                 put(o.point);
                 put(o.normal);
+            } else if constexpr (requires { o.apex; }) {
+                put(o.apex);
+                put(o.axis);
+                put(o.radius);
+                put(o.slant);
             } else {
                 put(o.point);
                 put(o.axis);
@@ -70,6 +75,11 @@ Object LetterReader::object() {
         } else if constexpr (requires { o.normal; }) {
             o.point = get<Vec3>();
             o.normal = get<Vec3>();
+        } else if constexpr (requires { o.apex; }) {
+            o.apex = get<Vec3>();
+            o.axis = get<Vec3>();
+            o.radius = get<double>();
+            o.slant = get<double>();
         } else {
             o.point = get<Vec3>();
             o.axis = get<Vec3>();
@@ -77,13 +87,14 @@ Object LetterReader::object() {
         }
         return o;
     };
-    static_assert(std::variant_size_v<Object> == 5);
+    static_assert(std::variant_size_v<Object> == 6);
     switch (get<std::uint8_t>()) {
         case 0: return read(std::variant_alternative_t<0, Object>());
         case 1: return read(std::variant_alternative_t<1, Object>());
         case 2: return read(std::variant_alternative_t<2, Object>());
         case 3: return read(std::variant_alternative_t<3, Object>());
-        default: return read(std::variant_alternative_t<4, Object>());
+        case 4: return read(std::variant_alternative_t<4, Object>());
+        default: return read(std::variant_alternative_t<5, Object>());
     }
 }
 

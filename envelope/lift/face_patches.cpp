@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "../../core/errors.hpp"
+#include "../../primitives/fit/arc_equations.hpp"
 #include "trim_bounds.hpp"
 
 namespace vcell::radial {
@@ -21,8 +22,8 @@ constexpr double narrowest_sector = 0x1p-10;
 
 using std::numbers::pi;
 
-// `delta`: that of a cylinder, or `reach` that of a hollow one.
-PatchCoordinates coordinates(const RadialPatch& patch, double delta, std::optional<double> reach) {
+// Of an object's patch around a base of that radius.
+PatchCoordinates coordinates(const RadialPatch& patch, const Object& object, double radius) {
     using Kind = RadialPatch::Kind;
     const auto& [x, y, z] = patch.axes();
     if (patch.kind() == Kind::Planar)
@@ -35,10 +36,16 @@ PatchCoordinates coordinates(const RadialPatch& patch, double delta, std::option
     if (patch.kind() == Kind::Stereographic)
         return {PatchCoordinate::half_angle(patch.origin(), z, x, 0),
                 PatchCoordinate::half_angle(patch.origin(), z, y, 0)};
+    if (const auto* cone = std::get_if<HollowCone>(&object))
+        return {PatchCoordinate::cone_half_angle(*cone, z, x, y, radius),
+                PatchCoordinate::along_cone(*cone, z, radius)};
     PatchCoordinate along;
     along.numerator << patch.along(), 0, patch.along_start();
-    if (reach) return {PatchCoordinate::hollow_half_angle(patch.origin(), x, y, *reach), along};
-    const double beyond = patch.kind() == Kind::AboutObject ? delta : 0;
+    if (const auto* vessel = std::get_if<HollowCylinder>(&object))
+        return {PatchCoordinate::hollow_half_angle(patch.origin(), x, y, vessel->radius + radius), along};
+    const auto* cylinder = std::get_if<Cylinder>(&object);
+    const double beyond =
+        patch.kind() == Kind::AboutObject && cylinder != nullptr ? cylinder->radius - radius : 0;
     return {PatchCoordinate::half_angle(patch.origin(), x, y, beyond), along};
 }
 
@@ -70,8 +77,11 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
         }
         is_flat_[form] = vcell::is_flat(problem_, form);
         if (problem_.chart.is_sphere()) {
-            const bool is_closed = std::holds_alternative<HollowSphere>(problem_.objects[form]);
-            patches_.push_back(RadialPatch(problem_, form, is_closed ? clear_pole(face) : middle(face), 0));
+            const Object& object = problem_.objects[form];
+            const Vec3 about = std::holds_alternative<HollowSphere>(object) ? clear_pole(face)
+                               : is_vessel(object)                          ? away_from_axis(face)
+                                                                            : middle(face);
+            patches_.push_back(RadialPatch(problem_, form, about, 0));
         } else {
             patches_.push_back({});
             add_around_cylinder(face);
@@ -112,6 +122,40 @@ std::vector<Vec3> FacePatches::poles(FaceId face) const {
         for (const double side : {-1.0, 1.0}) all.push_back(side * Vec3::Unit(axis));
     std::erase_if(all, [&](const Vec3& p) { return !is_owned_by_others(form, -p); });
     return all;
+}
+
+// The middle of the angles about a hollow tube's or cone's axis at which the face has its boundary: opposite
+// to the widest gap between these. Seen from the base such a face may reach around most of it, and points of
+// its boundary lie behind.
+Vec3 FacePatches::away_from_axis(FaceId face) const {
+    const Object& object = problem_.objects[diagram_.face_forms[face]];
+    const auto* tube = std::get_if<HollowCylinder>(&object);
+    const auto* cone = std::get_if<HollowCone>(&object);
+    const Vec3 point = tube != nullptr ? tube->point : cone->apex,
+               axis = (tube != nullptr ? tube->axis : cone->axis).stableNormalized(),
+               x = axis.unitOrthogonal(), y = axis.cross(x);
+    const space_fit::Equation equation =
+        space_fit::site_equation(problem_.chart, object, false, Vec3::Zero());
+    std::vector<double> angles;
+    const auto add = [&](const Vec3& p) { angles.push_back(std::atan2(y.dot(p - point), x.dot(p - point))); };
+    loops_.around(face, [&](EdgeId e, bool) {
+        if (curves_.has_ends(e)) add(curves_.from(e).head<3>() / curves_.from(e).w());
+        for (const auto& piece : diagram_.pieces(e)) {
+            const Vec3 u = problem_.chart.normal(piece.end);
+            add(equation.distance_along(Vec3::Zero(), u) * u);
+        }
+    });
+    if (angles.empty()) return x;
+    std::ranges::sort(angles);
+    double middle = 0, widest = -1;
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+        const double next = i + 1 < angles.size() ? angles[i + 1] : angles[0] + 2 * pi,
+                     gap = next - angles[i];
+        if (!(gap > widest)) continue;
+        widest = gap;
+        middle = 0.5 * (angles[i] + next) + pi;
+    }
+    return std::cos(middle) * x + std::sin(middle) * y;
 }
 
 // About the pole from which the face needs the lowest degree.
@@ -170,20 +214,16 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     const FaceId face = diagram_.face(e, side);
     const FormId form = diagram_.form_beside(e, side);
     const Object& object = problem_.objects[form];
-    const auto* cylinder = std::get_if<Cylinder>(&object);
-    const double delta = cylinder != nullptr ? cylinder->radius - problem_.chart.radius : 0;
-    const auto* vessel = std::get_if<HollowCylinder>(&object);
-    const std::optional<double> reach =
-        vessel != nullptr ? std::optional(vessel->radius + problem_.chart.radius) : std::nullopt;
     SpaceSite site{object, is_wall(problem_, form), {}};
     if (!has_patches_ || !diagram_.face_forms[face].valid()) return site;
     if (!is_cut(face)) {
-        site.parts.push_back(
-            {.patch = coordinates(patches_[face], delta, reach), .surface = &patches_[face]});
+        site.parts.push_back({.patch = coordinates(patches_[face], object, problem_.chart.radius),
+                              .surface = &patches_[face]});
         return site;
     }
     for (const Sector& s : sectors_[face])
-        site.parts.push_back({coordinates(s.patch, delta, std::nullopt), {-s.reach(), s.reach()}, &s.patch});
+        site.parts.push_back(
+            {coordinates(s.patch, object, problem_.chart.radius), {-s.reach(), s.reach()}, &s.patch});
     return site;
 }
 

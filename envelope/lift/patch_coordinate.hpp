@@ -26,6 +26,13 @@ struct PatchCoordinate {
     static PatchCoordinate hollow_half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
                                              double reach);
 
+    /// half_angle() in a cone whose axis is `axis`, unit: (S h - r) / K away from it, h from the apex along
+    /// it, r = t - radius.
+    static PatchCoordinate cone_half_angle(const HollowCone& cone, const Vec3& axis, const Vec3& zero,
+                                           const Vec3& quarter, double radius);
+    /// The length (h - S r) / K along such a cone's wall.
+    static PatchCoordinate along_cone(const HollowCone& cone, const Vec3& axis, double radius);
+
     double operator()(const Eigen::Vector4d& X) const {
         return (numerator.head<4>().dot(X) + numerator[4]) / (divisor.head<4>().dot(X) + divisor[4]);
     }

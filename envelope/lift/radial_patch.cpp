@@ -72,6 +72,8 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
         set_in_sphere(ball->center, ball->radius + problem.chart.radius, ball_power(problem, form), middle);
     } else if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
         set_in_cylinder(*tube, tube->radius + problem.chart.radius, middle);
+    } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        set_in_cone(*cone, problem.chart.radius, middle);
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
         if (problem.chart.is_sphere())
@@ -203,11 +205,10 @@ void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const
 // S = c + v d + r n / W with |S| = delta - r: r = (delta^2 - |c|^2 - v^2) W / (2 (delta W + c.n)).
 void RadialPatch::set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle) {
     degree_ = {2, 2};
+    is_in_tube_ = true;
     const Vec3 axis = vessel.axis.normalized(), c = vessel.point - vessel.point.dot(axis) * axis;
     const double length = c.norm(), squared = (delta - length) * (delta + length);
-    const double alpha = axis.dot(middle), beta = delta - c.dot(middle),
-                 t = squared / (beta + std::sqrt(std::max(0.0, beta * beta - squared * alpha * alpha)));
-    const Vec3 x = across(axis, t * middle - c);
+    const Vec3 x = across(axis, middle);
     set_axes(Kind::AboutObject, x, axis.cross(x), c);
     along_ = axis;
     const double cx = c.dot(axes_[0]), cy = c.dot(axes_[1]);
@@ -216,6 +217,30 @@ void RadialPatch::set_in_cylinder(const HollowCylinder& vessel, double delta, co
     add(w, linear, vector(axis));
     add(angle_cos, half, vector(axes_[0]));
     add(angle_sin, half, vector(axes_[1]));
+}
+
+void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle) {
+    degree_ = {2, 2};
+    is_in_tube_ = true;
+    const Vec3 axis = vessel.axis.stableNormalized(), &apex = vessel.apex, D = -apex;
+    const double S = vessel.sine(), K = vessel.cosine(), h0 = D.dot(axis), P = S * h0 + radius;
+    const Vec3 out = D - h0 * axis;
+    const Vec3 x = across(axis, middle);
+    set_axes(Kind::AboutObject, x, axis.cross(x), apex);
+    along_ = K * axis;
+    along_start_ = -along_.dot(apex);
+    along_across_ = S;
+    const double dx = out.dot(axes_[0]), dy = out.dot(axes_[1]);
+    const Polynomial w{P - K * dx, -2 * K * dy, P + K * dx},
+        half{0.5 * (D.norm() - radius) * (D.norm() + radius), 0, 0.5};
+    const double rise = radius * S + h0;
+    add(w, one, vector(apex) + weight);
+    add(angle_weight, half, vector(S * axis));
+    add(angle_cos, half, vector(-K * axes_[0]));
+    add(angle_sin, half, vector(-K * axes_[1]));
+    add(angle_weight, linear, vector(radius * K * axis));
+    add(angle_cos, linear, vector(rise * axes_[0] - dx * axis));
+    add(angle_sin, linear, vector(rise * axes_[1] - dy * axis));
 }
 
 // t = C(y) W / w with w = b.n + b0 W.
@@ -378,6 +403,8 @@ struct ControlNet {
 
 // A spheroid's weights are positive all over, but those of its control points over a wide rectangle in higher
 // degrees only: of degree n they are above that of the middle of 1 + u^2 + v^2 less (u^2 + v^2) / (n - 1).
+// Those of bisectors with tubes and cones seen from within are positive all around, and need it where faces
+// reach far around.
 constexpr int most_raised = 10;
 // Raising takes four roundings each time, and there are eight at most.
 constexpr double rounding_of_raised = 3 * rounding_each;
@@ -437,8 +464,17 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
     });
     rounding = rounding_each * (of_points + far * of_weights + frame.origin.norm());
     if (!is_positive) surface.reset();
-    if (!is_positive && is_closed()) return raised_patch(u, v, frame, rounding);
+    if (!is_positive && has_raised()) return raised_patch(u, v, frame, rounding);
     return surface;
+}
+
+bool RadialPatch::has_positive_net(const std::array<double, 2>& u, const std::array<double, 2>& v) const {
+    bool is_positive = true;
+    for_each_control(u, v, [&](int, const Vector4d& h, const Vector4d&) {
+        is_positive = h.w() > 0;
+        return is_positive;
+    });
+    return is_positive;
 }
 
 // Control points P_ij that are off by a_ij, and weights by r_ij of themselves, turn S = sum B_ij w_ij P_ij /
@@ -449,7 +485,7 @@ std::optional<RationalPatch> RadialPatch::patch(const std::array<double, 2>& u,
 double RadialPatch::rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
                                    const std::array<double, 2>& v, const BaseFrame& frame,
                                    double enough) const {
-    if (is_closed()) {
+    if (is_closed() || (has_raised() && !has_positive_net(u, v))) {
         double rounding = 0;
         patch(u, v, frame, rounding);
         return rounding;

@@ -40,6 +40,14 @@
 /// delta = R + R0, and u = 0 in the direction from their axis to the face; the weight is positive all around,
 /// and the pole is where the face would reach around the axis.
 ///
+/// Hollow cones likewise, with v along the wall's generators from the apex on: with half the angle's sine S
+/// and cosine K, the axis w, D = -apex, e(u) across the axis, n = S w - K e and g = K w + S e,
+///
+///     S(u, v) = apex + (v^2 n + 2 v (R0 g + (D.w) e - (D.e) w) + (|D|^2 - R0^2) n) / (2 (R0 + D.n)),
+///
+/// (2, 2), since with r the distance from the wall (R0 + r)^2 = |v g + r n - D|^2 is linear in r, and
+/// (D.n) g - (D.g) n is D turned by a right angle in the half-plane of e.
+///
 /// *AboutBase.* Everything else over a cylinder base: u is the tangent of half the angle about the base's
 /// axis, counted from a direction of choice; v = y for spheres (2, 2), planes and parallel cylinders (2, 1).
 /// For a cylinder of direction d (d_y > -1) through a, v = ((y - a_y) + (p - a).d) / (1 + d_y), the mean of
@@ -74,7 +82,8 @@ public:
     enum class Kind : std::uint8_t { Planar, Stereographic, Confocal, AboutObject, AboutBase };
 
     RadialPatch() = default;
-    /// The patch of a form over a face. `middle`: a unit normal of the base in the middle of the face; on
+    /// The patch of a form over a face. `middle`: a unit normal of the base in the middle of the face; of
+    /// hollow tubes and cones a direction from their axis there. On
     /// AboutBase the angle counts from it. `y` (cylinder base): a height of the face. `wide`: for faces that
     /// reach far. Instead of Stereographic they are Confocal, about the direction at infinity opposite to
     /// `middle`; cylinders over a cylinder base take d for the half in which `middle` lies, where (with y on
@@ -91,11 +100,12 @@ public:
     /// parameters() from axes and origin: with q = p - origin() and its components (x, y, z) along the axes,
     /// (u, v) is (x, y) on Planar, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal; on
     /// AboutObject and AboutBase u = y /
-    /// (|(x, y)| + x), v = along().p + along_start().
+    /// (|(x, y)| + x), v = along().p + along_start() + along_across() |(x, y)|, the last of cones only.
     const std::array<Vec3, 3>& axes() const { return axes_; }
     const Vec3& origin() const { return origin_; }
     const Vec3& along() const { return along_; }
     double along_start() const { return along_start_; }
+    double along_across() const { return along_across_; }
 
     /// The parameters of a point of the bisector, in any number type with sqrt(); on
     /// Stereographic a function of the point's direction from the centre alone.
@@ -146,7 +156,10 @@ public:
 private:
     /// Is it all of a surface but for one point: of an ellipsoid?
     bool is_closed() const { return kind_ == Kind::Stereographic && coefficient(2, 0).w() > 0; }
-    /// patch() of what is closed, in as high a degree as its weights need to be positive.
+    /// Are its weights positive all over? Then those of its control points are in some degree, too.
+    bool has_raised() const { return is_closed() || is_in_tube_; }
+    bool has_positive_net(const std::array<double, 2>& u, const std::array<double, 2>& v) const;
+    /// patch() of such ones, in as high a degree as its weights need to be positive.
     std::optional<RationalPatch> raised_patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
                                               const BaseFrame& frame, double& rounding) const;
     /// Calls use(k, h, size) for the control points h = (P, w), k as in RationalPatch, and the sums of their
@@ -161,6 +174,7 @@ private:
     void set_about_object(const Cylinder& cylinder, double delta);
     void set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle);
     void set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle);
+    void set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle);
     void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C);
     void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
                         double y, bool wide);
@@ -173,11 +187,12 @@ private:
     std::array<int, 2> degree_{1, 1};
     std::array<Eigen::Vector4d, 9> coefficients_{};
     // Of the inverse: axes and where they start; v = along_.p + along_start_ where it is a length along an
-    // axis.
+    // axis, and along_across_ of the distance from it more along a cone.
     std::array<Vec3, 3> axes_{};
     Vec3 origin_ = Vec3::Zero(), along_ = Vec3::Zero();
-    double along_start_ = 0;
+    double along_start_ = 0, along_across_ = 0;
     std::optional<Vec3> half_;
+    bool is_in_tube_ = false;  // or in a cone
     Projection projection_;
 };
 
@@ -200,7 +215,8 @@ std::array<T, 2> RadialPatch::parameters(const std::array<T, 3>& p) const {
         if (z > T(0.0)) return {length + z, y};
         return {(x * x + y * y) / (length - z), y};
     }
-    return {y / (sqrt(x * x + y * y) + x), along(along_, p[0], p[1], p[2]) + T(along_start_)};
+    const T wide = sqrt(x * x + y * y);
+    return {y / (wide + x), along(along_, p[0], p[1], p[2]) + T(along_start_) + T(along_across_) * wide};
 }
 
 template <class T>

@@ -46,6 +46,7 @@ Vec3 unit_direction(const Object& object) {
     if (const auto* plane = std::get_if<Plane>(&object)) return plane->normal.stableNormalized();
     if (const auto* cylinder = std::get_if<Cylinder>(&object)) return cylinder->axis.stableNormalized();
     if (const auto* vessel = std::get_if<HollowCylinder>(&object)) return vessel->axis.stableNormalized();
+    if (const auto* vessel = std::get_if<HollowCone>(&object)) return vessel->axis.stableNormalized();
     return Vec3::Zero();
 }
 
@@ -74,6 +75,8 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
         from_axis(cylinder->point);
     } else if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
         d.from_center = p - vessel->center;
+    } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        from_axis(cone->apex);
     } else {
         from_axis(std::get<HollowCylinder>(object).point);
     }
@@ -81,6 +84,7 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     d.g = d.distance > 0 ? Vec3(d.from_center / d.distance) : Vec3::UnitZ().eval();
     // Towards a vessel's wall its distance falls.
     if (is_vessel(object)) d.g = -d.g;
+    if (const auto* cone = std::get_if<HollowCone>(&object)) d.g = cone->sine() * unit + cone->cosine() * d.g;
     return d;
 }
 

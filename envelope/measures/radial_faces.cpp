@@ -443,6 +443,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     using namespace radial_integrals;
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
     if (problem.chart.is_sphere()) {
+        if (std::holds_alternative<HollowCone>(problem.objects[form])) return ConeFace(problem, form, face);
         if (!problem.family.is_circular(form)) return TubeFace(problem, form, face);
         return RoundFace(problem, form);
     }

@@ -34,6 +34,20 @@
 ///
 /// alpha = 0 towards the base: elementary in v.
 ///
+/// *Hollow cones over a sphere.* Let S and K be the sine and cosine of half the angle, w the axis, D the way
+/// from the apex to the base's centre, D = h0 w + m, and P = h0 S + R0. Over the half-plane from the axis in
+/// the direction e(alpha), with n = S w - K e the wall's normal there and g = K w + S e along it, nu = R0 +
+/// D.n = P
+/// - K m.e, gamma = D.g and Q^2 = nu^2 + (D.e')^2, the bisector is at
+///
+///     D + t u = l g + r n,   y = l - gamma,   t = r + R0 = (y^2 + Q^2) / (2 nu),
+///
+/// and with its distance from the axis, W = S l - K r = S (y + gamma) + K R0 - K t,
+///
+///     dV = t W / 3 d alpha dy,   dS = W sqrt(y^2 + Q^2) / nu d alpha dy,
+///
+/// as the part of the surface parallel to the wall is W d alpha dy, and 1 - u.n = nu / t: elementary in y.
+///
 /// *Over a cylinder, unless axes are skew.* t = C(y) / (2 beta(w)), so with beta' the derivative by the angle
 ///
 ///     dV = C^2 / (8 beta^2) d theta dy,   dS = C / (2 beta^2) sqrt(beta^2 + beta'^2 + C'^2 / 4) d theta dy,
@@ -155,6 +169,32 @@ private:
     Point point(const Ray& ray) const;
 };
 
+/// Hollow cones over a sphere. Pre: no face has a point on the axis.
+struct ConeFace {
+    Vec3 axis, out;  ///< w, m
+    double S, K, rho, h0, P;
+    double C;       ///< P^2 - K^2 |m|^2
+    double length;  ///< |m|
+    double first;   ///< y at which integrals start
+
+    ConeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
+    double least_distance() const;
+    double distance(const Ray& ray) const;
+    Share share(const Ray& ray) const;
+    Share size(const Ray& ray) const;
+
+private:
+    /// On a ray: its part along the axis, what radial_form.hpp has for A, the root of the quadratic, where it
+    /// meets the bisector.
+    struct Point {
+        double along, A, root, t;
+    };
+    struct Foot;
+    Point point(const Ray& ray) const;
+    Foot foot(const Ray& ray, const Point& p) const;
+    Share until(const Foot& f, double y) const;
+};
+
 /// Everything but skew cylinders over a cylinder.
 struct TurnedFace {
     Vec3 b;
@@ -206,7 +246,7 @@ struct SkewFace {
 /// A face, to be measured along its edges.
 using RadialFace =
     std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace, radial_integrals::TurnedFace,
-                 radial_integrals::FlatFace, radial_integrals::SkewFace>;
+                 radial_integrals::FlatFace, radial_integrals::SkewFace, radial_integrals::ConeFace>;
 
 /// Over a cylinder integrals along the axis start at the height of `face.near`.
 RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,

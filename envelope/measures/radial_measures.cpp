@@ -249,6 +249,7 @@ private:
     static double reach(const Object& object) {
         if (const auto* plane = std::get_if<Plane>(&object)) return plane->point.norm();
         if (const auto* vessel = std::get_if<HollowCylinder>(&object)) return vessel->point.norm();
+        if (const auto* vessel = std::get_if<HollowCone>(&object)) return vessel->apex.norm();
         const auto* cylinder = std::get_if<Cylinder>(&object);
         return cylinder != nullptr ? cylinder->point.norm() : 0;
     }

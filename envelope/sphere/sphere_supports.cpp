@@ -112,7 +112,7 @@ SphereSupports::SphereSupports(const FormFamily& family) {
     }
     for (const RadialForm& f : family.radial) {
         const double C = f.c[0].enclosure().mid(), root = std::sqrt(C);
-        Cylinder c{{{}, f.b0.enclosure().mid() / C}, {{}, 0}, 0};
+        Cylinder c{{{}, f.b0.enclosure().mid() / C}, {{}, f.a0.enclosure().mid() / root}, 0};
         for (int i = 0; i < 3; ++i) {
             c.b.p[i] = f.b[i].enclosure().mid() / C;
             c.a.p[i] = f.a[i].enclosure().mid() / root;

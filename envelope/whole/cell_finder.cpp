@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "../../core/errors.hpp"
+#include "../../primitives/bases/cone_form.hpp"
 #include "../../primitives/bases/nested_balls.hpp"
 #include "../../primitives/bases/solids.hpp"
 #include "../complete_measures.hpp"
@@ -32,6 +33,8 @@ double least_distance(const Object& object, const Sphere& ball) {
     const auto size_of = [](const auto& o) {
         if constexpr (requires { o.center; })
             return o.center.cwiseAbs().sum() + o.radius;
+        else if constexpr (requires { o.apex; })
+            return o.apex.cwiseAbs().sum();
         else if constexpr (requires { o.radius; })
             return o.point.cwiseAbs().sum() + o.radius;
         else
@@ -53,6 +56,10 @@ bool is_beyond_wall(const Object& object, const Sphere& ball) {
         return is_beside({p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), vessel->radius}, c.x(), c.y(), c.z(),
                          ball.radius);
     }
+    if (const auto* vessel = std::get_if<HollowCone>(&object))
+        return !(least_distance(object, ball) + 2 * ball.radius > 0) &&
+               is_beside(ConeForm(*vessel),
+                         Ball{ball.center.x(), ball.center.y(), ball.center.z(), ball.radius});
     return false;
 }
 

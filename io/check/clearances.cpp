@@ -139,7 +139,8 @@ std::optional<bool> lies_within(Interval x, Interval low, Interval high) {
     return std::nullopt;
 }
 
-/// The base ball's centre, seen from the vessel's centre or axis, in the frame.
+/// The base ball's centre, seen from the vessel's centre or axis, in the frame; in a cone both are such that
+/// their difference is what it is away from the wall.
 struct FromVessel {
     Interval distance, radius;
 };
@@ -148,13 +149,20 @@ FromVessel from_vessel(const Object& object, const Frame& frame) {
         const Triad<Interval> c = frame.point(ball->center);
         return {sqrt(square(c[0]) + square(c[1]) + square(c[2])), frame.length(ball->radius)};
     }
+    const auto axial = [&](const Vec3& point, const Vec3& axis) {
+        const Triad<Interval> d = frame.direction(axis / axis.cwiseAbs().maxCoeff()), c = frame.point(point);
+        const Interval x = c[1] * d[2] - c[2] * d[1], y = c[2] * d[0] - c[0] * d[2],
+                       z = c[0] * d[1] - c[1] * d[0], length2 = square(d[0]) + square(d[1]) + square(d[2]);
+        return std::array{sqrt((square(x) + square(y) + square(z)) / length2),
+                          -(c[0] * d[0] + c[1] * d[1] + c[2] * d[2]) / sqrt(length2)};
+    };
+    if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        const auto [across, along] = axial(cone->apex, cone->axis);
+        const Interval r(cone->radius), s(cone->slant);
+        return {sqrt((s - r) * (s + r)) / s * across, r / s * along};
+    }
     const auto& tube = std::get<HollowCylinder>(object);
-    const Triad<Interval> d = frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff()),
-                          c = frame.point(tube.point);
-    const Interval x = c[1] * d[2] - c[2] * d[1], y = c[2] * d[0] - c[0] * d[2],
-                   z = c[0] * d[1] - c[1] * d[0];
-    return {sqrt((square(x) + square(y) + square(z)) / (square(d[0]) + square(d[1]) + square(d[2]))),
-            frame.length(tube.radius)};
+    return {axial(tube.point, tube.axis)[0], frame.length(tube.radius)};
 }
 Nearest nearest_in_vessel(const Scene& scene, const Site& site, const Frame& frame) {
     const auto [distance, radius] = from_vessel(scene.objects[site.index], frame);

@@ -91,6 +91,39 @@ bool contains(const HollowCylinder& holder, const HollowCylinder& held) {
     return contains(Cylinder{held.point, held.axis, held.radius},
                     Cylinder{holder.point, holder.axis, holder.radius});
 }
+/// With D the way from the apex, b the axis, B = |b|^2 and r / s the sine of half the angle the distance of a
+/// point from a cone's wall is -rho or more where r D.b + s rho sqrt B and
+///
+///     (s D.b + r rho sqrt B)^2 - B (s^2 - r^2) (|D|^2 - rho^2)
+///
+/// are not negative, and -rho exactly where that is 0. The sign of the distance and rho.
+Sign room(const HollowCone& cone, const Vec3& point, const Exact& rho) {
+    const Vector<Exact> D = from(cone.apex, point), b = exact(cone.axis);
+    const Exact r(cone.radius), s(cone.slant), B = dot(b, b), along = dot(D, b), r_rho = r * rho;
+    if (sign(OneRoot{r * along, s * rho, B}) == Sign::Negative) return Sign::Negative;
+    return sign(
+        OneRoot{s * s * along * along + B * r_rho * r_rho - B * (s * s - r * r) * (dot(D, D) - rho * rho),
+                2.0 * s * along * r_rho, B});
+}
+bool contains(const HollowCone& holder, const Sphere& held) {
+    return room(holder, held.center, held.radius) != Sign::Positive;
+}
+bool contains(const HollowSphere& holder, const HollowCone& held) {
+    return room(held, holder.center, -Exact(holder.radius)) != Sign::Negative;
+}
+/// The narrower one's apex is within the wider one, and the angle between the axes is no more than the
+/// difference of half their angles.
+bool contains(const HollowCone& holder, const HollowCone& held) {
+    const Exact r(held.radius), s(held.slant), p(holder.radius), q(holder.slant);
+    if ((r * q - p * s).sign() == Sign::Negative || room(held, holder.apex, Exact()) == Sign::Negative)
+        return false;
+    const Vector<Exact> a = exact(held.axis), b = exact(holder.axis);
+    const Exact lengths = dot(a, a) * dot(b, b), along = s * q * dot(a, b), sines = r * p,
+                cosines = (s * s - r * r) * (q * q - p * p);
+    return along.sign() != Sign::Negative &&
+           sign(OneRoot{along * along - lengths * (sines * sines + cosines), -(2.0 * lengths * sines),
+                        cosines}) != Sign::Negative;
+}
 template <class Holder, class Held>
 bool contains(const Holder&, const Held&) {
     return false;

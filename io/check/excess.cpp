@@ -150,6 +150,27 @@ Interval ExcessAlong::in_vessel(const Surface& object) const {
     return intersection(-difference / sum, plain);
 }
 
+/// With L / w the height over the apex times the sine, and the base's radius, the base's squared distance q^2
+/// = B / w^2 and the axis' A / w^2, the excess times (L / w - q + cos sqrt A / w) is G / w^2 - 2 L q / w with
+/// G = L^2 + B - cos^2 A, and that times (G / w^2 + 2 L q / w) is (G^2 - 4 L^2 B) / w^4.
+Interval ExcessAlong::in_cone(const Surface& object) const {
+    const Surface& base = space_.base();
+    const Form a = squared_distance(object), along = signed_distance(object);
+    const Form l = Form::combination<2>({{{object.sine, &along}, {base.radius, &weight_}}});
+    const Interval distance = object.cosine * sqrt(a.range()) / w_, q = clearance_ + base.radius,
+                   height = l.range() / w_;
+    const Interval plain = height - distance - q, sum = height - q + distance;
+    if (!(sum.lower() > 0)) return plain;
+    const Form l2 = square(l), g = l2 + base_ - square(object.cosine) * a;
+    const Interval linear = g.range() / square(w_), twice = 2 * (height * q);
+    Interval difference = linear - twice;
+    const Interval with = linear + twice;
+    if (!with.contains(0))
+        difference = intersection(
+            difference, (square(g) - MidRad(4.0) * (l2 * base_)).range() / square(square(w_)) / with);
+    return intersection(difference / sum, plain);
+}
+
 Interval ExcessAlong::object_excess(const Surface& object) const {
     if (space_.base().kind == Kind::plane) return above_plane(object);
     return object.kind == Kind::plane ? of_plane(object) : of_round(object);
@@ -201,6 +222,7 @@ Interval ExcessAlong::of_plane(const Surface& object) const {
 /// that times (L / w^2 - 2 D q) is the same.
 Interval ExcessAlong::of_round(const Surface& object) const {
     const Surface& base = space_.base();
+    if (object.is_cone) return in_cone(object);
     if (object.is_hollow) return in_vessel(object);
     const Form a = squared_distance(object);
     const Interval d = object.radius - base.radius;

@@ -34,6 +34,7 @@ private:
     Interval of_plane(const Surface& object) const;
     Interval of_round(const Surface& object) const;
     Interval in_vessel(const Surface& object) const;
+    Interval in_cone(const Surface& object) const;
 
     const Space<Interval>& space_;
     const Net& net_;

@@ -23,6 +23,12 @@ double distance(const HollowSphere& o, const Vec3& p) { return o.radius - (p - o
 double distance(const HollowCylinder& o, const Vec3& p) {
     return o.radius - o.axis.cross(p - o.point).norm() / o.axis.norm();
 }
+double distance(const HollowCone& o, const Vec3& p) {
+    const double sine = o.radius / o.slant, length = o.axis.norm();
+    return (sine * o.axis.dot(p - o.apex) -
+            std::sqrt((o.slant - o.radius) / o.slant * (1 + sine)) * o.axis.cross(p - o.apex).norm()) /
+           length;
+}
 double distance(const Object& o, const Vec3& p) {
     return std::visit([&](const auto& x) { return distance(x, p); }, o);
 }
@@ -33,6 +39,7 @@ double extent(const Sphere& o) { return o.center.norm() + o.radius; }
 double extent(const Cylinder& o) { return o.point.norm() + o.radius; }
 double extent(const HollowSphere& o) { return o.center.norm() + o.radius; }
 double extent(const HollowCylinder& o) { return o.point.norm() + o.radius; }
+double extent(const HollowCone& o) { return o.apex.norm(); }
 
 Vec2 random_point(std::mt19937_64& rng, const Vec2& lo, const Vec2& hi) {
     std::uniform_real_distribution<double> unit(0, 1);
@@ -372,7 +379,8 @@ std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) cons
         return {sphere->radius == radius_ ? "plane" : "hyperboloid"};
     if (const auto* vessel = std::get_if<HollowSphere>(&o))
         return {vessel->center == sphere_->center ? "sphere" : "ellipsoid"};
-    if (std::holds_alternative<HollowCylinder>(o)) return {"quartic"};
+    if (std::holds_alternative<HollowCylinder>(o) || std::holds_alternative<HollowCone>(o))
+        return {"quartic"};
     return {std::get<Cylinder>(o).radius == radius_ ? "parabolic cylinder" : "quartic"};
 }
 

@@ -41,6 +41,19 @@ Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u)
             const T t = (squared_norm(m) - T(square(equation.delta))) / (2.0 * beta);
             return {t, sqrt(2.0 * (t + T(equation.delta)) / beta)};
         }
+        case Equation::Kind::cone: {
+            const std::array<T, 2> m{dot(equation.across[0], f) - T(equation.across_c[0]),
+                                     dot(equation.across[1], f) - T(equation.across_c[1])};
+            const T along = dot(equation.d, u), K2(square(equation.cosine));
+            const T L = equation.sine * (dot(equation.d, f) - T(dot(equation.d, equation.c))) +
+                        T(equation.radius),
+                    turned = T(1.0) - equation.sine * along;
+            const T C = square(L) - K2 * (square(m[0]) + square(m[1]));
+            const T beta =
+                L * turned + K2 * (dot(equation.across[0], u) * m[0] + dot(equation.across[1], u) * m[1]);
+            const T root = sqrt(square(beta) - square(along - T(equation.sine)) * C), t = C / (beta + root);
+            return {t, sqrt(2.0 * (L - t * turned) / root)};
+        }
         default: {
             // In the plane across the axis, where lengths along it do not blur the bounds.
             const std::array<T, 2> m{dot(equation.across[0], f) - T(equation.across_c[0]),
@@ -281,6 +294,16 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         set_tube(equation, scene, frame, tube);
         equation.is_hollow = true;
         equation.delta = -(MidRad(frame.length(vessel->radius)) + frame.radius());
+        return equation;
+    }
+    if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        set_tube(equation, scene, frame, Cylinder{cone->apex, cone->axis, 0});
+        equation.kind = Equation::Kind::cone;
+        equation.is_hollow = true;
+        const MidRad wide(cone->radius), slant(cone->slant);
+        equation.sine = wide / slant;
+        equation.cosine = sqrt((slant - wide) * (slant + wide)) / slant;
+        equation.radius = frame.radius();
         return equation;
     }
     const auto& plane = std::get<Plane>(object);

@@ -9,7 +9,11 @@
 ///   |f + t u - c|^2 = (t + delta)^2 for balls, the same without the part along the axis d for tubes, and
 ///   s (n (f + t u) + D) = t - R for planes, where delta = rho - R, R the base's radius or 0.
 /// For the inside of balls and tubes of radius R0 the same holds with delta = -R0 - R, C, beta and t + delta
-/// being negative, and of the two roots of a tube's equation the other one.
+/// being negative, and of the two roots of a tube's equation the other one. In a cone with half an angle's
+/// sine S and cosine K, m the way from its apex and m' that across its axis d,
+///   K |m' + t u'| = L - t (1 - S d u),   L = S d m + R:
+/// C = L^2 - K^2 |m'|^2, beta = L (1 - S d u) + K^2 m' u', C - 2 beta t + (d u - S)^2 t^2 = 0, of which the
+/// lesser root counts, and 1 - u n' = sqrt(beta^2 - (d u - S)^2 C) / (L - t (1 - S d u)).
 /// The bisector's normal is along u - n', n' the unit direction from the object's nearest point, so its area
 /// over a piece of the base is that of the piece at distance t times sqrt(2 / (1 - u n')); and 1 - u n' =
 /// sqrt(beta^2 + alpha^2 C) / (t + delta), for planes 2 beta.
@@ -53,16 +57,17 @@ struct Revolved {
 };
 /// The equation of one object, in the frame.
 struct Equation {
-    enum class Kind { ball, tube, plane, side } kind;
-    Triad<MidRad> c;  ///< ball: centre; tube: a point of the axis; plane, side: unit normal
-    Triad<MidRad> d;  ///< tube: unit axis
+    enum class Kind { ball, tube, plane, side, cone } kind;
+    Triad<MidRad> c;  ///< ball: centre; tube: a point of the axis; cone: apex; plane, side: unit normal
+    Triad<MidRad> d;  ///< tube, cone: unit axis
     std::array<Triad<MidRad>, 2> across;  ///< tube: with d an orthonormal frame
     std::array<MidRad, 2> across_c;       ///< tube: the coordinates of c in it
     MidRad delta;                         ///< ball, tube
     bool is_hollow = false;               ///< ball, tube: a vessel
     MidRad offset;                        ///< plane: D; side: n p = offset on it
     double sign = 1;                      ///< plane: of the side where the base is
-    MidRad radius;                        ///< plane: R
+    MidRad radius;                        ///< plane, cone: R
+    MidRad sine, cosine;                  ///< cone
 };
 /// Over a plane: heights that grow in proportion to the distance from an apex.
 struct ConeHeight {

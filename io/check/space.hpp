@@ -117,6 +117,14 @@ struct Surface {
             is_hollow = true;
             point = to_vector<T>(ball->center);
             radius = ball->radius;
+        } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
+            kind = Kind::cylinder;
+            is_hollow = is_cone = true;
+            point = to_vector<T>(cone->apex);
+            direction = unit(cone->axis);
+            const T wide(cone->radius), slant(cone->slant);
+            sine = wide / slant;
+            cosine = sqrt((slant - wide) * (slant + wide)) / slant;
         } else {
             const auto& tube = std::get<HollowCylinder>(object);
             kind = Kind::cylinder;
@@ -131,19 +139,23 @@ struct Surface {
     T distance(const Vector<T>& p) const {
         const Vector<T> q = p - point;
         if (kind == Kind::plane) return dot(direction, q);
+        if (is_cone) return sine * dot(direction, q) - cosine * length(q);
         return is_hollow ? radius - length(q) : length(q) - radius;
     }
     /// Where that distance grows.
     Vector<T> gradient(const Vector<T>& p) const {
         if (kind == Kind::plane) return direction;
         const Vector<T> out = outwards(p);
+        if (is_cone) return sine * direction - cosine * out;
         return is_hollow ? Vector<T>{-out[0], -out[1], -out[2]} : out;
     }
 
     Kind kind;
     bool is_hollow = false;  ///< a vessel: seen from within
-    Vector<T> point;         ///< of a plane; the centre, or a point of the axis
-    Vector<T> direction;     ///< a plane's normal, a cylinder's axis
+    bool is_cone = false;    ///< a hollow one: the axis from its apex into it, and half its angle
+    T sine{0.0}, cosine{1.0};
+    Vector<T> point;      ///< of a plane; the centre, or a point of the axis
+    Vector<T> direction;  ///< a plane's normal, a cylinder's axis
     T radius{0.0};
 
 private:

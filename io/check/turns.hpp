@@ -48,6 +48,15 @@ inline Slope slope_within(const Object& object, const Vec3& center, double radiu
         q = center - vessel->center;
         size = q.norm();
         own = vessel->radius;
+    } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        const double sine = cone->radius / cone->slant,
+                     cosine = std::sqrt((cone->slant - cone->radius) / cone->slant * (1 + sine));
+        const Vec3 d = cone->axis.normalized(), way = center - cone->apex, out = way - d.dot(way) * d;
+        const double length = out.norm(), rounding = kRough * way.norm();
+        const double turn = length > radius ? 2 * (radius + rounding) / (2 * length - radius) : 2.0;
+        return {sine * d.dot(way) - cosine * length, rounding,
+                sine * d - cosine * (length > 0 ? Vec3(out / length) : Vec3(d.unitOrthogonal())),
+                length > 0 ? std::min(2.0, (1 + kRough) * turn + 4 * kRough) : 2.0};
     } else {
         across(std::get<HollowCylinder>(object));
     }

@@ -80,7 +80,8 @@ public:
             return Linearized{e.mid(), e.radius(), middle(space_.gradient(c, at)), few};
         }
         const Object& object = scene_.objects[c.site.index];
-        if (std::holds_alternative<Cylinder>(object) || std::holds_alternative<HollowCylinder>(object))
+        if (std::holds_alternative<Cylinder>(object) || std::holds_alternative<HollowCylinder>(object) ||
+            std::holds_alternative<HollowCone>(object))
             return std::nullopt;
         Distance d = distance(object);
         if (d.length == HUGE_VAL && d.value < 0) d = {-d.value, d.error, -d.direction, d.length};

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -58,6 +61,31 @@ HollowCylinder read_hollow_cylinder(JsonReader& in) {
     return {wall.point, wall.axis, wall.radius};
 }
 
+// Half of its angle has a sine: as a quotient that is exact, or rounded once.
+HollowCone read_hollow_cone(JsonReader& in) {
+    HollowCone cone;
+    std::optional<double> radius, slant, half_angle;
+    in.object(
+        required_member("apex", [&] { cone.apex = read_vec3(in); }),
+        required_member("axis", [&] { cone.axis = read_vec3(in); }),
+        optional_member("radius", [&] { radius = in.number(); }),
+        optional_member("slant", [&] { slant = in.number(); }), optional_member("half_angle", [&] {
+            const double degrees = in.number();
+            // Rounded from more digits: that of 30 is one half.
+            half_angle = static_cast<double>(std::sin(degrees * (std::numbers::pi_v<long double> / 180)));
+            if (!(degrees < 90 && *half_angle > 0 && *half_angle < 1))
+                in.fail(InputError::Kind::OutOfRange,
+                        fmt::format("must be between 0 and 90 degrees, with a sine that is told from 0 and "
+                                    "1, is {}",
+                                    degrees));
+        }));
+    if (half_angle ? radius || slant : !(radius && slant))
+        in.fail(InputError::Kind::MissingKey, "must hold either radius and slant, or half_angle");
+    cone.radius = half_angle ? *half_angle : *radius;
+    cone.slant = half_angle ? 1 : *slant;
+    return cone;
+}
+
 }  // namespace
 
 Object read_object(JsonReader& in, std::string& name, std::string* group) {
@@ -76,15 +104,17 @@ Object read_object(JsonReader& in, std::string& name, std::string* group) {
     const auto ball = optional_member("hollow_sphere", [&] { set("hollow_sphere", read_hollow_sphere); });
     const auto tube =
         optional_member("hollow_cylinder", [&] { set("hollow_cylinder", read_hollow_cylinder); });
+    const auto cone = optional_member("hollow_cone", [&] { set("hollow_cone", read_hollow_cone); });
     const auto named = optional_member("name", [&] { name = in.string(); });
     if (group == nullptr)
-        in.object(plane, sphere, cylinder, ball, tube, named);
+        in.object(plane, sphere, cylinder, ball, tube, cone, named);
     else
-        in.object(plane, sphere, cylinder, ball, tube, named,
+        in.object(plane, sphere, cylinder, ball, tube, cone, named,
                   optional_member("group", [&] { *group = in.string(); }));
     if (!kind)
         in.fail(InputError::Kind::MissingKey,
-                "must hold one of plane, sphere, cylinder, hollow_sphere, hollow_cylinder, holds none");
+                "must hold one of plane, sphere, cylinder, hollow_sphere, hollow_cylinder, hollow_cone, "
+                "holds none");
     return object;
 }
 
@@ -138,6 +168,13 @@ void write_object(JsonWriter& out, const Object& object, const std::string& name
         if (const auto* cylinder = std::get_if<Cylinder>(&object)) tube("cylinder", *cylinder);
         if (const auto* vessel = std::get_if<HollowSphere>(&object)) ball("hollow_sphere", *vessel);
         if (const auto* vessel = std::get_if<HollowCylinder>(&object)) tube("hollow_cylinder", *vessel);
+        if (const auto* cone = std::get_if<HollowCone>(&object))
+            out.key("hollow_cone").object([&] {
+                out.key("apex").value(cone->apex);
+                out.key("axis").value(cone->axis);
+                out.key("radius").value(cone->radius);
+                out.key("slant").value(cone->slant);
+            });
         if (!name.empty()) out.key("name").value(name);
     });
 }

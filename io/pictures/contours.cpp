@@ -44,6 +44,12 @@ Nearness near(const Cylinder& o, const Vec3& p) {
 Nearness near(const HollowCylinder& o, const Vec3& p) {
     return from_axis(across(p - o.point, o.axis), o.radius, true);
 }
+Nearness near(const HollowCone& o, const Vec3& p) {
+    const Vec3 unit = o.axis.stableNormalized(), from = p - o.apex, out = across(from, o.axis);
+    const Nearness around = from_axis(out, 0, true);
+    return {o.sine() * unit.dot(from) + o.cosine() * around.distance,
+            o.sine() * unit + o.cosine() * around.gradient};
+}
 Nearness near(const Object& object, const Vec3& p) {
     return std::visit([&](const auto& o) { return near(o, p); }, object);
 }

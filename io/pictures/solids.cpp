@@ -64,6 +64,17 @@ std::vector<CornerTriangle> tube(const Vec3& point, const Vec3& direction, doubl
     });
 }
 
+// As far as the box may reach from the apex.
+std::vector<CornerTriangle> cone(const HollowCone& o, const Box& box) {
+    const Vec3 axis = o.axis.stableNormalized(), x = axis.unitOrthogonal(), y = axis.cross(x);
+    const double far = (0.5 * (box.min + box.max) - o.apex).norm() + box.diagonal();
+    return grid(1, around, [&](std::size_t i, std::size_t j) {
+        const Vec3 out = std::cos(angle(j)) * x + std::sin(angle(j)) * y;
+        return Corner{o.apex + (i == 0 ? 0 : far) * (axis + o.sine() / o.cosine() * out),
+                      o.cosine() * out - o.sine() * axis};
+    });
+}
+
 std::vector<CornerTriangle> plane(const Plane& plane, const Box& box) {
     const Vec3 normal = plane.normal.stableNormalized(), x = normal.unitOrthogonal(), y = normal.cross(x);
     const Vec3 middle = 0.5 * (box.min + box.max), foot = middle - normal.dot(middle - plane.point) * normal;
@@ -110,6 +121,7 @@ std::vector<CornerTriangle> surface_of(const Object& object, const Box& box) {
         std::vector<CornerTriangle> operator()(const HollowCylinder& c) const {
             return in_box(tube(c.point, c.axis, c.radius, box));
         }
+        std::vector<CornerTriangle> operator()(const HollowCone& c) const { return in_box(cone(c, box)); }
         std::vector<CornerTriangle> in_box(const std::vector<CornerTriangle>& triangles) const {
             return clipped(triangles, sides_of(box));
         }

@@ -21,25 +21,40 @@ std::array<BoxSide, 6> canonical_box(const Box& box, const BaseFrame& frame) {
     return sides;
 }
 
+// By what part |n| and its length as it is kept differ, twice.
+static double excess_of_length(const ExactVector& n) {
+    const Exact square = dot(n, n), length = length_of(n), excess = length * length - square;
+    return std::abs(nearest(excess)) / nearest(square);
+}
+
 // With the length L as it is kept distances from the plane are |n| / L times as long.
 double moved_by_length(const Plane& plane, const Box& box) {
     const Vec3 normal = scaled_axis(plane.normal);
     const ExactVector n(normal);
-    const Exact square = dot(n, n);
-    const Exact length = length_of(n), excess = length * length - square;
-    if (excess.sign() == Sign::Zero) return 0;
-    const double part = std::abs(nearest(excess)) / nearest(square);  // twice that of the length
+    const double part = excess_of_length(n);
+    if (part == 0) return 0;
     const double farthest =
         (box.max - box.min).norm() +
-        std::abs(normal.dot(0.5 * box.min + 0.5 * box.max - plane.point)) / nearest(length);
+        std::abs(normal.dot(0.5 * box.min + 0.5 * box.max - plane.point)) / nearest(length_of(n));
     return part * farthest;
+}
+
+// The sine of half a cone's angle is told with its axis' length: where that is off by a part the wall turns
+// by this times the tangent, about the apex.
+static double moved_by_length(const HollowCone& cone, const Box& box) {
+    const ExactVector axis(scaled_axis(cone.axis));
+    return excess_of_length(axis) * cone.sine() / cone.cosine() *
+           ((box.max - box.min).norm() + (0.5 * box.min + 0.5 * box.max - cone.apex).norm());
 }
 
 double moved_by_lengths(const Scene& scene) {
     double moved = 0;
-    for (const Object& object : scene.objects)
+    for (const Object& object : scene.objects) {
         if (const auto* plane = std::get_if<Plane>(&object))
             moved = std::max(moved, moved_by_length(*plane, scene.box));
+        if (const auto* cone = std::get_if<HollowCone>(&object))
+            moved = std::max(moved, moved_by_length(*cone, scene.box));
+    }
     return moved;
 }
 

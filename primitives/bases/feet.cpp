@@ -11,7 +11,8 @@ namespace vcell {
 namespace {
 
 template <class Object>
-concept Vessel = std::same_as<Object, HollowSphere> || std::same_as<Object, HollowCylinder>;
+concept Vessel = std::same_as<Object, HollowSphere> || std::same_as<Object, HollowCylinder> ||
+    std::same_as<Object, HollowCone>;
 [[noreturn]] void fail_vessel() {
     throw InputError(InputError::Kind::Unsupported, InputError::no_object, "base",
                      "is a vessel, which is no base: objects lie in it");

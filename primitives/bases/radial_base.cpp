@@ -81,7 +81,8 @@ std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
     }
     if (const auto* vessel = std::get_if<HollowSphere>(&object))
         return to_string(vessel->center.isZero(0) ? BisectorKind::Sphere : BisectorKind::Ellipsoid);
-    if (std::holds_alternative<HollowCylinder>(object)) return to_string(BisectorKind::Quartic);
+    if (std::holds_alternative<HollowCylinder>(object) || std::holds_alternative<HollowCone>(object))
+        return to_string(BisectorKind::Quartic);
     // Of bisectors over a sphere base only what keeps the object outside.
     if (object.index() == 0) return to_string(BisectorKind::Paraboloid);
     if (const auto* sphere = std::get_if<Sphere>(&object))

@@ -13,7 +13,7 @@
 ///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) +
 ///     (m.a)(a.n),  A = a.n
 ///     inside of a cylinder            the same with rho = -R, C and B with their signs turned, and + A^2 in
-///     (sphere base)                   the equation
+///     (sphere base)                   the equation; of a cone as radial_form.hpp has it
 ///
 /// |n'| is told by two doubles. C > 0 all over the base: objects may overlap the base's body (clearance
 /// is then negative somewhere), but neither contain it nor lie in it; planes stay clear of it.

@@ -50,7 +50,7 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
     for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, containers[i], rays, mirrored);
     if (cylinders.size() + mirrored.size() > 0)
         for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
-    if (hollow_balls.size() + hollow_cylinders.size() == 0) return;
+    if (hollow_balls.size() + hollow_cylinders.size() + hollow_cones.size() == 0) return;
     drop_wider_vessels();
     const auto is_within = [](const Exact& square, const Exact& reach, const Exact& scale) {
         return (reach * reach * scale - square).sign() == Sign::Positive;
@@ -82,6 +82,16 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
             else if constexpr (std::is_same_v<Solid, HalfSpace>)
                 return is_beyond({solid.n.x(), solid.n.y(), solid.n.z(), solid.d}, vessel) ||
                        is_beyond({-solid.n.x(), -solid.n.y(), -solid.n.z(), -solid.d}, vessel);
+            else
+                return is_beside(vessel, solid);
+        });
+    }
+    for (std::size_t k = 0; k < hollow_cones.size(); ++k) {
+        const ConeForm& vessel = hollow_cones.items[k];
+        drop_beyond_wall(hollow_cones.objects[k], [&](const auto& solid) {
+            using Solid = std::decay_t<decltype(solid)>;
+            if constexpr (std::is_same_v<Solid, HalfSpace>)
+                return is_beyond(ExactVector(solid.n), solid.d, vessel);
             else
                 return is_beside(vessel, solid);
         });
@@ -122,6 +132,19 @@ void RadialObjects::drop_wider_vessels() {
             compare(hollow_cylinders.objects[i], hollow_cylinders.objects[j], contains(tube, other),
                     contains(other, tube));
         }
+    for (std::size_t i = 0; i < hollow_cones.size(); ++i) {
+        const ConeForm& cone = hollow_cones.items[i];
+        for (std::size_t j = 0; j < i; ++j) {
+            const ConeForm& other = hollow_cones.items[j];
+            compare(hollow_cones.objects[i], hollow_cones.objects[j], contains(cone, other),
+                    contains(other, cone));
+        }
+        for (std::size_t j = 0; j < hollow_balls.size(); ++j) {
+            const HollowSphere& ball = hollow_balls.items[j];
+            compare(hollow_cones.objects[i], hollow_balls.objects[j],
+                    contains(cone, ball.center, ball.radius), false);
+        }
+    }
 }
 
 template <class IsBeyond>

@@ -14,6 +14,7 @@
 #include "../forms/cylinder_form.hpp"
 #include "../objects/exact_space.hpp"
 #include "canonical.hpp"
+#include "cone_form.hpp"
 #include "radial_base.hpp"
 
 namespace vcell {
@@ -88,6 +89,7 @@ public:
     Listed<CylinderForm> cylinders;
     Listed<HollowSphere> hollow_balls;
     Listed<CylinderForm> hollow_cylinders;
+    Listed<ConeForm> hollow_cones;
 
     [[noreturn]] void fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const;
 

@@ -40,6 +40,12 @@ bool is_in_range(double coefficient) {
 
 // ---- The problem ------------------------------------------------------------------------------------
 
+template <class Tube>
+Vec3& place(Tube& tube) {
+    return tube.point;
+}
+Vec3& place(HollowCone& cone) { return cone.apex; }
+
 // What the forms are made of, for those who ask for their exact coefficients.
 struct FormSources {
     enum class Kind : std::uint8_t { Ball, Plane, Side, Cap };
@@ -229,6 +235,13 @@ private:
         objects_.hollow_cylinders.add(form, i);
     }
 
+    void add(std::uint32_t i, const HollowCone& vessel) {
+        refuse_probe(i);
+        const ConeForm form(vessel);
+        if (!form.room(ExactVector(frame_.center), frame_.radius).is_more()) fail_beyond_wall(i);
+        objects_.hollow_cones.add(form, i);
+    }
+
     [[noreturn]] void fail_beyond_wall(std::uint32_t i) const {
         objects_.fail(Kind::TouchesBase, i, "has all of the base beyond its wall");
     }
@@ -311,6 +324,9 @@ private:
             nearness.cylindrical.push_back({way - axis * axis.dot(way), axis, f.rho + radius,
                                             nearest(frame_.hollow_form(f).c[0]) / length2, true});
         }
+        for (std::size_t i = 0; i < objects_.hollow_cones.size(); ++i)
+            if (objects_.is_kept(objects_.hollow_cones.objects[i]))
+                nearness.cylindrical.push_back(nearness_in(objects_.hollow_cones.items[i]));
         for (std::size_t i = 0; i < objects_.cylinders.size(); ++i) {
             if (!objects_.is_kept(objects_.cylinders.objects[i])) continue;
             const CylinderForm& f = objects_.cylinders.items[i];
@@ -326,34 +342,66 @@ private:
                 "that "
                 "doubles can see");
         frame_.rotation = *rotation;
-        for (std::size_t i = 0; i < objects_.hollow_cylinders.size(); ++i)
-            if (objects_.is_kept(objects_.hollow_cylinders.objects[i]))
-                refuse_tips(objects_.hollow_cylinders.objects[i], nearness);
+        refuse_tips(nearness);
+    }
+    Nearness::Cylindrical nearness_in(const ConeForm& cone) const {
+        const ExactVector D = ExactVector(frame_.center) - cone.apex;
+        const ConeForm::Room room = cone.room(ExactVector(frame_.center), frame_.radius);
+        const double N = nearest(cone.N), g = nearest(cone.g), sine = std::sqrt(N) / g,
+                     P = nearest(room.P) / g;
+        const Vec3 w = Vec3(nearest(cone.a.x), nearest(cone.a.y), nearest(cone.a.z)) / std::sqrt(N),
+                   way(nearest(D.x), nearest(D.y), nearest(D.z));
+        return {(1 - sine) * (1 + sine) * (way - way.dot(w) * w) - P * sine * w,
+                w,
+                P,
+                nearest(room.C) / (N * g * g),
+                true,
+                sine};
     }
 
-    // Where the bisector with a hollow cylinder comes to its axis it has a tip. Nothing later on is made for
-    // one that shows.
-    void refuse_tips(std::uint32_t i, const Nearness& nearness) const {
-        constexpr double margin = 1 + 0x1p-20;  // far more than rounding
-        const CylinderForm& f = objects_.hollow_cylinders.of(i);
-        const Vec3 axis = Vec3(f.ax, f.ay, f.az).normalized(), p = Vec3(f.px, f.py, f.pz) - frame_.center,
-                   foot = p - axis * axis.dot(p);
-        const double reach = f.rho + frame_.radius,
-                     along = std::sqrt((reach - foot.norm()) * (reach + foot.norm()));
-        for (const double side : {-1.0, 1.0}) {
-            const Vec3 u = (foot + side * along * axis) / reach;
-            bool is_hidden = false;
-            for (const auto& h : nearness.linear)
-                is_hidden = is_hidden || (h.p.dot(u) + h.s) * reach > margin;
-            for (const auto& h : nearness.cylindrical)
-                is_hidden = is_hidden || nearness_of(h, u) * reach > margin;
-            if (!is_hidden)
-                objects_.fail(
-                    Kind::Unsupported, i,
-                    "is as near to the base as to its own axis, where no object nor side of the box "
-                    "is nearer: the cell would have a tip at " +
-                        to_text(unit_ * Vec3(frame_.center + reach * u)));
+    // Where the bisector with a hollow cylinder or cone comes to its axis it has a tip. Nothing later on is
+    // made for one that shows.
+    void refuse_tips(const Nearness& nearness) const {
+        for (std::size_t i = 0; i < objects_.hollow_cylinders.size(); ++i) {
+            if (!objects_.is_kept(objects_.hollow_cylinders.objects[i])) continue;
+            const CylinderForm& f = objects_.hollow_cylinders.items[i];
+            const Vec3 axis = Vec3(f.ax, f.ay, f.az).normalized(), p = Vec3(f.px, f.py, f.pz) - frame_.center,
+                       foot = p - axis * axis.dot(p);
+            const double reach = f.rho + frame_.radius,
+                         along = std::sqrt((reach - foot.norm()) * (reach + foot.norm()));
+            for (const double side : {-1.0, 1.0})
+                refuse_tip(objects_.hollow_cylinders.objects[i], (foot + side * along * axis) / reach, reach,
+                           nearness);
         }
+        // On a cone's axis h from the apex, h - h0 from the foot of the centre: the squares of h S + R0 and
+        // of that have the distance from the axis as their difference, which gives K^2 h = h0 + R0 S -+
+        // sqrt(C).
+        for (std::size_t i = 0; i < objects_.hollow_cones.size(); ++i) {
+            if (!objects_.is_kept(objects_.hollow_cones.objects[i])) continue;
+            const ConeForm& f = objects_.hollow_cones.items[i];
+            const Nearness::Cylindrical n = nearness_in(f);
+            const double rest = (1 - n.sine) * (1 + n.sine);
+            for (const double side : {-1.0, 1.0}) {
+                const double reach = (n.delta + side * n.sine * std::sqrt(n.C)) / rest;
+                const Vec3 out = n.foot - n.axis * n.axis.dot(n.foot);
+                // The tip less the centre is (h - h0) w - m'.
+                const Vec3 from_center =
+                    (n.sine * n.delta + side * std::sqrt(n.C)) / rest * n.axis - out / rest;
+                refuse_tip(objects_.hollow_cones.objects[i], from_center / reach, reach, nearness);
+            }
+        }
+    }
+    void refuse_tip(std::uint32_t i, const Vec3& u, double reach, const Nearness& nearness) const {
+        constexpr double margin = 1 + 0x1p-20;  // far more than rounding
+        const auto hides = [&](double nearness_there) { return nearness_there * reach > margin; };
+        if (std::ranges::any_of(nearness.linear, [&](const auto& h) { return hides(h.p.dot(u) + h.s); }) ||
+            std::ranges::any_of(nearness.cylindrical,
+                                [&](const auto& h) { return hides(nearness_of(h, u)); }))
+            return;
+        objects_.fail(Kind::Unsupported, i,
+                      "is as near to the base as to its own axis, where no object nor side of the box is "
+                      "nearer: the cell would have a tip at " +
+                          to_text(unit_ * Vec3(frame_.center + reach * u)));
     }
 
     RadialBaseProblem make_problem() {
@@ -422,8 +470,9 @@ private:
             for (std::size_t k = 0; k < tubes.size(); ++k) {
                 const std::uint32_t i = tubes.objects[k];
                 if (!objects_.is_kept(i)) continue;
-                const auto& tube = std::get<Tube>(scene_.objects[i]);
-                found.add(objects_.site(i), Tube{tube.point - frame_.center, tube.axis, tube.radius});
+                Tube tube = std::get<Tube>(scene_.objects[i]);
+                place(tube) -= frame_.center;
+                found.add(objects_.site(i), tube);
                 problem.family.radial.push_back(form(tubes.items[k]));
             }
         };
@@ -431,6 +480,8 @@ private:
                   [&](const auto& tube) { return frame_.form(tube); });
         add_tubes(objects_.hollow_cylinders, std::type_identity<HollowCylinder>{},
                   [&](const auto& tube) { return frame_.hollow_form(tube); });
+        add_tubes(objects_.hollow_cones, std::type_identity<HollowCone>{},
+                  [&](const auto& cone) { return frame_.hollow_form(cone); });
         found.add_twins(objects_);
         problem.frame.origin = frame_.center;
         problem.unit = unit_;

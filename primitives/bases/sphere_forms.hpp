@@ -70,6 +70,22 @@ struct SphereFrame {
         return hollow;
     }
 
+    // radial_form.hpp's equation of a cone, times g^4 N^2 with N of the rotation.
+    RadialForm hollow_form(const ConeForm& f) const {
+        const ExactVector D = ExactVector(center) - f.apex;
+        const ConeForm::Room room = f.room(ExactVector(center), radius);
+        const Exact n = rotation.norm, rest = f.g * f.g - f.N, lean = f.g * dot(D, f.a) + f.N * radius;
+        const ExactVector b = n * turned(f.N * rest * D - f.g * lean * f.a), a = turned(f.g * f.a);
+        RadialForm hollow{{n * n * room.C, Exact(), Exact()},
+                          n * n * f.N * f.g * room.P,
+                          Exact(),
+                          {b.x, b.y, b.z},
+                          {a.x, a.y, a.z}};
+        hollow.is_hollow = true;
+        hollow.a0 = -(n * f.N);
+        return hollow;
+    }
+
 private:
     RadialForm form(const CylinderForm& f, const Exact& delta, const Exact& side) const {
         const ExactVector p = ExactVector(Vec3(f.px, f.py, f.pz)) - ExactVector(center),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../../core/errors.hpp"
+#include "../bases/cone_form.hpp"
 #include "../forms/round_surface.hpp"
 
 namespace vcell {
@@ -317,6 +318,7 @@ Shape shape(const Cylinder& c) { return {c.point, c.axis.normalized(), c.radius}
 // Those have no patches.
 Shape shape(const HollowSphere& s) { return {s.center, Vec3::Zero(), s.radius}; }
 Shape shape(const HollowCylinder& c) { return {c.point, c.axis.normalized(), c.radius}; }
+Shape shape(const HollowCone& c) { return {c.apex, c.axis.normalized(), 0}; }
 
 // Unit normal and offset of the plane a polynomial of degree one describes.
 std::pair<Vec3, double> plane_of(const Polynomial3& f) {
@@ -360,6 +362,20 @@ std::string_view to_string(BisectorKind kind) {
     return "everywhere";
 }
 
+// With l = g (D.v + rho), v along the axis and as long as the sine |a| / g, and |a|^2 = N, the ball's centre
+// is l / g - cos |D across a| away. Squared twice:
+//
+//     (g^2 N A + N l^2 - k)^2 = 4 g^2 N^2 A l^2,   A = |x - m|^2,   k = (g^2 - N) (N |D|^2 - (D.a)^2).
+static Bisector of_ball_in_cone(const Sphere& ball, const HollowCone& vessel) {
+    const ConeForm cone(vessel);
+    const Exact &g = cone.g, &N = cone.N, g2 = g * g;
+    const Polynomial3 along = Polynomial3::linear(cone.a, -dot(cone.a, cone.apex)),
+                      l = along + Polynomial3(g * ball.radius), A = RoundSurface(ball).squared(),
+                      k = (g2 - N) * (N * RoundSurface(Sphere{vessel.apex, 0}).squared() - along * along),
+                      sum = g2 * N * A + N * (l * l) - k;
+    return {BisectorKind::Quartic, sum * sum - 4.0 * g2 * N * N * (A * (l * l)), {0, 0}};
+}
+
 // The distances from the ball's centre and the vessel's centre or axis have the sum of the radii as their
 // sum, as where the one contains the other.
 static Bisector of_ball_in_vessel(const Object& base, const Object& a) {
@@ -369,6 +385,7 @@ static Bisector of_ball_in_vessel(const Object& base, const Object& a) {
     if (ball == nullptr)
         throw InputError(InputError::Kind::Unsupported, InputError::no_object, "",
                          "a vessel has bisectors with balls alone");
+    if (const auto* cone = std::get_if<HollowCone>(&vessel)) return of_ball_in_cone(*ball, *cone);
     const auto* hollow = std::get_if<HollowSphere>(&vessel);
     const RoundSurface wall = hollow != nullptr
                                   ? RoundSurface(Sphere{hollow->center, hollow->radius})

@@ -82,6 +82,32 @@ void write(Forms<T>& f, int k, const CylinderSite& s) {
     f.constant[k] = constant;
 }
 
+// D.(M D) + 2 slant radius |d| (d.D) r - slant^2 |d|^2 r^2 = 0, where D = p - c and
+// M = (slant^2 - radius^2) |d|^2 I - slant^2 d d^T: (cos |D|)^2 is that of D across d, and that along it less
+// the sine's square.
+template <class T>
+void write(Forms<T>& f, int k, const ConeSite& s) {
+    const T norm2 = squared_norm<T>(s.direction), slant2 = square(T(s.slant)),
+            rest = (slant2 - square(T(s.radius))) * norm2,
+            lean = T(2.0) * T(s.slant) * T(s.radius) * sqrt(norm2);
+    T constant(0.0), apex_along(0.0);
+    for (int i = 0; i < 3; ++i) {
+        const T d(s.direction[i]);
+        T of_apex = rest * T(s.apex[i]);
+        for (int j = 0; j < 3; ++j) of_apex -= slant2 * d * T(s.direction[j]) * T(s.apex[j]);
+        f.quadratic[f.pair(i, i)][k] = rest - slant2 * square(d);
+        for (int j = i + 1; j < 3; ++j)
+            f.quadratic[f.pair(i, j)][k] = -(T(2.0) * slant2 * d * T(s.direction[j]));
+        f.quadratic[f.pair(i, 3)][k] = lean * d;
+        f.linear[i][k] = -(of_apex + of_apex);
+        constant += of_apex * T(s.apex[i]);
+        apex_along += d * T(s.apex[i]);
+    }
+    f.quadratic[f.pair(3, 3)][k] = -(slant2 * norm2);
+    f.linear[3][k] = -(lean * apex_along);
+    f.constant[k] = constant;
+}
+
 template <class T>
 void write(Forms<T>& f, int k, const EndSite& s) {
     const CylinderSite& tube = s.tube;
@@ -114,6 +140,9 @@ SphereSite vertex_site(const HollowSphere& vessel, const Vec3&) {
 }
 CylinderSite vertex_site(const HollowCylinder& vessel, const Vec3&) {
     return {to_array(vessel.point), to_array(vessel.axis), -vessel.radius};
+}
+ConeSite vertex_site(const HollowCone& vessel, const Vec3&) {
+    return {to_array(vessel.apex), to_array(vessel.axis), vessel.radius, vessel.slant};
 }
 VertexSite vertex_site(const Object& object, const Vec3& inside) {
     return std::visit([&](const auto& o) -> VertexSite { return vertex_site(o, inside); }, object);

@@ -27,6 +27,12 @@ struct CylinderSite {
     std::array<double, 3> direction;
     double radius;
 };
+/// The inside of a cone, `radius` / `slant` being the sine of half its angle; the direction need not be unit.
+struct ConeSite {
+    std::array<double, 3> apex;
+    std::array<double, 3> direction;
+    double radius, slant;
+};
 /// A side of the box: p_axis = bound, at any distance; of axis 3 all that is at one distance, r = bound.
 struct BoxSideSite {
     int axis;
@@ -44,7 +50,7 @@ struct EndSite {
     BoxSideSite side;
     bool from_below;
 };
-using VertexSite = std::variant<PlaneSite, SphereSite, CylinderSite, BoxSideSite, RimSite, EndSite>;
+using VertexSite = std::variant<PlaneSite, SphereSite, CylinderSite, BoxSideSite, RimSite, EndSite, ConeSite>;
 
 /// An object as such a site. The clearance of a plane counts on the side on which `inside` is.
 PlaneSite vertex_site(const Plane& plane, const Vec3& inside);
@@ -52,6 +58,7 @@ SphereSite vertex_site(const Sphere& sphere, const Vec3& inside);
 CylinderSite vertex_site(const Cylinder& tube, const Vec3& inside);
 SphereSite vertex_site(const HollowSphere& vessel, const Vec3& inside);
 CylinderSite vertex_site(const HollowCylinder& vessel, const Vec3& inside);
+ConeSite vertex_site(const HollowCone& vessel, const Vec3& inside);
 VertexSite vertex_site(const Object& object, const Vec3& inside);
 
 /// The points (x, y, z) with the same distance r from four objects, in the unknowns x, y, z, r:
@@ -59,11 +66,12 @@ VertexSite vertex_site(const Object& object, const Vec3& inside);
 ///     plane      n.(p - point) + D = |n| r
 ///     sphere     |p - c|^2 = (r + rho)^2
 ///     cylinder   |d|^2 |p - c|^2 - (d.(p - c))^2 = |d|^2 (r + rho)^2
+///     cone       (cos |p - c|)^2 = (d.(p - c) / |d|)^2 - 2 sin r d.(p - c) / |d| + r^2, times (|d| slant)^2
 ///     rim        |n| p_axis - n_axis r = |n| bound, if r is the distance from the base: the foot is p - r n
 ///     / |n| end        d.(p - c) = s |d|^2 with c_axis + s d_axis +- rho |d - d_axis e_axis| / |d| = bound
 ///
 /// The squared equations also hold for the distance -(r + rho) - rho; r + rho >= 0 excludes that, so
-/// the box to search has r >= least_clearance().
+/// the box to search has r >= least_clearance(). That of a cone also holds beyond its wall's other half.
 struct VertexSystem {
     std::array<VertexSite, 4> sites;
 

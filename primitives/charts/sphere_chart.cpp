@@ -10,7 +10,7 @@
 namespace vcell {
 
 double nearness_of(const Nearness::Cylindrical& f, const Vec3& u) {
-    const double beta = f.foot.dot(u) + f.delta, alpha = f.axis.dot(u);
+    const double beta = f.foot.dot(u) + f.delta, alpha = f.axis.dot(u) - f.sine;
     if (f.is_hollow) return (beta + std::sqrt(std::max(0.0, beta * beta - f.C * alpha * alpha))) / f.C;
     const double root = std::sqrt(beta * beta + f.C * alpha * alpha);
     return beta >= 0 ? (beta + root) / f.C : alpha * alpha / (root - beta);
@@ -20,8 +20,14 @@ namespace {
 
 // A bound on |grad Q|: beta changes by |foot| at most, the root, a norm of (beta, sqrt(C) alpha), by
 // |foot| + sqrt(C). Of a hollow one's root the square is a quadratic form of u that nowhere is negative: the
-// root changes by the largest of its coefficients' roots, |foot| + delta, at most.
+// root changes by the largest of its coefficients' roots, |foot| + delta, at most. With radial_form.hpp's
+// letters a cone's root is K |M y|, y = P u' + (1 - S u.w) m', for a matrix M that makes nothing longer, as
+//
+//     B^2 - C A^2 = K^2 (|y|^2 - (K / P)^2 |m' x y|^2)   and   K |m'| < P:
+//
+// it changes by K (P + S |m'|) < P + P at most, while `foot` is K^2 m' - P S w.
 double slope(const Nearness::Cylindrical& f) {
+    if (f.sine > 0) return (f.foot.norm() + 2 * f.delta) / f.C;
     return (2 * f.foot.norm() + (f.is_hollow ? f.delta : std::sqrt(f.C))) / f.C;
 }
 
@@ -97,6 +103,18 @@ Vec3 nearest_direction(const Nearness& n) {
     }
     // A cylinder comes nearest where its axis does, at (|foot| - delta) / 2.
     for (const auto& f : n.cylindrical) {
+        if (f.sine > 0) {
+            // A cone does opposite to the normal of its wall there.
+            const Vec3 out = f.foot - f.axis * f.axis.dot(f.foot);
+            const double cosine = std::sqrt((1 - f.sine) * (1 + f.sine)), length = out.norm();
+            const Vec3 u =
+                (length > 0 ? Vec3(out / length) : Vec3(f.axis.unitOrthogonal())) * cosine - f.sine * f.axis;
+            if (const double q = nearness_of(f, u); q > best) {
+                best = q;
+                direction = u;
+            }
+            continue;
+        }
         const double length = f.foot.norm(), q = 2 / std::abs(length - f.delta);
         if (!(q > best)) continue;
         best = q;

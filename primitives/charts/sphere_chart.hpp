@@ -19,11 +19,14 @@ struct Nearness {
     };
     /// Q = (beta + sqrt(beta^2 + C alpha^2)) / C,  beta = foot.u + delta, alpha = axis.u, C = |foot|^2 -
     /// delta^2
-    /// Hollow: - C alpha^2, C = delta^2 - |foot|^2, `foot` being away from the axis and delta > 0.
+    /// Hollow: - C alpha^2, C = delta^2 - |foot|^2, `foot` being away from the axis and delta > 0. Hollow
+    /// cones likewise, with alpha = axis.u - sine and what the equation of radial_form.hpp has for the
+    /// others.
     struct Cylindrical {
         Vec3 foot, axis;  ///< the axis' point nearest to the centre; its unit direction
         double delta, C;
         bool is_hollow = false;
+        double sine = 0;
     };
     std::vector<Linear> linear;
     std::vector<Cylindrical> cylindrical;

@@ -35,6 +35,7 @@ Equation site_equation(const BaseChart& chart, const Object& site, bool is_wall,
         return Equation::round(vessel->center, Vec3::Zero(), vessel->radius, R0, foot, -1).turned();
     if (const auto* vessel = std::get_if<HollowCylinder>(&site))
         return Equation::round(vessel->point, vessel->axis, vessel->radius, R0, foot, -1).turned();
+    if (const auto* vessel = std::get_if<HollowCone>(&site)) return Equation::in_cone(*vessel, R0, foot);
     const Plane& plane = std::get<Plane>(site);
     const Vec3 n = plane.normal.normalized();
     const bool inward = !is_wall && n.dot(foot - plane.point) > 0;

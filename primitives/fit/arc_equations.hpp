@@ -110,6 +110,21 @@ public:
         }
         return e;
     }
+    // A hollow cone, S and K the sine and cosine of half its angle: K times the distance from its axis is
+    // S w.(p - apex) - r.
+    static Equation in_cone(const HollowCone& cone, double base_radius, const Vec3& near) {
+        Equation e;
+        e.is_round_ = true;
+        e.kappa_ = e.sense_ = -1;
+        e.delta_ = base_radius;
+        e.point_ = cone.apex;
+        e.axis_ = cone.axis.normalized();
+        e.spread_ = cone.cosine();
+        e.sine_ = cone.sine();
+        e.lean_ = e.sine_ * e.axis_;
+        e.reach_ = 2 * cone.apex.norm() + (near - cone.apex).norm() + base_radius;
+        return e;
+    }
     // G with the other sign, as a vessel's distance falls from its centre or axis on.
     Equation turned() const {
         Equation e = *this;
@@ -170,7 +185,7 @@ public:
     // Are both balls, or tubes, so alike at X that their difference turns much less than either?
     static bool are_alike(const Equation& a, const Equation& b, const Vector4d& X) {
         constexpr double share = 0.125;  // only how fast proofs go depends on this
-        if (!a.is_round_ || !b.is_round_ || a.kappa_ != b.kappa_) return false;
+        if (!a.is_round_ || !b.is_round_ || a.kappa_ != b.kappa_ || a.sine_ + b.sine_ > 0) return false;
         if ((a.axis_ == Vec3::Zero()) != (b.axis_ == Vec3::Zero())) return false;
         const double da = a.from_axis(X).norm(), db = b.from_axis(X).norm();
         return turn(a, b, X, 0) < share * (1 / da + 1 / db);
@@ -185,7 +200,10 @@ public:
         if (is_paraboloid_)
             return scale_ * (across(X.head<3>() - point_).squaredNorm() + width_ * (behind_ - 2 * X[3]));
         const Vec3 m = X.head<3>() - point_;
-        return sense_ * ((is_round_ ? across(m).norm() : axis_.dot(m)) - (kappa_ * X[3] + delta_));
+        const double distance = !is_round_  ? axis_.dot(m)
+                                : sine_ > 0 ? spread_ * across(m).norm() - lean_.dot(m)
+                                            : across(m).norm();
+        return sense_ * (distance - (kappa_ * X[3] + delta_));
     }
     // The lengths that enter G at X.
     double size(const Vector4d& X) const {
@@ -208,7 +226,9 @@ public:
             result << 2 * scale_ * across(X.head<3>() - point_), -2 * scale_ * width_;
             return result;
         }
-        result << (is_round_ ? across(X.head<3>() - point_).normalized() : axis_), -kappa_;
+        Vec3 g = is_round_ ? Vec3(across(X.head<3>() - point_).normalized()) : axis_;
+        if (sine_ > 0) g = spread_ * g - lean_;
+        result << g, -kappa_;
         return sense_ * result;
     }
     // How fast G falls along the normal of a base plane where it is linear in z or in t, and in that alone;
@@ -257,14 +277,15 @@ public:
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
         const double d = m.norm();
-        return sense_ * (v.squaredNorm() - square(m.dot(v) / d)) / d;
+        return sense_ * spread_ * (v.squaredNorm() - square(m.dot(v) / d)) / d;
     }
 
     // Bound of |G|.
     double residual(const Vector4d& X) const { return std::abs((*this)(X)) + (rounding + blur_) * size(X); }
     // Step 1 of the certificate: |G| along a span; infinite if it cannot tell. With m = point - foot
     //     d^2 - (kappa t + delta)^2 = square - 2 m.(p - foot) - 2 kappa delta t + |m|^2 - delta^2
-    //                                 (- (axis.(p - point))^2).
+    //                                 (- (axis.(p - point))^2),
+    // and in a cone spread^2 d^2 - (lean.(p - point) + kappa t + delta)^2.
     double residual(const SpanPolynomials& span) const {
         if (pair_) return difference_residual(span);
         if (quadric_) return quadric_residual(span);
@@ -313,6 +334,9 @@ public:
         for (const Interval& x : f) size += x.magnitude();
         const Interval change = Interval::ball(0, (rounding + blur_) * size);
         if (!is_round_) return change / (Interval(kappa_) - dot(axis_, w));
+        if (sine_ > 0)
+            return change * (dot(lean_, m) + Interval(delta_) - t * (Interval(1.0) - dot(lean_, w))) /
+                   quadratic(m, w).root();
         return change * (kappa_ < 0 ? Interval(delta_) - t : t + Interval(delta_)) / quadratic(m, w).root();
     }
 
@@ -390,16 +414,29 @@ private:
     // foot.
     double quadric_bound(const SpanPolynomials& span) const {
         const Vec3 m = point_ - span.foot;
+        const double size = span.size() + m.norm() + std::abs(delta_);
+        if (sine_ > 0) {
+            const Bernstein<10> squared = vcell::square(span.X[0]) + vcell::square(span.X[1]) +
+                                          vcell::square(span.X[2]) +
+                                          raised<10>(span.linear(-2 * m, 0, m.squaredNorm()));
+            const Bernstein<10> Q =
+                square(spread_) * (squared - vcell::square(span.linear(axis_, 0, -axis_.dot(m)))) -
+                vcell::square(span.linear(lean_, kappa_, delta_ - lean_.dot(m)));
+            return QuinticNodes::get().largest(Q) + rounding * size * std::max(size, reach_);
+        }
         Bernstein<10> Q = span.square + raised<10>(span.linear(-2 * m, -2 * kappa_ * delta_,
                                                                m.squaredNorm() - square(delta_)));
         if (axis_ != Vec3::Zero()) Q = Q - vcell::square(span.linear(axis_, 0, -axis_.dot(m)));
-        const double size = span.size() + m.norm() + std::abs(delta_);
         return QuinticNodes::get().largest(Q) + rounding * size * std::max(size, reach_);
     }
     // Bounds d + kappa t + delta from below where d^2 is within `bound` of (kappa t + delta)^2; 0 if it
     // cannot tell.
     double least_sum(const SpanPolynomials& span, double bound) const {
-        const double least = (kappa_ > 0 ? span.X[3].smallest_coefficient() : -span.X[3].largest()) + delta_,
+        const double least = sine_ > 0
+                                 ? span.linear(lean_, kappa_, delta_ - lean_.dot(point_ - span.foot))
+                                       .smallest_coefficient()
+                                 : (kappa_ > 0 ? span.X[3].smallest_coefficient() : -span.X[3].largest()) +
+                                       delta_,
                      below = least * least - bound;
         return least > 0 && below > 0 ? least + std::sqrt(below) : 0;
     }
@@ -419,6 +456,11 @@ private:
     Quadratic<T> quadratic(const std::array<T, 3>& m, const std::array<T, 3>& w) const {
         const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
         const T mw = m[0] * w[0] + m[1] * w[1] + m[2] * w[2];
+        if (sine_ > 0) {
+            const T P = dot(lean_, m) + delta, part = T(square(spread_));
+            return {square(P) - part * (square(m[0]) + square(m[1]) + square(m[2]) - square(along)),
+                    P * (T(1.0) - dot(lean_, w)) + part * (mw - along * alpha), -square(alpha - T(sine_))};
+        }
         const T C = square(m[0]) + square(m[1]) + square(m[2]) - square(along) - square(delta);
         if (kappa_ < 0) return {-C, mw + delta - along * alpha, -square(alpha)};
         return {C, along * alpha + delta - mw, square(alpha)};
@@ -439,6 +481,8 @@ private:
     double delta_ = 0;
     double reach_ = 0;
     double blur_ = 0;
+    double spread_ = 1, sine_ = 0;                     // of cones
+    Vec3 lean_ = Vec3::Zero();                         // likewise
     double width_ = 0, behind_ = 0, scale_ = 0;        // paraboloid: c_z + rho, c_z - rho
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
     std::shared_ptr<const Pair> pair_;                 // of a difference, which has nothing else

@@ -75,7 +75,8 @@ Equation radial_equation(const RadialForm& f, Chart chart, const RationalPoint& 
     const auto dot = [](const std::array<Exact, 3>& u, const std::array<Exact, 3>& v) {
         return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     };
-    const Exact slope = y * f.slope, A = dot(f.a, n), Ax = dot(f.a, nx), Ay = dot(f.a, ny);
+    const Exact slope = y * f.slope, A = f.a0 * W + dot(f.a, n), Ax = f.a0 * Wx + dot(f.a, nx),
+                Ay = f.a0 * Wy + dot(f.a, ny);
     const Exact of_square(f.is_hollow ? -1.0 : 1.0), signed_A = of_square * A;
     return {{-(signed_A * A), -(f.b0 * W + dot(f.b, n) + slope * A), -(f.c[0] + y * (f.c[1] + y * f.c[2]))},
             {-(two * signed_A * Ax), -(f.b0 * Wx + dot(f.b, nx) + slope * Ax), Exact()},

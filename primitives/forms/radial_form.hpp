@@ -10,9 +10,24 @@
 /// ([HE, section 2.2] for any length of axes and normals; a = 0 but for cylinders: then Q = 2 B / C, and Q <=
 /// 0 says never). The nearest object has the largest Q: heights are compared as f = -Q.
 ///
-/// A tube seen from within (`is_hollow`) has + A^2 in the place of - A^2, with B > 0 and B^2 >= A^2 C: both
-/// roots are positive, and the larger one is where the ray first comes as near to the wall as to the base.
-/// They are equal where the ray comes to the tube's axis there: the bisector has a tip, as that of a cone.
+/// A tube or a cone seen from within (`is_hollow`) has + A^2 in the place of - A^2, with B > 0 and B^2 >= A^2
+/// C: both roots are positive, or one of them is 0, and the larger one is where the ray first comes as near
+/// to the wall as to the base. They are equal where the ray comes to the axis there: the bisector has a tip,
+/// as that of a cone.
+///
+/// A cone has A = a0 W + a.n. With S and K the sine and cosine of half its angle, w its axis, m the way from
+/// its apex to the base's centre, P = m.w S + R0 and m' = m - (m.w) w, a ray is as near to the wall as to the
+/// base where
+///
+///     K |m' + t u'| = P - t (1 - S u.w),
+///
+/// which implies t (1 - S u.w) <= P. Squared it is the equation above, with q = Q / W = 1 / t and
+///
+///     C = P^2 - K^2 |m'|^2,   B = P (1 - S u.w) + K^2 m'.u,   A = u.w - S.
+///
+/// C - 2 B t + A^2 t^2 is C > 0 at t = 0 and no more than 0 where t (1 - S u.w) = P: the lesser t of both
+/// roots is the one before that, where the right side above is no less than 0; the other one, if there is
+/// one, is behind, where the wall's other half continues it.
 #pragma once
 
 #include <array>
@@ -43,6 +58,7 @@ struct RadialForm {
     Exact b0, slope;
     std::array<Exact, 3> b, a;
     bool is_hollow = false;  ///< over a sphere only
+    Exact a0{};              ///< of cones only
 
     bool has_root() const {
         return a[0].sign() != Sign::Zero || a[1].sign() != Sign::Zero || a[2].sign() != Sign::Zero;

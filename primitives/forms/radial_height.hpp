@@ -227,7 +227,8 @@ public:
           is_hollow_(form.is_hollow),
           tips_(tips),
           b0_(convert(form.b0)),
-          slope_(convert(form.slope)) {
+          slope_(convert(form.slope)),
+          a0_(convert(form.a0)) {
         if (const auto own = form.falls_to()) {
             if (const std::optional<double>& y = tips_[*own]) {
                 own_tip_ = own;
@@ -298,8 +299,7 @@ public:
             }
             return f;
         }
-        const FunctionJet<T> A =
-            around ? around->template along<order>(around_a_) : n.template along<order>(a_);
+        FunctionJet<T> A = around ? around->template along<order>(around_a_) : n.template along<order>(a_);
         if (around) {
             if constexpr (order > 0) B.y = slope_ * A.v;
             if constexpr (order > 1) B.xy = slope_ * A.x;
@@ -310,7 +310,10 @@ public:
                 if constexpr (order > 1) B.xx += s * A.xx;
             }
         }
-        if (is_hollow_) return hollow_jet<order>(B, A, C);
+        if (is_hollow_) {
+            A.v += a0_;
+            return hollow_jet<order>(B, A, C);
+        }
         // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All
         // of q, s and k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends
         // nothing is lost.
@@ -474,7 +477,7 @@ private:
     AxialTips tips_;
     std::optional<AxialEnd> own_tip_;  // the form's C is linear and falls towards it
     std::array<T, 3> c_, b_, a_;
-    T b0_, slope_, c_at_tip_;
+    T b0_, slope_, a0_, c_at_tip_;
     // b, a, slope and c again, as they are evaluated around a cylinder.
     LinearOfNormals<T> around_b_, around_a_;
     NumberBall<T> axial_slope_;

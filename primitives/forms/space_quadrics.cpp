@@ -51,7 +51,7 @@ Quadric radial_equation(const RadialForm& f, Chart chart) {
     Quadric q = zero_quadric();
     const Linear one = unit(4), y = unit(1);
     const bool is_cylinder = chart.is_cylinder();
-    const Linear a{f.a[0], is_cylinder ? Exact() : f.a[1], f.a[2], Exact(), Exact()};
+    const Linear a{f.a[0], is_cylinder ? Exact() : f.a[1], f.a[2], f.a0, Exact()};
     add_product(q, f.c[2], y, y);
     add_product(q, -2.0 * f.slope, y, a);
     add_product(q, f.is_hollow ? 1.0 : -1.0, a, a);

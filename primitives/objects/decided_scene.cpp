@@ -30,6 +30,8 @@ void for_each_length(S& scene, Visit&& visit) {
         } else if (auto* tube = std::get_if<HollowCylinder>(&o)) {
             point(tube->point);
             visit(tube->radius);
+        } else if (auto* cone = std::get_if<HollowCone>(&o)) {
+            point(cone->apex);  // its radius and its slant count by their quotient
         }
     };
     object(scene.base);

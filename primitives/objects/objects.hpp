@@ -4,6 +4,7 @@
 #include "../../core/platform.hpp"
 
 #include <Eigen/Core>
+#include <cmath>
 #include <variant>
 
 namespace vcell {
@@ -56,10 +57,30 @@ struct HollowCylinder {
     friend bool operator==(const HollowCylinder&, const HollowCylinder&) = default;
 };
 
-using Object = std::variant<Plane, Sphere, Cylinder, HollowSphere, HollowCylinder>;
+/// A vessel likewise: the infinite cone that opens from `apex` along `axis` (need not be unit, must not be
+/// zero), its rim of radius `radius` being `slant` away from the apex along the wall: radius / slant is the
+/// sine of half its angle, exactly. From its wall a point is as far as from the nearest of the planes that
+/// touch the wall, less than nothing beyond it.
+struct HollowCone {
+    Vec3 apex = Vec3::Zero();
+    Vec3 axis = Vec3::UnitZ();
+    double radius = 1;  ///< > 0
+    double slant = 2;   ///< > radius
+
+    /// Those of half the angle, within a few 2^-53 of themselves.
+    double sine() const { return radius / slant; }
+    double cosine() const {
+        return std::sqrt((slant - radius) / slant) * std::sqrt((slant + radius) / slant);
+    }
+
+    friend bool operator==(const HollowCone&, const HollowCone&) = default;
+};
+
+using Object = std::variant<Plane, Sphere, Cylinder, HollowSphere, HollowCylinder, HollowCone>;
 
 inline bool is_vessel(const Object& object) {
-    return std::holds_alternative<HollowSphere>(object) || std::holds_alternative<HollowCylinder>(object);
+    return std::holds_alternative<HollowSphere>(object) || std::holds_alternative<HollowCylinder>(object) ||
+           std::holds_alternative<HollowCone>(object);
 }
 
 /// Axis-parallel box in world coordinates; min < max in every coordinate.

@@ -19,8 +19,8 @@ constexpr double largest_magnitude = 1e60;
 constexpr double smallest_extent = 1e-60;
 
 const char* type_name(const Object& object) {
-    static constexpr const char* names[] = {"plane", "sphere", "cylinder", "hollow_sphere",
-                                            "hollow_cylinder"};
+    static constexpr const char* names[] = {"plane",         "sphere",          "cylinder",
+                                            "hollow_sphere", "hollow_cylinder", "hollow_cone"};
     return names[object.index()];
 }
 
@@ -89,6 +89,15 @@ public:
         point("point", vessel.point);
         direction("axis", vessel.axis);
         hollow_radius(vessel.radius);
+    }
+    void operator()(const HollowCone& vessel) const {
+        point("apex", vessel.apex);
+        direction("axis", vessel.axis);
+        hollow_radius(vessel.radius);
+        number("slant", vessel.slant);
+        if (!(vessel.slant > vessel.radius))
+            fail(Kind::OutOfRange, "slant",
+                 "must be > radius = " + to_text(vessel.radius) + ", is " + to_text(vessel.slant));
     }
     void operator()(const Box& box) const {
         point("min", box.min);

@@ -39,7 +39,7 @@ std::vector<Object> objects_of(const py::object& given) {
     for (const py::handle item : given) {
         if (!py::isinstance<Plane>(item) && !py::isinstance<Sphere>(item) &&
             !py::isinstance<Cylinder>(item) && !py::isinstance<HollowSphere>(item) &&
-            !py::isinstance<HollowCylinder>(item))
+            !py::isinstance<HollowCylinder>(item) && !py::isinstance<HollowCone>(item))
             throw py::type_error("objects[" + std::to_string(objects.size()) +
                                  "]: must be a Plane, a Sphere, a Cylinder or a vessel, is " +
                                  std::string(py::repr(item)));
@@ -131,6 +131,26 @@ void bind_objects(py::module_& m) {
         py::arg("radius") = 0.0);
     bind_tube<HollowCylinder>(m, "HollowCylinder", "A vessel: everything lies in the infinite tube.",
                               py::arg("radius"));
+    py::class_<HollowCone>(
+        m, "HollowCone",
+        "A vessel: everything lies in the infinite cone that opens from `apex` along `axis`, "
+        "whose rim of radius `radius` is `slant` away from the apex: radius / slant is the "
+        "sine of half its angle.")
+        .def(py::init([](py::handle apex, py::handle axis, double radius, double slant) {
+                 return HollowCone{vec3(apex, "apex"), vec3(axis, "axis"), radius, slant};
+             }),
+             py::arg("apex"), py::arg("axis"), py::arg("radius"), py::arg("slant"))
+        .def_property_readonly(
+            "apex", [](const HollowCone& c) { return array_of(c.apex); }, "Shape (3,).")
+        .def_property_readonly(
+            "axis", [](const HollowCone& c) { return array_of(c.axis); }, "Shape (3,).")
+        .def_readonly("radius", &HollowCone::radius)
+        .def_readonly("slant", &HollowCone::slant)
+        .def("__eq__", equal<HollowCone>())
+        .def("__repr__", [](const HollowCone& c) {
+            return "HollowCone(apex=" + text_of(c.apex) + ", axis=" + text_of(c.axis) +
+                   ", radius=" + text_of(c.radius) + ", slant=" + text_of(c.slant) + ")";
+        });
     py::class_<Box>(m, "Box", "Axis-parallel; min < max in every coordinate.")
         .def(py::init([](py::handle min, py::handle max) {
                  return Box{vec3(min, "min"), vec3(max, "max")};

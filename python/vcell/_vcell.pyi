@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 NO_SITE: int
 
-Object = Union["Plane", "Sphere", "Cylinder", "HollowSphere", "HollowCylinder"]
+Object = Union["Plane", "Sphere", "Cylinder", "HollowSphere", "HollowCylinder", "HollowCone"]
 _Floats = NDArray[np.float64]
 _Ints = NDArray[np.int64]
 _Bools = NDArray[np.bool_]
@@ -65,6 +65,17 @@ class HollowCylinder:
     def axis(self) -> _Floats: ...
     @property
     def radius(self) -> float: ...
+
+class HollowCone:
+    def __init__(self, apex: ArrayLike, axis: ArrayLike, radius: float, slant: float) -> None: ...
+    @property
+    def apex(self) -> _Floats: ...
+    @property
+    def axis(self) -> _Floats: ...
+    @property
+    def radius(self) -> float: ...
+    @property
+    def slant(self) -> float: ...
 
 class Box:
     def __init__(self, min: ArrayLike, max: ArrayLike) -> None: ...

@@ -363,6 +363,8 @@ TEST_CASE("cell: a scene far from the origin over a plane has the errors of the 
             [&](auto& object) {
                 if constexpr (requires { object.center; })
                     object.center += shift;
+                else if constexpr (requires { object.apex; })
+                    object.apex += shift;
                 else
                     object.point += shift;
             },

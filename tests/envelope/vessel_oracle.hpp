@@ -27,6 +27,12 @@ inline double away(const Object& object, const Vec3& p) {
         return tube.axis.cross(p - tube.point).norm() / tube.axis.norm();
     };
     if (const auto* o = std::get_if<HollowCylinder>(&object)) return o->radius - across(*o);
+    if (const auto* o = std::get_if<HollowCone>(&object)) {
+        // The nearest of the planes that touch the wall: that along the generator beside p.
+        const Vec3 w = o->axis.normalized(), m = p - o->apex, out = m - w.dot(m) * w;
+        const double half = std::asin(o->radius / o->slant);
+        return std::sin(half) * w.dot(m) - std::cos(half) * out.norm();
+    }
     const auto& tube = std::get<Cylinder>(object);
     return across(tube) - tube.radius;
 }

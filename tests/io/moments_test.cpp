@@ -78,9 +78,12 @@ Scene moved(Scene scene, const Vec3& by, double scale) {
             [&]<class T>(T& o) {
                 if constexpr (requires { o.center; })
                     o.center = scale * o.center + by;
+                else if constexpr (requires { o.apex; })
+                    o.apex = scale * o.apex + by;
                 else
                     o.point = scale * o.point + by;
                 if constexpr (requires { o.radius; }) o.radius *= scale;
+                if constexpr (requires { o.slant; }) o.slant *= scale;
             },
             object);
     };

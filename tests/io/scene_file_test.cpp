@@ -119,7 +119,8 @@ TEST_CASE("scene file: each mistake is named with its path") {
         {with("/objcts", 1),
          "objcts: unknown key, known are vcell, base, objects, base_object, box, units, tolerance"},
         {with("/objects/3/sphre", 1),
-         "objects[3].sphre: unknown key, known are plane, sphere, cylinder, hollow_sphere, hollow_cylinder, name"},
+         "objects[3].sphre: unknown key, known are plane, sphere, cylinder, hollow_sphere, hollow_cylinder, hollow_cone, "
+         "name"},
         {with("/objects/0/sphere/radius2", 1),
          "objects[0].sphere.radius2: unknown key, known are center, radius"},
         {with("/objects/1/cylinder/length", 1),
@@ -138,9 +139,11 @@ TEST_CASE("scene file: each mistake is named with its path") {
         {with("/objects", json::object()), "objects: must be an array, is an object"},
         {with("/base", "plane"), "base: must be an object, is a string"},
         {with("/base", json::object()),
-         "base: must hold one of plane, sphere, cylinder, hollow_sphere, hollow_cylinder, holds none"},
+         "base: must hold one of plane, sphere, cylinder, hollow_sphere, hollow_cylinder, hollow_cone, "
+         "holds none"},
         {with("/objects/0", {{"name", "x"}}),
-         "objects[0]: must hold one of plane, sphere, cylinder, hollow_sphere, hollow_cylinder, holds none"},
+         "objects[0]: must hold one of plane, sphere, cylinder, hollow_sphere, hollow_cylinder, hollow_cone, "
+         "holds none"},
         {with("/units", 1), "units: must be a string, is a number"},
         {with("/tolerance", "fine"), "tolerance: must be a number, is a string"},
         // Values are validate()'s to judge; the paths are the file's.

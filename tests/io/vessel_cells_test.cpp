@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <sstream>
 
@@ -16,7 +17,7 @@
 namespace vcell {
 namespace {
 
-// Six balls about one at the wall, in either vessel.
+// Six balls about one at the wall, in any vessel.
 Scene near_wall(const Object& vessel) {
     Scene scene;
     scene.base = Sphere{{1.25, 0.125, 0.0625}, 0.5};
@@ -30,6 +31,8 @@ Scene near_wall(const Object& vessel) {
 
 const Object ball = HollowSphere{{0, 0.0625, 0}, 2};
 const Object tube = HollowCylinder{{0, 0, 0.5}, {0.125, 0, 1}, 2};
+// Nearly as wide about the balls, with 0.8 the cosine of half its angle.
+const Object cone = HollowCone{{0.125, 0, -2.5}, {0.0625, 0, 1}, 3, 5};
 
 // Three balls about one in a sphere.
 Scene in_sphere() {
@@ -48,7 +51,7 @@ bool is_refuted(const Certificate& c, const std::string& where) {
 }
 
 TEST_CASE("vessel cells: scenes and cells survive their files") {
-    for (const Object& vessel : {ball, tube}) {
+    for (const Object& vessel : {ball, tube, cone}) {
         const Scene scene = near_wall(vessel);
         std::ostringstream out;
         write_scene(out, scene);
@@ -76,10 +79,31 @@ TEST_CASE("vessel cells: scenes and cells survive their files") {
           "objects[0].hollow_sphere.axis");
     CHECK(path_of(R"({"hollow_cylinder": {"point": [0, 0, 0], "axis": [0, 0, 0], "radius": 2}})") ==
           "objects[0].hollow_cylinder.axis");
+    const auto path_of_cone = [&](const std::string& rest) {
+        return path_of(R"({"hollow_cone": {"apex": [0, 0, -3], "axis": [0, 0, 1])" + rest + "}}");
+    };
+    CHECK(path_of_cone(R"(, "radius": 3, "slant": 5)").empty());
+    CHECK(path_of_cone(R"(, "half_angle": 30)").empty());
+    CHECK(path_of_cone("") == "objects[0].hollow_cone");
+    CHECK(path_of_cone(R"(, "radius": 3)") == "objects[0].hollow_cone");
+    CHECK(path_of_cone(R"(, "radius": 3, "slant": 5, "half_angle": 30)") == "objects[0].hollow_cone");
+    CHECK(path_of_cone(R"(, "radius": 5, "slant": 3)") == "objects[0].hollow_cone.slant");
+    for (const char* angle : {"0", "-30", "90", "150", "1e-400"})
+        CHECK(path_of_cone(std::string(R"(, "half_angle": )") + angle) ==
+              "objects[0].hollow_cone.half_angle");
+}
+
+TEST_CASE("vessel cells: half a cone's angle in degrees is its sine, rounded") {
+    const Scene scene = parse_scene(R"({"vcell": 1, "base": {"sphere": {"center": [0, 0, 0], "radius": 1}},
+        "objects": [{"hollow_cone": {"apex": [0, 0, -3], "axis": [0, 0, 1], "half_angle": 30}},
+                    {"hollow_cone": {"apex": [0, 0, -3], "axis": [0, 0, 1], "half_angle": 45}}],
+        "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}})");
+    CHECK(scene.objects[0] == Object(HollowCone{{0, 0, -3}, {0, 0, 1}, 0.5, 1}));
+    CHECK(std::get<HollowCone>(scene.objects[1]).sine() == std::sqrt(0.5));
 }
 
 TEST_CASE("vessel cells: certified, and refuted where they are damaged") {
-    for (const Scene& scene : {in_sphere(), near_wall(tube)}) {
+    for (const Scene& scene : {in_sphere(), near_wall(tube), near_wall(cone)}) {
         const auto number_of_wall = static_cast<std::uint32_t>(scene.objects.size() - 1);
         CAPTURE(scene.objects.back().index());
         const Cell cell = voronoi_cell(scene);
@@ -98,6 +122,7 @@ TEST_CASE("vessel cells: certified, and refuted where they are damaged") {
         const auto widen = [](Cell& bad, double by) {
             if (auto* o = std::get_if<HollowSphere>(&bad.scene.objects.back())) o->radius += by;
             if (auto* o = std::get_if<HollowCylinder>(&bad.scene.objects.back())) o->radius += by;
+            if (auto* o = std::get_if<HollowCone>(&bad.scene.objects.back())) o->apex.z() -= 2 * by;
         };
         expect("vertices", [&](Cell& bad) { widen(bad, 1e-6); });
         // One that comes in where the cell is.

@@ -160,9 +160,12 @@ TEST_CASE("view: the picture is filled by what there is, and clips leave half of
 
 TEST_CASE("solids: surfaces are where the objects are, and end at the box") {
     const Box box{Vec3::Constant(-1), {1, 2, 1}};
-    const std::array<Object, 5> objects{
-        Plane{{0, 0, 0.25}, {1, 2, 3}}, Sphere{{0.5, 0, 0}, 2}, HollowSphere{{0, 0, 0}, 1.5},
-        Cylinder{{0, 5, 0.5}, {0.1, 1, 0}, 0.25}, HollowCylinder{{0, 0, 0}, {0, 0, 2}, 0.75}};
+    const std::array<Object, 6> objects{Plane{{0, 0, 0.25}, {1, 2, 3}},
+                                        Sphere{{0.5, 0, 0}, 2},
+                                        HollowSphere{{0, 0, 0}, 1.5},
+                                        Cylinder{{0, 5, 0.5}, {0.1, 1, 0}, 0.25},
+                                        HollowCylinder{{0, 0, 0}, {0, 0, 2}, 0.75},
+                                        HollowCone{{0, 0, -0.5}, {0.5, 0, 1}, 3, 5}};
     for (const Object& object : objects) {
         const std::vector<CornerTriangle> triangles = surface_of(object, box);
         CHECK(triangles.size() > 1);
@@ -185,6 +188,11 @@ TEST_CASE("solids: surfaces are where the objects are, and end at the box") {
                     double operator()(const Cylinder& o) const { return from(o.point, o.axis, o.radius); }
                     double operator()(const HollowCylinder& o) const {
                         return from(o.point, o.axis, o.radius);
+                    }
+                    double operator()(const HollowCone& o) const {
+                        const double sine = o.radius / o.slant;
+                        return sine * o.axis.normalized().dot(p - o.apex) -
+                               std::sqrt(1 - sine * sine) * from(o.apex, o.axis, 0);
                     }
                 } distance{c.point};
                 CHECK(std::abs(std::visit(distance, object)) < 0.01 * 2);

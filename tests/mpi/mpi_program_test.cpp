@@ -221,14 +221,15 @@ TEST_CASE("vcell-mpi: planes and tubes are known everywhere, balls outside the b
         {"sphere": {"center": [1.4, 0.2, 0.6], "radius": 0.1}}],
         "box": {"min": [-2, -2, -0.9], "max": [2, 2, 2]}})");
     check_same(work, "scene.json", {2, 5});
-    // A vessel and a plane are walls, what lies beyond has no cell, and what cuts a wall is refused.
+    // Vessels and planes are walls, what lies beyond has no cell, and what cuts a wall is refused.
     work.write("vessel.json", R"({"vcell": 1, "objects": [
         {"hollow_sphere": {"center": [0, 0, 0], "radius": 2}},
         {"sphere": {"center": [0, 0, 0], "radius": 0.5}},
         {"sphere": {"center": [1.0, 0.2, 0.5], "radius": 0.3}},
         {"sphere": {"center": [4, 0, 0], "radius": 0.5}},
-        {"sphere": {"center": [0, 2, 0], "radius": 0.25}}],
-        "box": {"min": [-2, -2, -2], "max": [2, 2, 2]}})");
+        {"sphere": {"center": [0, 2, 0], "radius": 0.25}},
+        {"hollow_cone": {"apex": [0, 0, -1.75], "axis": [0.125, 0, 1], "radius": 4, "slant": 5}}],
+        "box": {"min": [-2, -2, -1], "max": [2, 2, 2]}})");
     check_same(work, "vessel.json", {4});
 }
 

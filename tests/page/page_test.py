@@ -214,7 +214,7 @@ def test_controls(chromium, page_file):
 
 def test_vessels(chromium, vcell, folder, scenes):
     """Scenes with vessels are drawn, their walls with them."""
-    for scene in ["vessel", "silo"]:
+    for scene in ["vessel", "silo", "hopper"]:
         subprocess.run([vcell, "compute", scenes / f"{scene}.json", "-o", folder / f"{scene}.html"], check=True)
         page = Page(chromium, folder / f"{scene}.html")
         assert page.ask("document.getElementById('failure').hidden"), page.ask("document.getElementById('failure').textContent")

@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <random>
+#include <utility>
 
+#include "../../core/errors.hpp"
 #include "reference.hpp"
 #include "test_support.hpp"
 
@@ -182,4 +184,22 @@ TEST_CASE("bisector: patches in special positions") {
     // Beyond the directions in which a hyperboloid goes to infinity there is no patch.
     CHECK_FALSE(bisector_patch(Sphere{{0, 0, 0}, 1}, Sphere{{1, 2, 3}, 0.5}, {-2, 2}, {-2, 2}));
     CHECK_FALSE(bisector_patch(floor, floor, u, v));
+}
+
+// From (3, 4, 12) the origin is 13 away; the wall too is 4/5 of the 20 from its apex less 3/5 of 5 from its
+// axis, or 8 where the apex is nearer.
+TEST_CASE("bisector: that of a ball and a hollow cone holds points of small integers exactly") {
+    const ExactVector p(Vec3(3, 4, 12)), q(Vec3(-5, 0, 12)), beside(Vec3(3, 4, 11));
+    for (const auto& [radius, apex] : {std::pair{0.0, -8.0}, {5.0, -1.75}}) {
+        CAPTURE(radius);
+        const HollowCone cone{{0, 0, apex}, {0, 0, 3}, 4, 5};
+        const Bisector b = bisector(Sphere{{0, 0, 0}, radius}, cone);
+        CHECK(b.kind == Kind::Quartic);
+        CHECK(b.degree() == 4);
+        CHECK(b.polynomial(p).sign() == Sign::Zero);
+        CHECK(b.polynomial(q).sign() == Sign::Zero);
+        CHECK(b.polynomial(beside).sign() != Sign::Zero);
+        CHECK_FALSE(bisector_patch(Sphere{{0, 0, 0}, radius}, cone, {-1, 1}, {-1, 1}));
+    }
+    CHECK_THROWS_AS(bisector(Plane{}, HollowCone{}), InputError);
 }

@@ -113,6 +113,20 @@ const Solids = {
     return mesh;
   },
 
+  /* The stretch of a cone from its apex on that a box may hold. */
+  cone(apex, axis, sine, low, high) {
+    const d = axis.clone().normalize();
+    let to = 0;
+    for (const x of [low.x, high.x])
+      for (const y of [low.y, high.y])
+        for (const z of [low.z, high.z]) to = Math.max(to, new THREE.Vector3(x, y, z).sub(apex).dot(d));
+    const wide = to * sine / Math.sqrt((1 - sine) * (1 + sine));
+    const mesh = new THREE.Mesh(new THREE.CylinderBufferGeometry(wide, 0, to, 64, 1, true));
+    mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), d);
+    mesh.position.copy(apex).addScaledVector(d, 0.5 * to);
+    return mesh;
+  },
+
   /* A white dot with a dark rim, for vertices. */
   dot() {
     const canvas = document.createElement('canvas');

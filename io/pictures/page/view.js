@@ -196,7 +196,13 @@ class View {
     if (!this.isDiagram) material.own_planes = this.boxPlanes(low, high);
     const ball = object.sphere || object.hollow_sphere, tube = object.cylinder || object.hollow_cylinder;
     // Of a vessel the wall behind what it holds: that in front would hide it.
-    if (object.hollow_sphere || object.hollow_cylinder) material.side = THREE.BackSide;
+    if (object.hollow_sphere || object.hollow_cylinder || object.hollow_cone) material.side = THREE.BackSide;
+    if (object.hollow_cone) {
+      const {apex, axis, radius, slant} = object.hollow_cone;
+      const mesh = Solids.cone(this.inView(apex), new THREE.Vector3(...axis), radius / slant, low, high);
+      mesh.material = material;
+      return mesh;
+    }
     // Points and lines have to be seen, too.
     if (ball) {
       const radius = Math.max(ball.radius / this.size, 0.012);
