@@ -317,7 +317,7 @@ private:
             const auto own = [&](const Site& site) {
                 if (!site.is_object()) return;
                 Owned& o = owned[site.index];
-                o.area += integrals_.faces[f].area;
+                o.area += integrals_.faces[f].is_known ? integrals_.faces[f].area : Interval(0, HUGE_VAL);
                 o.slack += integrals_.slack[f].area + kRounding * size_ * size_;
                 o.faces.push_back(f);
             };
