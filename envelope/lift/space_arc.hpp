@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "../../primitives/forms/twins.hpp"
+#include "../../primitives/forms/twin_quadric.hpp"
 #include "../../primitives/objects/objects.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "patch_coordinate.hpp"

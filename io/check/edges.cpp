@@ -303,6 +303,7 @@ private:
                 std::erase_if(task.rivals, [&](const Condition& c) {
                     const double least = along.excess(c).lower();
                     if (least >= 0) return true;
+                    if (is_farther_than_twin(c, along, task.part.net.box(), whole)) return true;
                     if (!ties_at_ends(c, whole) &&
                         is_little(c, least, this->growth(c, task.part.net.box()), HUGE_VAL))
                         return true;
@@ -330,6 +331,29 @@ private:
                 tasks.push_back({part(std::move(half), task.part.depth + 1), task.rivals});
         }
         return true;
+    }
+
+    /// Is a rival that all but coincides with one of the edge's sites no nearer than that one, but for what
+    /// the edge's error makes of what they differ by, and farther somewhere on the edge?
+    bool is_farther_than_twin(const Condition& c, const ExcessAlong& along, const Vector<Interval>& box,
+                              const std::vector<EdgePart>& whole) const {
+        return std::ranges::any_of(std::span(conditions_).first(2), [&](const Condition& own) {
+            const auto farther = along.excess_difference(c, own);
+            if (!farther) return false;
+            const auto little = [&](const Vector<Interval>& about) {
+                return (sqrt(square(space().gradient_difference(c, own, about))) * Interval(2 * error_))
+                    .upper();
+            };
+            const double growth = this->growth(c, box);
+            if (!(farther->lower() >= -little(box)) || !(growth > 0)) return false;
+            nearer_ = std::max(nearer_, -farther->lower() / growth);
+            return std::ranges::any_of(whole, [&](const EdgePart& p) {
+                return std::ranges::any_of(p.net.halves(0), [&](const Net& half) {
+                    const auto there = ExcessAlong(space(), half).excess_difference(c, own);
+                    return there && there->lower() > little(half.box());
+                });
+            });
+        });
     }
 
     /// Is a site as near as the base at the ends of all spans? Then the edge may be one of more sites.

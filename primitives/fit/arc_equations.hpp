@@ -17,7 +17,7 @@
 #include "../../core/curves/scaled_bernstein.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../charts/chart.hpp"
-#include "../forms/twins.hpp"
+#include "../forms/twin_quadric.hpp"
 #include "../objects/objects.hpp"
 
 namespace vcell::space_fit {
@@ -193,10 +193,7 @@ public:
 
     double operator()(const Vector4d& X) const {
         if (pair_) return right()(X) - left()(X);
-        if (quadric_) {
-            const Vec3 p = X.head<3>();
-            return scale_ * (p.dot(quadric_->M * p) + quadric_->l.dot(X) + quadric_->k);
-        }
+        if (quadric_) return scale_ * (X.dot(quadric_->M * X + quadric_->l) + quadric_->k);
         if (is_paraboloid_)
             return scale_ * (across(X.head<3>() - point_).squaredNorm() + width_ * (behind_ - 2 * X[3]));
         const Vec3 m = X.head<3>() - point_;
@@ -217,11 +214,7 @@ public:
     Vector4d gradient(const Vector4d& X) const {
         if (pair_) return right().gradient(X) - left().gradient(X);
         Vector4d result;
-        if (quadric_) {
-            result = quadric_->l;
-            result.head<3>() += 2 * (quadric_->M * X.head<3>());
-            return scale_ * result;
-        }
+        if (quadric_) return scale_ * (2 * (quadric_->M * X) + quadric_->l);
         if (is_paraboloid_) {
             result << 2 * scale_ * across(X.head<3>() - point_), -2 * scale_ * width_;
             return result;
@@ -240,6 +233,11 @@ public:
     double reach(const Vector4d& X, const Points& points, double room) const {
         if (!is_round_ && !is_paraboloid_ && !pair_ && !quadric_) return 0;
         double squared = 0;
+        if (quadric_) {
+            for (int k = 0; k < points.cols(); ++k)
+                squared = std::max(squared, (points.col(k).head<4>() - X).squaredNorm());
+            return std::sqrt(squared) + room;
+        }
         for (int k = 0; k < points.cols(); ++k)
             squared = std::max(squared, across(points.col(k).head<3>() - X.head<3>()).squaredNorm());
         return std::sqrt(squared) + room;
@@ -251,8 +249,8 @@ public:
                 turn(left(), right(), X, reach) * reach + left().variation(X, 0) + right().variation(X, 0),
                 left().variation(X, reach) + right().variation(X, reach));
         if (quadric_)
-            return scale_ * (2 * quadric_->M.norm() * (reach + rounding * X.head<3>().norm()) +
-                             rounding * quadric_->l.norm());
+            return scale_ *
+                   (2 * quadric_->M.norm() * (reach + rounding * X.norm()) + rounding * quadric_->l.norm());
         if (is_paraboloid_)
             return 2 * scale_ * (reach + rounding * (across(X.head<3>() - point_).norm() + reach_ + width_));
         if (!is_round_) return rounding + blur_;
@@ -273,7 +271,7 @@ public:
     double second(const Vector4d& X, const Vector4d& T) const {
         if (pair_) return right().second(X, T) - left().second(X, T);
         if (is_paraboloid_) return 2 * scale_ * across(T.head<3>()).squaredNorm();
-        if (quadric_) return 2 * scale_ * T.head<3>().dot(quadric_->M * T.head<3>());
+        if (quadric_) return 2 * scale_ * T.dot(quadric_->M * T);
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
         const double d = m.norm();
@@ -390,22 +388,21 @@ private:
 
     // The sum of the absolute values of a quadric's terms, where those of X are these or less.
     double terms(const Vector4d& sizes) const {
-        const Vec3 p = sizes.head<3>();
-        return scale_ * (p.dot(quadric_->M.cwiseAbs() * p) + quadric_->l.cwiseAbs().dot(sizes) +
-                         std::abs(quadric_->k));
+        return scale_ *
+               (sizes.dot(quadric_->M.cwiseAbs() * sizes + quadric_->l.cwiseAbs()) + std::abs(quadric_->k));
     }
     double quadric_residual(const SpanPolynomials& span) const {
-        const Eigen::Matrix3d& M = quadric_->M;
-        const Vec3 slope = 2 * (M * span.foot) + quadric_->l.head<3>();
+        const Matrix4d& M = quadric_->M;
+        Vector4d foot = Vector4d::Zero(), sizes;
+        foot.head<3>() = span.foot;
+        const Vector4d slope = 2 * (M * foot) + quadric_->l;
         Bernstein<10> Q = raised<10>(
-            span.linear(slope, quadric_->l[3],
-                        span.foot.dot(M * span.foot) + quadric_->l.head<3>().dot(span.foot) + quadric_->k));
-        for (int i = 0; i < 3; ++i) {
+            span.linear(slope.head<3>(), slope[3], foot.dot(M * foot + quadric_->l) + quadric_->k));
+        for (int i = 0; i < 4; ++i) {
+            sizes[i] = span.largest[i] + std::abs(foot[i]);
             Q = Q + M(i, i) * vcell::square(span.X[i]);
             for (int j = 0; j < i; ++j) Q = Q + 2 * M(i, j) * (span.X[i] * span.X[j]);
         }
-        Vector4d sizes;
-        for (int i = 0; i < 4; ++i) sizes[i] = span.largest[i] + (i < 3 ? std::abs(span.foot[i]) : 0);
         return scale_ * QuinticNodes::get().largest(Q) + rounding * terms(sizes);
     }
 

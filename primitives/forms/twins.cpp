@@ -243,56 +243,6 @@ std::vector<bool> which_have_twins(std::span<const FormSignature> forms) {
     return have;
 }
 
-namespace {
-
-// With r = z over a plane: a r^2 + 2 b r + c, of circular forms a r + 2 b.
-SpaceQuadric in_space(const PlaneTerms<Exact>& d, bool has_root) {
-    const auto rounded = [](const Exact& e) { return e.enclosure().mid(); };
-    SpaceQuadric q;
-    const auto& p = has_root ? d.c : d.b;
-    const double times = has_root ? 1 : 2;
-    q.k = times * rounded(p[0]);
-    q.l << times * rounded(p[1]), times * rounded(p[2]), rounded(has_root ? 2.0 * d.b[0] : d.a), 0;
-    q.M(0, 0) = times * rounded(p[3]);
-    q.M(1, 1) = times * rounded(p[5]);
-    q.M(0, 1) = q.M(1, 0) = 0.5 * times * rounded(p[4]);
-    if (!has_root) return q;
-    q.M(0, 2) = q.M(2, 0) = rounded(d.b[1]);
-    q.M(1, 2) = q.M(2, 1) = rounded(d.b[2]);
-    q.M(2, 2) = rounded(d.a);
-    return q;
-}
-
-// With t u = p less its part along the axis: of a f^2 + 2 b f + c and f = -1 / t it is a - 2 b t + c t^2,
-// where b0 t, b.p and so on are linear.
-SpaceQuadric in_space(const RadialTerms<Exact>& d, bool is_around_axis) {
-    const auto rounded = [](const Exact& e) { return e.enclosure().mid(); };
-    SpaceQuadric q;
-    q.k = rounded(d.c[0]);
-    for (int i = 0; i < 3; ++i) q.l[i] = -2 * rounded(d.b[i]);
-    q.l[3] = -2 * rounded(d.b0);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) q.M(i, j) = -0.5 * rounded(d.p[i] * d.q[j] + d.p[j] * d.q[i]);
-    if (!is_around_axis) return q;
-    q.l[1] = rounded(d.c[1]);
-    for (const int i : {0, 2}) q.M(i, 1) = q.M(1, i) = -rounded(d.s[i]);
-    q.M(1, 1) = rounded(d.c[2]);
-    return q;
-}
-
-}  // namespace
-
-std::optional<SpaceQuadric> twin_quadric(const FormFamily& family, FormId f, FormId g) {
-    const auto mu = FormSignature(family, f).factor(FormSignature(family, g));
-    if (!mu) return std::nullopt;
-    const FormTerms p = terms(family, f), q = terms(family, g);
-    if (const auto* plane = std::get_if<PlaneTerms<Exact>>(&p.of))
-        return in_space(less(*plane, Exact(*mu), *std::get_if<PlaneTerms<Exact>>(&q.of)), p.has_root);
-    return in_space(
-        less(*std::get_if<RadialTerms<Exact>>(&p.of), Exact(*mu), *std::get_if<RadialTerms<Exact>>(&q.of)),
-        family.chart.is_cylinder());
-}
-
 TwinDifference::TwinDifference(const FormFamily& family, FormId f, FormId g, double mu)
     : lambda_((Exact(mu) * Exact(mu)).enclosure()) {
     const FormTerms p = terms(family, f), q = terms(family, g);

@@ -17,7 +17,6 @@
 /// errors are a part of the difference, not of the heights.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <optional>
 #include <span>
@@ -67,26 +66,6 @@ struct FormSignature {
 
 /// Which of the forms are twins of another one.
 std::vector<bool> which_have_twins(std::span<const FormSignature> forms);
-
-/// X.M X + l.X + k of X = (x, y, z, t): a point in the chart's own axes (BaseChart::turn) and its distance
-/// from the centre or the axis of a curved base; over a plane t is not asked for. M is symmetric.
-struct SpaceQuadric {
-    Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
-    Eigen::Vector4d l = Eigen::Vector4d::Zero();
-    double k = 0;
-
-    /// Of points that are turned.
-    SpaceQuadric turned(const Eigen::Matrix3d& turn) const {
-        SpaceQuadric q = *this;
-        q.M = turn * M * turn.transpose();
-        q.l.head<3>() = turn * l.head<3>();
-        return q;
-    }
-};
-
-/// The equation of f less lambda times that of g, cleared of denominators, where the two are twins: positive
-/// where g is nearer, and zero on their trisector with the base. Each coefficient errs by 2^-52 of itself.
-std::optional<SpaceQuadric> twin_quadric(const FormFamily& family, FormId f, FormId g);
 
 class TwinDifference {
 public:

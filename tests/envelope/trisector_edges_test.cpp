@@ -112,8 +112,8 @@ void compare(const Scene& scene, Compared& done) {
         double errors = edge.error;
         for (const TrisectorCurve& curve : all) errors = std::max(errors, edge.error + curve.error);
         RationalCurve3 off = edge.curve;
-        auto& middle = off.points[off.points.size() / 2];
-        middle.head<3>() += 64 * errors * Vec3(0.36, 0.48, 0.8);
+        const Vec3 along = at_fraction(edge.curve, 0.55) - at_fraction(edge.curve, 0.45);
+        for (auto& p : off.points) p.head<3>() += 64 * errors * along.unitOrthogonal();
         CHECK(excess(off, edge.error, closed, all) > 0);
         ++done.edges;
         ++done.over[scene.base.index()];
