@@ -348,10 +348,12 @@ private:
             if (!(farther->lower() >= -little(box)) || !(growth > 0)) return false;
             nearer_ = std::max(nearer_, -farther->lower() / growth);
             return std::ranges::any_of(whole, [&](const EdgePart& p) {
-                return std::ranges::any_of(p.net.halves(0), [&](const Net& half) {
-                    const auto there = ExcessAlong(space(), half).excess_difference(c, own);
-                    return there && there->lower() > little(half.box());
-                });
+                // Next to the middle of a span, where boxes are small.
+                constexpr int halvings = 6;
+                Net near = p.net.halves(0)[1];
+                for (int i = 0; i < halvings; ++i) near = near.halves(0)[0];
+                const auto there = ExcessAlong(space(), near).excess_difference(c, own);
+                return there && there->lower() > little(near.box());
             });
         });
     }

@@ -115,8 +115,10 @@ std::optional<Form> ExcessAlong::squared_difference(const Condition& c, const Co
 /// polynomial.
 std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, const Condition& d) const {
     const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index);
-    const Interval grown = first.radius - second.radius;
-    const bool are_equal = grown.lower() == 0 && grown.upper() == 0;
+    // A difference of Intervals is no number, even of equal ones.
+    const bool are_equal =
+        first.radius.lower() == second.radius.upper() && first.radius.upper() == second.radius.lower();
+    const Interval grown = are_equal ? Interval(0.0) : first.radius - second.radius;
     if (!are_equal && space_.base().kind != Kind::plane) return std::nullopt;
     std::optional<Form> g = squared_difference(c, d);
     if (!g) return std::nullopt;
