@@ -408,7 +408,9 @@ private:
         constexpr double wider = 16;
         for (Neighbourhood D(fit.points, slack_, tolerance_);; D.set_room(wider * D.room)) {
             fit.tube.trims = trims_error(fit.points, proof_.local(fit.points, D), fit.tube);
-            if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_)) return fit;
+            // Of ends that are not known at all neither room nor tolerance is a number.
+            if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_) || std::isinf(D.room))
+                return fit;
         }
     }
 
