@@ -1,6 +1,8 @@
 /// Functions of two coordinates with their derivatives of first and second order, in Interval or Wide.
 #pragma once
 
+#include "../../core/platform.hpp"
+
 namespace vcell {
 
 template <class T>

@@ -305,5 +305,5 @@ def test_a_ball_at_the_wall_of_a_hollow_cone():
     cone = vcell.HollowCone((0, 0, -8), (0, 0, 3), 4, 5)
     scene = vcell.Scene(vcell.Sphere((0, 0, 0)), [cone], box=[(-3, -4, -0.125), (3, 4, 12)])
     corners = [v for v in vcell.cell(scene).vertices if v.point[2] > 11]
-    assert [v.radius for v in corners] == pytest.approx([13] * 4, rel=1e-14)
+    assert [v.clearance for v in corners] == pytest.approx([13] * 4, rel=1e-14)
     assert repr(cone) == "HollowCone(apex=[0.0, 0.0, -8.0], axis=[0.0, 0.0, 3.0], radius=4.0, slant=5.0)"

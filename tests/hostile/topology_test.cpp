@@ -1,6 +1,6 @@
 // Scenes whose diagram once was wrong or could not be found. Volumes are those of rays, each met by bisection
 // on the distances to all objects: 2.25 million for knot and node, 360,000 for point_line, 250,000 for
-// shift1e6, 160,000 for the edges that touch generators and the two lines.
+// shift1e6, 2.25 million for twins, 160,000 for the edges that touch generators and the two lines.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -79,17 +79,20 @@ TEST_CASE("hostile: trims of bisectors that are seen along themselves") {
 }
 
 TEST_CASE("hostile: what is not proved is refused, with objects and place") {
-    for (const char* name : {"hang_cylinder_base_spheres", "twins_around_tube"}) {
-        CAPTURE(name);
-        std::string message;
-        try {
-            cell_of(name);
-        } catch (const UndecidedError& e) {
-            message = e.what();
-        }
-        CHECK(message.starts_with("objects "));
-        CHECK(message.find("around (") != std::string::npos);
+    std::string message;
+    try {
+        cell_of("hang_cylinder_base_spheres");
+    } catch (const UndecidedError& e) {
+        message = e.what();
     }
+    CHECK(message.starts_with("objects "));
+    CHECK(message.find("around (") != std::string::npos);
+}
+
+TEST_CASE("hostile: two tubes all but coincide around a tube") {
+    const Cell cell = cell_of("twins_around_tube");
+    check_counts(cell, 14, 21, 7);
+    CHECK(cell.measures.volume == doctest::Approx(50.8208).epsilon(1e-5));
 }
 
 TEST_CASE("hostile: far from the origin integrals end where rounding leaves them without a bound") {
