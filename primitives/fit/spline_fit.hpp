@@ -272,7 +272,8 @@ private:
     }
 
     // Points of the arc between parts that will do, as errors fall with the sixth power of the length. Next
-    // to a hairpin Newton's method may find its other strand, which the pieces do not hold.
+    // to a hairpin Newton's method may find its other strand, which the pieces do not hold, or which runs
+    // back.
     std::vector<Node> divide(const Node& from, const Node& to, const Fit& spline,
                              std::span<const Piece> pieces) const {
         constexpr double most_parts = 4, reserve = 1.5;
@@ -282,7 +283,9 @@ private:
         const Node* last = &from;
         for (int k = 1; k < parts; ++k) {
             const auto found = equations_.find(point(spline.points, static_cast<double>(k) / parts));
-            if (!found || !is_between(*last, *found, to) || !may_hold(pieces, *found)) return {};
+            if (!found || !is_between(*last, *found, to) || !may_hold(pieces, *found) ||
+                !((to.X - from.X).dot(found->T) > 0))
+                return {};
             inner.push_back(*found);
             last = &inner.back();
         }

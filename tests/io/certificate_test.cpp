@@ -130,6 +130,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twin_lines_over_plane",
                              "tip_beside_side",
                              "hairpin",
+                             "ball_on_tube",
                              "twin_planes_over_tilted_plane",
                              "tube_touches_line",
                              "point_touches_tube",
