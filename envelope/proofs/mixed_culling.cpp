@@ -51,6 +51,15 @@ std::array<Interval, 2> MixedAnalysis::bent_gradient(const std::array<Interval, 
                             p.curvature - q.curvature, p.dx, p.dy);
 }
 
+// Does the first of two twins lie above the other all over the box?
+bool MixedAnalysis::is_above_twin(FormId f, FormId g, const Interval& X, const Interval& Y) const {
+    const auto over = *heights_.twin_difference(f, g, X, Y);
+    if (over.v.lower() > 0) return true;
+    const Interval middle = heights_.twin_difference(f, g, X.mid(), Y.mid())->v;
+    return (middle - over.x.magnitude() * Interval(X.radius()) - over.y.magnitude() * Interval(Y.radius()))
+               .lower() > 0;
+}
+
 std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::array<double, 4>& box,
                                                                  std::span<const FormId> candidates) const {
     const Interval X(box[0], box[1]), Y(box[2], box[3]), mx(X.mid()), my(Y.mid());
@@ -64,15 +73,11 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
     if (!rule_.is_any()) drop_out_of_range(spreads);
     for (Spread& s : spreads) s.v = heights_.value(s.form, mx, my);
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
-        const auto is_positive = [&](Interval v, Interval gx, Interval gy) {
-            return (v - gx.magnitude() * Interval(rx) - gy.magnitude() * Interval(ry)).lower() > 0;
-        };
-        if (a.range.lower() > b.range.upper() || is_positive(a.v - b.v, a.gx - b.gx, a.gy - b.gy))
-            return true;
-        if (!heights_.are_twins(a.form, b.form)) return false;
-        const auto over = *heights_.twin_difference(a.form, b.form, X, Y);
-        return over.v.lower() > 0 ||
-               is_positive(heights_.twin_difference(a.form, b.form, mx, my)->v, over.x, over.y);
+        return a.range.lower() > b.range.upper() ||
+               (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) -
+                (a.gy - b.gy).magnitude() * Interval(ry))
+                       .lower() > 0 ||
+               (heights_.are_twins(a.form, b.form) && is_above_twin(a.form, b.form, X, Y));
     };
     const auto top = [&](const Spread& s) {
         return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);

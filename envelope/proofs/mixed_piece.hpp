@@ -232,6 +232,7 @@ private:
     void bend(const std::array<double, 4>& box, std::vector<Spread>& rivals) const;
     static std::array<Interval, 2> bent_gradient(const std::array<Interval, 2>& over, const Spread& a,
                                                  const Spread& b);
+    bool is_above_twin(FormId f, FormId g, const Interval& X, const Interval& Y) const;
     std::vector<Spread> lowest_spreads(const std::array<double, 4>& box,
                                        std::span<const FormId> candidates) const;
     struct Rival {

@@ -267,13 +267,10 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r);
     };
     const auto certainly_above = [&](const Item& a, const Item& b) {
-        const auto is_positive = [&](Interval at_middle, Interval slope) {
-            return (at_middle - Interval(slope.magnitude()) * Interval(r)).lower() > 0;
-        };
-        if (a.range.lower() > b.range.upper() || is_positive(a.v - b.v, a.slope - b.slope)) return true;
-        const auto over = heights_.twin_difference(a.form, b.form, range[0], range[1]);
-        return over && is_positive(heights_.value_difference(a.form, b.form, middle[0], middle[1]),
-                                   line.along({over->v, over->x, over->y}));
+        return a.range.lower() > b.range.upper() ||
+               (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0 ||
+               (heights_.are_twins(a.form, b.form) &&
+                line.is_above_twin(heights_, a.form, b.form, Interval(s0, s1)));
     };
     if (rule_.is_any())
         rule_.drop_hidden(

@@ -72,6 +72,16 @@ struct MixedAnalysis::Line {
         return along(heights.difference(f, g, p[0], p[1])) +
                bend(heights.curvature_difference(f, g, range[0], range[1])) * (stretch - m);
     }
+    // Does the first of two twins lie above the other all along a stretch?
+    bool is_above_twin(const Heights& heights, FormId f, FormId g, const Interval& stretch) const {
+        const Interval m(stretch.mid());
+        const IntervalPoint range = at(stretch), middle = at(m);
+        const auto over = *heights.twin_difference(f, g, range[0], range[1]);
+        const Interval slope = along({over.v, over.x, over.y});
+        return (heights.value_difference(f, g, middle[0], middle[1]) -
+                Interval(slope.magnitude()) * Interval(stretch.radius()))
+                   .lower() > 0;
+    }
     Wide sharp_height(const Heights& heights, FormId f, double m) const {
         const auto p = wide_at(Wide(m));
         return heights.value(f, p[0], p[1]);
