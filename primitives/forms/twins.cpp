@@ -232,9 +232,11 @@ std::vector<bool> which_have_twins(std::span<const FormSignature> forms) {
     }
     std::ranges::sort(keys, {}, &Key::number);
     std::vector<bool> have(forms.size(), false);
+    // The nearer twins are, the nearer are their keys.
+    constexpr std::size_t most_compared = 64;
+    constexpr double most_terms = 13;
     for (std::size_t i = 0; i < keys.size(); ++i)
-        for (std::size_t j = i + 1; j < keys.size(); ++j) {
-            constexpr double most_terms = 13;
+        for (std::size_t j = i + 1; j < std::min(keys.size(), i + most_compared); ++j) {
             if (keys[j].number - keys[i].number > most_terms * 2 * alike * keys[i].size) break;
             const std::size_t f = keys[i].form, g = keys[j].form;
             if (have[f] && have[g]) continue;

@@ -59,12 +59,13 @@ struct FormSignature {
     FormSignature() = default;
     FormSignature(const FormFamily& family, FormId f);
     /// The number whose square is lambda for this form as f and the other as g, if the two are twins:
-    /// coefficients differ by less than a 2^-8 of the largest ones. It is negative where p_f and p_g have
+    /// coefficients differ by less than a 2^-10 of the largest ones. It is negative where p_f and p_g have
     /// opposite directions.
     std::optional<double> factor(const FormSignature& o) const;
 };
 
-/// Which of the forms are twins of another one.
+/// Which of the forms are twins of another one; among very many that are much alike not all may be found,
+/// which are compared as other forms are then.
 std::vector<bool> which_have_twins(std::span<const FormSignature> forms);
 
 class TwinDifference {
