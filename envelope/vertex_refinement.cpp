@@ -56,8 +56,8 @@ Wide excess(const VertexSite& site, const std::array<Wide, 4>& X) {
     const Wide scale = -f.quadratic[f.pair(3, 3)][0];
     if (scale.upper() == 0)
         return value / sqrt(square(f.linear[0][0]) + square(f.linear[1][0]) + square(f.linear[2][0]));
-    // As a function of the clearance the form is value + slope e - scale e^2, and 0 where it is the distance.
-    // Of both roots that is the lesser one.
+    // As a function of the clearance the form is value + slope e - scale e^2, and 0 where it is the distance:
+    // the lesser of both roots.
     Wide slope = f.linear[3][0] - Wide(2.0) * scale * X[3];
     for (int i = 0; i < 3; ++i) slope += f.quadratic[f.pair(i, 3)][0] * X[i];
     const Wide root = sqrt(square(slope) + Wide(4.0) * scale * value);

@@ -98,7 +98,8 @@ private:
         return united_faces_.add();
     }
     void merge_faces(Index f, Index g);
-    /// Of the piece that was added last, whose first edge that is.
+    /// Joins an island of the piece that was added last, whose first edge that is, to the face that it lies
+    /// in.
     void join_island(Index first_edge);
     void require_soundness();
     FormId left_of(Index h) const { return h & 1u ? edges_[h >> 1].right : edges_[h >> 1].left; }

@@ -22,7 +22,7 @@ constexpr double narrowest_sector = 0x1p-10;
 
 using std::numbers::pi;
 
-// Of an object's patch around a base of that radius.
+// The parameters of a point on an object's patch, around a base of that radius.
 PatchCoordinates coordinates(const RadialPatch& patch, const Object& object, double radius) {
     using Kind = RadialPatch::Kind;
     const auto& [x, y, z] = patch.axes();

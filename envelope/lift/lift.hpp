@@ -61,7 +61,8 @@ LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationD
 /// sphere. There the edges' errors bound the distance from the true edge alone.
 LiftedCell lift_without_patches(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                 double tolerance, bool with_measures);
-/// The same where not all edges are conics; no patch has to hold a face, which may be of any shape.
+/// Lifts as lift_without_patches() does where not all edges are conics: no patch has to hold a face, which
+/// may be of any shape.
 LiftedCell lift_curves_around_sphere(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                      double tolerance, bool with_measures);
 

@@ -411,7 +411,8 @@ private:
         constexpr double wider = 16;
         for (Neighbourhood D(fit.points, slack_, tolerance_);; D.set_room(wider * D.room)) {
             fit.tube.trims = trims_error(fit.points, proof_.local(fit.points, D), fit.tube);
-            // Of ends that are not known at all neither room nor tolerance is a number.
+            // The room and the tolerance are infinite where an end is not known at all: wider ones would go
+            // on.
             if (std::isfinite(fit.tube.trims) || !(wider * D.room <= tolerance_) || std::isinf(D.room))
                 return fit;
         }

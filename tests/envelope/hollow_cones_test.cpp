@@ -420,21 +420,7 @@ TEST_CASE("hollow cones: a hopper's diagram fills what is nearer to balls than t
         CHECK(std::ranges::count_if(table.contacts, [&](const Contact& c) {
                   return c.first == wall || c.second == Site::object(wall);
               }) > 2);
-    // The share of random points that are nearer to a ball than to all walls.
-    const int count = 100'000;
-    int hits = 0;
-    for (int i = 0; i < count; ++i) {
-        Vec3 p;
-        for (int k = 0; k < 3; ++k) p[k] = std::lerp(silo.box.min[k], silo.box.max[k], unit(rng));
-        double ball = 1e9, other = 1e9;
-        for (const Object& o : silo.objects) {
-            double& least = std::holds_alternative<Sphere>(o) ? ball : other;
-            least = std::min(least, away(o, p));
-        }
-        hits += ball < other;
-    }
-    const double box = (silo.box.max - silo.box.min).prod(), share = static_cast<double>(hits) / count;
-    CHECK(std::abs(sum - box * share) < 5 * box * std::sqrt(share * (1 - share) / count) + error);
+    check_share_of_balls(silo.objects, silo.box, sum, error, rng);
 }
 
 }  // namespace

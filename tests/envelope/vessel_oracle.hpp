@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "../../envelope/point_query.hpp"
 #include "../../envelope/voronoi_cell.hpp"
@@ -130,6 +131,26 @@ inline Scene packed(std::mt19937_64& rng, const Object& vessel, std::size_t coun
     scene.objects.push_back(vessel);
     scene.box = box;
     return scene;
+}
+
+// Is the volume of all balls' cells the share of random points that are nearer to a ball than to all walls?
+inline void check_share_of_balls(const std::vector<Object>& objects, const Box& box, double volume,
+                                 double error, std::mt19937_64& rng) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const int count = 100'000;
+    int hits = 0;
+    for (int i = 0; i < count; ++i) {
+        Vec3 p;
+        for (int k = 0; k < 3; ++k) p[k] = std::lerp(box.min[k], box.max[k], unit(rng));
+        double ball = 1e9, other = 1e9;
+        for (const Object& o : objects) {
+            double& least = std::holds_alternative<Sphere>(o) ? ball : other;
+            least = std::min(least, away(o, p));
+        }
+        hits += ball < other;
+    }
+    const double all = (box.max - box.min).prod(), share = static_cast<double>(hits) / count;
+    CHECK(std::abs(volume - all * share) < 5 * all * std::sqrt(share * (1 - share) / count) + error);
 }
 
 }  // namespace vcell::vessel_oracle

@@ -364,22 +364,7 @@ TEST_CASE("vessels: a silo's diagram fills what is nearer to balls than to walls
         return c.first == wall_number || c.second == Site::object(wall_number);
     });
     CHECK(at_wall > 10);
-    // The share of random points that are nearer to a ball than to all walls.
-    std::uniform_real_distribution<double> unit(0, 1);
-    const int count = 100'000;
-    int hits = 0;
-    for (int i = 0; i < count; ++i) {
-        Vec3 p;
-        for (int k = 0; k < 3; ++k) p[k] = std::lerp(silo.box.min[k], silo.box.max[k], unit(rng));
-        double ball = 1e9, other = 1e9;
-        for (const Object& o : silo.objects) {
-            double& least = std::holds_alternative<Sphere>(o) ? ball : other;
-            least = std::min(least, away(o, p));
-        }
-        hits += ball < other;
-    }
-    const double box = (silo.box.max - silo.box.min).prod(), share = static_cast<double>(hits) / count;
-    CHECK(std::abs(sum - box * share) < 5 * box * std::sqrt(share * (1 - share) / count) + error);
+    check_share_of_balls(silo.objects, silo.box, sum, error, rng);
 }
 
 }  // namespace
