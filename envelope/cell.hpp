@@ -139,6 +139,21 @@ struct Cell {
     std::optional<Moments> moments = std::nullopt;
 };
 
+/// Calls visit(site) for each site that an element of a cell names, as often as one does.
+template <class AnyCell, class Visit>
+void for_each_site(AnyCell& cell, Visit&& visit) {
+    for (auto& v : cell.vertices)
+        for (auto& s : v.sites) visit(s);
+    for (auto& e : cell.edges) {
+        for (auto& s : e.sites) visit(s);
+        for (auto& s : e.extra_sites) visit(s);
+    }
+    for (auto& f : cell.faces) {
+        visit(f.site);
+        for (auto& s : f.extra_sites) visit(s);
+    }
+}
+
 /// Is it a face through which a base plane's rays come into a complete cell? Others stand over the base,
 /// these are seen against its normals' sense. (Around a tube rays may come in through one part of a side and
 /// leave through another one.)

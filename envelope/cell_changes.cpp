@@ -51,20 +51,6 @@ Cell cell_among(Scene scene, const Numbers& objects, const CellOptions& options)
     return cell;
 }
 
-template <class AnyCell, class Visit>
-void for_each_site(AnyCell& cell, Visit&& visit) {
-    for (auto& v : cell.vertices)
-        for (auto& s : v.sites) visit(s);
-    for (auto& e : cell.edges) {
-        for (auto& s : e.sites) visit(s);
-        for (auto& s : e.extra_sites) visit(s);
-    }
-    for (auto& f : cell.faces) {
-        visit(f.site);
-        for (auto& s : f.extra_sites) visit(s);
-    }
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> neighbors_and_ties(const Cell& cell) {

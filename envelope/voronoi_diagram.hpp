@@ -102,7 +102,7 @@ struct DiagramOptions {
     /// Called by the calling thread with each computed cell of a ball, ascending by object, and kept
     /// no longer. With a probe it has no patches. Its scene has the objects that were looked at; its sites
     /// are their numbers in the diagram, or where the box repeats, as images have no numbers, their places in
-    /// that scene.
+    /// that scene, whose `images` tell what they are.
     std::function<void(std::uint32_t object, const Cell& cell)> visit;
     /// `visit` is called with the complete cells of tubes and planes, too, where there are any
     /// (CellOptions::complete): two of a plane, on its two sides. A tube's measures are then those of that

@@ -417,8 +417,10 @@ private:
         scene.objects.reserve(candidates_.size());
         for (const Candidate& c : candidates_) {
             scene.objects.push_back(c.other != nullptr ? *c.other : Object(c.ball));
-            // Images have no numbers of their own.
-            if (!all.is_periodic()) scene.numbers.push_back(decided_.number(c.place));
+            if (all.is_periodic())
+                scene.images.push_back({decided_.number(c.place), c.image});
+            else
+                scene.numbers.push_back(decided_.number(c.place));
         }
         if (!all.names.empty())
             for (const Candidate& c : candidates_) scene.names.push_back(all.names[c.place]);

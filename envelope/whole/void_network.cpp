@@ -59,20 +59,10 @@ const Sphere& VoidNetworkBuilder::ball_in(const Cell& cell, const Site& site) co
     return is_own ? std::get<Sphere>(cell.scene.objects[site.index]) : decided_->ball(site.index);
 }
 
-// In a box that repeats, cells number their candidates by themselves; places are exact, so a ball is found by
-// where it is. Equal and hidden balls are in no cell.
 NetworkSite VoidNetworkBuilder::site_in(const Cell& cell, const Site& site) const {
     if (!site.is_object() || !decided_->scene().is_periodic()) return {site, here};
-    const Sphere& ball = ball_in(cell, site);
-    std::optional<NetworkSite> found;
-    const double reach = -ball.radius + 0x1p-40 * (ball.radius + ball.center.cwiseAbs().sum() +
-                                                   std::numeric_limits<double>::min());
-    decided_->balls().within(ball.center, reach,
-                             [&](const Sphere& other, std::uint32_t number, const Image& image) {
-                                 if (other == ball) found = NetworkSite{Site::object(number), image};
-                             });
-    if (!found) throw InternalError("void network: a cell has a ball that the diagram has not");
-    return *found;
+    const ObjectImage& object = cell.scene.images[site.index];
+    return {Site::object(object.number), object.image};
 }
 
 VoidNetworkBuilder::Sites VoidNetworkBuilder::sites_in(const Cell& cell, std::uint32_t object,

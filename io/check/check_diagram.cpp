@@ -6,15 +6,18 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "../../core/errors.hpp"
-#include "../../core/numbers/exact.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../core/threads.hpp"
+#include "containment.hpp"
+#include "near_balls.hpp"
 
 namespace vcell {
 
@@ -25,83 +28,27 @@ constexpr double file_rounding = 0x1p-44;
 
 std::string cell_name(std::uint32_t object) { return fmt::format("cells[{}]", object); }
 
-// Balls in cubes, each listed where its centre is.
-class Grid {
-public:
-    explicit Grid(const std::vector<Sphere>& balls) : balls_(balls) {
-        Vec3 low = balls[0].center, high = balls[0].center;
-        for (const Sphere& b : balls) {
-            low = low.cwiseMin(b.center);
-            high = high.cwiseMax(b.center);
-            largest_ = std::max(largest_, b.radius);
-        }
-        edge_ = std::max(std::cbrt((high - low).prod() / static_cast<double>(balls.size())),
-                         0x1p-20 * (high - low).maxCoeff());
-        if (!(edge_ > 0)) edge_ = 1;
-        for (std::uint32_t i = 0; i < balls.size(); ++i) cubes_[cube(balls[i].center)].push_back(i);
-    }
+std::string text_of(const Vec3& p) { return fmt::format("({}, {}, {})", p.x(), p.y(), p.z()); }
 
-    /// The balls whose surfaces may be nearer to that of ball i than `reach`, ascending, without i.
-    std::vector<std::uint32_t> near(std::uint32_t i, double reach) const {
-        std::vector<std::uint32_t> found;
-        const Sphere& ball = balls_[i];
-        const auto look_at = [&](std::uint32_t j) {
-            // Margins for rounding: a ball too many costs time alone.
-            const double away = (balls_[j].center - ball.center).norm() * (1 - 0x1p-40);
-            if (j != i && away <= (reach + ball.radius + balls_[j].radius) * (1 + 0x1p-40))
-                found.push_back(j);
-        };
-        const double far = (reach + ball.radius + largest_) * (1 + 0x1p-40);
-        const Cube low = cube(ball.center - Vec3::Constant(far)),
-                   high = cube(ball.center + Vec3::Constant(far));
-        double count = 1;
-        for (int k = 0; k < 3; ++k) count *= static_cast<double>(high[k] - low[k]) + 1;
-        if (!(count < static_cast<double>(balls_.size()))) {
-            for (std::uint32_t j = 0; j < balls_.size(); ++j) look_at(j);
-            return found;
-        }
-        for (std::int64_t x = low[0]; x <= high[0]; ++x)
-            for (std::int64_t y = low[1]; y <= high[1]; ++y)
-                for (std::int64_t z = low[2]; z <= high[2]; ++z)
-                    if (const auto at = cubes_.find({x, y, z}); at != cubes_.end())
-                        for (const std::uint32_t j : at->second) look_at(j);
-        std::ranges::sort(found);
-        return found;
-    }
+using check::ImageIndex;
+ImageIndex joined(const ImageIndex& a, const ImageIndex& b, int sign = 1) {
+    ImageIndex c;
+    for (std::size_t k = 0; k < 3; ++k) c[k] = static_cast<std::int16_t>(a[k] + sign * b[k]);
+    return c;
+}
 
-private:
-    using Cube = std::array<std::int64_t, 3>;
+// A site of a vertex, as seen from one of its cells: of objects also which image it is.
+using PlacedSite = std::pair<Site, ImageIndex>;
 
-    Cube cube(const Vec3& p) const {
-        constexpr double most = 0x1p60;
-        Cube c;
-        for (int k = 0; k < 3; ++k)
-            c[k] = static_cast<std::int64_t>(std::clamp(std::floor(p[k] / edge_), -most, most));
-        return c;
-    }
-
-    const std::vector<Sphere>& balls_;
-    double edge_ = 0, largest_ = 0;
-    std::map<Cube, std::vector<std::uint32_t>> cubes_;
-};
-
-// Is ball a in b? Exact; equal ones are in each other.
-bool is_inside(const Sphere& a, const Sphere& b) {
-    if (a.radius > b.radius) return false;
-    const Exact room = Exact(b.radius) - Exact(a.radius);
-    Exact square;
-    for (int k = 0; k < 3; ++k) {
-        const Exact d = Exact(a.center[k]) - Exact(b.center[k]);
-        square = square + d * d;
-    }
-    return (room * room - square).sign() != Sign::Negative;
+std::string to_string(const PlacedSite& placed) {
+    const auto& [site, image] = placed;
+    return site.is_object() ? to_string(ObjectImage{site.index, image}) : to_string(site);
 }
 
 class DiagramCheck {
 public:
     DiagramCheck(const StoredDiagram& diagram, const CheckOptions& options, unsigned threads)
-        : diagram_(diagram), options_(options), threads_(threads) {
-        for (const Object& o : diagram.scene.objects) balls_.push_back(std::get<Sphere>(o));
+        : diagram_(diagram), options_(options), threads_(threads), balls_(diagram.scene) {
         const Box& box = diagram.scene.box;
         rounding_ = file_rounding *
                     std::max({box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff(), box.diagonal()});
@@ -121,74 +68,112 @@ private:
         std::size_t faces = 0;
         Interval area{0.0};
         struct Vertex {
-            std::vector<Site> sites;  // the cell's own ball among them
+            std::vector<PlacedSite> sites;  // the cell's own ball among them
             Vec3 point;
             double error;
         };
         std::vector<Vertex> vertices;
     };
+    // A ball, and another one or an image as seen from it: the lower number first, and of a ball's own images
+    // the greater one of two opposite ones.
+    using Pair = std::pair<std::uint32_t, ObjectImage>;
 
-    // The cell with its scene: the balls that can reach it, and sites are places among these.
-    Cell cell_in_scene(std::uint32_t object, const Cell& stored, const Grid& grid) const {
-        const DiagramScene& all = diagram_.scene;
-        const Measures& m = stored.measures;
-        Cell cell = stored;
-        Scene& scene = cell.scene;
-        scene.base = all.objects[object];
-        scene.box = all.box;
-        scene.units = all.units;
-        scene.tolerance = all.tolerance;
-        const double reach = 2 * (m.max_clearance + m.max_clearance_error);
-        std::vector<std::uint32_t> near =
-            grid.near(object, std::isfinite(reach) ? std::max(0.0, reach) : HUGE_VAL);
-        // What is in another ball owns nothing; of equal ones the first has the cell.
-        std::erase_if(near, [&](std::uint32_t j) { return has_no_cell(j); });
-        for (const std::uint32_t j : near) scene.objects.push_back(all.objects[j]);
-
-        // What is not among them is no object.
-        const auto place_of = [&](std::uint32_t number) {
-            const auto at = std::ranges::lower_bound(near, number);
-            return at != near.end() && *at == number ? static_cast<std::uint32_t>(at - near.begin())
-                                                     : UINT32_MAX - 1;
-        };
-        const auto renumber = [&](auto& sites) {
-            for (Site& site : sites)
-                if (site.is_object()) site.index = place_of(site.index);
-        };
-        for (CellVertex& v : cell.vertices) renumber(v.sites);
-        for (CellEdge& e : cell.edges) {
-            renumber(e.sites);
-            renumber(e.extra_sites);
-        }
-        for (CellFace& f : cell.faces) {
-            std::array<Site, 1> site{f.site};
-            renumber(site);
-            f.site = site[0];
-            renumber(f.extra_sites);
-        }
-        for (std::uint32_t& n : cell.neighbors) n = place_of(n);
-        return cell;
-    }
-
+    const Sphere& ball(std::uint32_t i) const { return std::get<Sphere>(diagram_.scene.objects[i]); }
     bool has_no_cell(std::uint32_t j) const {
         return !std::ranges::binary_search(diagram_.cells, j, {}, [](const auto& c) { return c.first; });
     }
+    bool repeats(std::uint32_t side) const { return diagram_.scene.periodic[side / 2]; }
+
+    // ---- Cells ----
+
+    // Where the box repeats, one about the ball that its cell lies in: what is proved to have no face on a
+    // side of it ends before it gets there, in whatever box. Half of an edge is as far as a ball's own images
+    // let its cell reach along an axis, half of all of them together where they lean; sides that are a
+    // quarter farther are out of sight.
+    Box room(const Sphere& ball) const {
+        const DiagramScene& scene = diagram_.scene;
+        Box room = scene.box;
+        const bool leans = scene.tilt != std::array{0.0, 0.0, 0.0};
+        const auto edge = [&](int k) {
+            ImageIndex one{};
+            one[static_cast<std::size_t>(k)] = 1;
+            return balls_.shift(one).norm();
+        };
+        for (int k = 0; k < 3; ++k) {
+            if (!scene.periodic[static_cast<std::size_t>(k)]) continue;
+            const double half = 0.625 * (leans ? edge(0) + edge(1) + edge(2) : edge(k));
+            room.min[k] = ball.center[k] - half;
+            room.max[k] = ball.center[k] + half;
+        }
+        return room;
+    }
+
+    // The cell with its scene: the balls that can reach it, and sites are places among these.
+    Cell cell_among(const std::vector<check::NearBalls::Found>& near, std::uint32_t object,
+                    const Cell& stored) const {
+        const DiagramScene& all = diagram_.scene;
+        Cell cell = stored;
+        Scene& scene = cell.scene;
+        scene.base = all.objects[object];
+        scene.box = room(ball(object));
+        scene.units = all.units;
+        scene.tolerance = all.tolerance;
+        for (const auto& found : near) scene.objects.emplace_back(found.ball);
+
+        // What is not among them is no object.
+        const auto place_of = [&](std::uint32_t named) {
+            const ObjectImage& image = stored.scene.images[named];
+            const auto at = std::ranges::lower_bound(near, image, {}, &check::NearBalls::Found::object);
+            return at != near.end() && at->object == image ? static_cast<std::uint32_t>(at - near.begin())
+                                                           : UINT32_MAX - 1;
+        };
+        std::vector<std::uint32_t> places(stored.scene.images.size());
+        for (std::uint32_t n = 0; n < places.size(); ++n) places[n] = place_of(n);
+        for_each_site(cell, [&](Site& site) {
+            if (site.is_object()) site.index = places[site.index];
+        });
+        for (std::uint32_t& n : cell.neighbors) n = places[n];
+        return cell;
+    }
+
+    Certificate certificate_of(std::uint32_t object, const Cell& stored) const {
+        Certificate certificate;
+        std::optional<Site> side;
+        for_each_site(stored, [&](const Site& site) {
+            if (site.kind == Site::Kind::BoxSide && repeats(site.index)) side = site;
+        });
+        if (side)
+            certificate.refute("faces",
+                               fmt::format("end at {}, along which the box repeats", to_string(*side)));
+        const Measures& m = stored.measures;
+        const double stated = 2 * (m.max_clearance + m.max_clearance_error);
+        const double reach =
+            std::min(std::isfinite(stated) ? std::max(0.0, stated) : HUGE_VAL, 2 * balls_.farthest());
+        auto near = balls_.search(object, reach);
+        if (!near.lack.empty()) {
+            certificate.leave_open("scene", near.lack, HUGE_VAL);
+            return certificate;
+        }
+        // What is in another ball owns nothing; of equal ones the first has the cell.
+        std::erase_if(near.found, [&](const auto& found) { return has_no_cell(found.object.number); });
+        try {
+            const Cell cell = cell_among(near.found, object, stored);
+            validate(cell.scene);
+            Certificate of_cell = certify(cell, options_);
+            certificate.distance = of_cell.distance;
+            for (Element& e : of_cell.elements) certificate.add(std::move(e));
+        } catch (const InputError& e) {
+            certificate.refute("scene", e.what());
+        }
+        return certificate;
+    }
 
     void check_cells() {
-        const Grid grid(balls_);
         in_order(
             diagram_.cells.size(), threads_,
             [&](std::size_t k) {
                 const auto& [object, stored] = diagram_.cells[k];
-                const Cell cell = cell_in_scene(object, stored, grid);
-                Certificate certificate;
-                try {
-                    validate(cell.scene);
-                    certificate = certify(cell, options_);
-                } catch (const InputError& e) {
-                    certificate.refute("scene", e.what());
-                }
-                return certificate;
+                return certificate_of(object, stored);
             },
             [&](std::size_t k, Certificate of_cell) {
                 const std::string name = cell_name(diagram_.cells[k].first);
@@ -201,50 +186,77 @@ private:
     }
 
     void check_without_cells() {
-        const Grid grid(balls_);
-        for (std::uint32_t i = 0; i < balls_.size(); ++i) {
+        for (std::uint32_t i = 0; i < diagram_.scene.objects.size(); ++i) {
             if (!has_no_cell(i)) continue;
-            const auto holds = [&](std::uint32_t j) {
-                return is_inside(balls_[i], balls_[j]) && (j < i || !is_inside(balls_[j], balls_[i]));
+            const auto holds = [&](const check::NearBalls::Found& found) {
+                return check::contains(found.ball, ball(i)) &&
+                       (found.object.number < i || !check::contains(ball(i), found.ball));
             };
-            if (std::ranges::any_of(grid.near(i, 0), holds))
+            const auto near = balls_.search(i, 0);
+            if (!near.lack.empty())
+                certificate_.leave_open(cell_name(i), near.lack, HUGE_VAL);
+            else if (std::ranges::any_of(near.found, holds))
                 certificate_.prove(cell_name(i));
             else
                 certificate_.refute(cell_name(i), "the ball has no cell, and lies in no other one");
         }
     }
 
+    // ---- Pairs ----
+
     void check_pairs() {
-        std::map<std::pair<std::uint32_t, std::uint32_t>, std::array<Shared, 2>> pairs;
+        std::map<Pair, std::array<Shared, 2>> pairs;
         for (const auto& [object, cell] : diagram_.cells) {
-            const std::uint32_t own = object;
-            const auto shared = [&](std::uint32_t other) -> Shared& {
-                return pairs[std::minmax(own, other)][own < other ? 0 : 1];
+            const ObjectImage own{object, {}};
+            const auto shared = [&](const ObjectImage& other) -> Shared& {
+                return own < other ? pairs[{own.number, other}][0]
+                                   : pairs[{other.number, {own.number, joined({}, other.image, -1)}}][1];
             };
+            const std::vector<ObjectImage>& images = cell.scene.images;
             for (const CellFace& f : cell.faces) {
                 std::vector<Site> sites{f.site};
                 sites.insert(sites.end(), f.extra_sites.begin(), f.extra_sites.end());
                 for (const Site site : sites) {
                     if (!site.is_object()) continue;
-                    Shared& s = shared(site.index);
+                    Shared& s = shared(images[site.index]);
                     ++s.faces;
                     s.area += Interval(f.area) + Interval(-f.area_error, f.area_error);
                 }
             }
             for (const CellVertex& v : cell.vertices) {
-                std::vector<Site> sites(v.sites.begin(), v.sites.end());
-                sites.push_back(Site::object(own));
+                std::vector<PlacedSite> sites{{Site::object(object), {}}};
+                for (const Site site : v.sites) {
+                    if (!site.is_object())
+                        sites.emplace_back(site, ImageIndex{});
+                    else
+                        sites.emplace_back(Site::object(images[site.index].number), images[site.index].image);
+                }
                 std::ranges::sort(sites);
                 for (const Site site : v.sites)
-                    if (site.is_object()) shared(site.index).vertices.push_back({sites, v.point, v.error});
+                    if (site.is_object())
+                        shared(images[site.index]).vertices.push_back({sites, v.point, v.error});
             }
         }
         for (auto& [pair, sides] : pairs) {
-            const std::string where = fmt::format("pairs[{}, {}]", pair.first, pair.second);
+            const std::string where = fmt::format("pairs[{}, {}]", pair.first, vcell::to_string(pair.second));
+            move(sides[1], pair.second.image);
             if (const std::string fault = fault_of(sides); !fault.empty())
                 certificate_.refute(where, fault);
             else
                 certificate_.prove(where);
+        }
+    }
+
+    // The vertices of the second of two cells as the first one sees them.
+    void move(Shared& side, const ImageIndex& image) const {
+        if (image == ImageIndex{}) return;
+        const Vec3 by = balls_.shift(image);
+        for (Shared::Vertex& v : side.vertices) {
+            v.error += file_rounding * (v.point.norm() + by.norm());
+            v.point += by;
+            for (auto& [site, of] : v.sites)
+                if (site.is_object()) of = joined(of, image);
+            std::ranges::sort(v.sites);
         }
     }
 
@@ -273,9 +285,9 @@ private:
             });
             if (twin == last) {
                 std::string sites;
-                for (const Site s : v.sites) sites += (sites.empty() ? "" : ", ") + to_string(s);
-                return fmt::format("only one of the two cells has the vertex of {} at ({}, {}, {})", sites,
-                                   v.point.x(), v.point.y(), v.point.z());
+                for (const PlacedSite& s : v.sites) sites += (sites.empty() ? "" : ", ") + to_string(s);
+                return fmt::format("only one of the two cells has the vertex of {} at {}", sites,
+                                   text_of(v.point));
             }
             is_taken[twin - b.vertices.begin()] = 1;
         }
@@ -302,7 +314,7 @@ private:
     const StoredDiagram& diagram_;
     const CheckOptions& options_;
     const unsigned threads_;
-    std::vector<Sphere> balls_;
+    const check::NearBalls balls_;
     double rounding_ = 0;  // of points, in the scene's unit
     Certificate certificate_;
 };

@@ -2,10 +2,12 @@
 ///
 /// Each cell is judged as a cell by certify(), among all balls that can be as near to anything of it as its
 /// own: those no farther from the ball's surface than twice the cell's largest clearance, which certify()
-/// proves, too. Then
+/// proves, too. Where the box repeats these are images (near_balls.hpp), and none of the cell's faces may lie
+/// on a side that repeats. Then
 ///   - a ball without a cell lies in another one, or equals one of a lower number;
 ///   - pairs: two cells have as many faces between them, one area within both bounds, and the same vertices,
-///     by all of their sites and within both errors;
+///     by all of their sites and within both errors: what cell i has with the image s of ball j, cell j has
+///     with the image -s of ball i, moved by s;
 ///   - the volumes' enclosures add up to one of the box's volume.
 /// Nothing that computed the diagram takes part.
 #pragma once
@@ -21,14 +23,17 @@ namespace vcell {
 /// A diagram of balls as its file has it.
 struct StoredDiagram {
     DiagramScene scene;
-    /// By ball, ascending; sites of elements are the balls' numbers. Their scenes are left out.
+    /// A bound on the distance that coordinates had been moved by when they were written, to a grid on which
+    /// images are exact (VoronoiDiagram::moved). Nothing is proved about it.
+    double moved = 0;
+    /// By ball, ascending; sites of elements are places in `images` of the cells' scenes, which have nothing
+    /// else.
     std::vector<std::pair<std::uint32_t, Cell>> cells;
 };
 
-/// Elements are named "cells[7].vertices[3]", by the ball's number, "pairs[7, 9]" and "volume"; what is said
-/// of a cell's elements numbers the balls that can reach the cell, ascending, from 0. The bytes are the same
-/// for any number of threads. Pre: the scene's objects are balls, in a box that does not repeat, without a
-/// probe.
+/// Elements are named "cells[7].vertices[3]", by the ball's number, "pairs[7, 9(0,-1,0)]" and "volume"; what
+/// is said of a cell's elements numbers the balls that can reach the cell, ascending, from 0. The bytes are
+/// the same for any number of threads. Pre: the scene's objects are balls, without a probe.
 Certificate certify(const StoredDiagram& diagram, const CheckOptions& options = {}, unsigned threads = 1);
 
 }  // namespace vcell

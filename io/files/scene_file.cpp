@@ -142,8 +142,6 @@ Box read_box(JsonReader& in) {
     return box;
 }
 
-namespace {
-
 void write_object(JsonWriter& out, const Object& object, const std::string& name) {
     out.object([&] {
         if (const auto* plane = std::get_if<Plane>(&object))
@@ -178,8 +176,6 @@ void write_object(JsonWriter& out, const Object& object, const std::string& name
         if (!name.empty()) out.key("name").value(name);
     });
 }
-
-}  // namespace
 
 Scene read_scene_value(JsonReader& in) {
     Scene scene;

@@ -27,6 +27,7 @@ inline constexpr int format_version = 1;
 Vec3 read_vec3(JsonReader& in);
 /// An object: exactly one kind, perhaps a name, and where `group` is there perhaps a group.
 Object read_object(JsonReader& in, std::string& name, std::string* group = nullptr);
+void write_object(JsonWriter& out, const Object& object, const std::string& name);
 /// An array of them; names (and groups) stay empty where there are none.
 void read_objects(JsonReader& in, std::vector<Object>& objects, std::vector<std::string>& names,
                   std::vector<std::string>* groups = nullptr);

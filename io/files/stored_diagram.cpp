@@ -1,9 +1,12 @@
 #include "stored_diagram.hpp"
 
+#include <array>
 #include <ostream>
+#include <string>
 #include <variant>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/whole/cell_finder.hpp"
 #include "cell_json.hpp"
 #include "scene_json.hpp"
 
@@ -18,61 +21,70 @@ using Kind = InputError::Kind;
 }
 
 void require_balls(const DiagramScene& scene) {
-    if (scene.is_periodic()) fail_unsupported("periodic", "is of no diagram that is written as a file");
     if (scene.probe) fail_unsupported("probe", "is of no diagram that is written as a file");
-    if (scene.objects.empty()) fail_unsupported("objects", "must not be empty");
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         if (!std::holds_alternative<Sphere>(scene.objects[i]))
             fail_unsupported("objects[" + std::to_string(i) + "]",
                              "is no ball: only diagrams of balls are written as files");
 }
 
-DiagramScene read_scene(JsonReader& in) {
+DiagramScene read_scene(JsonReader& in, double& moved) {
     DiagramScene scene;
-    in.object(required_member("objects", [&] { read_objects(in, scene.objects, scene.names); }),
-              required_member("box", [&] { scene.box = read_box(in); }),
-              optional_member("units", [&] { scene.units = in.string(); }),
-              optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
+    in.object(
+        required_member("objects", [&] { read_objects(in, scene.objects, scene.names); }),
+        required_member("box", [&] { scene.box = read_box(in); }),
+        optional_member("periodic",
+                        [&] { in.array_of(3, [&](std::size_t i) { scene.periodic[i] = in.boolean(); }); }),
+        optional_member("tilt", [&] { in.array_of(3, [&](std::size_t i) { scene.tilt[i] = in.number(); }); }),
+        optional_member("moved", [&] { moved = in.number(); }),
+        optional_member("units", [&] { scene.units = in.string(); }),
+        optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
     return scene;
 }
 
-// Any ball's scene: what is wrong with one is wrong with all.
-void validate_as_scene(const DiagramScene& diagram) {
-    Scene scene;
-    scene.base = diagram.objects.front();
-    scene.objects = diagram.objects;
-    scene.box = diagram.box;
-    scene.tolerance = diagram.tolerance;
-    validate(scene);
+void write_scene(JsonWriter& out, const DiagramScene& scene, double moved) {
+    out.object([&] {
+        std::size_t i = 0;
+        out.line_key("objects").lines(scene.objects, [&](const Object& object) {
+            write_object(out, object, i < scene.names.size() ? scene.names[i] : std::string());
+            ++i;
+        });
+        out.line_key("box").object([&] {
+            out.key("min").value(scene.box.min);
+            out.key("max").value(scene.box.max);
+        });
+        if (scene.is_periodic()) {
+            out.key("periodic").value(scene.periodic);
+            if (scene.tilt != std::array{0.0, 0.0, 0.0}) out.key("tilt").value(scene.tilt);
+            out.key("moved").value(moved);
+        }
+        out.key("units").value(scene.units);
+        if (scene.tolerance) out.key("tolerance").value(*scene.tolerance);
+    });
+}
+
+// Sites are images along axes along which the box repeats.
+void require_images(const StoredDiagram& diagram) {
+    for (std::size_t i = 0; i < diagram.cells.size(); ++i)
+        for (const ObjectImage& object : diagram.cells[i].second.scene.images)
+            for (std::size_t k = 0; k < 3; ++k)
+                if (object.image[k] != 0 && !diagram.scene.periodic[k])
+                    throw InputError(Kind::OutOfRange, InputError::no_object,
+                                     "cells[" + std::to_string(i) + "]",
+                                     "names " + to_string(object) +
+                                         ", an image along an axis along which the box does not repeat");
 }
 
 }  // namespace
 
 DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene) : out_(out), writer_(out) {
     require_balls(scene);
+    whole::validate_diagram(scene);
+    DiagramScene decided = scene;
+    const double moved = whole::snap_to_grid(decided);
     writer_.begin_object();
     writer_.key("vcell").value(format_version);
-    writer_.line_key("diagram").object([&] {
-        writer_.line_key("objects").array([&] {
-            for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-                const auto& ball = std::get<Sphere>(scene.objects[i]);
-                writer_.object([&] {
-                    writer_.line_key("sphere").object([&] {
-                        writer_.key("center").value(ball.center);
-                        writer_.key("radius").value(ball.radius);
-                    });
-                    if (i < scene.names.size() && !scene.names[i].empty())
-                        writer_.key("name").value(scene.names[i]);
-                });
-            }
-        });
-        writer_.line_key("box").object([&] {
-            writer_.key("min").value(scene.box.min);
-            writer_.key("max").value(scene.box.max);
-        });
-        writer_.key("units").value(scene.units);
-        if (scene.tolerance) writer_.key("tolerance").value(*scene.tolerance);
-    });
+    write_scene(writer_.line_key("diagram"), decided, moved);
     writer_.line_key("cells");
     writer_.begin_array();
 }
@@ -97,7 +109,7 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
                   required_member("diagram",
                                   [&] {
                                       is_diagram = true;
-                                      diagram.scene = read_scene(in);
+                                      diagram.scene = read_scene(in, diagram.moved);
                                   }),
                   required_member("cells", [&] {
                       in.array([&](std::size_t i) {
@@ -112,7 +124,8 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
     }
     in.end();
     require_balls(diagram.scene);
-    validate_as_scene(diagram.scene);
+    whole::validate_diagram(diagram.scene);
+    require_images(diagram);
     const std::size_t count = diagram.scene.objects.size();
     for (const auto& [object, cell] : diagram.cells)
         if (object >= count)

@@ -14,8 +14,8 @@ namespace vcell {
 /// Writes the file as its cells are computed: add() is made for DiagramOptions::visit.
 class DiagramWriter {
 public:
-    /// Throws InputError (Unsupported) for a scene of which cells have no patches or sites no numbers: with
-    /// planes or tubes, in a box that repeats, with a probe.
+    /// Throws InputError (Unsupported) for a scene with planes, tubes or vessels, or with a probe, and as
+    /// voronoi_diagram(). What repeats is written as it was decided about: moved to its binary grid.
     DiagramWriter(std::ostream& out, const DiagramScene& scene);
 
     void add(std::uint32_t object, const Cell& cell);

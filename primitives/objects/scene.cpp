@@ -137,6 +137,14 @@ std::size_t Scene::place(std::uint32_t number) const {
     return static_cast<std::size_t>(std::ranges::lower_bound(numbers, number) - numbers.begin());
 }
 
+std::string to_string(const ObjectImage& object) {
+    const auto& [x, y, z] = object.image;
+    std::string text = std::to_string(object.number);
+    if (x != 0 || y != 0 || z != 0)
+        text += '(' + std::to_string(x) + ',' + std::to_string(y) + ',' + std::to_string(z) + ')';
+    return text;
+}
+
 void validate(const Scene& scene) {
     const std::string base_path = std::string("base.") + type_name(scene.base);
     std::visit(Checker(scene, InputError::no_object, base_path.c_str()), scene.base);
@@ -172,7 +180,8 @@ std::string object_path(const Scene& scene, std::size_t object, const std::strin
 }
 
 std::string object_title(const Scene& scene, std::size_t object) {
-    std::string title = "object " + std::to_string(scene.number(object));
+    std::string title = "object " + (object < scene.images.size() ? to_string(scene.images[object])
+                                                                  : std::to_string(scene.number(object)));
     if (object < scene.names.size() && !scene.names[object].empty())
         title += " (" + scene.names[object] + ")";
     return title;

@@ -1,6 +1,8 @@
 /// A scene: one base, its objects, and the box that clips the cell.
 #pragma once
 
+#include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,6 +12,16 @@
 #include "site.hpp"
 
 namespace vcell {
+
+/// An object of a whole diagram, moved by so many edges of a box that repeats.
+struct ObjectImage {
+    std::uint32_t number = 0;
+    std::array<std::int16_t, 3> image{0, 0, 0};
+
+    friend auto operator<=>(const ObjectImage&, const ObjectImage&) = default;
+};
+/// "3(0,-1,0)", or "3" where it is not moved: as files write it.
+std::string to_string(const ObjectImage& object);
 
 struct Scene {
     Object base;
@@ -22,6 +34,9 @@ struct Scene {
     /// ascending: `objects` are then some of a larger scene's (cell_changes.hpp), and files are written of
     /// that.
     std::vector<std::uint32_t> numbers;
+    /// Empty, or what `objects` are in a box that repeats, ascending (DiagramOptions::visit). Sites are
+    /// places then, as images have no numbers of their own, and messages name the images.
+    std::vector<ObjectImage> images;
     std::string base_name;
     Box box;
     std::string units = "mm";

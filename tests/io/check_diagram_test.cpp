@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "../../core/errors.hpp"
-#include "../../io/files/stored_diagram.hpp"
 #include "../test_support.hpp"
+#include "stored_diagrams.hpp"
 
 using namespace vcell;
 
@@ -25,23 +25,6 @@ DiagramScene random_balls(std::mt19937_64& rng, int count) {
     return scene;
 }
 
-std::string text_of(const DiagramScene& scene) {
-    std::ostringstream out;
-    DiagramWriter writer(out, scene);
-    DiagramOptions options;
-    options.visit = [&](std::uint32_t object, const Cell& cell) { writer.add(object, cell); };
-    voronoi_diagram(scene, options);
-    writer.finish();
-    return out.str();
-}
-
-// Is there an element of that name, or one below it, that is not proved?
-bool objects_to(const Certificate& certificate, const std::string& where) {
-    for (const Element& e : certificate.elements)
-        if (e.verdict != Verdict::proved && e.where.starts_with(where)) return true;
-    return false;
-}
-
 }  // namespace
 
 TEST_CASE("check of a diagram: cells of random balls are proved, and fill their box") {
@@ -50,12 +33,7 @@ TEST_CASE("check of a diagram: cells of random balls are proved, and fill their 
     const auto diagram = parse_diagram(text);
     REQUIRE(diagram);
     const Certificate certificate = certify(*diagram);
-    for (const Element& e : certificate.elements) {
-        CAPTURE(e.where);
-        CAPTURE(e.what);
-        CHECK(e.verdict == Verdict::proved);
-    }
-    CHECK(certificate.elements.back().where == "volume");
+    check_proved(certificate);
     std::ostringstream alone, together;
     write_certificate(alone, certificate);
     write_certificate(together, certify(*diagram, {}, 3));
@@ -134,6 +112,6 @@ TEST_CASE("diagram file: what is none, or none of balls, is refused") {
     DiagramScene scene;
     scene.box = {{0, 0, 0}, {1, 1, 1}};
     scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}};
-    scene.periodic = {true, false, false};
+    scene.probe = 0.2;
     CHECK_THROWS_AS(DiagramWriter(out, scene), InputError);
 }

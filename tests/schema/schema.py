@@ -22,7 +22,7 @@ def load(path):
 
 
 def validators(folder):
-    schemas = {name: load(folder / f"{name}.schema.json") for name in ("scene", "cell", "diagram_scene")}
+    schemas = {name: load(folder / f"{name}.schema.json") for name in ("scene", "cell", "diagram_scene", "diagram")}
     store = {schema["$id"]: schema for schema in schemas.values()}
     for schema in schemas.values():
         jsonschema.Draft202012Validator.check_schema(schema)
@@ -109,7 +109,7 @@ def main():
             continue
         refused += agree(valid["scene"], scene, reads("measure"), faults, "scene")
         refused += agree(valid["cell"], cell, reads("refine", "--vertex", "0", "--bits", "1"), faults, "cell")
-    diagrams = 0
+    diagrams = files = 0
     for scene_path in sys.argv[split + 1:]:
         scene = load(scene_path)
         diagrams += 1
@@ -119,12 +119,25 @@ def main():
             faults.append(f"{scene_path}: no diagram")
         if diagrams == 1:
             refused += agree(valid["diagram_scene"], scene, reads("diagram"), faults, scene_path)
+        file_path = folder / "diagram.json"
+        if "probe" in scene or run("diagram", scene_path, "-o", str(file_path)) != 0:
+            continue
+        whole = load(file_path)
+        files += 1
+        for error in valid["diagram"].iter_errors(whole):
+            faults.append(f"diagram of {scene_path}: {list(error.path)}: {error.message}")
+        # Which images there may be is no matter of a schema. One cell is like the others, and one of its elements.
+        below = ("cells",) if any(scene.get("periodic", ())) else ("diagram",)
+        whole["cells"] = whole["cells"][:1]
+        for key in ("vertices", "edges", "faces"):
+            whole["cells"][0][key] = whole["cells"][0][key][-1:]
+        refused += agree(valid["diagram"], whole, reads("check", "--effort", "0"), faults, "diagram's file", below)
     # What is a scene of one cell is one of a diagram, too.
     for scene_path in sys.argv[4:split]:
         for error in valid["diagram_scene"].iter_errors(load(scene_path)):
             faults.append(f"{scene_path} as a diagram's: {list(error.path)}: {error.message}")
-    print(f"{scenes} scenes, {cells} cells, {diagrams} diagrams, {refused} damages refused", *faults, sep="\n")
-    sys.exit(bool(faults) or scenes == 0 or cells == 0 or closed == 0 or diagrams == 0 or refused < 100)
+    print(f"{scenes} scenes, {cells} cells, {diagrams} diagrams, {files} of them as files, {refused} damages refused", *faults, sep="\n")
+    sys.exit(bool(faults) or scenes == 0 or cells == 0 or closed == 0 or diagrams == 0 or files == 0 or refused < 100)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,53 @@
+/// Diagrams as files have them, for the tests that judge and damage them.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <sstream>
+#include <string>
+
+#include "../../io/files/stored_diagram.hpp"
+
+namespace vcell {
+
+inline std::string text_of(const DiagramScene& scene) {
+    std::ostringstream out;
+    DiagramWriter writer(out, scene);
+    DiagramOptions options;
+    options.visit = [&](std::uint32_t object, const Cell& cell) { writer.add(object, cell); };
+    voronoi_diagram(scene, options);
+    writer.finish();
+    return out.str();
+}
+
+/// As it is read from its file.
+inline StoredDiagram stored(const DiagramScene& scene) {
+    auto diagram = parse_diagram(text_of(scene));
+    REQUIRE(diagram);
+    return *std::move(diagram);
+}
+
+inline void check_proved(const Certificate& certificate) {
+    for (const Element& e : certificate.elements) {
+        if (e.verdict == Verdict::proved) continue;
+        CAPTURE(e.where);
+        CAPTURE(e.what);
+        CHECK(e.verdict == Verdict::proved);
+    }
+    REQUIRE(!certificate.elements.empty());
+    CHECK(certificate.elements.back().where == "volume");
+}
+
+/// Is there an element of that name, or one below it, of that verdict?
+inline bool has_verdict(const Certificate& certificate, const std::string& where, Verdict verdict) {
+    for (const Element& e : certificate.elements)
+        if (e.verdict == verdict && e.where.starts_with(where)) return true;
+    return false;
+}
+/// One that is not proved.
+inline bool objects_to(const Certificate& certificate, const std::string& where) {
+    return has_verdict(certificate, where, Verdict::refuted) ||
+           has_verdict(certificate, where, Verdict::open);
+}
+
+}  // namespace vcell
