@@ -18,6 +18,7 @@
 #include "../../core/threads.hpp"
 #include "containment.hpp"
 #include "near_balls.hpp"
+#include "space.hpp"
 
 namespace vcell {
 
@@ -52,6 +53,9 @@ public:
         const Box& box = diagram.scene.box;
         rounding_ = file_rounding *
                     std::max({box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff(), box.diagonal()});
+        const std::vector<Object>& objects = diagram.scene.objects;
+        for (std::uint32_t i = 0; i < objects.size(); ++i)
+            if (!is_ball(i)) others_.emplace_back(i, check::Surface<Interval>(objects[i]));
     }
 
     Certificate operator()() {
@@ -63,6 +67,15 @@ public:
     }
 
 private:
+    // A ball, where its image is, or another object.
+    struct Candidate {
+        ObjectImage object;
+        Object shape;
+    };
+    struct Candidates {
+        std::vector<Candidate> found;  // ascending
+        std::string lack;              // as of NearBalls::Search
+    };
     // What a cell shares with one ball.
     struct Shared {
         std::size_t faces = 0;
@@ -78,10 +91,13 @@ private:
     // the greater one of two opposite ones.
     using Pair = std::pair<std::uint32_t, ObjectImage>;
 
+    bool is_ball(std::uint32_t i) const { return std::holds_alternative<Sphere>(diagram_.scene.objects[i]); }
     const Sphere& ball(std::uint32_t i) const { return std::get<Sphere>(diagram_.scene.objects[i]); }
     bool has_no_cell(std::uint32_t j) const {
         return !std::ranges::binary_search(diagram_.cells, j, {}, [](const auto& c) { return c.first; });
     }
+    // Numbers of no object are of pairs, too, to be refuted.
+    bool is_ball_or_none(std::uint32_t i) const { return i >= diagram_.scene.objects.size() || is_ball(i); }
     bool repeats(std::uint32_t side) const { return diagram_.scene.periodic[side / 2]; }
 
     // ---- Cells ----
@@ -108,9 +124,26 @@ private:
         return room;
     }
 
-    // The cell with its scene: the balls that can reach it, and sites are places among these.
-    Cell cell_among(const std::vector<check::NearBalls::Found>& near, std::uint32_t object,
-                    const Cell& stored) const {
+    // All objects that may be nearer to the surface of ball i than `reach`.
+    Candidates candidates(std::uint32_t i, double reach) const {
+        Candidates result;
+        check::NearBalls::Search near = balls_.search(i, reach);
+        result.lack = std::move(near.lack);
+        for (const auto& [object, moved] : near.found) result.found.push_back({object, moved});
+        for (const auto& [number, surface] : others_) {
+            const Interval distance = surface.distance(check::to_vector<Interval>(ball(i).center));
+            const bool is_plane = surface.kind == check::Surface<Interval>::Kind::plane;
+            const Interval room =
+                (is_plane ? check::magnitude(distance) : distance) - Interval(ball(i).radius);
+            if (!(room.lower() > reach))
+                result.found.push_back({{number, {}}, diagram_.scene.objects[number]});
+        }
+        std::ranges::sort(result.found, {}, &Candidate::object);
+        return result;
+    }
+
+    // The cell with its scene: the objects that can reach it, and sites are places among these.
+    Cell cell_among(const std::vector<Candidate>& near, std::uint32_t object, const Cell& stored) const {
         const DiagramScene& all = diagram_.scene;
         Cell cell = stored;
         Scene& scene = cell.scene;
@@ -118,12 +151,12 @@ private:
         scene.box = room(ball(object));
         scene.units = all.units;
         scene.tolerance = all.tolerance;
-        for (const auto& found : near) scene.objects.emplace_back(found.ball);
+        for (const Candidate& found : near) scene.objects.push_back(found.shape);
 
         // What is not among them is no object.
         const auto place_of = [&](std::uint32_t named) {
             const ObjectImage& image = stored.scene.images[named];
-            const auto at = std::ranges::lower_bound(near, image, {}, &check::NearBalls::Found::object);
+            const auto at = std::ranges::lower_bound(near, image, {}, &Candidate::object);
             return at != near.end() && at->object == image ? static_cast<std::uint32_t>(at - near.begin())
                                                            : UINT32_MAX - 1;
         };
@@ -149,13 +182,16 @@ private:
         const double stated = 2 * (m.max_clearance + m.max_clearance_error);
         const double reach =
             std::min(std::isfinite(stated) ? std::max(0.0, stated) : HUGE_VAL, 2 * balls_.farthest());
-        auto near = balls_.search(object, reach);
+        Candidates near = candidates(object, reach);
         if (!near.lack.empty()) {
             certificate.leave_open("scene", near.lack, HUGE_VAL);
             return certificate;
         }
-        // What is in another ball owns nothing; of equal ones the first has the cell.
-        std::erase_if(near.found, [&](const auto& found) { return has_no_cell(found.object.number); });
+        // What is in another ball, or beyond a vessel's wall, owns nothing; of equal ones the first has the
+        // cell.
+        std::erase_if(near.found, [&](const Candidate& found) {
+            return std::holds_alternative<Sphere>(found.shape) && has_no_cell(found.object.number);
+        });
         try {
             const Cell cell = cell_among(near.found, object, stored);
             validate(cell.scene);
@@ -187,18 +223,18 @@ private:
 
     void check_without_cells() {
         for (std::uint32_t i = 0; i < diagram_.scene.objects.size(); ++i) {
-            if (!has_no_cell(i)) continue;
-            const auto holds = [&](const check::NearBalls::Found& found) {
-                return check::contains(found.ball, ball(i)) &&
-                       (found.object.number < i || !check::contains(ball(i), found.ball));
+            if (!is_ball(i) || !has_no_cell(i)) continue;
+            const auto holds = [&](const Candidate& found) {
+                return check::contains(found.shape, ball(i)) &&
+                       (found.object.number < i || !check::contains(ball(i), found.shape));
             };
-            const auto near = balls_.search(i, 0);
+            const Candidates near = candidates(i, 0);
             if (!near.lack.empty())
                 certificate_.leave_open(cell_name(i), near.lack, HUGE_VAL);
             else if (std::ranges::any_of(near.found, holds))
                 certificate_.prove(cell_name(i));
             else
-                certificate_.refute(cell_name(i), "the ball has no cell, and lies in no other one");
+                certificate_.refute(cell_name(i), "the ball has no cell, and lies in no other object");
         }
     }
 
@@ -213,11 +249,14 @@ private:
                                    : pairs[{other.number, {own.number, joined({}, other.image, -1)}}][1];
             };
             const std::vector<ObjectImage>& images = cell.scene.images;
+            const auto is_shared = [&](const Site& site) {
+                return site.is_object() && is_ball_or_none(images[site.index].number);
+            };
             for (const CellFace& f : cell.faces) {
                 std::vector<Site> sites{f.site};
                 sites.insert(sites.end(), f.extra_sites.begin(), f.extra_sites.end());
                 for (const Site site : sites) {
-                    if (!site.is_object()) continue;
+                    if (!is_shared(site)) continue;
                     Shared& s = shared(images[site.index]);
                     ++s.faces;
                     s.area += Interval(f.area) + Interval(-f.area_error, f.area_error);
@@ -233,7 +272,7 @@ private:
                 }
                 std::ranges::sort(sites);
                 for (const Site site : v.sites)
-                    if (site.is_object())
+                    if (is_shared(site))
                         shared(images[site.index]).vertices.push_back({sites, v.point, v.error});
             }
         }
@@ -302,19 +341,24 @@ private:
         }
         for (int k = 0; k < 3; ++k)
             box *= Interval(diagram_.scene.box.max[k]) - Interval(diagram_.scene.box.min[k]);
-        if (sum.upper() < box.lower() || box.upper() < sum.lower())
+        // Where all objects are balls nothing is left; what is nearest to others has no cell here.
+        const bool fills = others_.empty();
+        if ((fills && sum.upper() < box.lower()) || box.upper() < sum.lower())
             certificate_.refute("volume",
                                 fmt::format("the cells' volumes add up to {} within {}, the box has {}",
                                             sum.mid(), sum.radius(), box.mid()),
                                 std::max(box.lower() - sum.upper(), sum.lower() - box.upper()));
-        else
+        else if (fills)
             certificate_.prove("volume", (sum - box).magnitude());
+        else
+            certificate_.prove("volume", sum.radius(), "the rest of the box is nearest to what are no balls");
     }
 
     const StoredDiagram& diagram_;
     const CheckOptions& options_;
     const unsigned threads_;
     const check::NearBalls balls_;
+    std::vector<std::pair<std::uint32_t, check::Surface<Interval>>> others_;  // that are no balls
     double rounding_ = 0;  // of points, in the scene's unit
     Certificate certificate_;
 };

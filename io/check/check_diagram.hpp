@@ -1,14 +1,16 @@
 /// vcell check: proves that a diagram is what its file says, from the objects in it alone.
 ///
-/// Each cell is judged as a cell by certify(), among all balls that can be as near to anything of it as its
-/// own: those no farther from the ball's surface than twice the cell's largest clearance, which certify()
+/// Each cell is judged as a cell by certify(), among all objects that can be as near to anything of it as its
+/// ball: those no farther from the ball's surface than twice the cell's largest clearance, which certify()
 /// proves, too. Where the box repeats these are images (near_balls.hpp), and none of the cell's faces may lie
 /// on a side that repeats. Then
-///   - a ball without a cell lies in another one, or equals one of a lower number;
+///   - a ball without a cell lies in another object, or beyond a vessel's wall, or equals a ball of a lower
+///     number;
 ///   - pairs: two cells have as many faces between them, one area within both bounds, and the same vertices,
 ///     by all of their sites and within both errors: what cell i has with the image s of ball j, cell j has
 ///     with the image -s of ball i, moved by s;
-///   - the volumes' enclosures add up to one of the box's volume.
+///   - the volumes' enclosures add up to one of the box's volume; where there are other objects, which have
+///     no cell here, to no more.
 /// Nothing that computed the diagram takes part.
 #pragma once
 
@@ -20,7 +22,7 @@
 
 namespace vcell {
 
-/// A diagram of balls as its file has it.
+/// The cells of a diagram's balls as its file has them.
 struct StoredDiagram {
     DiagramScene scene;
     /// A bound on the distance that coordinates had been moved by when they were written, to a grid on which
@@ -32,8 +34,9 @@ struct StoredDiagram {
 };
 
 /// Elements are named "cells[7].vertices[3]", by the ball's number, "pairs[7, 9(0,-1,0)]" and "volume"; what
-/// is said of a cell's elements numbers the balls that can reach the cell, ascending, from 0. The bytes are
-/// the same for any number of threads. Pre: the scene's objects are balls, without a probe.
+/// is said of a cell's elements numbers the objects that can reach the cell, ascending, from 0. The bytes are
+/// the same for any number of threads. Pre: the scene is valid, without a probe, and the cells are of its
+/// balls.
 Certificate certify(const StoredDiagram& diagram, const CheckOptions& options = {}, unsigned threads = 1);
 
 }  // namespace vcell

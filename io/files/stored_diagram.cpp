@@ -1,5 +1,6 @@
 #include "stored_diagram.hpp"
 
+#include <algorithm>
 #include <array>
 #include <ostream>
 #include <string>
@@ -20,12 +21,12 @@ using Kind = InputError::Kind;
     throw InputError(Kind::Unsupported, InputError::no_object, path, what);
 }
 
+bool is_ball(const Object& object) { return std::holds_alternative<Sphere>(object); }
+
 void require_balls(const DiagramScene& scene) {
     if (scene.probe) fail_unsupported("probe", "is of no diagram that is written as a file");
-    for (std::size_t i = 0; i < scene.objects.size(); ++i)
-        if (!std::holds_alternative<Sphere>(scene.objects[i]))
-            fail_unsupported("objects[" + std::to_string(i) + "]",
-                             "is no ball: only diagrams of balls are written as files");
+    if (!scene.objects.empty() && std::ranges::none_of(scene.objects, is_ball))
+        fail_unsupported("objects", "are no balls: only the cells of balls are written as files");
 }
 
 DiagramScene read_scene(JsonReader& in, double& moved) {
@@ -128,8 +129,8 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
     require_images(diagram);
     const std::size_t count = diagram.scene.objects.size();
     for (const auto& [object, cell] : diagram.cells)
-        if (object >= count)
-            throw InputError(Kind::OutOfRange, InputError::no_object, "cells", "has a cell of no object");
+        if (object >= count || !is_ball(diagram.scene.objects[object]))
+            throw InputError(Kind::OutOfRange, InputError::no_object, "cells", "has a cell of no ball");
     return diagram;
 }
 

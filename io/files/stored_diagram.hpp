@@ -1,5 +1,5 @@
-/// Diagrams of balls as files: the objects, and all cells with their elements (docs/files.md, "Diagrams as
-/// files").
+/// Diagrams as files: the objects, and the cells of all balls with their elements (docs/files.md, "Scenes of
+/// whole diagrams").
 #pragma once
 
 #include <iosfwd>
@@ -14,10 +14,11 @@ namespace vcell {
 /// Writes the file as its cells are computed: add() is made for DiagramOptions::visit.
 class DiagramWriter {
 public:
-    /// Throws InputError (Unsupported) for a scene with planes, tubes or vessels, or with a probe, and as
-    /// voronoi_diagram(). What repeats is written as it was decided about: moved to its binary grid.
+    /// Throws InputError (Unsupported) for a scene without balls, or with a probe, and as voronoi_diagram().
+    /// What repeats is written as it was decided about: moved to its binary grid.
     DiagramWriter(std::ostream& out, const DiagramScene& scene);
 
+    /// Pre: the object is a ball.
     void add(std::uint32_t object, const Cell& cell);
     void finish();
 

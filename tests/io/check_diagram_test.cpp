@@ -90,7 +90,7 @@ TEST_CASE("check of a diagram: what is damaged is objected to") {
     }
 }
 
-TEST_CASE("diagram file: what is none, or none of balls, is refused") {
+TEST_CASE("diagram file: what is none, or without balls, is refused") {
     CHECK_FALSE(parse_diagram(R"({"vcell": 1, "scene": {}})"));
     const auto path_of = [](const std::string& text) {
         try {
@@ -104,7 +104,7 @@ TEST_CASE("diagram file: what is none, or none of balls, is refused") {
     CHECK(
         path_of(
             R"({"vcell": 1, "diagram": {"objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}], )" +
-            box + R"(, "cells": []})") == "objects[0]");
+            box + R"(, "cells": []})") == "objects");
     CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], )" + box + R"(, "cells": []})") == "objects");
     CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], "colour": 1, )" + box + R"(, "cells": []})") ==
           "diagram.colour");
