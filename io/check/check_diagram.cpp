@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -142,6 +145,25 @@ private:
         return result;
     }
 
+    // What is said of objects by their places among the candidates, said by their numbers.
+    static std::string with_numbers(const std::string& text, const std::vector<Candidate>& near) {
+        static constexpr std::string_view word = "object ";
+        std::string result;
+        for (std::size_t at = 0;;) {
+            const std::size_t found = text.find(word, at);
+            if (found == text.npos) return result.append(text, at);
+            const std::size_t behind = found + word.size();
+            result.append(text, at, behind - at);
+            at = behind;
+            std::uint32_t place = 0;
+            const char* const end = text.data() + text.size();
+            const auto [after, error] = std::from_chars(text.data() + behind, end, place);
+            if (error != std::errc() || place >= near.size()) continue;
+            result += to_string(near[place].object);
+            at = static_cast<std::size_t>(after - text.data());
+        }
+    }
+
     // The cell with its scene: the objects that can reach it, and sites are places among these.
     Cell cell_among(const std::vector<Candidate>& near, std::uint32_t object, const Cell& stored) const {
         const DiagramScene& all = diagram_.scene;
@@ -192,12 +214,19 @@ private:
         std::erase_if(near.found, [&](const Candidate& found) {
             return std::holds_alternative<Sphere>(found.shape) && has_no_cell(found.object.number);
         });
+        for (const ObjectImage& image : stored.scene.images)
+            if (!std::ranges::binary_search(near.found, image, {}, &Candidate::object))
+                certificate.refute(
+                    "sites", fmt::format("name object {}, which cannot reach the cell", to_string(image)));
         try {
             const Cell cell = cell_among(near.found, object, stored);
             validate(cell.scene);
             Certificate of_cell = certify(cell, options_);
             certificate.distance = of_cell.distance;
-            for (Element& e : of_cell.elements) certificate.add(std::move(e));
+            for (Element& e : of_cell.elements) {
+                if (!e.what.empty()) e.what = with_numbers(e.what, near.found);
+                certificate.add(std::move(e));
+            }
         } catch (const InputError& e) {
             certificate.refute("scene", e.what());
         }

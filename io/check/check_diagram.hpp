@@ -33,10 +33,9 @@ struct StoredDiagram {
     std::vector<std::pair<std::uint32_t, Cell>> cells;
 };
 
-/// Elements are named "cells[7].vertices[3]", by the ball's number, "pairs[7, 9(0,-1,0)]" and "volume"; what
-/// is said of a cell's elements numbers the objects that can reach the cell, ascending, from 0. The bytes are
-/// the same for any number of threads. Pre: the scene is valid, without a probe, and the cells are of its
-/// balls.
+/// Elements are named "cells[7].vertices[3]", by the ball's number, "pairs[7, 9(0,-1,0)]" and "volume".
+/// The bytes are the same for any number of threads. Pre: the scene is valid, without a probe, and the cells
+/// are of its balls.
 Certificate certify(const StoredDiagram& diagram, const CheckOptions& options = {}, unsigned threads = 1);
 
 }  // namespace vcell

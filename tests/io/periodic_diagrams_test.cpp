@@ -108,6 +108,19 @@ TEST_CASE("check of a diagram that repeats: lattices of small integers, whose ve
             CHECK(most == lattice.most_sites);
         }
         check_proved(certify(diagram));
+
+        // A site that a vertex lacks is told by its number and image.
+        StoredDiagram damaged = diagram;
+        Cell& cell = damaged.cells.back().second;
+        auto& sites = cell.vertices[0].sites;
+        const std::size_t last = sites.size() - 1;
+        const std::string lost = "object " + to_string(cell.scene.images[sites[last].index]);
+        sites.resize(last);
+        const Certificate certificate = certify(damaged);
+        CHECK(std::ranges::any_of(certificate.elements, [&](const Element& e) {
+            return e.verdict == Verdict::refuted && e.where.ends_with(".vertices[0].sites") &&
+                   e.what.find(lost) != std::string::npos;
+        }));
     }
 }
 
