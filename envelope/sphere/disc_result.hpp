@@ -207,8 +207,8 @@ private:
         std::ranges::sort(forms);
         forms.erase(std::ranges::unique(forms).begin(), forms.end());
     }
-    // Finds the faces without width, and all forms that tie along edges, which tie in their ends, too. False
-    // where that is not known.
+    // Finds the faces without width, and all forms that tie along edges, which tie in their ends, too: also
+    // along edges that others have cut down to a point. False where that is not known.
     bool unite_edges() {
         if (ties_.empty()) return true;
         for (Index f = 0; f < family_.size(); ++f) {
@@ -232,7 +232,7 @@ private:
             slivers_[f] = sides;
         }
         for (Index e = 0; e < edges_.size(); ++e) {
-            if (edges_[e].apex.is_gone() || edges_[e].is_point || edges_[e].ties == none) continue;
+            if (edges_[e].apex.is_gone() || edges_[e].ties == none) continue;
             for (const Index h : {2 * e, 2 * e + 1}) {
                 const Index v = place(half_edges_[h].origin);
                 std::vector<Index>& forms = tied_[v];

@@ -96,7 +96,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "turning_twice",
                              "lever",
                              "volume_error_among_tubes",
-                             "twin_tubes_over_plane"}) {
+                             "twin_tubes_over_plane",
+                             "tie_along_edge_cut_to_a_point"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
