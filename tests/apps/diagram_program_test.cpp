@@ -166,6 +166,29 @@ TEST_CASE("program: a diagram's file is checked as a cell's is") {
     CHECK(work.run("diagram balls.txt --probe 1 -o all.json").status == 1);
 }
 
+TEST_CASE("program: files of boxes that repeat, and of balls in a vessel, are checked, too") {
+    const Workplace work;
+    work.write("balls.txt", "0 0 0 0.5\n1.5 0 0 0.3\n0.2 1 0.4 0.2\n");
+    REQUIRE(
+        work.run("diagram balls.txt --box 0 0 0 3 3 3 --periodic xyz --tilt 0.5 0 -0.5 -o all.json").status ==
+        0);
+    const Outcome checked = work.run("check all.json");
+    CAPTURE(checked.out);
+    CHECK(checked.status == 0);
+    CHECK(checked.out.starts_with("ok: 3 cells that fill their box; the boundary is within "));
+    std::string text = work.read("all.json");
+    const std::size_t image = text.find("\"1(-1,0,0)\"");
+    REQUIRE(image != text.npos);
+    text.replace(image, 11, "\"1(-1,0,1)\"");
+    CHECK(work.run("check -", text).status == 4);
+
+    REQUIRE(work.run("diagram " VCELL_EXAMPLE_SCENES "/vessel.json -o vessel.out.json").status == 0);
+    const Outcome vessel = work.run("check vessel.out.json");
+    CAPTURE(vessel.out);
+    CHECK(vessel.status == 0);
+    CHECK(vessel.out.starts_with("ok: 4 cells of balls among other objects; the boundary is within "));
+}
+
 TEST_CASE("program: diagram reads molecules and dumps") {
     const Workplace work;
     const std::string data = VCELL_TEST_DATA "/";
