@@ -17,6 +17,7 @@
 #include "../io/files/network_file.hpp"
 #include "../io/files/stored_diagram.hpp"
 #include "../io/files/text.hpp"
+#include "../io/pictures/conforming_meshes.hpp"
 #include "../io/pictures/diagram_pictures.hpp"
 #include "../io/pictures/mesh_formats.hpp"
 #include "../io/pictures/page.hpp"
@@ -183,6 +184,8 @@ Status DiagramCommand::run() const {
     VoronoiDiagram diagram;
     std::optional<VoidNetworkBuilder> network;
     if (voids) scene_.about([&] { network.emplace(scene); });
+    std::optional<ConformingMeshes> meshes;
+    if (has_meshes) scene_.about([&] { meshes.emplace(scene); });
     {
         ProgressBar bar;
         DiagramOptions options;
@@ -200,7 +203,7 @@ Status DiagramCommand::run() const {
                         if (picture.text) picture.text->add(object, cell);
                 }
                 if (!has_meshes) return;
-                const CellMesh mesh = mesh_among_many(cell);
+                const CellMesh mesh = meshes->add(object, cell);
                 for (DiagramPicture& picture : pictures)
                     if (!picture.text) picture.add(object, cell, mesh);
             };

@@ -13,8 +13,9 @@
 
 namespace vcell {
 
-/// The mesh of one of many cells, closed, off by a 500th of the cell's diagonal: a picture of all shows no
-/// more, and files stay small.
+/// The mesh of one of many cells by itself, closed, off by a 500th of the cell's diagonal: a picture of all
+/// shows no more, and files stay small. Its neighbours' meshes have other triangles (ConformingMeshes: the
+/// same).
 CellMesh mesh_among_many(const Cell& cell);
 
 /// A colour of palette() for each cell that comes: one that none of its neighbours before it has, as long as
@@ -28,8 +29,7 @@ private:
 };
 
 /// Wavefront OBJ of the cells: "o cell_7_name" for each, in it groups as write_obj() has them, and
-/// materials "c0" ... "c7". Both cells of a pair have the face between them, each with a tessellation of its
-/// own.
+/// materials "c0" ... "c7". Both cells of a pair have the face between them, as their meshes have it.
 class DiagramObj {
 public:
     /// `material_file` is the name to refer to; empty: no materials.

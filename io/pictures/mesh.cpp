@@ -1,6 +1,5 @@
 #include "mesh.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -12,6 +11,8 @@
 
 #include "../../core/errors.hpp"
 #include "../solids/shell.hpp"
+#include "known_mesh.hpp"
+#include "mesh_shape.hpp"
 #include "polygons.hpp"
 #include "trims.hpp"
 
@@ -28,99 +29,67 @@ struct SampledLine {
     std::vector<std::uint32_t> points;
 };
 
-double distance_from_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-    const Vec3 way = b - a;
-    const double square = way.squaredNorm(),
-                 part = square > 0 ? std::clamp((p - a).dot(way) / square, 0.0, 1.0) : 0.0;
-    return (p - a - part * way).norm();
-}
-
-/// How far a curve, `at` 0 <= s <= 1, stays away from the segment between its ends, measured at its middle.
-/// How fast it is run through is no deviation; but where it is run through so unevenly that its middle is
-/// near an end, its quarters tell, too.
-double deviation(const RationalCurve3& curve, double from, double to) {
-    const Vec3 a = curve.evaluate(from), b = curve.evaluate(to), way = b - a;
-    const auto at = [&](double s) { return curve.evaluate((1 - s) * from + s * to); };
-    const Vec3 middle = at(0.5);
-    double most = distance_from_segment(middle, a, b);
-    const double along = (middle - a).dot(way) - 0.5 * way.squaredNorm();
-    if (!(std::abs(along) <= 0.25 * way.squaredNorm()))
-        for (const double s : {0.25, 0.75}) most = std::max(most, distance_from_segment(at(s), a, b));
-    return most;
-}
-
-/// How far the patch rises over the side from a to b, straight in space, measured at the middle of its
-/// parameters along the normal there: how the side lies on the surface makes no difference to that. Where the
-/// middle is far from that of the side, the quarters tell, too.
-double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
-    const Vec3 from = s.evaluate(a.x(), a.y()), to = s.evaluate(b.x(), b.y()), way = to - from;
-    const auto height = [&](double t, Vec3& p) {
-        const Vec2 uv = (1 - t) * a + t * b;
-        p = s.evaluate(uv.x(), uv.y());
-        const auto [du, dv] = s.partials(uv.x(), uv.y());
-        const Vec3 normal = du.cross(dv).stableNormalized();
-        const double square = way.squaredNorm(),
-                     part = square > 0 ? std::clamp((p - from).dot(way) / square, 0.0, 1.0) : 0.0;
-        const Vec3 off = p - from - part * way;
-        return normal.isZero(0) ? off.norm() : std::abs(normal.dot(off));
-    };
-    Vec3 p;
-    double most = height(0.5, p);
-    if (!((p - 0.5 * (from + to)).squaredNorm() <= 0.0625 * way.squaredNorm()))
-        for (const double t : {0.25, 0.75}) most = std::max(most, height(t, p));
-    return most;
-}
-
-/// Parameters turned and stretched so that triangles that are round in them are about as round in space: a
-/// linear map whose square is the patch's metric, each place's of determinant 1, in the mean of these places.
-/// The identity where that is not worth the rounding.
-Eigen::Matrix2d rounding_map(const RationalPatch& s, const std::vector<std::vector<Vec2>>& loops) {
-    Eigen::Matrix2d mean = Eigen::Matrix2d::Zero();
-    for (const auto& loop : loops)
-        for (const Vec2& p : loop) {
-            const auto [du, dv] = s.partials(p.x(), p.y());
-            Eigen::Matrix2d metric;
-            metric << du.dot(du), du.dot(dv), du.dot(dv), dv.dot(dv);
-            const double determinant = metric.determinant();
-            if (determinant > 0x1p-40 * metric.squaredNorm()) mean += metric / std::sqrt(determinant);
-        }
-    constexpr double least = 1.5;  // of lengths
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> squares(mean);
-    const Vec2 values = squares.eigenvalues();
-    if (!(values[0] > 0 && values[1] > least * least * values[0])) return Eigen::Matrix2d::Identity();
-    const Vec2 stretches(1, std::sqrt(values[1] / values[0]));
-    return squares.eigenvectors() * stretches.asDiagonal() * squares.eigenvectors().transpose();
-}
-
 /// The mesh has grown beyond its bound, or a line beyond all halving.
 struct TooFine {};
+
+/// By how much triangles may be off: nothing by more than `most`.
+struct Chords {
+    double most;
+    std::vector<double> of_edges, of_faces;  // of the shell
+};
+
+// Of their own size no more than that part.
+Chords chords_of(const Shell& shell, double most, double of_own) {
+    Chords chords{most, std::vector<double>(shell.edges.size(), most),
+                  std::vector<double>(shell.faces.size(), most)};
+    if (std::isinf(of_own)) return chords;
+    std::vector<Eigen::AlignedBox3d> boxes(shell.edges.size());
+    for (std::size_t e = 0; e < shell.edges.size(); ++e) {
+        const RationalCurve3& curve = shell.edges[e].curve;
+        constexpr int pieces = 4;
+        for (int i = 0; i <= pieces; ++i)
+            boxes[e].extend(curve.evaluate(curve.domain_begin() +
+                                           (curve.domain_end() - curve.domain_begin()) * i / pieces));
+        chords.of_edges[e] = std::min(most, of_own * boxes[e].diagonal().norm());
+    }
+    for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+        Eigen::AlignedBox3d box;
+        for (const TrimmedPatch& patch : shell.faces[f].patches)
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& c : loop)
+                    if (c.edge) box.extend(boxes[*c.edge]);
+        if (!box.isEmpty()) chords.of_faces[f] = std::min(most, of_own * box.diagonal().norm());
+    }
+    return chords;
+}
 
 class Tessellator {
 public:
     /// mesh() throws TooFine when it has more than `most_triangles`, and if `keeps_chord` where 4096 pieces
     /// of a line are not enough.
-    Tessellator(const Shell& shell, std::size_t cell_edges, std::size_t cell_faces, double chord,
+    Tessellator(const Shell& shell, const Cell& cell, const KnownMesh& known, const Chords& chords,
                 bool keeps_chord, std::size_t most_triangles)
         : shell_(shell),
-          cell_edges_(cell_edges),
-          cell_faces_(cell_faces),
-          chord_(chord),
+          cell_(cell),
+          known_(known),
+          chords_(chords),
           keeps_chord_(keeps_chord),
           most_triangles_(most_triangles),
           lines_(shell.edges.size()) {
         for (std::size_t e = 0; e < shell.edges.size(); ++e) {
             const RationalCurve3& curve = shell.edges[e].curve;
             lines_[e].breaks = {curve.domain_begin(), curve.domain_end()};
+            lines_[e].chord = chords.of_edges[e];
         }
-        for_each_curve([&](const TrimCurve& c, const RationalPatch& s) {
+        for_each_curve([&](const TrimCurve& c, const RationalPatch& s, double chord) {
             if (!c.edge && !c.seam) throw InternalError("tessellate: a trimming curve along nothing");
             if (c.seam) {
                 const auto [at, is_new] =
                     seams_.try_emplace(*c.seam, static_cast<std::uint32_t>(lines_.size()));
-                if (is_new) lines_.push_back({{}, {c.curve.domain_begin(), c.curve.domain_end()}, 1});
+                if (is_new) lines_.push_back({{}, {c.curve.domain_begin(), c.curve.domain_end()}, 1, chord});
             }
             Line& line = lines_[line_of(c)];
-            line.uses.push_back({&c, &s});
+            line.uses.push_back({&c, &s, chord});
             for (const double t : {c.curve.domain_begin(), c.curve.domain_end()})
                 line.breaks.push_back(line_parameter(c, t));
         });
@@ -132,40 +101,61 @@ public:
             lines_[e].pieces = first_pieces(shell_.edges[e]);
         // Chords of a coarse polyline may cross those of its neighbour where the true arcs do not.
         constexpr int rounds = 8;
+        sampled_.resize(lines_.size());
+        for (std::size_t e = 0; e < shell_.edges.size(); ++e)
+            if (is_known_line(e)) sample_known_line(e);
         sample_lines();
         for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
 
         for (std::uint32_t f = 0; f < shell_.faces.size(); ++f) {
             const std::size_t begin = mesh_.triangles.size();
-            for (const TrimmedPatch& patch : shell_.faces[f].patches) {
-                add_patch(patch);
-                check_size();
-            }
+            if (is_known_face(f))
+                add_known_face(*known_.faces[f]);
+            else
+                for (const TrimmedPatch& patch : shell_.faces[f].patches) {
+                    add_patch(patch, chords_.of_faces[f]);
+                    check_size();
+                }
             add_group(f, begin);
         }
-        for (std::size_t e = 0; e < cell_edges_; ++e) mesh_.edge_lines.push_back(sampled_[e].points);
+        for (std::size_t e = 0; e < cell_.edges.size(); ++e)
+            mesh_.edge_lines.push_back(is_known_line(e) ? known_.lines[e] : sampled_[e].points);
         check_size();
-        mesh_.chord = chord_;
+        mesh_.chord = chords_.most;
         return std::move(mesh_);
     }
 
 private:
-    /// A trimming curve, and its patch.
+    /// A trimming curve, its patch, and the face's chord.
     struct Use {
         const TrimCurve* curve;
         const RationalPatch* patch;
+        double chord;
     };
     /// A cell edge (those come first) or a seam.
     struct Line {
         std::vector<Use> uses;
         std::vector<double> breaks;  // where trimming curves begin and end: points of every polyline
         std::size_t pieces = 1;      // between its ends, before halving
+        double chord = 0;
     };
+
+    bool is_known_line(std::size_t line) const {
+        return line < known_.lines.size() && !known_.lines[line].empty();
+    }
+    bool is_known_face(std::size_t f) const { return f < known_.faces.size() && known_.faces[f]; }
+    // The feet of what closes the cell come after all that is known.
+    std::uint32_t point_of(std::uint32_t vertex) const {
+        const std::size_t own = cell_.vertices.size();
+        return vertex < own || known_.points.empty()
+                   ? vertex
+                   : static_cast<std::uint32_t>(known_.points.size() + (vertex - own));
+    }
 
     // What closes the shell comes after the cell's faces: walls and ends together, the base in the end.
     void add_group(std::uint32_t f, std::size_t begin) {
         using Kind = CellMesh::Group::Kind;
-        const Kind kind = f < cell_faces_                        ? Kind::Face
+        const Kind kind = f < cell_.faces.size()                 ? Kind::Face
                           : shell_.faces[f].site == Site::base() ? Kind::Base
                                                                  : Kind::Walls;
         if (kind != Kind::Face && !mesh_.groups.empty() && mesh_.groups.back().kind == kind)
@@ -180,10 +170,11 @@ private:
 
     template <class F>
     void for_each_curve(F f) const {
-        for (const CellFace& face : shell_.faces)
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop) f(c, patch.surface);
+        for (std::size_t i = 0; i < shell_.faces.size(); ++i)
+            if (!is_known_face(i))
+                for (const TrimmedPatch& patch : shell_.faces[i].patches)
+                    for (const auto& loop : patch.loops)
+                        for (const TrimCurve& c : loop) f(c, patch.surface, chords_.of_faces[i]);
     }
 
     std::uint32_t line_of(const TrimCurve& c) const { return c.edge ? *c.edge : seams_.at(*c.seam); }
@@ -236,13 +227,13 @@ private:
     bool too_coarse(std::size_t line, double from, double to) const {
         if (line < shell_.edges.size()) {
             const RationalCurve3& curve = shell_.edges[line].curve;
-            if (deviation(curve, from, to) > chord_) return true;
+            if (deviation(curve, from, to) > lines_[line].chord) return true;
         }
         for (const Use& use : lines_[line].uses) {
             const RationalCurve2& curve = use.curve->curve;
             const double a = trim_parameter(*use.curve, from), b = trim_parameter(*use.curve, to);
             if (std::max(a, b) <= curve.domain_begin() || std::min(a, b) >= curve.domain_end()) continue;
-            if (deviation(*use.patch, curve.evaluate(a), curve.evaluate(b)) > chord_) return true;
+            if (deviation(*use.patch, curve.evaluate(a), curve.evaluate(b)) > use.chord) return true;
         }
         return false;
     }
@@ -275,22 +266,62 @@ private:
         return result;
     }
 
-    // Mesh points: the cell's vertices, then the inner points of each edge and of each seam.
+    // A known line has a point at each break: the nearest one, or where that stands for another break or an
+    // end, this point once more.
+    void sample_known_line(std::size_t e) {
+        SampledLine& s = sampled_[e];
+        s.points = known_.lines[e];
+        if (lines_[e].uses.empty()) return;
+        std::vector<Vec3> points;
+        for (const std::uint32_t p : s.points) points.push_back(known_.points[p]);
+        s.parameters = parameters_along(shell_.edges[e].curve, points);
+        std::vector<bool> is_break(s.points.size(), false);
+        is_break.front() = is_break.back() = true;
+        const std::vector<double>& breaks = lines_[e].breaks;
+        for (std::size_t k = 1; k + 1 < breaks.size(); ++k) {
+            const double at = breaks[k];
+            auto i = std::ranges::lower_bound(s.parameters, at) - s.parameters.begin();
+            if (at - s.parameters[i - 1] < s.parameters[i] - at) --i;
+            if (!is_break[i]) {
+                s.parameters[i] = at;
+                is_break[i] = true;
+                continue;
+            }
+            const auto place = s.parameters[i] < at ? i + 1 : i;
+            s.points.insert(s.points.begin() + place, s.points[i]);
+            s.parameters.insert(s.parameters.begin() + place, at);
+            is_break.insert(is_break.begin() + place, true);
+        }
+    }
+
+    void add_known_face(const KnownMesh::Face& face) {
+        const auto before = static_cast<std::uint32_t>(mesh_.normals.size());
+        mesh_.triangles.insert(mesh_.triangles.end(), face.triangles.begin(), face.triangles.end());
+        mesh_.normals.insert(mesh_.normals.end(), face.normals.begin(), face.normals.end());
+        for (const Triangle& n : face.corner_normals)
+            mesh_.corner_normals.push_back({before + n[0], before + n[1], before + n[2]});
+    }
+
+    // Mesh points: the cell's vertices and what else is known, then the inner points of each edge and of each
+    // seam.
     void sample_lines() {
-        mesh_.points.clear();
-        for (const CellVertex& v : shell_.vertices) mesh_.points.push_back(v.point);
-        sampled_.resize(lines_.size());
+        mesh_.points = known_.points;
+        for (std::size_t v = known_.points.empty() ? 0 : cell_.vertices.size(); v < shell_.vertices.size();
+             ++v)
+            mesh_.points.push_back(shell_.vertices[v].point);
         for (std::size_t i = 0; i < lines_.size(); ++i) {
+            if (is_known_line(i)) continue;
             if (sampled_[i].parameters.empty()) sampled_[i].parameters = parameters(i);
             sampled_[i].points.clear();
             if (i < shell_.edges.size()) sample_edge(i);
             // Each point of the edges belongs to a triangle of its own.
             if (mesh_.points.size() > most_triangles_) throw TooFine();
         }
-        for (const CellFace& face : shell_.faces)
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (std::size_t i = 0; i < loop.size(); ++i) sample_seam(loop, i, patch.surface);
+        for (std::size_t f = 0; f < shell_.faces.size(); ++f)
+            if (!is_known_face(f))
+                for (const TrimmedPatch& patch : shell_.faces[f].patches)
+                    for (const auto& loop : patch.loops)
+                        for (std::size_t i = 0; i < loop.size(); ++i) sample_seam(loop, i, patch.surface);
     }
 
     void sample_edge(std::size_t i) {
@@ -299,9 +330,9 @@ private:
         for (const double t : s.parameters) {
             const bool at_begin = t == s.parameters.front(), at_end = t == s.parameters.back();
             if (at_begin && !e.vertices.empty())
-                s.points.push_back(e.vertices[0]);
+                s.points.push_back(point_of(e.vertices[0]));
             else if (at_end)
-                s.points.push_back(e.vertices.empty() ? s.points.front() : e.vertices[1]);
+                s.points.push_back(e.vertices.empty() ? s.points.front() : point_of(e.vertices[1]));
             else
                 s.points.push_back(add_point(e.curve.evaluate(t)));
         }
@@ -345,12 +376,13 @@ private:
         return result;
     }
 
-    // A trimming loop as a polygon.
+    // A trimming loop as a polygon. Of points of a known line that stand for several breaks it has one.
     std::vector<LoopPoint> polygon(const std::vector<TrimCurve>& loop) const {
         std::vector<LoopPoint> result;
         for (const TrimCurve& c : loop) {
             const std::vector<LoopPoint> points = polyline(c);
-            result.insert(result.end(), points.begin(), points.end() - 1);
+            for (std::size_t i = 0; i + 1 < points.size(); ++i)
+                if (points[i].point != points[i + 1].point) result.push_back(points[i]);
         }
         return result;
     }
@@ -368,11 +400,12 @@ private:
     // Doubles the pieces of lines whose polylines cross in some face. True if there were any.
     bool refine_crossing_lines() {
         std::vector<bool> coarse(lines_.size(), false);
-        for (const CellFace& face : shell_.faces)
-            for (const TrimmedPatch& patch : face.patches) find_crossings(patch, coarse);
+        for (std::size_t f = 0; f < shell_.faces.size(); ++f)
+            if (!is_known_face(f))
+                for (const TrimmedPatch& patch : shell_.faces[f].patches) find_crossings(patch, coarse);
         bool any = false;
         for (std::size_t e = 0; e < coarse.size(); ++e)
-            if (coarse[e]) {
+            if (coarse[e] && !is_known_line(e)) {
                 // Where halving made some pieces shorter, all become so.
                 const std::size_t stretches = lines_[e].breaks.size() - 1;
                 lines_[e].pieces = std::max(2 * lines_[e].pieces, sampled_[e].points.size() / stretches);
@@ -401,7 +434,7 @@ private:
                     coarse[segments[i].line] = coarse[segments[j].line] = true;
     }
 
-    void add_patch(const TrimmedPatch& patch) {
+    void add_patch(const TrimmedPatch& patch, double chord) {
         const RationalPatch& s = patch.surface;
         const std::vector<std::vector<LoopPoint>> loops = polygons(patch);
         if (loops.empty()) return;
@@ -420,7 +453,7 @@ private:
         for (auto& loop : uv)
             for (Vec2& p : loop) p = rounded * p;
         Triangulation t = triangulate(
-            uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, back * a, back * b) > chord_; },
+            uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, back * a, back * b) > chord; },
             point.size() + left / 2 + 1);
         for (Vec2& p : t.points) p = back * p;
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
@@ -441,8 +474,9 @@ private:
     static constexpr double break_rounding = 1e-12;
 
     const Shell& shell_;
-    std::size_t cell_edges_, cell_faces_;
-    double chord_;
+    const Cell& cell_;
+    const KnownMesh& known_;
+    const Chords& chords_;
     bool keeps_chord_;
     std::size_t most_triangles_;
     std::vector<Line> lines_;                                 // edges, then seams
@@ -472,7 +506,9 @@ double cell_diagonal(const Cell& cell) {
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-CellMesh tessellate(const Cell& cell, const MeshOptions& options) {
+CellMesh tessellate(const Cell& cell, const MeshOptions& options) { return tessellate(cell, options, {}); }
+
+CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMesh& known) {
     const Shell shell = options.closed ? closed_shell(cell) : Shell{cell.vertices, cell.edges, cell.faces, 0};
     const double diagonal = cell_diagonal(cell);
     constexpr double default_chord = 1e-3;  // of the diagonal
@@ -480,7 +516,7 @@ CellMesh tessellate(const Cell& cell, const MeshOptions& options) {
     // At chords of pictures' size lines may stop being halved where their parameter stands all but still.
     const auto attempt = [&](double chord, std::size_t most_triangles) -> std::optional<CellMesh> {
         try {
-            return Tessellator(shell, cell.edges.size(), cell.faces.size(), chord,
+            return Tessellator(shell, cell, known, chords_of(shell, chord, options.most_of_own),
                                chord < 0.5 * default_chord * diagonal, most_triangles)
                 .mesh();
         } catch (const TooFine&) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct MeshOptions {
     /// Where the chord would take more triangles, or more than 4096 pieces of an edge, it grows until it does
     /// not, or until none is cut for its sake any more: then only the cell's edges ask for them.
     std::size_t most_triangles = 1'000'000;
+    /// No chord of a face or an edge is more than this part of the diagonal of the smallest axis-parallel box
+    /// about it, to a few percent.
+    double most_of_own = std::numeric_limits<double>::infinity();
 };
 
 struct CellMesh {

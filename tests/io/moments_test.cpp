@@ -44,7 +44,7 @@ Expected of_box(const Vec3& from, const Vec3& to) {
 }
 
 /// Within the errors stated, and these are no larger than that.
-void check(const Moments& m, const Expected& e, double relative_error) {
+void check_moments(const Moments& m, const Expected& e, double relative_error) {
     const double size = std::cbrt(e.volume);
     CHECK((m.centroid - e.centroid).norm() <= m.centroid_error + 1e-15 * e.centroid.norm());
     CHECK((m.second - e.second).cwiseAbs().maxCoeff() <= m.second_error + 1e-15 * e.second.norm());
@@ -101,11 +101,11 @@ TEST_CASE("moments: boxes") {
         Scene scene;
         scene.box = {unit * Vec3(-1, 0.5, 0), unit * Vec3(3, 2, 2.5)};
         scene.base = Plane{Vec3::Zero(), Vec3::UnitZ()};
-        check(moments_of(voronoi_cell(scene)), of_box(scene.box.min, scene.box.max), 1e-10);
+        check_moments(moments_of(voronoi_cell(scene)), of_box(scene.box.min, scene.box.max), 1e-10);
         scene.base = Sphere{unit * Vec3(1, 1, 1), 0.25 * unit};
-        check(moments_of(voronoi_cell(scene)), of_box(scene.box.min, scene.box.max), 1e-10);
+        check_moments(moments_of(voronoi_cell(scene)), of_box(scene.box.min, scene.box.max), 1e-10);
         scene.base = Cylinder{unit * Vec3(1, 1, 1), Vec3::UnitY(), 0.25 * unit};
-        check(moments_of(voronoi_cell(scene)), of_box(scene.box.min, scene.box.max), 1e-10);
+        check_moments(moments_of(voronoi_cell(scene)), of_box(scene.box.min, scene.box.max), 1e-10);
     }
 }
 
@@ -121,15 +121,15 @@ TEST_CASE("moments: under a paraboloid, between two balls") {
     const double z = 4 * (mean4 + 2 * e * mean2 + e * e) / (2 * w * w) / volume;
     const double xx = 4 * (square_x + e / 3) / w;
     const double zz = 4 * (mean6 + 3 * e * mean4 + 3 * e * e * mean2 + e * e * e) / (3 * w * w * w);
-    check(moments_of(under), {volume, {0, 0, z}, Matrix3d(Vec3(xx, xx, zz - volume * z * z).asDiagonal())},
-          1e-10);
+    check_moments(moments_of(under),
+                  {volume, {0, 0, z}, Matrix3d(Vec3(xx, xx, zz - volume * z * z).asDiagonal())}, 1e-10);
 
     // Half of a box: flat between equal balls.
     Scene scene;
     scene.base = Sphere{{0, 0, 0}, 0.25};
     scene.objects = {Sphere{{1, 0, 0}, 0.25}};
     scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
-    check(moments_of(voronoi_cell(scene)), of_box({-2, -2, -2}, {0.5, 2, 2}), 1e-10);
+    check_moments(moments_of(voronoi_cell(scene)), of_box({-2, -2, -2}, {0.5, 2, 2}), 1e-10);
 }
 
 TEST_CASE("moments: a ball about a ball in a vessel, cut by the box") {
@@ -154,10 +154,10 @@ TEST_CASE("moments: a ball about a ball in a vessel, cut by the box") {
     const double volume = integral(0), z = integral(1) / volume, xx = fourth(R) - fourth(-h);
     const Cell cell = voronoi_cell(scene);
     CHECK(cell.measures.volume == doctest::Approx(volume).epsilon(1e-12));
-    check(moments_of(cell),
-          {volume, Vec3(0.25, -0.5, 0.75 + z),
-           Matrix3d(Vec3(xx, xx, integral(2) - volume * z * z).asDiagonal())},
-          1e-9);
+    check_moments(moments_of(cell),
+                  {volume, Vec3(0.25, -0.5, 0.75 + z),
+                   Matrix3d(Vec3(xx, xx, integral(2) - volume * z * z).asDiagonal())},
+                  1e-9);
 }
 
 TEST_CASE("moments: against closed meshes and random points of cells of every kind") {

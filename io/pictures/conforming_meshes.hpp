@@ -1,0 +1,51 @@
+/// Meshes of a diagram's cells that fit together: what two cells share is drawn once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "../../envelope/voronoi_diagram.hpp"
+#include "mesh.hpp"
+
+namespace vcell {
+
+/// The meshes of a diagram's cells, closed, one after the other as they are computed (DiagramOptions::visit).
+/// The face between two cells is the same triangles in both, turned around, an edge is one polyline in all
+/// cells that have it, and a vertex is one point: the first cell draws them, the others take them over,
+/// number for number. Where the box repeats and the other cell is that of an image, points are moved by what
+/// that is away, and are the same but for the rounding of this sum.
+///
+/// Vertices are the same by their sites, and where cells do not list all sites by their errors, edges by
+/// their ends and sites, faces by their edges: nothing is joined for being near alone. What is not found so
+/// the cell draws for itself; its mesh is closed all the same. So it is where cells of tubes, which come in
+/// parts, end in a face, and where cells are of different opinions about what is a vertex.
+///
+/// A chord is a 500th of the diagonal of the cell that is drawn first, but no more than a 200th of the face's
+/// or the edge's own: so a large cell's face is fine enough for a small one beyond. Chords of edges that
+/// other cells have drawn are not refined, even where they cross: triangles may overlap there.
+///
+/// What all cells have that it belongs to is forgotten: of n cells in a row that is little, of cells in a
+/// random order it is about half of what there is in the middle of the way.
+class ConformingMeshes {
+public:
+    /// Throws as voronoi_diagram().
+    explicit ConformingMeshes(const DiagramScene& scene);
+    ~ConformingMeshes();
+    ConformingMeshes(const ConformingMeshes&) = delete;
+    ConformingMeshes& operator=(const ConformingMeshes&) = delete;
+
+    /// The mesh of a cell that is not kept. Pre: the cell is one that DiagramOptions::visit has of the
+    /// scene's diagram; objects do not descend from call to call. Throws as tessellate().
+    CellMesh add(std::uint32_t object, const Cell& cell);
+
+    /// Faces so far that a cell has drawn although the cell beyond had come before.
+    std::size_t drawn_again() const;
+
+private:
+    class Store;
+    class Fitter;
+    std::unique_ptr<Store> store_;
+};
+
+}  // namespace vcell

@@ -1,0 +1,43 @@
+/// Meshes of which other cells have drawn parts already.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "mesh.hpp"
+
+namespace vcell {
+
+/// The parts of a cell's mesh that are known before it is made: points of vertices, polylines of edges, and
+/// triangles of whole faces. The mesh begins with these points, and its own go on from there.
+struct KnownMesh {
+    struct Face {
+        std::vector<Triangle> triangles;  ///< into KnownMesh::points
+        std::vector<Vec3> normals;
+        std::vector<Triangle> corner_normals;  ///< into normals
+    };
+
+    /// Where the cell's vertices are drawn, one for each, and after them the other points of lines and faces.
+    std::vector<Vec3> points;
+    /// For each edge of the cell its polyline from its start to its end, into `points`; empty: not known. It
+    /// begins and ends with the edge's vertices; that of a closed edge without any, with one point, near
+    /// where its curve begins.
+    std::vector<std::vector<std::uint32_t>> lines;
+    std::vector<std::optional<Face>> faces;  ///< for each face of the cell
+};
+
+/// As tessellate(), with what is known as it is: points of polylines are taken for points of the edges, known
+/// or not, and only lines that are not known are refined until no two sides of a face cross. Pre: all edges
+/// of known faces have known lines, whose sides the faces' triangles have.
+CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMesh& known);
+
+/// Parameters of points that follow each other along a curve, the first one at its begin and the last one at
+/// its end: of the nearest points of the curve, ascending.
+std::vector<double> parameters_along(const RationalCurve3& curve, const std::vector<Vec3>& points);
+
+/// The distance of p from the curve, or if that is more than `enough`, no less: where p is near the curve's
+/// middle parameter that is quickly seen.
+double distance_from_curve(const RationalCurve3& curve, const Vec3& p, double enough);
+
+}  // namespace vcell

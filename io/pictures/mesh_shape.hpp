@@ -1,0 +1,26 @@
+/// How far curves and surfaces are from the sides of triangles, and which parameters make triangles round.
+#pragma once
+
+#include <vector>
+
+#include "../../core/curves/bspline.hpp"
+#include "../../primitives/objects/objects.hpp"
+
+namespace vcell {
+
+/// How far a curve, `at` 0 <= s <= 1, stays away from the segment between its ends, measured at its middle.
+/// How fast it is run through is no deviation; but where it is run through so unevenly that its middle is
+/// near an end, its quarters tell, too.
+double deviation(const RationalCurve3& curve, double from, double to);
+
+/// How far the patch rises over the side from a to b, straight in space, measured at the middle of its
+/// parameters along the normal there: how the side lies on the surface makes no difference to that. Where the
+/// middle is far from that of the side, the quarters tell, too.
+double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b);
+
+/// Parameters turned and stretched so that triangles that are round in them are about as round in space: a
+/// linear map whose square is the patch's metric, each place's of determinant 1, in the mean of these places.
+/// The identity where that is not worth the rounding.
+Eigen::Matrix2d rounding_map(const RationalPatch& s, const std::vector<std::vector<Vec2>>& loops);
+
+}  // namespace vcell

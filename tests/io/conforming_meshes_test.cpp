@@ -1,0 +1,353 @@
+// What two cells of a diagram share is the same triangles in both, number for number, so that what is left of
+// all triangles when those are taken away bounds the box.
+#include "../../io/pictures/conforming_meshes.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "../../io/files/diagram_file.hpp"
+#include "../../io/pictures/diagram_pictures.hpp"
+#include "../random_tubes.hpp"
+#include "../test_support.hpp"
+#include "closed_meshes.hpp"
+
+namespace vcell {
+namespace {
+
+/// All meshes of a diagram, as triangles in space.
+struct Soup {
+    struct Facet {
+        std::array<Vec3, 3> corners;
+        std::uint32_t cell;
+        Site beyond;  // in a box that repeats of no meaning but for its kind
+    };
+    DiagramScene scene;
+    VoronoiDiagram diagram;
+    std::vector<Facet> facets;
+    std::map<std::uint32_t, double> volumes;  // of each object's meshes
+    std::size_t not_closed = 0, drawn_again = 0;
+
+    bool has_cell(const Site& site) const {
+        return site.is_object() &&
+               (scene.is_periodic() || diagram.cells[site.index].state == DiagramCell::State::Computed);
+    }
+};
+
+template <class MeshOf>
+Soup soup_of(const DiagramScene& scene, MeshOf&& mesh_of) {
+    Soup soup;
+    soup.scene = scene;
+    DiagramOptions options;
+    options.complete = true;
+    options.visit = [&](std::uint32_t object, const Cell& cell) {
+        const CellMesh mesh = mesh_of(object, cell);
+        if (!is_closed(mesh)) ++soup.not_closed;
+        soup.volumes[object] += volume(mesh);
+        for (const CellMesh::Group& g : mesh.groups)
+            for (std::size_t t = g.begin; t < g.end; ++t) {
+                const auto& [a, b, c] = mesh.triangles[t];
+                const bool is_face = g.kind == CellMesh::Group::Kind::Face;
+                soup.facets.push_back({{mesh.points[a], mesh.points[b], mesh.points[c]},
+                                       object,
+                                       is_face ? cell.faces[g.face].site : Site::base()});
+            }
+    };
+    soup.diagram = voronoi_diagram(scene, options);
+    return soup;
+}
+
+Soup conforming(const DiagramScene& scene) {
+    ConformingMeshes meshes(scene);
+    Soup soup =
+        soup_of(scene, [&](std::uint32_t object, const Cell& cell) { return meshes.add(object, cell); });
+    soup.drawn_again = meshes.drawn_again();
+    return soup;
+}
+
+using Numbers = std::array<double, 9>;
+
+// The corners in the order in which they follow each other, the least first.
+template <class Place>
+Numbers key_of(std::array<Vec3, 3> corners, bool is_turned, Place&& place) {
+    std::array<std::array<double, 3>, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 at = place(corners[is_turned ? 2 - k : k]);
+        p[k] = {at.x(), at.y(), at.z()};
+    }
+    std::ranges::rotate(p, std::ranges::min_element(p));
+    return {p[0][0], p[0][1], p[0][2], p[1][0], p[1][1], p[1][2], p[2][0], p[2][1], p[2][2]};
+}
+
+// How many triangles between two cells have no counterpart in the other one: exactly, or where the box
+// repeats, at the same place of one copy of it but for rounding.
+std::size_t lone_triangles(const Soup& soup) {
+    const Eigen::Matrix3d edges = soup.scene.edges(), to_unit = edges.inverse();
+    const auto place = [&](const Vec3& p) -> Vec3 {
+        if (!soup.scene.is_periodic()) return p;
+        constexpr double cells = 1e8;
+        Vec3 unit = to_unit * p;
+        for (int k = 0; k < 3; ++k) {
+            // Off the grid, so that places on faces of the box are not rounded both ways.
+            unit[k] = std::floor(cells * unit[k] + 0.3125);
+            if (soup.scene.periodic[k]) unit[k] -= cells * std::floor(unit[k] / cells);
+        }
+        return unit;
+    };
+    using Pair = std::pair<std::uint32_t, std::uint32_t>;
+    std::map<std::pair<Numbers, Pair>, int> count;
+    for (const Soup::Facet& f : soup.facets) {
+        if (!soup.has_cell(f.beyond)) continue;
+        const Pair pair = soup.scene.is_periodic() ? Pair(0, 0) : Pair(f.cell, f.beyond.index);
+        ++count[{key_of(f.corners, false, place), pair}];
+        --count[{key_of(f.corners, true, place), {pair.second, pair.first}}];
+    }
+    return static_cast<std::size_t>(std::ranges::count_if(count, [](const auto& c) { return c.second > 0; }));
+}
+
+// Of triangles on sides of the box, and towards what has no cell.
+double outer_volume(const Soup& soup) {
+    double six = 0;
+    for (const Soup::Facet& f : soup.facets)
+        if (!soup.has_cell(f.beyond)) six += f.corners[0].dot(f.corners[1].cross(f.corners[2]));
+    return six / 6;
+}
+
+double all_volume(const Soup& soup) {
+    double sum = 0;
+    for (const auto& [object, volume] : soup.volumes) sum += volume;
+    return sum;
+}
+
+// Points that are nearer to each other than any two of these scenes are, and not the same.
+std::size_t doubled_points(const Soup& soup) {
+    std::vector<Vec3> points;
+    for (const Soup::Facet& f : soup.facets)
+        for (const Vec3& p : f.corners) points.push_back(p);
+    const auto less = [](const Vec3& a, const Vec3& b) {
+        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+    };
+    std::ranges::sort(points, less);
+    points.erase(std::ranges::unique(points).begin(), points.end());
+    constexpr double near = 1e-10;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t j = i + 1; j < points.size() && points[j].x() - points[i].x() < near; ++j)
+            count += (points[j] - points[i]).norm() < near;
+    return count;
+}
+
+double box_volume(const DiagramScene& scene) { return scene.edges().determinant(); }
+
+// All that is asked for where all cells are there.
+void check_fits(const DiagramScene& scene) {
+    const Soup soup = conforming(scene);
+    CHECK(soup.not_closed == 0);
+    CHECK(soup.drawn_again == 0);
+    REQUIRE(soup.facets.size() > 0);
+    CHECK(lone_triangles(soup) == 0);
+    CHECK(all_volume(soup) == doctest::Approx(box_volume(scene)).epsilon(1e-12));
+    if (!scene.is_periodic()) {
+        CHECK(outer_volume(soup) == doctest::Approx(box_volume(scene)).epsilon(1e-12));
+        CHECK(doubled_points(soup) == 0);
+    }
+    for (const auto& [object, of_mesh] : soup.volumes) {
+        CAPTURE(object);
+        // Chords all over the surface of a cell that is a third as high as it is long.
+        CHECK(of_mesh == doctest::Approx(soup.diagram.cells[object].volume).epsilon(0.06));
+    }
+}
+
+DiagramScene scene_of(std::vector<Object> objects, const Box& box) {
+    DiagramScene scene;
+    scene.objects = std::move(objects);
+    scene.box = box;
+    return scene;
+}
+
+std::vector<Object> random_balls(std::mt19937_64& rng, int count, double most_radius) {
+    std::uniform_real_distribution<double> place(0, 10), radius(0, most_radius);
+    std::vector<Object> balls;
+    for (int i = 0; i < count; ++i) {
+        const double x = place(rng), y = place(rng), z = place(rng);
+        balls.push_back(Sphere{{x, y, z}, radius(rng)});
+    }
+    return balls;
+}
+
+/// Places of small integers, in a random order.
+template <class IsPlace>
+std::vector<Object> lattice(std::mt19937_64& rng, int size, double radius, IsPlace&& is_place) {
+    std::vector<Object> balls;
+    for (int x = 0; x < size; ++x)
+        for (int y = 0; y < size; ++y)
+            for (int z = 0; z < size; ++z)
+                if (is_place(x, y, z)) balls.push_back(Sphere{Vec3(x, y, z), radius});
+    std::ranges::shuffle(balls, rng);
+    return balls;
+}
+
+bool is_simple_place(int, int, int) { return true; }
+bool is_face_centred(int x, int y, int z) { return (x + y + z) % 2 == 0; }
+bool is_body_centred(int x, int y, int z) { return x % 2 == y % 2 && y % 2 == z % 2; }
+
+}  // namespace
+
+TEST_CASE("conforming meshes: cells of balls in a box share all triangles and fill it") {
+    std::mt19937_64 rng(test_seed());
+    const Box box{Vec3::Constant(-1), {11, 11.5, 12}};
+    for (int round = 0; round < rounds(); ++round) {
+        check_fits(scene_of(random_balls(rng, 40, 0.8), box));
+        check_fits(scene_of(random_balls(rng, 12, 0), box));
+        check_fits(scene_of(random_balls(rng, 2, 0.5), box));
+    }
+    DiagramScene molecule = read_diagram_scene(test_data("1CRN.xyzr"));
+    molecule.objects.resize(50);
+    molecule.names.clear();
+    molecule.groups.clear();
+    check_fits(molecule);
+}
+
+TEST_CASE("conforming meshes: a large ball's cell has faces that are fine enough for small ones") {
+    std::mt19937_64 rng(test_seed());
+    std::vector<Object> balls{Sphere{{5, 5, -24}, 24}};
+    for (const Object& small : random_balls(rng, 20, 0.05))
+        balls.push_back(Sphere{0.1 * std::get<Sphere>(small).center + Vec3(4, 4, 0.2), 0.05});
+    check_fits(scene_of(balls, {{0, 0, -30}, {10, 10, 10}}));
+}
+
+TEST_CASE("conforming meshes: closed edges without vertices") {
+    // A small ball between two large ones has two faces and one edge; of the large ones' face it is a hole.
+    const std::vector<Object> balls{Sphere{{0, 0, 0}, 1}, Sphere{{4, 0, 0}, 1}, Sphere{{2, 0.1, 0}, 0.05}};
+    for (const auto& order : {std::array{0, 1, 2}, std::array{2, 1, 0}, std::array{1, 2, 0}}) {
+        std::vector<Object> ordered;
+        for (const int i : order) ordered.push_back(balls[static_cast<std::size_t>(i)]);
+        const DiagramScene scene = scene_of(ordered, {Vec3::Constant(-6), Vec3::Constant(10)});
+        std::size_t closed_edges = 0;
+        DiagramOptions options;
+        options.visit = [&](std::uint32_t, const Cell& cell) {
+            for (const CellEdge& e : cell.edges) closed_edges += e.vertices.empty();
+        };
+        voronoi_diagram(scene, options);
+        CHECK(closed_edges == 3);
+        check_fits(scene);
+    }
+}
+
+TEST_CASE("conforming meshes: in lattices cells that meet in a vertex or an edge alone have its points") {
+    std::mt19937_64 rng(test_seed());
+    const auto box = [](int size) { return Box{Vec3::Constant(-0.5), Vec3::Constant(size - 0.5)}; };
+    const DiagramScene cubes = scene_of(lattice(rng, 3, 0.25, is_simple_place), box(3));
+    check_fits(cubes);
+    const Soup soup = conforming(cubes);
+    CHECK(soup.facets.size() == 27 * 12);
+    check_fits(scene_of(lattice(rng, 4, 0.25, is_face_centred), box(4)));
+    check_fits(scene_of(lattice(rng, 4, 0.25, is_body_centred), box(4)));
+    check_fits(scene_of(lattice(rng, 4, 0.25, is_body_centred), {Vec3(-1, -2, -1), Vec3(4, 3.5, 5)}));
+}
+
+TEST_CASE("conforming meshes: where the box repeats images have the same triangles, their own cell's, too") {
+    std::mt19937_64 rng(test_seed());
+    const Box box{Vec3::Zero(), Vec3::Constant(10)};
+    for (const int count : {1, 2, 3, 20}) {
+        CAPTURE(count);
+        DiagramScene scene = scene_of(random_balls(rng, count, 0.8), box);
+        scene.periodic = {true, true, true};
+        check_fits(scene);
+        scene.tilt = {3, -2, 1};
+        check_fits(scene);
+        scene.tilt = {0, 0, 0};
+        scene.periodic = {false, true, false};
+        check_fits(scene);
+    }
+    DiagramScene scene = scene_of(lattice(rng, 2, 0.25, is_face_centred), {Vec3::Zero(), Vec3::Constant(2)});
+    scene.periodic = {true, true, true};
+    check_fits(scene);
+}
+
+TEST_CASE("conforming meshes: cells of planes and of a tube along the box fit with those of balls") {
+    const Box box{Vec3::Constant(-5), {6, 7, 8}};
+    std::vector<Object> objects{Sphere{{1, 1, 1}, 0.5}, Sphere{{-2, 1, 2}, 0.75}, Sphere{{2, -2, 3}, 0.25},
+                                Plane{{0, 0, -2}, {0, 0, 1}}, Sphere{{0, 0, -4}, 0.5}};
+    check_fits(scene_of(objects, box));
+    std::swap(objects[0], objects[3]);
+    check_fits(scene_of(objects, box));
+    objects.push_back(Cylinder{{0, -1, 5}, {1, 0, 0}, 0.25});
+    objects.insert(objects.begin(), Cylinder{{0, 4, 1}, {1, 0, 0}, 0.5});
+    check_fits(scene_of(objects, box));
+}
+
+TEST_CASE("conforming meshes: in a vessel what is towards its wall bounds what balls have of it") {
+    std::mt19937_64 rng(test_seed());
+    std::vector<Object> objects;
+    const Vec3 middle = Vec3::Constant(5);
+    for (const Object& ball : random_balls(rng, 40, 0.3))
+        if ((std::get<Sphere>(ball).center - middle).norm() < 4.5) objects.push_back(ball);
+    objects.push_back(HollowSphere{middle, 5});
+    const Soup soup = conforming(scene_of(objects, {Vec3::Constant(-1), Vec3::Constant(11)}));
+    CHECK(soup.not_closed == 0);
+    CHECK(soup.drawn_again == 0);
+    CHECK(lone_triangles(soup) == 0);
+    CHECK(doubled_points(soup) == 0);
+    REQUIRE(soup.volumes.size() > 5);
+    CHECK(outer_volume(soup) == doctest::Approx(all_volume(soup)).epsilon(1e-12));
+    CHECK(all_volume(soup) == doctest::Approx(filled_volume(soup.scene, soup.diagram).volume).epsilon(0.03));
+}
+
+// Cells of tubes come in parts, which end in faces that other cells have whole.
+TEST_CASE(
+    "conforming meshes: among tubes at any angle meshes are closed, and fit where no tube ends in a face") {
+    std::mt19937_64 rng(test_seed());
+    for (int round = 0; round < rounds(); ++round) {
+        std::vector<Object> objects = random_tubes(rng, 3, 0.3);
+        const std::size_t tubes = objects.size();
+        for (const Object& ball : random_balls(rng, 30, 0)) {
+            const Vec3 at = std::get<Sphere>(ball).center;
+            const bool is_clear = std::ranges::none_of(objects, [&](const Object& o) {
+                const auto* tube = std::get_if<Cylinder>(&o);
+                return tube && tube->axis.normalized().cross(at - tube->point).norm() < tube->radius + 0.5;
+            });
+            if (is_clear) objects.push_back(Sphere{at, 0.25});
+        }
+        const Soup all = conforming(scene_of(objects, {Vec3::Zero(), Vec3::Constant(10)}));
+        CHECK(all.not_closed == 0);
+        CHECK(all.drawn_again > 0);
+        CHECK(all_volume(all) == doctest::Approx(1000).epsilon(0.01));
+        Soup balls = all;
+        std::erase_if(balls.facets, [&](const Soup::Facet& f) {
+            return f.cell < tubes || !f.beyond.is_object() || f.beyond.index < tubes;
+        });
+        REQUIRE(balls.facets.size() > 100);
+        CHECK(lone_triangles(balls) == 0);
+        CHECK(lone_triangles(all) < all.facets.size());
+    }
+}
+
+TEST_CASE("conforming meshes: meshes that do not fit are seen") {
+    std::mt19937_64 rng(test_seed());
+    const DiagramScene scene = scene_of(random_balls(rng, 15, 0.5), {Vec3::Constant(-1), Vec3::Constant(11)});
+    Soup soup = conforming(scene);
+    REQUIRE(lone_triangles(soup) == 0);
+    const auto inner =
+        std::ranges::find_if(soup.facets, [&](const Soup::Facet& f) { return soup.has_cell(f.beyond); });
+    double& x = inner->corners[0].x();
+    x = std::nextafter(x, 20.0);
+    CHECK(lone_triangles(soup) == 2);  // it, and what it fitted
+    CHECK(doubled_points(soup) > 0);
+    const auto outer =
+        std::ranges::find_if(soup.facets, [&](const Soup::Facet& f) { return !soup.has_cell(f.beyond); });
+    soup.facets.erase(outer);
+    CHECK(outer_volume(soup) != doctest::Approx(box_volume(scene)).epsilon(1e-12));
+    // Each cell by itself.
+    const Soup alone = soup_of(scene, [](std::uint32_t, const Cell& cell) { return mesh_among_many(cell); });
+    CHECK(lone_triangles(alone) > 100);
+    CHECK(all_volume(alone) != doctest::Approx(box_volume(scene)).epsilon(1e-8));
+}
+
+}  // namespace vcell
