@@ -204,6 +204,8 @@ public:
             if (!faces_[f].first && beyond.site.is_object() && store_.has_come(beyond.site.index))
                 ++store_.drawn_again;
         }
+        for (CellMesh::Group& group : mesh.groups)
+            if (group.kind == CellMesh::Group::Kind::Face) group.site = site_of(group.site).site;
         return mesh;
     }
 

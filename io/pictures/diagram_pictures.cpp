@@ -49,7 +49,7 @@ void DiagramObj::add(std::uint32_t object, const Cell& cell, const CellMesh& mes
         name, [](unsigned char c) { return c <= ' '; }, '_');
     fmt::print(out_, "o cell_{}{}\n", object, name);
     const std::string material = has_materials_ ? fmt::format("c{}", colours_.add(object, cell)) : "";
-    write_obj_mesh(out_, cell, mesh, {points_, normals_, material});
+    write_obj_mesh(out_, mesh, {points_, normals_, material});
     points_ += mesh.points.size();
     normals_ += mesh.normals.size();
 }

@@ -29,6 +29,47 @@ struct SampledLine {
     std::vector<std::uint32_t> points;
 };
 
+// A line has a point at each break: the nearest one, or where that stands for another break or an end, this
+// point once more.
+void break_up(SampledLine& s, const std::vector<double>& breaks) {
+    std::vector<bool> is_break(s.points.size(), false);
+    is_break.front() = is_break.back() = true;
+    for (std::size_t k = 1; k + 1 < breaks.size(); ++k) {
+        const double at = breaks[k];
+        auto i = std::ranges::lower_bound(s.parameters, at) - s.parameters.begin();
+        if (at - s.parameters[i - 1] < s.parameters[i] - at) --i;
+        if (!is_break[i]) {
+            s.parameters[i] = at;
+            is_break[i] = true;
+            continue;
+        }
+        const auto place = s.parameters[i] < at ? i + 1 : i;
+        s.points.insert(s.points.begin() + place, s.points[i]);
+        s.parameters.insert(s.parameters.begin() + place, at);
+        is_break.insert(is_break.begin() + place, true);
+    }
+}
+
+// Lines with sides that cross others of one face.
+void find_crossings(const std::vector<std::vector<LoopPoint>>& polygons, std::vector<bool>& coarse) {
+    struct Segment {
+        Vec2 a, b;
+        std::uint32_t line;
+        double low() const { return std::min(a.x(), b.x()); }
+        double high() const { return std::max(a.x(), b.x()); }
+    };
+    std::vector<Segment> segments;
+    for (const auto& loop : polygons)
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            segments.push_back({loop[i].uv, loop[(i + 1) % loop.size()].uv, loop[i].line});
+    std::sort(segments.begin(), segments.end(),
+              [](const auto& s, const auto& t) { return s.low() < t.low(); });
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        for (std::size_t j = i + 1; j < segments.size() && segments[j].low() <= segments[i].high(); ++j)
+            if (proper_crossing(segments[i].a, segments[i].b, segments[j].a, segments[j].b))
+                coarse[segments[i].line] = coarse[segments[j].line] = true;
+}
+
 /// The mesh has grown beyond its bound, or a line beyond all halving.
 struct TooFine {};
 
@@ -161,7 +202,8 @@ private:
         if (kind != Kind::Face && !mesh_.groups.empty() && mesh_.groups.back().kind == kind)
             mesh_.groups.back().end = mesh_.triangles.size();
         else
-            mesh_.groups.push_back({kind, kind == Kind::Face ? f : none, begin, mesh_.triangles.size()});
+            mesh_.groups.push_back(
+                {kind, kind == Kind::Face ? f : none, begin, mesh_.triangles.size(), shell_.faces[f].site});
     }
 
     void check_size() const {
@@ -266,8 +308,6 @@ private:
         return result;
     }
 
-    // A known line has a point at each break: the nearest one, or where that stands for another break or an
-    // end, this point once more.
     void sample_known_line(std::size_t e) {
         SampledLine& s = sampled_[e];
         s.points = known_.lines[e];
@@ -275,23 +315,7 @@ private:
         std::vector<Vec3> points;
         for (const std::uint32_t p : s.points) points.push_back(known_.points[p]);
         s.parameters = parameters_along(shell_.edges[e].curve, points);
-        std::vector<bool> is_break(s.points.size(), false);
-        is_break.front() = is_break.back() = true;
-        const std::vector<double>& breaks = lines_[e].breaks;
-        for (std::size_t k = 1; k + 1 < breaks.size(); ++k) {
-            const double at = breaks[k];
-            auto i = std::ranges::lower_bound(s.parameters, at) - s.parameters.begin();
-            if (at - s.parameters[i - 1] < s.parameters[i] - at) --i;
-            if (!is_break[i]) {
-                s.parameters[i] = at;
-                is_break[i] = true;
-                continue;
-            }
-            const auto place = s.parameters[i] < at ? i + 1 : i;
-            s.points.insert(s.points.begin() + place, s.points[i]);
-            s.parameters.insert(s.parameters.begin() + place, at);
-            is_break.insert(is_break.begin() + place, true);
-        }
+        break_up(s, lines_[e].breaks);
     }
 
     void add_known_face(const KnownMesh::Face& face) {
@@ -402,7 +426,8 @@ private:
         std::vector<bool> coarse(lines_.size(), false);
         for (std::size_t f = 0; f < shell_.faces.size(); ++f)
             if (!is_known_face(f))
-                for (const TrimmedPatch& patch : shell_.faces[f].patches) find_crossings(patch, coarse);
+                for (const TrimmedPatch& patch : shell_.faces[f].patches)
+                    find_crossings(polygons(patch), coarse);
         bool any = false;
         for (std::size_t e = 0; e < coarse.size(); ++e)
             if (coarse[e] && !is_known_line(e)) {
@@ -413,25 +438,6 @@ private:
                 any = true;
             }
         return any;
-    }
-
-    void find_crossings(const TrimmedPatch& patch, std::vector<bool>& coarse) const {
-        struct Segment {
-            Vec2 a, b;
-            std::uint32_t line;
-            double low() const { return std::min(a.x(), b.x()); }
-            double high() const { return std::max(a.x(), b.x()); }
-        };
-        std::vector<Segment> segments;
-        for (const auto& loop : polygons(patch))
-            for (std::size_t i = 0; i < loop.size(); ++i)
-                segments.push_back({loop[i].uv, loop[(i + 1) % loop.size()].uv, loop[i].line});
-        std::sort(segments.begin(), segments.end(),
-                  [](const auto& s, const auto& t) { return s.low() < t.low(); });
-        for (std::size_t i = 0; i < segments.size(); ++i)
-            for (std::size_t j = i + 1; j < segments.size() && segments[j].low() <= segments[i].high(); ++j)
-                if (proper_crossing(segments[i].a, segments[i].b, segments[j].a, segments[j].b))
-                    coarse[segments[i].line] = coarse[segments[j].line] = true;
     }
 
     void add_patch(const TrimmedPatch& patch, double chord) {

@@ -33,6 +33,9 @@ struct CellMesh {
         Kind kind;
         std::uint32_t face;      ///< Face: index into Cell::faces
         std::size_t begin, end;  ///< range of triangles
+        /// Face: whose it is, as the cell names it, or in meshes of ConformingMeshes the diagram: images have
+        /// the numbers of their objects.
+        Site site = Site::base();
     };
 
     double chord =

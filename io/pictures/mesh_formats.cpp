@@ -81,7 +81,7 @@ void LabelledMesh::add(std::int32_t number, const Cell& of, const CellMesh& mesh
     for (const Vec3& p : mesh.points) clearance.push_back(distance_from(of.scene.base, p));
     for (const CellMesh::Group& group : mesh.groups) {
         const bool is_face = group.kind == CellMesh::Group::Kind::Face;
-        const std::int32_t beyond = is_face ? label(of.faces[group.face].site) : beside_base;
+        const std::int32_t beyond = is_face ? label(group.site) : beside_base;
         for (std::size_t t = group.begin; t < group.end; ++t) {
             const Triangle& v = mesh.triangles[t];
             triangles.push_back({before + v[0], before + v[1], before + v[2]});

@@ -47,8 +47,7 @@ std::string owner(Site site) {
 
 // material(group) is the name of its material, empty for none.
 template <class Material>
-static void write_mesh(Output& out, const Cell& cell, const CellMesh& mesh, const ObjPart& part,
-                       Material&& material) {
+static void write_mesh(Output& out, const CellMesh& mesh, const ObjPart& part, Material&& material) {
     for (const Vec3& p : mesh.points) out.print(FMT_COMPILE("v {} {} {}\n"), p.x(), p.y(), p.z());
     for (const Vec3& n : mesh.normals)
         out.print(FMT_COMPILE("vn {:.6g} {:.6g} {:.6g}\n"), n.x(), n.y(), n.z());
@@ -57,7 +56,7 @@ static void write_mesh(Output& out, const Cell& cell, const CellMesh& mesh, cons
         std::string who = "base";
         std::string group = g.kind == CellMesh::Group::Kind::Walls ? "walls" : "base";
         if (g.kind == CellMesh::Group::Kind::Face) {
-            who = owner(cell.faces[g.face].site);
+            who = owner(g.site);
             group = fmt::format("face_{}_{}", g.face, who);
         }
         out.print(FMT_COMPILE("g {}\n"), group);
@@ -71,9 +70,9 @@ static void write_mesh(Output& out, const Cell& cell, const CellMesh& mesh, cons
     }
 }
 
-void write_obj_mesh(std::ostream& stream, const Cell& cell, const CellMesh& mesh, const ObjPart& part) {
+void write_obj_mesh(std::ostream& stream, const CellMesh& mesh, const ObjPart& part) {
     Output out(stream);
-    write_mesh(out, cell, mesh, part, [&](const std::string&) { return part.material; });
+    write_mesh(out, mesh, part, [&](const std::string&) { return part.material; });
 }
 
 void write_obj(std::ostream& stream, const Cell& cell, const CellMesh& mesh,
@@ -81,7 +80,7 @@ void write_obj(std::ostream& stream, const Cell& cell, const CellMesh& mesh,
     Output out(stream);
     out.print(FMT_COMPILE("# Voronoi cell, {} faces\n"), cell.faces.size());
     if (!material_file.empty()) out.print(FMT_COMPILE("mtllib {}\n"), material_file);
-    write_mesh(out, cell, mesh, {},
+    write_mesh(out, mesh, {},
                [&](const std::string& who) { return material_file.empty() ? std::string() : who; });
     out.print(FMT_COMPILE("g edges\n"));
     for (const auto& line : mesh.edge_lines) {

@@ -20,7 +20,7 @@ struct ObjPart {
     std::string material;                 ///< of all of it; empty: none
 };
 /// Points, normals and triangles alone, in write_obj()'s groups.
-void write_obj_mesh(std::ostream& out, const Cell& cell, const CellMesh& mesh, const ObjPart& part);
+void write_obj_mesh(std::ostream& out, const CellMesh& mesh, const ObjPart& part);
 
 /// One material of a colour "#rrggbb".
 void write_material(std::ostream& out, const std::string& name, std::string_view colour);

@@ -26,7 +26,7 @@ struct Soup {
     struct Facet {
         std::array<Vec3, 3> corners;
         std::uint32_t cell;
-        Site beyond;  // in a box that repeats of no meaning but for its kind
+        Site beyond;
     };
     DiagramScene scene;
     VoronoiDiagram diagram;
@@ -35,8 +35,7 @@ struct Soup {
     std::size_t not_closed = 0, drawn_again = 0;
 
     bool has_cell(const Site& site) const {
-        return site.is_object() &&
-               (scene.is_periodic() || diagram.cells[site.index].state == DiagramCell::State::Computed);
+        return site.is_object() && diagram.cells[site.index].state == DiagramCell::State::Computed;
     }
 };
 
@@ -56,7 +55,7 @@ Soup soup_of(const DiagramScene& scene, MeshOf&& mesh_of) {
                 const bool is_face = g.kind == CellMesh::Group::Kind::Face;
                 soup.facets.push_back({{mesh.points[a], mesh.points[b], mesh.points[c]},
                                        object,
-                                       is_face ? cell.faces[g.face].site : Site::base()});
+                                       is_face ? g.site : Site::base()});
             }
     };
     soup.diagram = voronoi_diagram(scene, options);
@@ -104,7 +103,7 @@ std::size_t lone_triangles(const Soup& soup) {
     std::map<std::pair<Numbers, Pair>, int> count;
     for (const Soup::Facet& f : soup.facets) {
         if (!soup.has_cell(f.beyond)) continue;
-        const Pair pair = soup.scene.is_periodic() ? Pair(0, 0) : Pair(f.cell, f.beyond.index);
+        const Pair pair(f.cell, f.beyond.index);
         ++count[{key_of(f.corners, false, place), pair}];
         --count[{key_of(f.corners, true, place), {pair.second, pair.first}}];
     }
