@@ -21,19 +21,18 @@ struct Steps {
     }
     double square(std::size_t i, const Vec3& p) const { return (points[i] - p).squaredNorm(); }
 
-    /// The parameter of the point nearest to p, near that of point i.
-    double nearest(std::size_t i, const Vec3& p) const {
+    /// The parameter of the point nearest to p, near that of point i, to about the square of `near`, a part
+    /// of the domain, where p is on the curve.
+    double nearest(std::size_t i, const Vec3& p, double near) const {
         const double before = at(i == 0 ? 0.0 : static_cast<double>(i - 1)),
                      after = at(static_cast<double>(std::min(i + 1, points.size() - 1)));
         double t = at(static_cast<double>(i));
-        constexpr int most_steps = 8;
+        constexpr int most_steps = 12;
         for (int k = 0; k < most_steps; ++k) {
             const auto [q, along] = curve.evaluate_with_derivative(t);
             const double square = along.squaredNorm();
             if (!(square > 0)) break;
             const double next = std::clamp(t + (p - q).dot(along) / square, before, after);
-            // Each step has twice as many digits as the one before where p is near.
-            constexpr double near = 0x1p-24;  // of the domain
             const bool is_there = std::abs(next - t) <= near * (curve.domain_end() - curve.domain_begin());
             t = next;
             if (is_there) break;
@@ -58,7 +57,8 @@ std::vector<double> parameters_along(const RationalCurve3& curve, const std::vec
             while (at + 1 < steps.points.size() &&
                    steps.square(at + 1, points[k]) < steps.square(at, points[k]))
                 ++at;
-            result.push_back(steps.nearest(at, points[k]));
+            constexpr double near = 0x1p-20;  // for the shapes of triangles
+            result.push_back(steps.nearest(at, points[k], near));
         }
     }
     result.push_back(end);
@@ -80,8 +80,10 @@ std::vector<double> parameters_along(const RationalCurve3& curve, const std::vec
 }
 
 double distance_from_curve(const RationalCurve3& curve, const Vec3& p, double enough) {
+    // Where a curve is run through unevenly its middle stays away from p for longer than parameters show.
+    constexpr double exact = 0x1p-44;
     const Steps few(curve, 2);
-    const double quick = (curve.evaluate(few.nearest(1, p)) - p).norm();
+    const double quick = (curve.evaluate(few.nearest(1, p, exact)) - p).norm();
     if (quick <= enough) return quick;
     const Steps steps(curve, 32);
     double least = std::numeric_limits<double>::infinity();
@@ -91,7 +93,8 @@ double distance_from_curve(const RationalCurve3& curve, const Vec3& p, double en
                (i + 1 == steps.points.size() || square <= steps.square(i + 1, p));
     };
     for (std::size_t i = 0; i < steps.points.size(); ++i)
-        if (is_nearest_beside(i)) least = std::min(least, (curve.evaluate(steps.nearest(i, p)) - p).norm());
+        if (is_nearest_beside(i))
+            least = std::min(least, (curve.evaluate(steps.nearest(i, p, exact)) - p).norm());
     return least;
 }
 
