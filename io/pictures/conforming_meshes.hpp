@@ -16,8 +16,9 @@ namespace vcell {
 /// number for number. Where the box repeats and the other cell is that of an image, points are moved by what
 /// that is away, and are the same but for the rounding of this sum.
 ///
-/// Vertices are the same by their sites, and where cells do not list all sites by their errors, edges by
-/// their ends and sites, faces by their edges: nothing is joined for being near alone. What is not found so
+/// Vertices are the same if three of their sites are and their errors do not tell them apart, edges if their
+/// ends are, and two sites, and a point of one lies on the other within their errors, faces if all of their
+/// edges are: nothing is joined for being near alone. What is not found so
 /// the cell draws for itself; its mesh is closed all the same. So it is where cells of tubes, which come in
 /// parts, end in a face, and where cells are of different opinions about what is a vertex.
 ///
@@ -25,8 +26,8 @@ namespace vcell {
 /// or the edge's own: so a large cell's face is fine enough for a small one beyond. Chords of edges that
 /// other cells have drawn are not refined, even where they cross: triangles may overlap there.
 ///
-/// What all cells have that it belongs to is forgotten: of n cells in a row that is little, of cells in a
-/// random order it is about half of what there is in the middle of the way.
+/// A part is kept until the last cell has come that may have it: of objects that are listed as they lie,
+/// layer by layer, that is one layer's, of others up to half of all.
 class ConformingMeshes {
 public:
     /// Throws as voronoi_diagram().
