@@ -86,13 +86,25 @@ struct SharedFace {
 };
 
 /// A stored thing in the list of one of its objects, which is there at that image.
-template <class T>
-struct Listed {
-    std::shared_ptr<T> what;
+struct ListedLine {
+    std::shared_ptr<SharedLine> what;
     Image image;
 };
+/// With what tells most vertices apart, so that they need not be looked up.
+struct ListedVertex {
+    std::shared_ptr<SharedVertex> what;
+    Image image;
+    Vec3 place;    // unmoved
+    double error;  // infinite where it bounds nothing
+
+    ListedVertex(std::shared_ptr<SharedVertex> vertex, const Image& in)
+        : what(std::move(vertex)),
+          image(in),
+          place(what->point.unmoved_place),
+          error(what->is_touching ? std::numeric_limits<double>::infinity() : what->error) {}
+};
 template <class T>
-using Lists = std::unordered_map<std::uint32_t, std::vector<Listed<T>>>;
+using Lists = std::unordered_map<std::uint32_t, std::vector<T>>;
 
 struct HashPlace {
     std::size_t operator()(const std::pair<SharedId, Image>& place) const {
@@ -134,10 +146,11 @@ public:
     NetworkSite site_of(const Cell& cell, const Site& site) const {
         return decided_ ? whole::site_among_all(*decided_, cell, site) : NetworkSite{site, unmoved};
     }
-    Vec3 place(const SharedPoint& p) const {
-        if (p.image == unmoved) return p.unmoved_place;
-        return p.unmoved_place + decided_->balls().lattice().shift(p.image);
+    Vec3 place(const Vec3& unmoved_place, const Image& by) const {
+        if (by == unmoved) return unmoved_place;
+        return unmoved_place + decided_->balls().lattice().shift(by);
     }
+    Vec3 place(const SharedPoint& p) const { return place(p.unmoved_place, p.image); }
 
     SharedPoint new_point(const Vec3& place) { return {next_++, unmoved, place}; }
     SharedId new_id() { return next_++; }
@@ -155,14 +168,14 @@ public:
     bool may_come(std::uint32_t object) const { return object >= passed_; }
 
     /// Under each of its objects whose cells may come.
-    template <class T>
-    void list(Lists<T>& lists, const std::shared_ptr<T>& what) {
+    template <class T, class Shared>
+    void list(Lists<T>& lists, const std::shared_ptr<Shared>& what) {
         for (const NetworkSite& s : what->sites)
-            if (s.site.is_object() && may_come(s.site.index)) lists[s.site.index].push_back({what, s.image});
+            if (s.site.is_object() && may_come(s.site.index)) lists[s.site.index].push_back(T{what, s.image});
     }
 
-    Lists<SharedVertex> vertices;
-    Lists<SharedLine> closed_lines;
+    Lists<ListedVertex> vertices;
+    Lists<ListedLine> closed_lines;
     std::unordered_map<std::uint32_t, std::vector<std::shared_ptr<SharedFace>>>
         faces;  // by the object beyond
     std::size_t drawn_again = 0;
@@ -243,7 +256,7 @@ private:
             if (!s.site.is_object()) continue;
             const auto list = lists.find(s.site.index);
             if (list == lists.end()) continue;
-            for (const Listed<T>& listed : list->second) visit(listed, sum(s.image, opposite(listed.image)));
+            for (const T& listed : list->second) visit(listed, sum(s.image, opposite(listed.image)));
         }
     }
 
@@ -253,11 +266,10 @@ private:
     static constexpr std::size_t tell_vertex = 3, tell_edge = 2;
 
     // A place that two cells have; touching vertices may lie anywhere along their bisectors.
-    bool are_apart(const CellVertex& own, const SharedVertex& stored, const Vec3& place) const {
+    static bool are_apart(const CellVertex& own, const ListedVertex& listed, const Vec3& place) {
         const double rounding = 16 * std::numeric_limits<double>::epsilon() *
                                 (own.point.cwiseAbs().sum() + place.cwiseAbs().sum());
-        return !own.is_touching && !stored.is_touching &&
-               (own.point - place).norm() > own.error + stored.error + rounding;
+        return !own.is_touching && (own.point - place).norm() > own.error + listed.error + rounding;
     }
 
     struct VertexMatch {
@@ -267,12 +279,12 @@ private:
         Image by{0, 0, 0};
     };
 
-    void try_vertex(const CellVertex& v, const MeetingSites& sites, const Listed<SharedVertex>& listed,
+    void try_vertex(const CellVertex& v, const MeetingSites& sites, const ListedVertex& listed,
                     const Image& by, VertexMatch& best) const {
+        const Vec3 place = store_.place(listed.place, by);
+        if (are_apart(v, listed, place)) return;
         const SharedVertex& stored = *listed.what;
         const SharedPoint point = stored.point.at(by);
-        const Vec3 place = store_.place(point);
-        if (are_apart(v, stored, place)) return;
         const std::size_t common = common_sites(stored.sites, by, sites);
         const bool is_same = common == sites.size() && common == stored.sites.size();
         if (common < tell_vertex || ((v.is_touching || stored.is_touching) && !is_same)) return;
@@ -286,7 +298,7 @@ private:
     void find_or_add(const CellVertex& v) {
         const MeetingSites sites = meeting(v.sites);
         VertexMatch best;
-        const auto try_it = [&](const Listed<SharedVertex>& listed, const Image& by) {
+        const auto try_it = [&](const ListedVertex& listed, const Image& by) {
             try_vertex(v, sites, listed, by, best);
         };
         // Cells that list this one, too, have what is listed there.
@@ -336,7 +348,7 @@ private:
         LineMatch best;
         if (edge.vertices.empty()) {
             const MeetingSites sites = meeting(edge);
-            for_stored(store_.closed_lines, sites, [&](const Listed<SharedLine>& listed, const Image& by) {
+            for_stored(store_.closed_lines, sites, [&](const ListedLine& listed, const Image& by) {
                 const MeetingSites& theirs = listed.what->sites;
                 if (theirs.size() == sites.size() && common_sites(theirs, by, sites) == sites.size())
                     try_line(edge, listed.what, by, best);
