@@ -40,6 +40,12 @@ std::string names_of(const std::vector<NetworkSite>& sites) {
 
 }  // namespace
 
+NetworkSite site_in_diagram(const Cell& cell, const Site& site) {
+    if (!site.is_object() || cell.scene.images.empty()) return {site, here};
+    const ObjectImage& object = cell.scene.images[site.index];
+    return {Site::object(object.number), object.image};
+}
+
 VoidNetworkBuilder::VoidNetworkBuilder(const DiagramScene& scene)
     : decided_(std::make_unique<whole::DecidedDiagram>(scene)),
       has_cell_(scene.objects.size(), false),
@@ -59,16 +65,10 @@ const Sphere& VoidNetworkBuilder::ball_in(const Cell& cell, const Site& site) co
     return is_own ? std::get<Sphere>(cell.scene.objects[site.index]) : decided_->ball(site.index);
 }
 
-NetworkSite VoidNetworkBuilder::site_in(const Cell& cell, const Site& site) const {
-    if (!site.is_object() || !decided_->scene().is_periodic()) return {site, here};
-    const ObjectImage& object = cell.scene.images[site.index];
-    return {Site::object(object.number), object.image};
-}
-
 VoidNetworkBuilder::Sites VoidNetworkBuilder::sites_in(const Cell& cell, std::uint32_t object,
                                                        const std::vector<Site>& sites) const {
     Sites result{{Site::object(object), here}};
-    for (const Site& site : sites) result.push_back(site_in(cell, site));
+    for (const Site& site : sites) result.push_back(site_in_diagram(cell, site));
     std::ranges::sort(result);
     return result;
 }

@@ -30,6 +30,9 @@ struct NetworkSite {
 
     friend auto operator<=>(const NetworkSite&, const NetworkSite&) = default;
 };
+/// A site of a diagram's cell (DiagramOptions::visit) as the diagram names it, its image as seen from the
+/// cell's own object.
+NetworkSite site_in_diagram(const Cell& cell, const Site& site);
 
 /// A point equally far from its balls, farther from all others; in the scene's unit, as everything here. Of
 /// a lattice's it is one for all images: the one that its first ball, image 0, 0, 0, has.
@@ -120,7 +123,6 @@ private:
     };
 
     const Sphere& ball_in(const Cell& cell, const Site& site) const;
-    NetworkSite site_in(const Cell& cell, const Site& site) const;
     Sites sites_in(const Cell& cell, std::uint32_t object, const std::vector<Site>& sites) const;
     void add_vertices_and_edges(std::uint32_t object, const Cell& cell);
     void add_edge(std::uint32_t object, const Cell& cell, const CellEdge& edge,

@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "../../envelope/whole/cell_finder.hpp"
-#include "../../envelope/whole/cell_sites.hpp"
+#include "../../envelope/whole/void_network.hpp"
 #include "known_mesh.hpp"
 
 namespace vcell {
@@ -143,9 +142,6 @@ public:
     }
 
     bool is_periodic() const { return decided_.has_value(); }
-    NetworkSite site_of(const Cell& cell, const Site& site) const {
-        return decided_ ? whole::site_among_all(*decided_, cell, site) : NetworkSite{site, unmoved};
-    }
     Vec3 place(const Vec3& unmoved_place, const Image& by) const {
         if (by == unmoved) return unmoved_place;
         return unmoved_place + decided_->balls().lattice().shift(by);
@@ -181,7 +177,7 @@ public:
     std::size_t drawn_again = 0;
 
 private:
-    std::optional<whole::DecidedDiagram> decided_;  // where the box repeats: who images are
+    std::optional<whole::DecidedDiagram> decided_;  // where the box repeats
     std::vector<bool> has_come_;
     std::uint32_t passed_ = 0;
     SharedId next_ = 0;
@@ -225,11 +221,7 @@ public:
 private:
     // ---- Sites
 
-    const NetworkSite& site_of(const Site& site) {
-        const auto [at, is_new] = sites_.try_emplace(site);
-        if (is_new) at->second = store_.site_of(cell_, site);
-        return at->second;
-    }
+    NetworkSite site_of(const Site& site) const { return site_in_diagram(cell_, site); }
     template <class Sites>
     MeetingSites meeting(const Sites& sites) {
         MeetingSites result{own_};
@@ -571,7 +563,6 @@ private:
     const NetworkSite own_;
     const Cell& cell_;
     MeshOptions options_;
-    std::map<Site, NetworkSite> sites_;
     std::vector<CellPoint> vertices_;
     std::vector<std::optional<CellLine>> lines_;
     // A stored face, and by how much it is moved and turned around; none: it is as it was drawn.
