@@ -31,6 +31,9 @@ double slope(const Nearness::Cylindrical& f) {
     return (2 * f.foot.norm() + (f.is_hollow ? f.delta : std::sqrt(f.C))) / f.C;
 }
 
+// Less room than this is not told from rounding errors.
+constexpr double narrow = 0x1p-20;
+
 // The disk about pole u in which its nearest object stays the nearest, by the tangent of half its angular
 // radius: all of the diagram's edges lie within 1 / radius of the chart's origin.
 class PoleJudge {
@@ -56,18 +59,20 @@ public:
             const double own = slope(n_.cylindrical[cylindrical]);
             for (const auto& f : n_.linear)
                 room = std::min(room, 0.5 * (best - f.p.dot(u) - f.s) / (own + f.p.norm()));
-            for (std::size_t i = 0; i < n_.cylindrical.size(); ++i)
-                if (i != cylindrical) {
-                    const auto& f = n_.cylindrical[i];
-                    room = std::min(room, 0.5 * (best - nearness_of(f, u)) / (own + slope(f)));
-                }
+            for (std::size_t i = 0; i < n_.cylindrical.size(); ++i) {
+                if (i == cylindrical) continue;
+                double beside = room_beside(best, own, n_.cylindrical[i], u);
+                if (beside < narrow)
+                    beside =
+                        std::max(beside, room_beside_twin(n_.cylindrical[cylindrical], n_.cylindrical[i], u));
+                room = std::min(room, beside);
+            }
             return room;
         }
         const auto& own = n_.linear[linear];
         for (std::size_t i = 0; i < n_.linear.size(); ++i)
             if (i != linear) room = std::min(room, room_beside(own, n_.linear[i], u, room));
-        for (const auto& f : n_.cylindrical)
-            room = std::min(room, 0.5 * (best - nearness_of(f, u)) / (own.p.norm() + slope(f)));
+        for (const auto& f : n_.cylindrical) room = std::min(room, room_beside(best, own.p.norm(), f, u));
         return room;
     }
 
@@ -85,6 +90,43 @@ private:
         const double discriminant = v2 - e * e;
         if (discriminant < 0) return infinity;
         return lead / (std::sqrt(std::max(0.0, v2 - along * along)) + std::sqrt(discriminant));
+    }
+
+    // Beside a cylinder, where the nearest object's Q is `best` and changes by no more than `own`. What all
+    // but touches the base is steep in a few directions, but as Q is the positive root of
+    //
+    //     C Q^2 - 2 beta Q - alpha^2 = 0
+    //
+    // it is below `best` where `best` makes this positive, which changes but moderately.
+    static double room_beside(double best, double own, const Nearness::Cylindrical& f, const Vec3& u) {
+        const double by_slopes = 0.5 * (best - nearness_of(f, u)) / (own + slope(f));
+        if (by_slopes >= narrow || f.is_hollow || !(best > 0)) return by_slopes;
+        const double beta = f.foot.dot(u) + f.delta, alpha = f.axis.dot(u), foot = f.foot.norm(),
+                     value = best * (f.C * best - 2 * beta) - alpha * alpha,
+                     change = 2 * (foot * best + 1 + (f.C * best + foot + std::abs(f.delta)) * own);
+        return std::max(by_slopes, 0.5 * value / change);
+    }
+
+    // Where two cylinders all but coincide so do their slopes. Q is the positive root of
+    //
+    //     C Q^2 - 2 beta Q - alpha^2 = 0,
+    //
+    // so where the other one's Q' makes this negative, r = dC Q'^2 - 2 dbeta Q' - d(alpha^2), Q is larger;
+    // and r changes by no more than what its differences, Q' and the slope of Q' do.
+    static double room_beside_twin(const Nearness::Cylindrical& own, const Nearness::Cylindrical& other,
+                                   const Vec3& u) {
+        if (own.is_hollow || other.is_hollow) return 0;
+        const Vec3 axis = own.axis.dot(other.axis) < 0 ? Vec3(-other.axis) : other.axis;
+        const Vec3 d_axis = own.axis - axis, d_foot = own.foot - other.foot;
+        const double dC = own.C - other.C, d_delta = own.delta - other.delta, q = nearness_of(other, u);
+        const double r =
+            dC * q * q - 2 * (d_foot.dot(u) + d_delta) * q - d_axis.dot(u) * (own.axis + axis).dot(u);
+        if (!(r < 0)) return 0;
+        const double steepness = slope(other), beta = other.foot.norm() + std::abs(other.delta),
+                     most = (beta + std::sqrt(beta * beta + other.C)) / other.C;
+        const double change = 2 * (std::abs(dC) * most * steepness + d_foot.norm() * most +
+                                   (d_foot.norm() + std::abs(d_delta)) * steepness + 2 * d_axis.norm());
+        return -0.5 * r / change;
     }
 
     const Nearness& n_;
@@ -126,9 +168,6 @@ Vec3 nearest_direction(const Nearness& n) {
 
 // Room enough: edges within 16 of the origin.
 constexpr double wide = 1.0 / 16;
-
-// Less room than this is not told from rounding errors.
-constexpr double narrow = 0x1p-20;
 
 struct Pole {
     Vec3 direction;

@@ -193,6 +193,40 @@ TEST_CASE("chart: integer rotations are rotations exactly, about the pole where 
     }
 }
 
+// Tubes with twins 1e-8 off, and a line that all but touches the base: beside it heights are steep, and
+// between twins they differ by little, wherever the pole is.
+TEST_CASE("chart: twins of tubes and what all but touches the base leave room for a pole") {
+    Random r;
+    const auto tube = [](const Vec3& foot, const Vec3& axis, double delta) {
+        return Nearness::Cylindrical{foot, axis, delta, foot.squaredNorm() - delta * delta};
+    };
+    for (int round = 0; round < 100; ++round) {
+        Nearness n;
+        for (int i = 0; i < 3; ++i) {
+            const Vec3 foot = (2 + r.unit()) * r.direction(), axis = foot.cross(r.direction()).normalized();
+            n.cylindrical.push_back(tube(foot, axis, 0.25));
+            const Vec3 moved = foot + 1e-8 * r.direction();
+            n.cylindrical.push_back(tube(moved - axis * axis.dot(moved), axis, 0.25));
+        }
+        if (round % 2 == 0) {
+            const Vec3 out = r.direction();
+            n.cylindrical.push_back(tube((1 + 0x1p-40) * out, out.cross(r.direction()).normalized(), -1));
+        }
+        const auto rotation = chart_rotation(n);
+        REQUIRE(rotation);
+        const Vec3 pole = -rotation->matrix.col(2) / rotation->norm;
+        const auto nearest = [&](const Vec3& direction) {
+            std::size_t owner = 0;
+            for (std::size_t i = 0; i < n.cylindrical.size(); ++i)
+                if (nearness_of(n.cylindrical[i], direction) > nearness_of(n.cylindrical[owner], direction))
+                    owner = i;
+            return owner;
+        };
+        for (int k = 0; k < 20; ++k)
+            CHECK(nearest((pole + 1e-6 * r.direction()).normalized()) == nearest(pole));
+    }
+}
+
 TEST_CASE("chart: two objects as near in one direction leave room for a pole elsewhere") {
     // A ball and a plane that touch each other at their common nearest point, and crossing cylinders.
     for (const std::vector<Object>& objects :
