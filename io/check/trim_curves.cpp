@@ -172,7 +172,7 @@ public:
         double off = 0, aside = 0, least_weight = HUGE_VAL, most_shares = 0;
         for (const int axis : {0, 1}) {
             const auto k = static_cast<std::size_t>(axis);
-            const MidRad scale = MidRad(1.0) / extent(axis);
+            const MidRad scale = scale_to_shares(axis);
             for (std::size_t i = 0; i <= static_cast<std::size_t>(d); ++i) {
                 const auto& point = pair.trim.points[i];
                 const MidRad x = scale * point[k], y = point[2] - x;
@@ -323,7 +323,7 @@ public:
         const int m = net_->degree_s(), n = net_->degree_t(), d = pair.trim.degree();
         if ((m + n) * d + pair.edge.degree() > kMaxBinomial) return HUGE_VAL;
         const std::array<Form, 4> lifted =
-            lift(Powers(pair.trim, 0, extent(0), m), Powers(pair.trim, 1, extent(1), n));
+            lift(Powers(pair.trim, 0, scale_to_shares(0), m), Powers(pair.trim, 1, scale_to_shares(1), n));
         const Form edge_weight = pair.edge.form(3);
         const Interval scale = lifted[3].range() * edge_weight.range();
         if (!(scale.lower() > 0)) return HUGE_VAL;
@@ -370,15 +370,19 @@ public:
     }
 
 private:
-    MidRad extent(int axis) const { return MidRad(hi_[axis]) - lo_[axis]; }
+    /// From places beside the net's corner to shares of its width. A needle may be no wider than that its
+    /// trimming curves have one coordinate, the corner's: then all shares are 0 in any scale.
+    MidRad scale_to_shares(int axis) const {
+        if (lo_[axis] == hi_[axis]) return 1.0;
+        return MidRad(1.0) / (MidRad(hi_[axis]) - lo_[axis]);
+    }
 
     /// With s = a / w the place between the patch's sides along a trimming curve and b = w - a: all
     /// a^i b^(degree - i), as coefficients times binomials.
     struct Powers {
-        Powers(const BezierPiece<2>& trim, int coordinate, const MidRad& extent, int power)
+        Powers(const BezierPiece<2>& trim, int coordinate, const MidRad& scale, int power)
             : degree(trim.degree() * power), count(power + 1) {
             const int d = trim.degree();
-            const MidRad scale = MidRad(1.0) / extent;
             SmallVector<double, 8> a, b;
             double error = 0;
             for (int k = 0; k <= d; ++k) {
