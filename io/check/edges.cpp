@@ -52,7 +52,7 @@ private:
             for (const auto& each : spans<3>(e.curve, origin)) parts.push_back(part(Net(each, origin), 0));
         error_ = full_error(i);
         EdgeBound bound{0, 0, HUGE_VAL};
-        if (!follow_arc(where, parts, bound)) return;
+        if (!follow_arc(i, where, parts, bound)) return;
         nearer_ = 0;
         excess_ = bound.excess;
         distance_ = bound.distance;
@@ -205,7 +205,22 @@ private:
         return result;
     }
 
-    bool follow_arc(const std::string& where, const std::vector<EdgePart>& whole, EdgeBound& bound) {
+    /// How far a part is from the arc at most, where gradients do not tell: no farther than from an end, in
+    /// which the arc ends, too. A short one on both bisectors is where it is stated to be as far as the scene
+    /// tolerates: finer than that no node is told from what all but is one.
+    double distance_by_node(std::size_t i, const Vector<Interval>& box, bool is_on_both) const {
+        double least = HUGE_VAL;
+        for (const std::uint32_t v : cell_.edges[i].vertices) {
+            const CellVertex& end = cell_.vertices[v];
+            const Vector<Interval> way = box - to_vector<Interval>(end.point);
+            least = std::min(least, (sqrt(square(way)) + Interval(end.error)).upper());
+        }
+        const bool is_short = radius(box) <= error_ && error_ <= most_stated(0);
+        return is_on_both && is_short ? std::min(least, error_) : least;
+    }
+
+    bool follow_arc(std::size_t i, const std::string& where, const std::vector<EdgePart>& whole,
+                    EdgeBound& bound) {
         const double width = std::max(tie_width(conditions_[0].site), tie_width(conditions_[1].site));
         std::size_t count = 0;
         std::vector<EdgePart> parts;  // halves
@@ -227,8 +242,14 @@ private:
             const bool follows = found && found->distance <= allowed;
             // Where the bisectors touch no place on either is much nearer to the arc than the others.
             const bool touches = !found && part.depth >= kTouching && size <= width && growth > 0;
-            if ((follows || touches) && others <= 2 * allowed + width) {
-                bound.distance = std::max(bound.distance, follows ? found->distance : size / growth);
+            // Next to a node, in which more than two arcs meet or nearly do, gradients are parallel, too.
+            const double from_node =
+                follows || touches ? HUGE_VAL : distance_by_node(i, part.net.box(), size <= width);
+            const bool is_by_node = from_node <= error_ && growth > 0;
+            if ((follows || touches || is_by_node) && others <= 2 * (is_by_node ? error_ : allowed) + width) {
+                bound.distance = std::max(bound.distance, follows   ? found->distance
+                                                          : touches ? size / growth
+                                                                    : from_node);
                 bound.excess = std::max(bound.excess, size);
                 bound.growth = std::min(bound.growth, growth);
                 continue;
