@@ -496,7 +496,7 @@ private:
         }
 
         /// Where bisectors touch, the excess changes slowly on the patch. Of objects of one kind the
-        /// difference of the excesses does, and the patch's own is below the width on all of it.
+        /// difference of the excesses does, which is the rival's where the own one is 0, on the bisector.
         bool is_farther(const Condition& c, bool alike) const {
             const Space<Interval>& space = faces_.space();
             const Condition& own = faces_.own_[0];
@@ -506,7 +506,7 @@ private:
             const Interval change =
                 magnitude(dot(gradient, known.slopes[0])) + magnitude(dot(gradient, known.slopes[1]));
             Interval excess = space.excess(c, known.corner);
-            if (alike) excess = excess - space.excess(own, known.corner) - Interval(faces_.width_);
+            if (alike) excess = excess - space.excess(own, known.corner);
             return (excess - change).lower() >= -faces_.tie_width(c.site);
         }
 
