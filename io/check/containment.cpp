@@ -162,4 +162,15 @@ bool base_contains(const Object& base, const Object& held) {
     return contains(base, held);
 }
 
+bool is_across(const Plane& plane, const Object& base, const Object& object) {
+    // A plane that does not cut the base has it where it has one of its points.
+    const auto* ball = std::get_if<Sphere>(&base);
+    const auto* tube = std::get_if<Cylinder>(&base);
+    if (!ball && !tube) return false;
+    const Sign side = dot(exact(plane.normal), from(plane.point, ball ? ball->center : tube->point)).sign();
+    if (side == Sign::Zero) return false;
+    const Plane towards{plane.point, side == Sign::Positive ? plane.normal : Vec3(-plane.normal)};
+    return base_contains(towards, object);
+}
+
 }  // namespace vcell::check

@@ -11,4 +11,8 @@ bool contains(const Object& holder, const Object& held);
 /// Does the base contain all of an object, or as a plane have it behind its front?
 bool base_contains(const Object& base, const Object& held);
 
+/// Has a plane the base on one side and the object on the other? A point on the base's side is no farther
+/// from the plane than from the object then. Pre: the plane does not cut the base.
+bool is_across(const Plane& plane, const Object& base, const Object& object);
+
 }  // namespace vcell::check

@@ -25,7 +25,10 @@ bool Room::is_held(const Site& site, std::span<const Condition> own) const {
     if (!site.is_object()) return false;
     const Object& object = scene_.objects[site.index];
     return base_contains(scene_.base, object) || std::ranges::any_of(own, [&](const Condition& c) {
-               return c.site.is_object() && contains(scene_.objects[c.site.index], object);
+               if (!c.site.is_object()) return false;
+               const Object& holder = scene_.objects[c.site.index];
+               const auto* plane = std::get_if<Plane>(&holder);
+               return contains(holder, object) || (plane && is_across(*plane, scene_.base, object));
            });
 }
 

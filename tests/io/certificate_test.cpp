@@ -100,7 +100,9 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "tie_along_edge_cut_to_a_point",
                              "needle_of_no_width",
                              "node_of_touching_tubes",
-                             "twin_tubes_around_ball"}) {
+                             "twin_tubes_around_ball",
+                             "tube_behind_plane",
+                             "twin_lines_in_roundings"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
