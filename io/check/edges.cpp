@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "../pictures/trims.hpp"
 #include "excess.hpp"
 #include "touching_spheres.hpp"
 
@@ -57,7 +58,7 @@ private:
         excess_ = bound.excess;
         distance_ = bound.distance;
         if (!exclude_others(where, parts)) return;
-        if (e.error > most_stated(bound.distance))
+        if (e.error > most_stated(bound.distance) && e.error > most_stated(trims_off(i)))
             return certificate_.refute(
                 where + ".error",
                 fmt::format("is {:.3g}, the curve is within {:.3g} of the true one", e.error, bound.distance),
@@ -88,6 +89,24 @@ private:
             return false;
         }
         return true;
+    }
+
+    /// How far trims are seen to be off their edge: its error is said to be theirs, too.
+    double trims_off(std::size_t i) const {
+        constexpr int places = 16;
+        double most = 0;
+        for (const Patch& patch : patches_)
+            for (const auto& loop : patch.loops)
+                for (const Trim& trim : loop) {
+                    if (trim.curve->edge != i) continue;
+                    for (int k = 0; k <= places; ++k) {
+                        const double t = trim.begin() + (trim.end() - trim.begin()) * k / places;
+                        const Vec3 on_edge =
+                            evaluate(edge_pieces_[i], edge_parameter(*trim.curve, cell_.edges[i].curve, t));
+                        most = std::max(most, (lift(patch, evaluate(trim.pieces, t)).p - on_edge).norm());
+                    }
+                }
+        return most;
     }
 
     // --- On the arc ---------------------------------------------------------------------------------
