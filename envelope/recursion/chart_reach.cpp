@@ -9,6 +9,7 @@
 #include "../../core/errors.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../primitives/forms/radial_height.hpp"
+#include "../../primitives/forms/twins.hpp"
 
 namespace vcell {
 
@@ -25,11 +26,13 @@ public:
             const Interval w = Interval(1.0) / ball(c.w);
             circular_.push_back({Interval(c.k) * w, ball(c.a) * w, ball(c.b) * w, ball(c.e) * w});
         }
+        inverted_.chart = family.chart;
         for (const RadialForm& f : family.radial) {
             RadialForm inverted = f;  // seen from the other pole: u_z changes its sign
             inverted.b[2] = -f.b[2];
             inverted.a[2] = -f.a[2];
             tubes_.emplace_back(inverted, [](const Exact& v) { return v.enclosure(); });
+            inverted_.radial.push_back(std::move(inverted));
         }
     }
 
@@ -96,15 +99,33 @@ private:
             const auto& c = circular_[i];
             return (c[0] + c[1] * x + c[2] * x + c[3] * r2) / w;
         };
+        // Those of one kind that differ by little are told by what their coefficients differ by.
+        const auto is_above_its_like = [&](std::size_t i) {
+            if (i < circular_.size() && owner < circular_.size()) {
+                const auto d = difference(circular_[i], circular_[owner]);
+                return (d[0] + d[1] * x + d[2] * x + d[3] * r2).lower() > 0;
+            }
+            return i >= circular_.size() && owner >= circular_.size() &&
+                   is_above_twin(i - circular_.size(), owner - circular_.size(), normals);
+        };
         const double top = range(owner).upper();
         for (std::size_t i = 0; i < circular_.size() + tubes_.size(); ++i)
-            if (i != owner && !(range(i).lower() > top)) return false;
+            if (i != owner && !(range(i).lower() > top) && !is_above_its_like(i)) return false;
         return true;
+    }
+
+    bool is_above_twin(std::size_t tube, std::size_t lowest, const RadialNormals<Interval>& normals) const {
+        const FormId f{static_cast<std::uint32_t>(tube)}, g{static_cast<std::uint32_t>(lowest)};
+        const auto factor = FormSignature(inverted_, f).factor(FormSignature(inverted_, g));
+        if (!factor) return false;
+        const TwinDifference twins(inverted_, f, g, *factor);
+        return twins.over(tubes_[tube].plain_jet<2>(normals), normals).v.lower() > 0;
     }
 
     Chart chart_;
     std::vector<std::array<Interval, 4>> circular_;  // of k, a, b, e over w
     std::vector<RadialHeight<Interval>> tubes_;
+    FormFamily inverted_;  // of tubes alone
 };
 
 }  // namespace

@@ -102,7 +102,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "node_of_touching_tubes",
                              "twin_tubes_around_ball",
                              "tube_behind_plane",
-                             "twin_lines_in_roundings"}) {
+                             "twin_lines_in_roundings",
+                             "twins_at_the_pole"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
