@@ -459,7 +459,14 @@ private:
                 const Interval e = faces_.space().excess(c, to_vector<Interval>(center_));
                 return {e.mid(), e.radius(), middle(faces_.space().gradient(c, box_)), kRough};
             }
-            const Slope s = slope_within(scene_.objects[c.site.index], center_, radius_, false);
+            const Object& object = scene_.objects[c.site.index];
+            Slope s = slope_within(object, center_, radius_, false);
+            if (const auto* plane = std::get_if<Plane>(&object)) {
+                // A tile that lies flat beside a plane is on one side of it, however wide it is.
+                const Vec3 half(box_[0].radius(), box_[1].radius(), box_[2].radius());
+                const double reach = plane->normal.normalized().cwiseAbs().dot(half) + faces_.margin_;
+                if (s.distance > (1 + kRough) * reach + s.rounding) s.turn = kRough;
+            }
             return {s.distance - base_.distance, s.rounding, s.direction - base_.direction,
                     s.turn + base_.turn};
         }
