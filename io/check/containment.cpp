@@ -162,12 +162,18 @@ bool base_contains(const Object& base, const Object& held) {
     return contains(base, held);
 }
 
+Sign side_of_base(const Plane& plane, const Object& base) {
+    const auto side_of = [&](const Vec3& p) { return dot(exact(plane.normal), from(plane.point, p)).sign(); };
+    if (const auto* ball = std::get_if<Sphere>(&base)) return side_of(ball->center);
+    if (const auto* tube = std::get_if<Cylinder>(&base))
+        return are_orthogonal(exact(plane.normal), exact(tube->axis)) ? side_of(tube->point) : Sign::Zero;
+    const auto& front = std::get<Plane>(base);
+    const bool is_parallel = squared_sine(exact(plane.normal), exact(front.normal)).sign() == Sign::Zero;
+    return is_parallel ? side_of(front.point) : Sign::Zero;
+}
+
 bool is_across(const Plane& plane, const Object& base, const Object& object) {
-    // A plane that does not cut the base has it where it has one of its points.
-    const auto* ball = std::get_if<Sphere>(&base);
-    const auto* tube = std::get_if<Cylinder>(&base);
-    if (!ball && !tube) return false;
-    const Sign side = dot(exact(plane.normal), from(plane.point, ball ? ball->center : tube->point)).sign();
+    const Sign side = side_of_base(plane, base);
     if (side == Sign::Zero) return false;
     const Plane towards{plane.point, side == Sign::Positive ? plane.normal : Vec3(-plane.normal)};
     return base_contains(towards, object);

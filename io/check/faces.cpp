@@ -460,12 +460,12 @@ private:
                 return {e.mid(), e.radius(), middle(faces_.space().gradient(c, box_)), kRough};
             }
             const Object& object = scene_.objects[c.site.index];
-            Slope s = slope_within(object, center_, radius_, false);
-            if (const auto* plane = std::get_if<Plane>(&object)) {
-                // A tile that lies flat beside a plane is on one side of it, however wide it is.
-                const Vec3 half(box_[0].radius(), box_[1].radius(), box_[2].radius());
-                const double reach = plane->normal.normalized().cwiseAbs().dot(half) + faces_.margin_;
-                if (s.distance > (1 + kRough) * reach + s.rounding) s.turn = kRough;
+            // Of a plane that has the base on one side the distance is signed.
+            const bool is_sided = faces_.space().is_sided(c.site.index);
+            Slope s = slope_within(object, center_, radius_, is_sided);
+            if (is_sided && s.direction.dot(middle(faces_.space().object(c.site.index).direction)) < 0) {
+                s.distance = -s.distance;
+                s.direction = -s.direction;
             }
             return {s.distance - base_.distance, s.rounding, s.direction - base_.direction,
                     s.turn + base_.turn};

@@ -22,6 +22,7 @@
 #include "../../core/numbers/wide_interval.hpp"
 #include "../../primitives/objects/scene.hpp"
 #include "../../primitives/objects/site.hpp"
+#include "containment.hpp"
 
 namespace vcell::check {
 
@@ -135,6 +136,13 @@ struct Surface {
         }
     }
 
+    /// Of a plane that has the base on one side. What is as far from both is there, too; beyond it the signed
+    /// distance is less than the true one, and both are less than that from the base.
+    void turn_to(Sign side) {
+        is_sided = side != Sign::Zero;
+        if (side == Sign::Negative) direction = {-direction[0], -direction[1], -direction[2]};
+    }
+
     /// Of a plane, signed.
     T distance(const Vector<T>& p) const {
         const Vector<T> q = p - point;
@@ -152,6 +160,7 @@ struct Surface {
 
     Kind kind;
     bool is_hollow = false;  ///< a vessel: seen from within
+    bool is_sided = false;   ///< a plane whose normal points to the base: the distance is signed
     bool is_cone = false;    ///< a hollow one: the axis from its apex into it, and half its angle
     T sine{0.0}, cosine{1.0};
     Vector<T> point;      ///< of a plane; the centre, or a point of the axis
@@ -185,7 +194,7 @@ public:
     explicit Space(const Scene& scene) : scene_(scene), base_(scene.base) {
         if constexpr (std::is_same_v<T, Interval>) {
             surfaces_.reserve(scene.objects.size());
-            for (const Object& o : scene.objects) surfaces_.emplace_back(o);
+            for (const Object& o : scene.objects) surfaces_.push_back(surface_of(o));
         }
         if (base_.kind == Surface<T>::Kind::cylinder) find_stretch();
     }
@@ -196,7 +205,12 @@ public:
         if constexpr (std::is_same_v<T, Interval>)
             return surfaces_[i];
         else
-            return Surface<T>(scene_.objects[i]);
+            return surface_of(scene_.objects[i]);
+    }
+
+    /// Is it a plane that has the base on one side, so that its distance is signed?
+    bool is_sided(std::uint32_t i) const {
+        return with(i, [](const Surface<T>& s) { return s.is_sided; });
     }
 
     T clearance(const Vector<T>& p) const { return base_.distance(p); }
@@ -210,7 +224,7 @@ public:
     T object_excess(std::uint32_t i, const Vector<T>& p, const T& clearance) const {
         return with(i, [&](const Surface<T>& s) {
             const T d = s.distance(p);
-            return (s.kind == Surface<T>::Kind::plane ? magnitude(d) : d) - clearance;
+            return (s.kind == Surface<T>::Kind::plane && !s.is_sided ? magnitude(d) : d) - clearance;
         });
     }
 
@@ -266,9 +280,12 @@ public:
             const auto* plane =
                 e.site.is_object() ? std::get_if<Plane>(&scene_.objects[e.site.index]) : nullptr;
             if (!plane) return std::nullopt;
-            const T distance = with(e.site.index, [&](const Surface<T>& s) { return s.distance(p); });
-            if (!(distance.lower() > 0) && !(distance.upper() < 0)) return std::nullopt;
-            normals[k] = to_vector<T>(distance.lower() > 0 ? plane->normal : Vec3(-plane->normal));
+            // Towards the base from those that have it on one side, whatever the box reaches across.
+            const T towards = with(e.site.index, [&](const Surface<T>& s) {
+                return s.is_sided ? dot(s.direction, to_vector<T>(plane->normal)) : s.distance(p);
+            });
+            if (!(towards.lower() > 0) && !(towards.upper() < 0)) return std::nullopt;
+            normals[k] = to_vector<T>(towards.lower() > 0 ? plane->normal : Vec3(-plane->normal));
         }
         if (!are_near(normals[0], normals[1])) return std::nullopt;
         return normals;
@@ -289,7 +306,7 @@ public:
     Vector<T> object_gradient(std::uint32_t i, const Vector<T>& p) const {
         return with(i, [&](const Surface<T>& s) {
             const Vector<T> n = s.gradient(p);
-            if (s.kind != Surface<T>::Kind::plane) return n;
+            if (s.kind != Surface<T>::Kind::plane || s.is_sided) return n;
             const T d = s.distance(p);
             if (d.lower() > 0) return n;
             return d.upper() < 0 ? negative(n) : hull(n, negative(n));
@@ -324,9 +341,15 @@ private:
             // Directions of many digits take time, and few objects are asked for.
             for (const auto& [object, surface] : known_)
                 if (object == i) return f(surface);
-            known_.emplace_back(i, Surface<T>(scene_.objects[i]));
+            known_.emplace_back(i, surface_of(scene_.objects[i]));
             return f(known_.back().second);
         }
+    }
+    Surface<T> surface_of(const Object& object) const {
+        Surface<T> surface(object);
+        if (const auto* plane = std::get_if<Plane>(&object))
+            surface.turn_to(side_of_base(*plane, scene_.base));
+        return surface;
     }
     static Vector<T> negative(const Vector<T>& v) { return {-v[0], -v[1], -v[2]}; }
     static Vector<T> intersection(const Vector<T>& a, const Vector<T>& b) {
