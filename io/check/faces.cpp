@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "excess.hpp"
+#include "least_slope.hpp"
 #include "tile.hpp"
 #include "touching_spheres.hpp"
 #include "trim_curves.hpp"
@@ -212,32 +213,15 @@ private:
                 const Interval m(-margin, margin);
                 const Vector<Interval> around{box[0] + m, box[1] + m, box[2] + m};
                 const double slope = sqrt(square(space().gradient(own_[0], around))).lower();
-                return slope > 0 ? slope : slope_between_round(around, size + 2 * margin);
+                if (slope > 0 || !own_[0].site.is_object()) return slope;
+                const double least = least_slope(space(), own_[0].site.index, around, size + 2 * margin);
+                return least * most_distance() >= size ? least : 0;
             },
             size);
     }
-    /// The least length of the gradient where the excess is at most `size`, between a base ball and a ball or
-    /// a tube: at the distances s and s + d + e from the centre and the other's, or its axis, which are L
-    /// apart, and x along the axis from the centre, its square is (L^2 + x^2 - (d + e)^2) / (s (s + d + e)).
-    /// Far out gradients are short and turn within a box, and this does not look at directions.
-    double slope_between_round(const Vector<Interval>& box, double size) const {
-        using Kind = Surface<Interval>::Kind;
-        const Surface<Interval>& base = space().base();
-        if (base.kind != Kind::sphere || !own_[0].site.is_object()) return 0;
-        const Surface<Interval> own = space().object(own_[0].site.index);
-        if (own.kind == Kind::plane || own.is_hollow) return 0;
-        Vector<Interval> way = own.point - base.point;
-        Interval along = 0.0;
-        if (own.kind == Kind::cylinder) {
-            way = cross(way, own.direction);
-            along = dot(own.direction, box - base.point);
-        }
-        const auto from = [&](const Surface<Interval>& s) { return s.distance(box) + s.radius; };
-        const Interval change = own.radius - base.radius + Interval(-size, size);
-        const Interval squared = (square(way) + square(along) - square(change)) / (from(base) * from(own));
-        return squared.lower() > 0 ? sqrt(Interval(squared.lower())).lower() : 0;
-    }
-    /// The same of the gradient's least length within a margin.
+    /// A bound above that says nothing of short gradients: no edge may be farther away, either.
+    double most_distance() const { return 256 * scene_tolerance(); }
+    /// How far that is where the gradient's least length within a margin is known.
     template <class Slope>
     static std::optional<double> distance_where(const Slope& slope_within, double size) {
         double margin = kFirstMargin * size;

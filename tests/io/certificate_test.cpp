@@ -103,7 +103,9 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twin_tubes_around_ball",
                              "tube_behind_plane",
                              "twin_lines_in_roundings",
-                             "twins_at_the_pole"}) {
+                             "twins_at_the_pole",
+                             "slab_of_roundings",
+                             "tilted_slab"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));

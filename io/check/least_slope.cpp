@@ -1,0 +1,48 @@
+#include "least_slope.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+using Body = Surface<Interval>;
+
+// The square of the distance of the points that both ways come from.
+Interval apart(const Body& a, const Body& b, const Vector<Interval>& box) {
+    const bool is_tube = a.kind == Body::Kind::cylinder, is_other = b.kind == Body::Kind::cylinder;
+    if (is_tube && is_other) {
+        const auto foot = [&](const Body& tube) {
+            return tube.point + dot(tube.direction, box - tube.point) * tube.direction;
+        };
+        return square(foot(a) - foot(b));
+    }
+    if (!is_tube && !is_other) return square(b.point - a.point);
+    const Body &tube = is_tube ? a : b, &ball = is_tube ? b : a;
+    return square(cross(tube.point - ball.point, tube.direction)) +
+           square(dot(tube.direction, box - ball.point));
+}
+
+}  // namespace
+
+double least_slope(const Space<Interval>& space, std::uint32_t object, const Vector<Interval>& box,
+                   double size) {
+    const Body &base = space.base(), own = space.object(object);
+    const bool is_base_plane = base.kind == Body::Kind::plane, is_plane = own.kind == Body::Kind::plane;
+    if (own.is_hollow || (is_plane && (is_base_plane || !own.is_sided))) return 0;
+    const Interval excess(-size, size);
+    const auto way = [&](const Body& body) { return body.distance(box) + body.radius; };
+    Interval squared;
+    if (is_plane || is_base_plane) {
+        const Body &plane = is_plane ? own : base, &body = is_plane ? base : own;
+        Interval rise(0.0);
+        if (body.kind == Body::Kind::cylinder)
+            rise = dot(body.direction, box - body.point) * dot(body.direction, plane.direction);
+        const Interval height = plane.distance(body.point) + body.radius + rise;
+        squared = 2.0 * (is_plane ? height - excess : height + excess) / way(body);
+    } else {
+        squared =
+            (apart(base, own, box) - square(own.radius - base.radius + excess)) / (way(base) * way(own));
+    }
+    return squared.lower() > 0 ? sqrt(Interval(squared.lower())).lower() : 0;
+}
+
+}  // namespace vcell::check

@@ -1,0 +1,23 @@
+/// How short the gradient of an object's excess may be where the excess is small.
+#pragma once
+
+#include "space.hpp"
+
+namespace vcell::check {
+
+/// A lower bound of its length in the box of points where the excess is at most `size`; 0 where nothing is
+/// known. Far from two bodies that all but touch, or from a small one, gradients of distances are nearly the
+/// same, and boxes of their directions tell less than this, which looks at none.
+///
+/// From a centre, or a point of an axis beside p, the way to p has the length s for one body and s + c for
+/// the other, c being what the radii and the excess make of it, and these points are w apart. The square of
+/// the difference of the unit vectors is
+///
+///     (|w|^2 - c^2) / (s (s + c)).
+///
+/// Beside a plane, over which that point is at the height h and the axis rises by r per length, p being x
+/// along the axis, it is 2 (h + rho + e + x r) / s with the radius rho and the excess e.
+double least_slope(const Space<Interval>& space, std::uint32_t object, const Vector<Interval>& box,
+                   double size);
+
+}  // namespace vcell::check
