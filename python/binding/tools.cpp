@@ -1,12 +1,14 @@
-// Questions about points, checks, meshes and files.
+// Questions about points, checks, more digits, meshes and files.
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 
 #include "../../envelope/point_query.hpp"
+#include "../../envelope/vertex_refinement.hpp"
 #include "../../io/io.hpp"
 #include "arrays.hpp"
 #include "binding.hpp"
@@ -123,6 +125,53 @@ void bind_check(py::module_& m) {
         "Ctrl-C waits for its end.");
 }
 
+/// A number of many bits as Python's Fraction, exactly.
+py::object fraction(const Wide::Float& x) {
+    const py::object fractions = py::module_::import("fractions").attr("Fraction");
+    constexpr int bits = std::numeric_limits<Wide::Float>::digits;
+    int exponent = 0;
+    const Wide::Float part = frexp(x, &exponent);
+    const py::object whole =
+        py::module_::import("builtins").attr("int")(boost::multiprecision::cpp_int(ldexp(part, bits)).str());
+    return fractions(whole) * fractions(2).attr("__pow__")(exponent - bits);
+}
+
+void bind_refinement(py::module_& m) {
+    py::class_<RefinedVertex>(m, "RefinedVertex", "A vertex enclosed in more digits than doubles have.")
+        .def_property_readonly(
+            "sites",
+            [](const RefinedVertex& v) {
+                py::list result;
+                for (const Site& site : v.sites) result.append(site);
+                return result;
+            },
+            "The three that it was found from.")
+        .def_property_readonly(
+            "bounds",
+            [](const RefinedVertex& v) {
+                py::list result;
+                for (const Wide& side : v.box)
+                    result.append(py::make_tuple(fraction(side.lower()), fraction(side.upper())));
+                return result;
+            },
+            "Of x, y, z and the clearance: (lower, upper), as fractions.Fraction.")
+        .def_readonly("tie_width", &RefinedVertex::tie_width,
+                      "A bound on how far the point is from being as far from the vertex's other sites.");
+    m.def(
+        "refine",
+        [](const Cell& cell, std::size_t vertex, int bits) {
+            if (vertex >= cell.vertices.size())
+                throw py::index_error("vertex: there are " + std::to_string(cell.vertices.size()));
+            if (bits < 1 || bits > most_refined_bits)
+                throw py::value_error("bits: must be 1 ... " + std::to_string(most_refined_bits));
+            const py::gil_scoped_release unlocked;
+            return refine(cell, vertex, bits);
+        },
+        py::arg("cell"), py::arg("vertex"), py::kw_only(), py::arg("bits") = 128,
+        "A RefinedVertex: that vertex of the cell within 2^-bits of the box's diagonal, proved. None where bisectors "
+        "touch in it, or digits do not suffice.");
+}
+
 /// Which face a triangle belongs to: -1 for walls and -2 for the base.
 py::array_t<std::int64_t> triangle_faces(const CellMesh& mesh) {
     py::array_t<std::int64_t> result(static_cast<py::ssize_t>(mesh.triangles.size()));
@@ -134,6 +183,38 @@ py::array_t<std::int64_t> triangle_faces(const CellMesh& mesh) {
     }
     return result;
 }
+
+/// Whose face a triangle belongs to; walls, floor and ends count as the base's.
+py::array_t<std::int64_t> triangle_sites(const CellMesh& mesh) {
+    py::array_t<std::int64_t> result(static_cast<py::ssize_t>(mesh.triangles.size()));
+    for (const CellMesh::Group& group : mesh.groups) {
+        const bool is_face = group.kind == CellMesh::Group::Kind::Face;
+        std::fill(result.mutable_data() + group.begin, result.mutable_data() + group.end,
+                  number_of(is_face ? group.site : Site::base()));
+    }
+    return result;
+}
+
+/// Meshes of a diagram's cells as Python gives them: in order, or not at all.
+class DiagramMeshes {
+public:
+    explicit DiagramMeshes(const DiagramScene& scene) : count_(scene.objects.size()), meshes_(scene) {}
+
+    CellMesh add(std::uint32_t number, const Cell& cell) {
+        if (number >= count_ || number < least_)
+            throw py::value_error(
+                "number: cells come in the order of their numbers, each one of the scene's");
+        least_ = number;
+        const py::gil_scoped_release unlocked;
+        return meshes_.add(number, cell);
+    }
+    std::size_t drawn_again() const { return meshes_.drawn_again(); }
+
+private:
+    std::size_t count_;
+    std::uint32_t least_ = 0;
+    ConformingMeshes meshes_;
+};
 
 void bind_mesh(py::module_& m) {
     py::class_<CellMesh>(m, "CellMesh",
@@ -163,6 +244,10 @@ void bind_mesh(py::module_& m) {
         .def_property_readonly("triangle_faces", &triangle_faces,
                                "Numbers of faces, -1 for walls, -2 for the base: shape (triangles,).")
         .def_property_readonly(
+            "triangle_sites", &triangle_sites,
+            "Numbers of the sites beyond the triangles (Site.number), -7 for walls and the base; of "
+            "DiagramMeshes those of the diagram: shape (triangles,).")
+        .def_property_readonly(
             "edge_lines",
             [](const CellMesh& mesh) {
                 py::list result;
@@ -187,6 +272,20 @@ void bind_mesh(py::module_& m) {
         "chord: the largest distance of a side's middle from the surface; default: a thousandth of the cell's "
         "diagonal. It grows where it would take more than `most_triangles`.\n"
         "closed: with walls and the base's region, the mesh of the whole solid.");
+}
+
+void bind_diagram_meshes(py::module_& m) {
+    py::class_<DiagramMeshes>(
+        m, "DiagramMeshes",
+        "Meshes of a diagram's cells that fit together: the face between two cells is the same triangles in both, to the "
+        "last digit. Cells of oblique tubes fit in parts.\n\n"
+        "    meshes, found = vcell.DiagramMeshes(scene), {}\n"
+        "    vcell.diagram(scene, visit=lambda n, cell: found.update({n: meshes.add(n, cell)}))")
+        .def(py::init<const DiagramScene&>(), py::arg("scene"))
+        .def("add", &DiagramMeshes::add, py::arg("number"), py::arg("cell"),
+             "The closed CellMesh of a cell that diagram() gave to `visit`. Numbers may not descend.")
+        .def_property_readonly("drawn_again", &DiagramMeshes::drawn_again,
+                               "How many faces were drawn although the cell beyond had come before.");
 }
 
 void bind_moments(py::module_& m) {
@@ -260,7 +359,9 @@ void bind_files(py::module_& m) {
 void bind_tools(py::module_& m) {
     bind_query(m);
     bind_check(m);
+    bind_refinement(m);
     bind_mesh(m);
+    bind_diagram_meshes(m);
     bind_moments(m);
     bind_files(m);
 }

@@ -1,6 +1,7 @@
 """Cells, against distances computed here."""
 import gc
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -307,3 +308,26 @@ def test_a_ball_at_the_wall_of_a_hollow_cone():
     corners = [v for v in vcell.cell(scene).vertices if v.point[2] > 11]
     assert [v.clearance for v in corners] == pytest.approx([13] * 4, rel=1e-14)
     assert repr(cone) == "HollowCone(apex=[0.0, 0.0, -8.0], axis=[0.0, 0.0, 3.0], radius=4.0, slant=5.0)"
+
+
+def test_refined_vertices_hold_in_fractions():
+    points = [(1, 2, 2), (-2, 1, 2), (0, -3, 1), (1, 1, -3)]
+    cell = vcell.cell(vcell.Scene(vcell.Sphere((0, 0, 0)), [vcell.Sphere(p) for p in points], [(-9, -9, -9), (9, 9, 9)]))
+    told = 0
+    for number, vertex in enumerate(cell.vertices):
+        refined = vcell.refine(cell, number, bits=200)
+        *place, clearance = refined.bounds
+        for (low, high), x in zip(refined.bounds, [*vertex.point, vertex.clearance]):
+            assert low <= high and high - low <= Fraction(32, 2**200) and abs(float(low) - x) <= vertex.error
+        # Equally far from each of its sites that are objects: 2 p.x = p.p, in rational numbers.
+        for site in refined.sites:
+            if site.kind == "object":
+                p = points[site.index]
+                ends = [2 * sum(c * s[c > 0 if side else c <= 0] for c, s in zip(p, place)) for side in (0, 1)]
+                assert ends[0] <= sum(c * c for c in p) <= ends[1]
+                told += 1
+    assert told > 4
+    with pytest.raises(IndexError):
+        vcell.refine(cell, len(cell.vertices))
+    with pytest.raises(ValueError, match="bits"):
+        vcell.refine(cell, 0, bits=1000)

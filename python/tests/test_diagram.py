@@ -169,3 +169,30 @@ def test_bodies_tell_the_porosity():
     assert abs(filled.volume - expected.sum()) <= filled.error and filled.box == 64 and not filled.is_estimated
     diagram.update(0, vcell.Sphere((1, 1, 1), 0.25), bodies=True)
     assert np.isclose(diagram.body_volume[0], expected[0] / 8, rtol=1e-13)
+
+
+@pytest.mark.parametrize("periodic", [(False,) * 3, (True,) * 3])
+def test_meshes_of_a_diagram_fit_together(balls, periodic):
+    scene = vcell.DiagramScene(balls, box, periodic=periodic)
+    meshes, found = vcell.DiagramMeshes(scene), {}
+    vcell.diagram(scene, visit=lambda n, cell: found.update({n: meshes.add(n, cell)}))
+    assert len(found) == 40 and meshes.drawn_again == 0
+    volume = 0
+    triangles = set()
+    for n, mesh in found.items():
+        corners = mesh.points[mesh.triangles]
+        volume += np.linalg.det(corners).sum() / 6
+        sites = mesh.triangle_sites
+        assert sites.min() >= (0 if any(periodic) else -6) and sites.max() < 40
+        for c, site in zip(corners, sites):
+            # Turned to begin with the least corner, the sense kept.
+            k = min(range(3), key=lambda i: tuple(c[i]))
+            triangles.add((n, site, c[[k, (k + 1) % 3, (k + 2) % 3]].tobytes()))
+    assert volume == pytest.approx(1000, rel=1e-12)
+    if not any(periodic):
+        for n, site, c in triangles:
+            if site >= 0:
+                p = np.frombuffer(c).reshape(3, 3)
+                assert (site, n, p[[0, 2, 1]].tobytes()) in triangles
+    with pytest.raises(ValueError, match="order"):
+        meshes.add(3, vcell.cell(vcell.Scene(vcell.Sphere((5, 5, 5), 1), [], box)))
