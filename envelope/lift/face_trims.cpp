@@ -9,20 +9,6 @@
 
 namespace vcell::radial {
 
-namespace {
-
-// Begins a curve of the spans from `first` to before `last` of n, on the knots of the whole.
-void begin_part(RationalCurve2& curve, int degree, std::size_t n, std::size_t first, std::size_t last) {
-    begin_joined(curve, degree, n);
-    if (last - first == n) return;
-    curve.knots.erase(curve.knots.begin() + degree * last + degree + 2, curve.knots.end());
-    curve.knots.erase(curve.knots.begin(), curve.knots.begin() + degree * first);
-    curve.knots.front() = curve.knots[1];
-    curve.knots.back() = curve.knots[curve.knots.size() - 2];
-}
-
-}  // namespace
-
 std::vector<std::vector<TrimCurve>> FaceTrims::loops(FaceId face) const {
     std::vector<std::vector<TrimCurve>> result;
     result.reserve(loops_[face].size());
@@ -99,7 +85,7 @@ void FaceTrims::set_line(const RadialPatch& patch, EdgeId e, bool reversed, Rati
 void FaceTrims::set_spline(const Part& part, RationalCurve2& curve) const {
     const std::vector<SpaceSpan>& spans = curves_.splines(part.e);
     const std::size_t n = spans.size();
-    begin_part(curve, 5, n, part.first, part.last);
+    begin_joined(curve, 5, n, part.first, part.last);
     for (std::size_t i = part.first; i < part.last; ++i) {
         const auto& points = spans[part.reversed ? n - 1 - i : i].points;
         for (int k = i == part.first ? 0 : 1; k < 6; ++k) {
@@ -114,7 +100,7 @@ void FaceTrims::set_conic(const RadialPatch& patch, const Part& part, RationalCu
     const std::span<const ConicSpan> spans = curves_.conics(part.e);
     const auto [e, reversed, first, last] = part;
     const bool is_axial = patch.kind() == RadialPatch::Kind::AboutBase;
-    begin_part(curve, is_axial ? 3 : 2, spans.size(), first, last);
+    begin_joined(curve, is_axial ? 3 : 2, spans.size(), first, last);
     double scale = 1;
     // A span's first point is the last one's; only its weight is new.
     const auto add = [&](std::span<const Eigen::Vector3d> points) {

@@ -16,26 +16,33 @@ using Range = std::array<double, 2>;  ///< {least, greatest}
 constexpr Range empty_range{std::numeric_limits<double>::infinity(),
                             -std::numeric_limits<double>::infinity()};
 
-/// Makes knots those of `spans` Bezier pieces of one degree, joined: full, clamped and uniform on [0, 1].
-inline void join_knots(Knots& knots, int degree, std::size_t spans) {
+/// Makes knots those of the Bezier pieces from `first` to before `last` of so many of one degree, joined:
+/// full and clamped, and of all of them uniform on [0, 1].
+inline void join_knots(Knots& knots, int degree, std::size_t spans, std::size_t first, std::size_t last) {
     static constexpr std::array<double, 6> conic{0, 0, 0, 1, 1, 1};
     if (degree == 2 && spans == 1) return knots.assign(conic.begin(), conic.end());
-    knots.reserve(degree * (spans + 1) + 2);
-    knots.assign(degree + 1, 0.0);
-    for (std::size_t i = 1; i <= spans; ++i) {
+    knots.clear();
+    knots.reserve(degree * (last - first + 1) + 2);
+    for (std::size_t i = first; i <= last; ++i) {
         const double t = static_cast<double>(i) / static_cast<double>(spans);
-        for (int k = 0; k < degree; ++k) knots.push_back(t);
+        knots.insert(knots.end(), i == first || i == last ? degree + 1 : degree, t);
     }
-    knots.push_back(1);
 }
 
-/// Makes the curve one of so many Bezier pieces, whose control points are still to come.
+/// Makes the curve one of the Bezier pieces from `first` to before `last` of so many, on the knots of all;
+/// their control points are still to come.
+template <int Dim>
+void begin_joined(RationalCurve<Dim>& curve, int degree, std::size_t spans, std::size_t first,
+                  std::size_t last) {
+    curve.degree = degree;
+    join_knots(curve.knots, degree, spans, first, last);
+    curve.points.clear();
+    curve.points.reserve(degree * (last - first) + 1);
+}
+/// Of all of them.
 template <int Dim>
 void begin_joined(RationalCurve<Dim>& curve, int degree, std::size_t spans) {
-    curve.degree = degree;
-    join_knots(curve.knots, degree, spans);
-    curve.points.clear();
-    curve.points.reserve(degree * spans + 1);
+    begin_joined(curve, degree, spans, 0, spans);
 }
 
 /// Extends a range by one coordinate of a rational quadratic with controls a, b, c and weights 1, w, 1.
