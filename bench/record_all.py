@@ -4,7 +4,7 @@
     cmake --preset release && cmake --build --preset release
     bench/record_all.py build/release --molecules FOLDER [--cgal PEER DATA...]
 
-FOLDER holds 1CRN.xyzr and 1AKI.xyzr, without it atoms keep their old figures; PEER and DATA are those of
+FOLDER holds 1CRN.xyzr, 1AKI.xyzr, 4HHB.xyzr and 4YVS.xyzr, without it atoms and whole diagrams keep their old figures; PEER and DATA are those of
 compare_cgal.py, without them that table keeps its old figures. Writes bench/results, and from there README.md, docs/performance.md and
 docs/pictures/figure11.svg (report.py) and docs/tables.md (examples/tables). About an hour; --quick takes a
 few minutes and its figures are for a look only.
@@ -58,6 +58,9 @@ def main():
     if not options.molecules:
         keep_atoms(old)
     run("record_growth.py", bench / "bench_growth", *(["--max-n", 1000, "--seeds", 3] if quick else []))
+    if options.molecules:
+        run("record_diagram.py", bench / "bench_diagram", "--molecules", options.molecules,
+            *(["--repetitions", 1] if quick else []))
     if options.cgal:
         run("compare_cgal.py", *options.cgal, "--ours", bench / "envelope_of_file")
     tables = subprocess.run([options.build / "examples/tables", RADIAL], check=True, capture_output=True)
