@@ -19,10 +19,12 @@ namespace {
 using Eigen::Vector2d;
 
 // Is such an error next to nothing against the numbers themselves, also where it is lifted, which takes it
-// times the steepest slope? Any larger one is worth exact residuals.
+// times the steepest slope: of the place and the height? Any larger one is worth exact residuals.
 constexpr double enough_digits = 0x1p-33;
 bool is_point_settled(const MinimizationDiagram::Vertex& v, double error, double slope) {
-    return error * (1 + slope) <= enough_digits * (std::abs(v.point.x()) + std::abs(v.point.y()));
+    const double size = std::abs(v.point.x()) + std::abs(v.point.y());
+    return error <= enough_digits * size &&
+           error * slope <= enough_digits * std::max(size, std::abs(v.height));
 }
 bool is_height_settled(const MinimizationDiagram::Vertex& v) {
     return v.height_error <= enough_digits * std::abs(v.height);
