@@ -6,6 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "half_rules.hpp"
+
 namespace vcell {
 
 namespace arc_measures {
@@ -21,7 +23,7 @@ constexpr double aim = 0x1p-40;
 // Nothing that the integrands divide by or take the root of changes by more than this part over a disk.
 constexpr double tame_part = 0.75;
 constexpr double widest_disk = 16;  // radius; the span is [-1, 1]
-constexpr int most_points = 20, most_halvings = 24;
+constexpr int most_halvings = 24;
 constexpr std::uint32_t no_face = UINT32_MAX;
 
 static double squared(double x) { return x * x; }
@@ -57,18 +59,7 @@ static T value(const Quadratic& q, const T& s) {
 // How far it is from its value at 0 for |s| <= r.
 static double deviation(const Quadratic& q, double r) { return r * (std::abs(q.c1) + r * std::abs(q.c2)); }
 
-struct HalfRule {
-    std::span<const double> x, weight;
-};
-template <int n>
-constexpr HalfRule half_rule_of() {
-    return {quadrature::rule<n>().x, quadrature::rule<n>().weight};
-}
-constexpr std::array<HalfRule, 9> half_rules_of_arcs{
-    half_rule_of<4>(),  half_rule_of<6>(),  half_rule_of<8>(),
-    half_rule_of<10>(), half_rule_of<12>(), half_rule_of<14>(),
-    half_rule_of<16>(), half_rule_of<18>(), half_rule_of<most_points>()};
-using TwoValues = Eigen::Array2d;
+using Values = HalfRule::Values;
 
 // p = U / Q is met at the distance t = W / Q.
 struct Span {
@@ -126,7 +117,7 @@ public:
                      needed = aim * of_span / squared(span.Q.c0);
         double truncated = 64.0 / 15 / (1 - shrink) * squared(squared(shrink));
         int points = 4;
-        for (; points < most_points && !(truncated * moment <= needed); points += 2)
+        for (; points < HalfRule::most_points && !(truncated * moment <= needed); points += 2)
             truncated *= squared(shrink);
         // NaN where there is no disk.
         if (!(truncated * moment <= needed)) {
@@ -154,7 +145,7 @@ public:
             along[k].c1 = axis.dot(moment1);
             along[k].c2 = axis.dot(moment2);
         }
-        add_values(half_rules_of_arcs[points / 2 - 2], span, along);
+        add_values(HalfRule::of(points), span, along);
         for (const Side& side : sides_) add_errors(side, near, far, error, strip);
         return true;
     }
@@ -180,17 +171,17 @@ private:
     }
 
     void add_values(const HalfRule& rule, const Span& span, const std::array<Quadratic, 2>& along) {
-        std::array<TwoValues, 2> moment, area, volume;
-        for (std::size_t k = 0; k < sides_.size(); ++k) moment[k] = area[k] = volume[k] = TwoValues::Zero();
-        for (std::size_t i = 0; i < rule.x.size(); ++i) {
-            const TwoValues s(-rule.x[i], rule.x[i]), over = 1 / value(span.Q, s),
-                                                      weight = rule.weight[i] * over.square(),
-                                                      t = value(span.W, s) * over;
+        std::array<Values, 2> moment, area, volume;
+        for (std::size_t k = 0; k < sides_.size(); ++k) moment[k] = area[k] = volume[k] = Values::Zero();
+        for (std::size_t first = 0; first < rule.x.size(); first += HalfRule::pairs_at_once) {
+            const auto [s, rule_weight] = rule.group(first);
+            const Values over = 1 / value(span.Q, s), weight = rule_weight * over.square(),
+                         t = value(span.W, s) * over;
             for (std::size_t k = 0; k < sides_.size(); ++k) {
-                const TwoValues element = weight * value(along[k], s);
+                const Values element = weight * value(along[k], s);
                 moment[k] += element;
                 if (sides_[k].face->is_flat()) continue;
-                const RoundFace::Factors<TwoValues> f = sides_[k].face->round.factors(t);
+                const RoundFace::Factors<Values> f = sides_[k].face->round.factors(t);
                 area[k] += element * f.area;
                 volume[k] += element * f.volume;
             }

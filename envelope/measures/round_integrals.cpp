@@ -10,6 +10,7 @@
 
 #include "../lift/joined_spans.hpp"
 #include "../lift/radial_patch.hpp"
+#include "half_rules.hpp"
 #include "radial_terms.hpp"
 
 namespace vcell {
@@ -284,22 +285,7 @@ struct Quadratic {
     double deviation(double r) const { return r * (std::abs(c1) + r * std::abs(c2)); }
 };
 
-constexpr int most_points = 20;
-
-// The positive points of a rule, which is symmetric, and their weights.
-struct HalfRule {
-    std::span<const double> x, weight;
-};
-template <int n>
-constexpr HalfRule half_rule() {
-    return {quadrature::rule<n>().x, quadrature::rule<n>().weight};
-}
-constexpr std::array<HalfRule, 9> half_rules{half_rule<4>(),  half_rule<6>(),  half_rule<8>(),
-                                             half_rule<10>(), half_rule<12>(), half_rule<14>(),
-                                             half_rule<16>(), half_rule<18>(), half_rule<most_points>()};
-
-// A value at each of a rule's two points that are as far from the middle: one register.
-using Pair = Eigen::Array2d;
+using Values = HalfRule::Values;
 
 class Conic {
 public:
@@ -336,7 +322,7 @@ private:
         const double needed = aim * moment_of_span / square(std::max(w_.c0, 1.0));
         double truncated = 64.0 / 15 / (1 - shrink) * square(square(shrink));  // of an integrand's bound
         int points = 4;
-        for (; points < most_points && !(truncated * moment <= needed); points += 2)
+        for (; points < HalfRule::most_points && !(truncated * moment <= needed); points += 2)
             truncated *= square(shrink);
         if (!(truncated * moment <= needed) && halvings > 0 && budget > 0)
             return add_halves(left, right, sum, halvings, budget);
@@ -415,7 +401,7 @@ private:
     }
 
     void add_values(int points, const RoundFace& left, const RoundFace& right, RadialIntegrals& sum) const {
-        const HalfRule& rule = half_rules[points / 2 - 2];
+        const HalfRule& rule = HalfRule::of(points);
         const std::array faces{&left, &right};
         std::array<Quadratic, 2> along;
         for (const int side : {0, 1}) {
@@ -423,17 +409,17 @@ private:
             along[side] = {axis.dot(x_[0]), axis.dot(x_[1]), axis.dot(x_[2])};
         }
         const auto& v = speed2_;
-        Pair length = Pair::Zero();
-        std::array<RoundFace::Factors<Pair>, 2> sums;
-        sums.fill({Pair::Zero(), Pair::Zero()});
-        for (std::size_t k = 0; k < rule.x.size(); ++k) {
-            const Pair s(-rule.x[k], rule.x[k]);
-            const Pair reciprocal = 1 / w_(s), t = t_(s) * reciprocal;
-            const Pair weight = rule.weight[k] * reciprocal.square();
+        Values length = Values::Zero();
+        std::array<RoundFace::Factors<Values>, 2> sums;
+        sums.fill({Values::Zero(), Values::Zero()});
+        for (std::size_t first = 0; first < rule.x.size(); first += HalfRule::pairs_at_once) {
+            const auto [s, rule_weight] = rule.group(first);
+            const Values reciprocal = 1 / w_(s), t = t_(s) * reciprocal,
+                         weight = rule_weight * reciprocal.square();
             length += weight * sqrt(v[0] + s * (v[1] + s * (v[2] + s * (v[3] + s * v[4]))));
             for (const int side : {0, 1}) {
-                const Pair element = weight * along[side](s);
-                const RoundFace::Factors<Pair> f = faces[side]->factors(t);
+                const Values element = weight * along[side](s);
+                const RoundFace::Factors<Values> f = faces[side]->factors(t);
                 sums[side].volume += element * f.volume;
                 sums[side].area += element * f.area;
             }
