@@ -198,7 +198,28 @@ def growth():
     return table(("1,000 objects", *bases.values()), "lrrrr", rows)
 
 
-PAGES = {"README.md": (summary,), "docs/performance.md": (cgal, envelope, table3, mixed, parts, radial, growth)}
+def diagram():
+    cells = by_scene("diagram.csv")
+    rows = []
+    for scene, what in (
+            ("molecule/1CRN", "1CRN in a box with 5 Å of room"),
+            ("molecule/1AKI", "1AKI, likewise"),
+            ("molecule/4HHB", "4HHB, likewise"),
+            ("molecule/4YVS", "4YVS, likewise"),
+            ("random/10000", "random points in a cube"),
+            ("packing/10000", "disjoint balls of radii up to 5:1 in a box that repeats"),
+            ("lattice/bcc", "body-centred cubic lattice"),
+            ("lattice/fcc", "face-centred cubic lattice, where six balls tie in a vertex"),
+            ("jittered/fcc", "the same, jittered")):
+        if scene in cells:
+            r = cells[scene]
+            rows.append((what, large(r["n"]), time(r["seconds"]), f"{digits(float(r['us_per_ball']))} µs",
+                         f"{float(r['contacts']) / float(r['n']):.1f}", r["volume_error"]))
+    return table(("scene", "balls", "all cells", "a ball", "contacts a ball", "bound on the volumes' sum, parts of the box"),
+                 "lrrrrr", rows)
+
+
+PAGES = {"README.md": (summary,), "docs/performance.md": (cgal, envelope, table3, mixed, parts, radial, growth, diagram)}
 
 
 # ---- Fig. 11 ---------------------------------------------------------------------------------------------------
