@@ -46,17 +46,22 @@ def commit():
     return git("rev-parse", "--short=10", "HEAD") + ("+" if changed else "")
 
 
-def run(program, family, options):
-    """The bench's JSON for one family."""
+def report_of(program, arguments):
+    """The JSON of one run of a bench; a run that fails ends the script."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out.json"
-        status = subprocess.run(
-            [program, f"--max_n={options.max_n}", f"--benchmark_filter=^{family}/",
-             f"--benchmark_repetitions={options.repetitions}", f"--benchmark_min_time={options.min_time}",
-             f"--benchmark_out={out}", "--benchmark_out_format=json"], check=False).returncode
+        status = subprocess.run([program, *arguments, f"--benchmark_out={out}", "--benchmark_out_format=json"],
+                                check=False).returncode
         if status != 0:
-            sys.exit(f"record.py: {program} failed on {family}")
+            sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {program} {' '.join(map(str, arguments))} failed")
         return json.loads(out.read_text())
+
+
+def run(program, family, options):
+    """The bench's JSON for one family."""
+    return report_of(program, [f"--max_n={options.max_n}", f"--benchmark_filter=^{family}/",
+                               f"--benchmark_repetitions={options.repetitions}",
+                               f"--benchmark_min_time={options.min_time}"])
 
 
 def rows_of(family, report, common):

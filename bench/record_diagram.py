@@ -13,11 +13,7 @@ recording. Exit status 1: the bench failed, or found a diagram that does not fil
 """
 import argparse
 import csv
-import json
 import pathlib
-import subprocess
-import sys
-import tempfile
 
 import record
 
@@ -53,13 +49,7 @@ def main():
     arguments = [f"--benchmark_repetitions={options.repetitions}"]
     if options.molecules:
         arguments.append(f"--molecules={options.molecules}")
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "out.json"
-        status = subprocess.run([options.program, *arguments, f"--benchmark_out={out}",
-                                 "--benchmark_out_format=json"], check=False).returncode
-        if status != 0:
-            sys.exit(f"record_diagram.py: {options.program} failed")
-        report = json.loads(out.read_text())
+    report = record.report_of(options.program, arguments)
     origin = {"compiler": report["context"]["compiler"], "machine": record.machine(), "commit": record.commit()}
     options.output.parent.mkdir(parents=True, exist_ok=True)
     with open(options.output, "w", newline="", encoding="utf-8") as file:

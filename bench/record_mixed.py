@@ -16,13 +16,9 @@ recording. Exit status 1: a bench failed, or found a wrong result.
 """
 import argparse
 import csv
-import json
 import math
 import pathlib
 import statistics
-import subprocess
-import sys
-import tempfile
 
 import record
 
@@ -40,16 +36,6 @@ MIXED = ("scene", "n", "seconds", "seconds_min", "seconds_p90", "seconds_max", "
          "spans", *DECISIONS, "warnings", *ORIGIN)
 SOLVER = ("family", "box", "systems", "seconds", "seconds_p90", "seconds_mean", "target", "target_ratio",
           "roots", "steps", "undecided", "wide", *ORIGIN)
-
-
-def run(program, arguments):
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "out.json"
-        status = subprocess.run([program, *arguments, f"--benchmark_out={out}", "--benchmark_out_format=json"],
-                                check=False).returncode
-        if status != 0:
-            sys.exit(f"record_mixed.py: {program} failed")
-        return json.loads(out.read_text())
 
 
 def measurements(report):
@@ -132,7 +118,7 @@ def main():
     options.output.mkdir(parents=True, exist_ok=True)
 
     only = ["--benchmark_filter=^scene/table3_"] if options.table3 else []
-    mixed = run(options.folder / "bench_mixed", [f"--max_n={options.max_n}", *common, *only])
+    mixed = record.report_of(options.folder / "bench_mixed", [f"--max_n={options.max_n}", *common, *only])
     origin = {"compiler": mixed["context"]["compiler"], "machine": record.machine(), "commit": record.commit()}
     rows = []
     for name, runs in measurements(mixed).items():
@@ -150,7 +136,7 @@ def main():
     piles = [r for r in rows if r["scene"].startswith("pile/")]
     print(f"{options.output / 'mixed.csv'}: piles take n^{exponent(piles):.2f}")
 
-    solver = measurements(run(options.folder / "bench_solver", common))
+    solver = measurements(record.report_of(options.folder / "bench_solver", common))
     write(options.output / "solver.csv", SOLVER,
           [{**solver_row(name, runs), **origin} for name, runs in solver.items()])
     print(options.output / "solver.csv")

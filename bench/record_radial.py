@@ -15,13 +15,9 @@ recording. Exit status 1: the bench failed, or found a wrong result.
 """
 import argparse
 import csv
-import json
 import math
 import pathlib
 import statistics
-import subprocess
-import sys
-import tempfile
 
 import record
 
@@ -66,13 +62,7 @@ def main():
     arguments = [f"--max_n={options.max_n}", f"--benchmark_min_time={options.min_time}"]
     if options.molecules:
         arguments.append(f"--molecules={options.molecules}")
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "out.json"
-        status = subprocess.run([options.program, *arguments, f"--benchmark_out={out}",
-                                 "--benchmark_out_format=json"], check=False).returncode
-        if status != 0:
-            sys.exit(f"record_radial.py: {options.program} failed")
-        report = json.loads(out.read_text())
+    report = record.report_of(options.program, arguments)
     origin = {"compiler": report["context"]["compiler"], "machine": record.machine(), "commit": record.commit()}
     rows = [{**row(b["run_name"], b), **origin} for b in report["benchmarks"]]
     options.output.parent.mkdir(parents=True, exist_ok=True)

@@ -39,7 +39,7 @@ void begin_joined(RationalCurve<Dim>& curve, int degree, std::size_t spans, std:
     curve.points.clear();
     curve.points.reserve(degree * (last - first) + 1);
 }
-/// Of all of them.
+/// Makes the curve all of so many Bezier pieces.
 template <int Dim>
 void begin_joined(RationalCurve<Dim>& curve, int degree, std::size_t spans) {
     begin_joined(curve, degree, spans, 0, spans);

@@ -444,7 +444,8 @@ private:
                 return {e.mid(), e.radius(), middle(faces_.space().gradient(c, box_)), kRough};
             }
             const Object& object = scene_.objects[c.site.index];
-            // Of a plane that has the base on one side the distance is signed.
+            // The distance from a plane that has the base on one side is signed, so it has no kink in the
+            // plane.
             const bool is_sided = faces_.space().is_sided(c.site.index);
             Slope s = slope_within(object, center_, radius_, is_sided);
             if (is_sided && s.direction.dot(middle(faces_.space().object(c.site.index).direction)) < 0) {

@@ -136,8 +136,9 @@ struct Surface {
         }
     }
 
-    /// Of a plane that has the base on one side. What is as far from both is there, too; beyond it the signed
-    /// distance is less than the true one, and both are less than that from the base.
+    /// Turns a plane that has the base on one side to it, so that its distance is signed. What is as far from
+    /// both is on that side, too; beyond the plane the signed distance is less than the true one, and both
+    /// are less than that from the base.
     void turn_to(Sign side) {
         is_sided = side != Sign::Zero;
         if (side == Sign::Negative) direction = {-direction[0], -direction[1], -direction[2]};

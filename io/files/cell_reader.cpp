@@ -81,7 +81,7 @@ private:
 
     int degree() { return static_cast<int>(in_.unsigned_integer(INT_MAX - 1)); }
 
-    // Of a diagram: its place among those that the cell names, in the order in which it does so.
+    // A diagram's cell numbers the objects in the order in which it names them, as it has no scene.
     std::uint32_t place_of(const ObjectImage& object) {
         const auto next = static_cast<std::uint32_t>(places_->size());
         return places_->try_emplace(object, next).first->second;

@@ -394,7 +394,7 @@ private:
         return result;
     }
 
-    // Of two points of the curve the first comes first along a line that runs with it.
+    // A line that runs with the curve has two points of it in the curve's order.
     bool runs_against(const RationalCurve3& curve, const std::vector<SharedPoint>& points) const {
         const auto place_of = [&](double part) {
             const Vec3 p = curve.evaluate((1 - part) * curve.domain_begin() + part * curve.domain_end());

@@ -79,7 +79,8 @@ struct Chords {
     std::vector<double> of_edges, of_faces;  // of the shell
 };
 
-// Of their own size no more than that part.
+// A chord is no longer than that part of what its edge or face measures itself, which may be far below the
+// cell's.
 Chords chords_of(const Shell& shell, double most, double of_own) {
     Chords chords{most, std::vector<double>(shell.edges.size(), most),
                   std::vector<double>(shell.faces.size(), most)};

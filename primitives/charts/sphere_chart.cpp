@@ -107,12 +107,9 @@ private:
         return std::max(by_slopes, 0.5 * value / change);
     }
 
-    // Where two cylinders all but coincide so do their slopes. Q is the positive root of
-    //
-    //     C Q^2 - 2 beta Q - alpha^2 = 0,
-    //
-    // so where the other one's Q' makes this negative, r = dC Q'^2 - 2 dbeta Q' - d(alpha^2), Q is larger;
-    // and r changes by no more than what its differences, Q' and the slope of Q' do.
+    // Where two cylinders all but coincide so do their slopes. Q is larger where the other one's Q' makes its
+    // equation above negative, r = dC Q'^2 - 2 dbeta Q' - d(alpha^2); and r changes by no more than what its
+    // differences, Q' and the slope of Q' do.
     static double room_beside_twin(const Nearness::Cylindrical& own, const Nearness::Cylindrical& other,
                                    const Vec3& u) {
         if (own.is_hollow || other.is_hollow) return 0;

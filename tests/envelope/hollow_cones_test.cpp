@@ -320,15 +320,6 @@ TEST_CASE("hollow cones: balls that overlap the wall have cells, those beyond it
 }
 
 TEST_CASE("hollow cones: what is not supported is refused by name") {
-    const auto complaint = [](const Scene& scene, const CellOptions& options = {}) -> std::string {
-        try {
-            voronoi_cell(scene, options);
-        } catch (const InputError& e) {
-            return e.path + " " + std::to_string(static_cast<int>(e.kind));
-        }
-        return "none";
-    };
-    const auto kind = [](Kind k) { return " " + std::to_string(static_cast<int>(k)); };
     Scene scene = OnAxis{0.6, 0.8, 0.5, 2}.scene(1.375, 3, 4);
     CellOptions options;
     options.patches = false;

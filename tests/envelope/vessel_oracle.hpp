@@ -9,8 +9,10 @@
 #include <numbers>
 #include <random>
 #include <set>
+#include <string>
 #include <vector>
 
+#include "../../core/errors.hpp"
 #include "../../envelope/point_query.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../test_support.hpp"
@@ -151,6 +153,18 @@ inline void check_share_of_balls(const std::vector<Object>& objects, const Box& 
     }
     const double all = (box.max - box.min).prod(), share = static_cast<double>(hits) / count;
     CHECK(std::abs(volume - all * share) < 5 * all * std::sqrt(share * (1 - share) / count) + error);
+}
+
+/// What an error's kind adds to its path in complaint().
+inline std::string kind(InputError::Kind k) { return " " + std::to_string(static_cast<int>(k)); }
+/// The path and kind of the InputError that the scene gets; "none" where it has a cell.
+inline std::string complaint(const Scene& scene, const CellOptions& options = {}) {
+    try {
+        voronoi_cell(scene, options);
+    } catch (const InputError& e) {
+        return e.path + kind(e.kind);
+    }
+    return "none";
 }
 
 }  // namespace vcell::vessel_oracle

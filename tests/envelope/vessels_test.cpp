@@ -197,15 +197,6 @@ TEST_CASE("vessels: balls that overlap the wall have cells, those beyond it have
 }
 
 TEST_CASE("vessels: what is not supported is refused by name") {
-    const auto complaint = [](const Scene& scene, const CellOptions& options = {}) -> std::string {
-        try {
-            voronoi_cell(scene, options);
-        } catch (const InputError& e) {
-            return e.path + " " + std::to_string(static_cast<int>(e.kind));
-        }
-        return "none";
-    };
-    const auto kind = [](InputError::Kind k) { return " " + std::to_string(static_cast<int>(k)); };
     using Kind = InputError::Kind;
     Scene scene = in_sphere({{0, 0, 0}, 0.5}, {{0, 0, 0}, 2});
     Scene plane = scene;
