@@ -1,6 +1,5 @@
 #include "quintic_nodes.hpp"
 
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -23,7 +22,13 @@ QuinticNodes::QuinticNodes() {
         for (int i = 0; i < 6; ++i, power *= node[k])
             values(i, k) = detail::binomials<5>()[i] * power * std::pow(1 - node[k], 5 - i);
     }
-    coefficients = values.inverse();
+    for (int k = 0; k < 6; ++k) {  // Lagrange's polynomials, one at node[k] and zero at the others
+        const auto other = [&](int i) { return factor((k + i) % 6); };
+        double there = 1;
+        for (int i = 1; i < 6; ++i) there *= node[k] - node[(k + i) % 6];
+        const Bernstein<5> product = other(1) * other(2) * other(3) * other(4) * other(5);
+        for (int i = 0; i < 6; ++i) coefficients(k, i) = product.coefficient(i) / there;
+    }
 }
 
 }  // namespace vcell

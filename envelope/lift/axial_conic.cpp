@@ -1,8 +1,8 @@
 #include "axial_conic.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 
+#include "../../core/numbers/small_systems.hpp"
 #include "../../primitives/bases/canonical.hpp"
 
 namespace vcell {
@@ -105,7 +105,7 @@ Vector4d AxialConic::at(const Vec3& normal) const {
         rows.row(i) << e.b.dot(normal) + e.b0, e.b.y();
         k[i] = e.k;
     }
-    const Vector2d ty = rows.partialPivLu().solve(k);
+    const Vector2d ty = solution(rows, k);
     return {ty[0] * normal.x(), ty[1], ty[0] * normal.z(), ty[0]};
 }
 
@@ -120,7 +120,7 @@ ConicSpan AxialConic::between(const Vector4d& from, const Vector4d& to) const {
         rows.row(i) << e.b.y(), -e.k;
         rest[i] = -(e.b.dot(p) + e.b0 * t * cosine);
     }
-    const Vector2d yw = rows.partialPivLu().solve(rest);
+    const Vector2d yw = solution(rows, rest);
     return {from, {p.x(), yw[0], p.z(), t * cosine}, to, yw[1]};
 }
 

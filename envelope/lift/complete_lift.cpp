@@ -1,6 +1,5 @@
 #include "complete_lift.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include "../../core/curves/reversed_curve.hpp"
 #include "../../core/errors.hpp"
+#include "../../core/numbers/small_systems.hpp"
 #include "../../primitives/objects/message.hpp"
 #include "../measures/measures.hpp"
 
@@ -135,12 +135,11 @@ RationalCurve2 image_on(const RationalPatch& plane, const RationalCurve3& curve)
     const Vec3 origin = plane.point(0, 0).head<3>();
     Eigen::Matrix<double, 3, 2> sides;
     sides << plane.point(1, 0).head<3>() - origin, plane.point(0, 1).head<3>() - origin;
-    const auto solve = sides.colPivHouseholderQr();
     RationalCurve2 image;
     image.degree = curve.degree;
     image.knots = curve.knots;
     for (const Eigen::Vector4d& p : curve.points) {
-        const Eigen::Vector2d part = solve.solve(Vec3(p.head<3>()) - origin);
+        const Eigen::Vector2d part = nearest_solution(sides, p.head<3>() - origin);
         image.points.push_back({plane.domain_u[0] + part.x() * (plane.domain_u[1] - plane.domain_u[0]),
                                 plane.domain_v[0] + part.y() * (plane.domain_v[1] - plane.domain_v[0]),
                                 p.w()});

@@ -1,10 +1,11 @@
 #include "curve_components.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "../../core/numbers/small_systems.hpp"
 #include "uncut_curves.hpp"
 
 namespace vcell {
@@ -49,7 +50,9 @@ Vec3 projected_on(const TrisectorComponent& c, Vec3 p) {
         Eigen::Matrix<double, 2, 3> J;
         J << c.plane.head<3>().transpose(), 2 * gradient.head<3>().transpose();
         const Eigen::Vector2d value(c.plane.dot(X), X.dot(gradient));
-        p -= J.transpose() * (J * J.transpose()).fullPivLu().solve(value);
+        const Eigen::Vector2d part = solution(J * J.transpose(), value);
+        if (!part.allFinite()) break;  // the plane touches the quadric at p
+        p -= J.transpose() * part;
     }
     return p;
 }

@@ -56,7 +56,8 @@ Eigen::Matrix2d rounding_map(const RationalPatch& s, const std::vector<std::vect
             if (determinant > 0x1p-40 * metric.squaredNorm()) mean += metric / std::sqrt(determinant);
         }
     constexpr double least = 1.5;  // of lengths
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> squares(mean);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> squares;
+    squares.computeDirect(mean);  // in closed form, which takes a sixth of the time to compile
     const Vec2 values = squares.eigenvalues();
     if (!(values[0] > 0 && values[1] > least * least * values[0])) return Eigen::Matrix2d::Identity();
     const Vec2 stretches(1, std::sqrt(values[1] / values[0]));

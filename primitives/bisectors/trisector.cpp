@@ -1,7 +1,6 @@
 #include "trisector.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -443,6 +442,18 @@ Trisector trisector_of_solids(const Object& a, const Object& b, const Object& c)
     return trisector(std::array{&a, &b, &c}, true);
 }
 
+// At right angles to three others in four dimensions: their minors in turn.
+static Eigen::Vector4d across(const Eigen::Vector4d& a, const Eigen::Vector4d& b, const Eigen::Vector4d& c) {
+    Eigen::Vector4d result;
+    for (int i = 0; i < 4; ++i) {
+        const int j = (i + 1) % 4, k = (i + 2) % 4, l = (i + 3) % 4;
+        const double minor = a[j] * (b[k] * c[l] - b[l] * c[k]) - a[k] * (b[j] * c[l] - b[l] * c[j]) +
+                             a[l] * (b[j] * c[k] - b[k] * c[j]);
+        result[i] = i % 2 == 0 ? minor : -minor;
+    }
+    return result;
+}
+
 std::optional<RationalCurve3> trisector_arc(const TrisectorComponent& component, const Vec3& from,
                                             const Vec3& to) {
     if (component.kind == TrisectorKind::Spline) return std::nullopt;
@@ -450,10 +461,7 @@ std::optional<RationalCurve3> trisector_arc(const TrisectorComponent& component,
     if (component.kind == TrisectorKind::Line) return RationalCurve3{1, {0, 0, 1, 1}, {p, q}};
     // The control point in the middle is the pole m of the chord: m^T M p = m^T M q = 0 in the plane. With
     // weight w the curve lies on the conic when p^T M q + 2 w^2 m^T M m = 0.
-    Eigen::Matrix<double, 3, 4> conditions;
-    conditions << component.plane.transpose(), (component.quadric * p).transpose(),
-        (component.quadric * q).transpose();
-    const Eigen::Vector4d pole = conditions.fullPivLu().kernel().col(0);
+    const Eigen::Vector4d pole = across(component.plane, component.quadric * p, component.quadric * q);
     if (std::abs(pole(3)) <= parallel_tangents * pole.head<3>().norm()) return std::nullopt;
     const Eigen::Vector4d m = pole / pole(3);
     const double square = -p.dot(component.quadric * q) / (2 * m.dot(component.quadric * m));

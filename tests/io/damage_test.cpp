@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <functional>
