@@ -32,10 +32,13 @@ endfunction()
 
 # With VCELL_UNITY the target's sources are compiled eight at a time, so names in their anonymous namespaces must differ.
 function(vcell_in_eights target)
-  if(NOT VCELL_UNITY)
+  vcell_together(${target} 8)
+endfunction()
+function(vcell_together target count)
+  if(NOT VCELL_UNITY OR count LESS 2)
     return()
   endif()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${count})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # A source that another one includes looks like a header to GCC, which should use no anonymous namespace. What a
     # unit may grow by when functions are inlined is for one source: with no more than that balls over a plane take 12 %

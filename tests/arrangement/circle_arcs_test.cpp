@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 #include "vcell/arrangement/circles/circle_arcs.hpp"
 
-using namespace vcell;
+namespace vcell::circle_arcs_test {
 using Arc = CircleArcs::Arc;
 
 namespace {
@@ -419,3 +419,5 @@ TEST_CASE("circle arcs: overlay of circle arrangements is the arrangement of all
         REQUIRE(same_topology(both.dcel, overlay(scene.arcs, b, a).dcel));
     }
 }
+
+}  // namespace vcell::circle_arcs_test

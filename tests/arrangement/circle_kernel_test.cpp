@@ -9,7 +9,7 @@
 #include "../../arrangement/circles/circle_kernel.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::circle_kernel_test {
 
 namespace {
 
@@ -346,3 +346,5 @@ TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp 
     CHECK(total.by_interval > 0);
     CHECK(total.by_exact > 0);
 }
+
+}  // namespace vcell::circle_kernel_test

@@ -10,7 +10,7 @@
 #include "vcell/arrangement/curves/curve_arcs.hpp"
 #include "vcell/arrangement/sweep/overlay.hpp"
 
-using namespace vcell;
+namespace vcell::curve_arcs_test {
 using Arc = CurveArcs::Arc;
 
 namespace {
@@ -218,3 +218,5 @@ TEST_CASE("mixed arcs: points are found in the face, on the edge and in the vert
         check_location(g, a, some);
     }
 }
+
+}  // namespace vcell::curve_arcs_test

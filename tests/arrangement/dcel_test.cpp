@@ -4,7 +4,7 @@
 
 #include "vcell/arrangement/dcel/dcel.hpp"
 
-using namespace vcell;
+namespace vcell::dcel_test {
 
 namespace {
 
@@ -215,3 +215,5 @@ TEST_CASE("Dcel: find_defect sees every broken invariant") {
         CHECK_DEFECT(rings, "lies inside itself");
     }
 }
+
+}  // namespace vcell::dcel_test

@@ -7,7 +7,7 @@
 #include "test_support.hpp"
 #include "vcell/arrangement/dcel/half_edge_mesh.hpp"
 
-using namespace vcell;
+namespace vcell::half_edge_mesh_test {
 
 namespace {
 
@@ -175,3 +175,5 @@ TEST_CASE("HalfEdgeMesh: closed edges, and what find_defect sees") {
         CHECK(torus.defect().find("V - E + cycles = 0") != std::string::npos);
     }
 }
+
+}  // namespace vcell::half_edge_mesh_test

@@ -7,7 +7,7 @@
 #include "test_support.hpp"
 #include "vcell/arrangement/sweep/overlay.hpp"
 
-using namespace vcell;
+namespace vcell::overlay_test {
 using Geometry = SegmentGeometry;
 using Point = Geometry::Point;
 
@@ -160,3 +160,5 @@ TEST_CASE("overlay: an island inside a face lies in that face of the other input
     CHECK(origins.faces[FaceId{2}] == Pair{FaceId{1}, FaceId{1}});
     CHECK(both.dcel.inner_ccbs(FaceId{1}).size() == 1);
 }
+
+}  // namespace vcell::overlay_test

@@ -12,7 +12,7 @@
 #include "test_support.hpp"
 #include "vcell/arrangement/sweep/sweep.hpp"
 
-using namespace vcell;
+namespace vcell::sweep_test {
 using Segment = SegmentGeometry::Arc;
 using Point = SegmentGeometry::Point;
 
@@ -309,3 +309,5 @@ TEST_CASE("sweep: a pair of arcs is intersected once at most") {
     CHECK(g.calls == g.seen.size());
     CHECK(g.calls >= 190);  // all pairs cross
 }
+
+}  // namespace vcell::sweep_test

@@ -6,7 +6,7 @@
 #include "test_support.hpp"
 #include "vcell/core/curves/bernstein.hpp"
 
-using namespace vcell;
+namespace vcell::bernstein_test {
 
 TEST_CASE("bernstein: changes of sign are isolated, exact roots and multiplicities included") {
     // Coefficients of t - r and 1 - t over [0, 1].
@@ -37,3 +37,5 @@ TEST_CASE("bernstein: changes of sign are isolated, exact roots and multipliciti
         }
     }
 }
+
+}  // namespace vcell::bernstein_test

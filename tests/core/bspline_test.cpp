@@ -8,7 +8,7 @@
 #include "../../core/curves/restricted_curve.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::bspline_test {
 
 namespace {
 
@@ -210,3 +210,5 @@ TEST_CASE("RationalPatch: a biquadratic is the paraboloid midway between a plane
         }
     }
 }
+
+}  // namespace vcell::bspline_test

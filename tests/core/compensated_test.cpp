@@ -11,7 +11,7 @@
 #include "../../core/numbers/exact.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::compensated_test {
 
 namespace {
 
@@ -113,3 +113,5 @@ TEST_CASE("compensated sum: several at once are as one by one") {
     sums.add(Halves<Eigen::Array4d>(Eigen::Array4d(1, 2, -3, 4)), Halves<>(1));
     CHECK(!sums.value());
 }
+
+}  // namespace vcell::compensated_test

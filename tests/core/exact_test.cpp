@@ -7,7 +7,7 @@
 #include "../test_support.hpp"
 #include "hostile.hpp"
 
-using namespace vcell;
+namespace vcell::exact_test {
 using Integer = boost::multiprecision::cpp_int;
 using Rational = boost::multiprecision::cpp_rational;
 
@@ -180,3 +180,5 @@ TEST_CASE("Exact: a common factor is left out, and nothing else") {
         }
     }
 }
+
+}  // namespace vcell::exact_test

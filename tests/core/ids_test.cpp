@@ -5,7 +5,7 @@
 
 #include "vcell/core/ids.hpp"
 
-using namespace vcell;
+namespace vcell::ids_test {
 
 namespace {
 struct AppleTag {
@@ -64,3 +64,5 @@ TEST_CASE("IdVector: resize fills with the given value and keeps the rest") {
     v.clear();
     CHECK(v.empty());
 }
+
+}  // namespace vcell::ids_test

@@ -8,7 +8,7 @@
 #include "../test_support.hpp"
 #include "hostile.hpp"
 
-using namespace vcell;
+namespace vcell::interval_test {
 using Rational = boost::multiprecision::cpp_rational;
 
 namespace {
@@ -235,3 +235,5 @@ TEST_CASE("interval: sign answers only when all members agree") {
     CHECK_FALSE(Interval(-1.0, 0.0).sign());
     CHECK_FALSE(Interval(-1.0, 1.0).sign());
 }
+
+}  // namespace vcell::interval_test

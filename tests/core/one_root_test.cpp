@@ -8,7 +8,7 @@
 #include "../test_support.hpp"
 #include "hostile.hpp"
 
-using namespace vcell;
+namespace vcell::one_root_test {
 
 namespace {
 
@@ -195,3 +195,5 @@ TEST_CASE("OneRoot: enclosure survives numerators and denominators beyond the do
         }
     }
 }
+
+}  // namespace vcell::one_root_test

@@ -5,7 +5,7 @@
 #include "../../core/errors.hpp"
 #include "../../core/numbers/sign.hpp"
 
-using namespace vcell;
+namespace vcell::sign_test {
 
 TEST_CASE("Sign: multiplies and negates as signs do") {
     for (const int a : {-2, 0, 3}) {
@@ -32,3 +32,5 @@ TEST_CASE("InputError: the message names the path first") {
     const InputError whole(InputError::Kind::Syntax, InputError::no_object, "", "not JSON");
     CHECK(std::string(whole.what()) == "not JSON");
 }
+
+}  // namespace vcell::sign_test

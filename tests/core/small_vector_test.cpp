@@ -8,7 +8,7 @@
 #include "../../core/small_vector.hpp"
 #include "../test_support.hpp"
 
-using vcell::SmallVector;
+namespace vcell::small_vector_test {
 
 TEST_CASE("SmallVector: does as std::vector does, inside and outside") {
     using Small = SmallVector<int, 3>;
@@ -85,3 +85,5 @@ TEST_CASE("SmallVector: short sequences lie inside, long ones change hands when 
     CHECK(b == SmallVector<double, 2>{1, 2, 3});
     CHECK(is_inside(a));
 }
+
+}  // namespace vcell::small_vector_test

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-using namespace vcell;
+namespace vcell::threads_test {
 
 TEST_CASE("threads: every task is done once, whatever their number") {
     for (const unsigned threads : {1u, 2u, 3u, 8u}) {
@@ -120,3 +120,5 @@ TEST_CASE("threads: what a callback throws comes out, and the callback is the ca
         CHECK(begun < 1000);
     }
 }
+
+}  // namespace vcell::threads_test

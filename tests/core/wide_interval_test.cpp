@@ -8,7 +8,7 @@
 #include "../test_support.hpp"
 #include "hostile.hpp"
 
-using namespace vcell;
+namespace vcell::wide_interval_test {
 using Rational = boost::multiprecision::cpp_rational;
 using Integer = boost::multiprecision::cpp_int;
 
@@ -196,3 +196,5 @@ TEST_CASE("wide interval: mid lies within, exponents bound what they name") {
     const double third = (Wide(1.0) / Wide(3.0)).approximation();
     CHECK(third == 1.0 / 3.0);
 }
+
+}  // namespace vcell::wide_interval_test

@@ -13,7 +13,7 @@
 #include "../../envelope/voronoi_diagram.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::body_volume_test {
 namespace {
 
 using State = DiagramCell::State;
@@ -287,4 +287,4 @@ TEST_CASE("bodies: nothing is told of them where they were not asked for, and an
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::body_volume_test

@@ -10,7 +10,7 @@
 #include "../../primitives/bases/plane_base.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::cell_arcs_test {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
@@ -150,3 +150,5 @@ TEST_CASE("arcs: the two parts of a circle that a side all but touches are told 
         }
     }
 }
+
+}  // namespace vcell::cell_arcs_test

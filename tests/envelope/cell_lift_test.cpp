@@ -6,7 +6,7 @@
 #include "../../envelope/lift/lift.hpp"
 #include "cell_checks.hpp"
 
-using namespace vcell;
+namespace vcell::cell_lift_test {
 using std::numbers::pi;
 
 namespace {
@@ -201,3 +201,5 @@ TEST_CASE("lift: a tilted lid cuts an ellipse, named by exact coefficients") {
         CHECK(cell.neighbors == std::vector<std::uint32_t>{1, 0});
     }
 }
+
+}  // namespace vcell::cell_lift_test

@@ -11,7 +11,7 @@
 #include "cell_checks.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::cell_mixed_test {
 using std::numbers::pi;
 
 namespace {
@@ -287,3 +287,5 @@ TEST_CASE("mixed cell: a leaning base, a steep cylinder behind and one over the 
         check_splines(cell);
     }
 }
+
+}  // namespace vcell::cell_mixed_test

@@ -9,7 +9,7 @@
 #include "cell_checks.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::cell_scenes_test {
 
 namespace {
 
@@ -261,3 +261,5 @@ TEST_CASE("cell: bad scenes are refused before anything is computed") {
     std::get<Sphere>(scene.objects[1]).radius = -1;
     CHECK_THROWS_AS(voronoi_cell(scene), InputError);
 }
+
+}  // namespace vcell::cell_scenes_test

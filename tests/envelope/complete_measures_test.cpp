@@ -15,10 +15,11 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
+#include "../primitives/reference.hpp"
 #include "../random_tubes.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::complete_measures_test {
 namespace {
 
 const Box cube{Vec3::Zero(), Vec3::Constant(10)};
@@ -46,15 +47,6 @@ Scene scene_of(const std::vector<Object>& objects, const Base& base) {
     scene.objects.erase(scene.objects.begin() + static_cast<std::ptrdiff_t>(base.object));
     scene.box = cube;
     return scene;
-}
-
-double distance(const Object& object, const Vec3& p) {
-    if (const auto* plane = std::get_if<Plane>(&object))
-        return std::abs(plane->normal.normalized().dot(p - plane->point));
-    if (const auto* sphere = std::get_if<Sphere>(&object))
-        return (p - sphere->center).norm() - sphere->radius;
-    const auto& tube = std::get<Cylinder>(object);
-    return tube.axis.normalized().cross(p - tube.point).norm() - tube.radius;
 }
 
 /// How much of the box is nearest to the base among points at random.
@@ -237,4 +229,4 @@ TEST_CASE("complete measures: an object that cuts the base outside the box is re
     }
 }
 
-}  // namespace vcell
+}  // namespace vcell::complete_measures_test

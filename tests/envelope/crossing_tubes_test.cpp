@@ -7,7 +7,7 @@
 
 #include "radial_cell_checks.hpp"
 
-using namespace vcell;
+namespace vcell::crossing_tubes_test {
 using namespace vcell::testing;
 using namespace vcell::radial_cells;
 
@@ -195,3 +195,5 @@ TEST_CASE("cylinder cell: random scenes") {
         checked(about_tube(tube, 6, objects), i);
     }
 }
+
+}  // namespace vcell::crossing_tubes_test

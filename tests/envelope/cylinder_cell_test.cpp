@@ -7,7 +7,7 @@
 
 #include "radial_cell_checks.hpp"
 
-using namespace vcell;
+namespace vcell::cylinder_cell_test {
 using namespace vcell::testing;
 using namespace vcell::radial_cells;
 
@@ -373,3 +373,5 @@ TEST_CASE("cylinder cell: planes, sides of the box and tubes along it meet in co
                  first, second);
         }
 }
+
+}  // namespace vcell::cylinder_cell_test

@@ -22,7 +22,7 @@
 #include "../../primitives/objects/decided_scene.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::decided_scene_test {
 namespace {
 
 Scene scaled(Scene scene, double s) {
@@ -403,4 +403,4 @@ TEST_CASE("environment: flushed subnormals are refused, with what to do") {
 }
 #endif
 
-}  // namespace vcell
+}  // namespace vcell::decided_scene_test

@@ -11,7 +11,7 @@
 #include "form_scenes.hpp"
 #include "oracle.hpp"
 
-namespace vcell {
+namespace vcell::envelope_oracle_test {
 namespace {
 
 void judge(const FormScene& scene, std::mt19937_64& rng, const oracle::OracleOptions& options = {}) {
@@ -102,11 +102,12 @@ TEST_CASE("lower_envelope: agrees with brute force on heavy-tailed radii") {
 
 TEST_CASE("lower_envelope: agrees with brute force on spheres mixed with planes") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 65 * rounds(); ++i) judge(mixed(rng, 1 + i % 13, 1 + i % 2), rng, {.samples = 100});
+    for (int i = 0; i < 65 * rounds(); ++i)
+        judge(spheres_and_planes(rng, 1 + i % 13, 1 + i % 2), rng, {.samples = 100});
     for (const auto& [spheres, planes] :
          {std::pair{1, 1}, {0, 12}, {6, 6}, {50, 4}, {20, 60}, {rounds() > 1 ? 300 : 100, 20}}) {
-        judge(mixed(rng, spheres, planes), rng);
-        judge(in_polygon(mixed(rng, spheres + 1, planes)), rng);
+        judge(spheres_and_planes(rng, spheres, planes), rng);
+        judge(in_polygon(spheres_and_planes(rng, spheres + 1, planes)), rng);
     }
 }
 
@@ -122,7 +123,7 @@ TEST_CASE("lower_envelope: permutation, translation, scaling and mirror keep the
     for (const int n : {3, 10, 60}) {
         invariances(random_spheres(rng, n, std::sqrt(n)), rng);
         invariances(heavy_tailed(rng, n), rng);
-        invariances(mixed(rng, n, 3), rng);
+        invariances(spheres_and_planes(rng, n, 3), rng);
     }
 }
 
@@ -298,4 +299,4 @@ TEST_CASE("oracle: objects to corrupted diagrams") {
     });
 }
 
-}  // namespace vcell
+}  // namespace vcell::envelope_oracle_test

@@ -13,7 +13,7 @@
 #include "../test_support.hpp"
 #include "radial_scenes.hpp"
 
-namespace vcell::radial {
+namespace vcell::radial::floor_diagram_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -150,4 +150,4 @@ TEST_CASE("diagram with a floor over a cylinder: shows what heights say, above i
     CHECK(of_floor > 100 * rounds());
 }
 
-}  // namespace vcell::radial
+}  // namespace vcell::radial::floor_diagram_test

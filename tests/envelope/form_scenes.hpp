@@ -74,7 +74,7 @@ inline FormScene heavy_tailed(std::mt19937_64& rng, int n) {
     return s;
 }
 
-inline FormScene mixed(std::mt19937_64& rng, int spheres, int planes) {
+inline FormScene spheres_and_planes(std::mt19937_64& rng, int spheres, int planes) {
     std::uniform_real_distribution<double> u(-1, 1);
     FormScene s = random_spheres(rng, spheres, std::sqrt(spheres + planes));
     s.name = "spheres and planes, n = " + std::to_string(spheres + planes);

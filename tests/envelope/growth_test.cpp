@@ -11,7 +11,7 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::growth_test {
 using namespace vcell::bench;
 
 namespace {
@@ -75,3 +75,5 @@ TEST_CASE("growth: around a ball decisions grow little faster than the number of
 TEST_CASE("growth: around a tube decisions grow little faster than the number of objects, in every mix") {
     check_growth(GrowthBase::Tube);
 }
+
+}  // namespace vcell::growth_test

@@ -6,7 +6,7 @@
 #include "../../envelope/proofs/height_difference.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::height_difference_test {
 namespace {
 
 class Samples {
@@ -95,4 +95,4 @@ TEST_CASE("height difference: values, slopes and bends hold for all second deriv
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::height_difference_test

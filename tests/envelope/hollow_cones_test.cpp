@@ -16,7 +16,7 @@
 #include "../test_support.hpp"
 #include "vessel_oracle.hpp"
 
-namespace vcell {
+namespace vcell::hollow_cones_test {
 namespace {
 
 using namespace vessel_oracle;
@@ -415,4 +415,4 @@ TEST_CASE("hollow cones: a hopper's diagram fills what is nearer to balls than t
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::hollow_cones_test

@@ -10,7 +10,7 @@
 #include "form_scenes.hpp"
 #include "oracle.hpp"
 
-namespace vcell {
+namespace vcell::merge_test {
 namespace {
 
 oracle::Renaming unchanged(const FormScene& s) {
@@ -86,7 +86,7 @@ TEST_CASE("lower_envelope: merging by overlay gives the diagram of merging one b
     std::mt19937_64 rng(test_seed());
     same_by_overlay(random_spheres(rng, 400, 20));
     same_by_overlay(heavy_tailed(rng, 400));
-    same_by_overlay(in_polygon(mixed(rng, 300, 20)));
+    same_by_overlay(in_polygon(spheres_and_planes(rng, 300, 20)));
     FormScene square = lattice("square lattice, divided", 16, 1, 0, 1, -8, -8);
     square.rectangle = {-8, -8, 7, 7};
     same_by_overlay(square);
@@ -102,8 +102,8 @@ TEST_CASE("lower_envelope: merging by overlay gives the diagram of merging one b
         same_by_overlay(random_spheres(rng, 2 + i, std::sqrt(2.0 + i)));
         same_by_overlay(random_spheres(rng, 2 + i, 1));
         same_by_overlay(heavy_tailed(rng, 2 + i));
-        same_by_overlay(mixed(rng, 1 + i, 1 + i % 4));
-        same_by_overlay(in_polygon(mixed(rng, 1 + i, 1 + i % 4)));
+        same_by_overlay(spheres_and_planes(rng, 1 + i, 1 + i % 4));
+        same_by_overlay(in_polygon(spheres_and_planes(rng, 1 + i, 1 + i % 4)));
     }
 }
 
@@ -154,4 +154,4 @@ TEST_CASE("lower_envelope: four hundred forms that meet in one vertex") {
     }
 }
 
-}  // namespace vcell
+}  // namespace vcell::merge_test

@@ -8,7 +8,7 @@
 #include "mixed_oracle.hpp"
 #include "mixed_scenes.hpp"
 
-namespace vcell::mixed {
+namespace vcell::mixed::mixed_oracle_test {
 
 TEST_CASE("mixed oracle: its heights satisfy the definition and the closed form") {
     std::mt19937_64 rng(test_seed());
@@ -112,4 +112,4 @@ TEST_CASE("mixed oracle: objects to corrupted diagrams") {
     });
 }
 
-}  // namespace vcell::mixed
+}  // namespace vcell::mixed::mixed_oracle_test

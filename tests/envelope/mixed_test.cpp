@@ -13,7 +13,7 @@
 #include "mixed_oracle.hpp"
 #include "mixed_scenes.hpp"
 
-namespace vcell::mixed {
+namespace vcell::mixed::mixed_test {
 namespace {
 
 MinimizationDiagram envelope(const Scene& s) { return lower_envelope(s.family(), s.region); }
@@ -498,4 +498,4 @@ TEST_CASE("lowest_form: agrees with brute force where cylinders compete") {
     }
 }
 
-}  // namespace vcell::mixed
+}  // namespace vcell::mixed::mixed_test

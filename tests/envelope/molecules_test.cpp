@@ -19,7 +19,7 @@
 #include "../test_support.hpp"
 #include "molecule.hpp"
 
-namespace vcell {
+namespace vcell::molecules_test {
 namespace {
 
 using Quadruple = std::array<std::uint32_t, 4>;
@@ -243,4 +243,4 @@ TEST_CASE("molecule: the cells of all atoms of crambin have Voronota's vertices"
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::molecules_test

@@ -17,7 +17,7 @@
 #include "../test_support.hpp"
 #include "molecule.hpp"
 
-namespace vcell {
+namespace vcell::probe_test {
 namespace {
 
 using State = DiagramCell::State;
@@ -344,4 +344,4 @@ TEST_CASE("probe: what it is not for is refused") {
     CHECK_THROWS_AS(voronoi_diagram(all), InputError);
 }
 
-}  // namespace vcell
+}  // namespace vcell::probe_test

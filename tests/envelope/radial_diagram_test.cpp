@@ -11,7 +11,7 @@
 #include "../../primitives/forms/heights.hpp"
 #include "radial_answers.hpp"
 
-namespace vcell::radial {
+namespace vcell::radial::radial_diagram_test {
 namespace {
 
 // --- Random scenes ---------------------------------------------------------------------------------------
@@ -283,4 +283,4 @@ TEST_CASE("judge: objects to a hole in the wrong face") {
 }
 
 }  // namespace
-}  // namespace vcell::radial
+}  // namespace vcell::radial::radial_diagram_test

@@ -2,6 +2,7 @@
 // holes, nested balls, points and lines; and what motions of a scene keep.
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <map>
 #include <numbers>
@@ -12,7 +13,7 @@
 #include "../../envelope/sphere/sphere_diagram.hpp"
 #include "radial_answers.hpp"
 
-namespace vcell::radial {
+namespace vcell::radial::radial_figures_test {
 namespace {
 
 /// Half-edges that leave a vertex.
@@ -469,8 +470,8 @@ TEST_CASE("points: cells are intersections of half-spaces") {
                         n.row(row) = half_spaces[j].second.head<3>();
                         k[row++] = half_spaces[j].second[3];
                     }
-                    const Vec3 p = n.fullPivLu().solve(k);
-                    if (!((n * p - k).norm() < 1e-9)) continue;  // parallel
+                    const Vec3 p = n.inverse() * k;
+                    if (!((n * p - k).norm() < 1e-9)) continue;  // parallel, or not finite
                     const bool inside = std::ranges::all_of(half_spaces, [&](const auto& h) {
                         return h.second.template head<3>().dot(p) <= h.second[3] + 1e-11;
                     });
@@ -492,4 +493,4 @@ TEST_CASE("lines: cells of a line among lines and of a point among lines") {
 }
 
 }  // namespace
-}  // namespace vcell::radial
+}  // namespace vcell::radial::radial_figures_test

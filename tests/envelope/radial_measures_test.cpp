@@ -17,7 +17,7 @@
 #include "../test_support.hpp"
 #include "cell_checks.hpp"
 
-using namespace vcell;
+namespace vcell::radial_measures_test {
 using namespace vcell::testing;
 
 namespace {
@@ -523,3 +523,5 @@ TEST_CASE("radial measures: a ball between two big ones is a solid of revolution
         }
     }
 }
+
+}  // namespace vcell::radial_measures_test

@@ -11,7 +11,7 @@
 #include "../../primitives/bases/sphere_base.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::shared_faces_test {
 namespace {
 
 using State = DiagramCell::State;
@@ -231,4 +231,4 @@ TEST_CASE("tie_sign: agrees with whole numbers about points that are equally far
                                                    Sign::Negative));
 }
 
-}  // namespace vcell
+}  // namespace vcell::shared_faces_test

@@ -14,7 +14,7 @@
 #include "test_support.hpp"
 #include "traced_arcs.hpp"
 
-using namespace vcell;
+namespace vcell::space_spline_test {
 using namespace vcell::traced_arcs;
 
 TEST_CASE("space splines: lie within the stated bound of the true arc, whole, over every base") {
@@ -436,3 +436,5 @@ TEST_CASE("quintic nodes: polynomials are bounded, closely if they all but vanis
         CHECK(nodes.largest(other) >= largest_sample(other));
     }
 }
+
+}  // namespace vcell::space_spline_test

@@ -5,7 +5,7 @@
 
 #include "radial_cell_checks.hpp"
 
-using namespace vcell;
+namespace vcell::sphere_cell_test {
 using namespace vcell::testing;
 using namespace vcell::radial_cells;
 
@@ -121,3 +121,5 @@ TEST_CASE("sphere cell: faces that reach far have one patch") {
         check_faces_by_rays(cell, rng, 20);
     }
 }
+
+}  // namespace vcell::sphere_cell_test

@@ -9,7 +9,7 @@
 #include "../../primitives/forms/heights.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::sphere_supports_test {
 namespace {
 
 constexpr double slop = 1e-12;  // of heights in [-10, 10]: what rounding may do to a sample
@@ -248,4 +248,4 @@ TEST_CASE("divided box: what holds all common points of three forms holds one") 
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::sphere_supports_test

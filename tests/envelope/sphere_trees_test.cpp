@@ -6,7 +6,7 @@
 #include "../../envelope/sphere/sphere_trees.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::sphere_trees_test {
 using namespace vcell::discs;
 
 namespace {
@@ -146,3 +146,5 @@ TEST_CASE("mark rows: what is not below a form is found, and little else, at all
         }
     }
 }
+
+}  // namespace vcell::sphere_trees_test

@@ -18,7 +18,7 @@
 #include "rotations.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::ties_test {
 
 namespace {
 
@@ -265,3 +265,5 @@ TEST_CASE(
         CHECK(ahead == (off == 0));
     }
 }
+
+}  // namespace vcell::ties_test

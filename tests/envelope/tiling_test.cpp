@@ -12,7 +12,7 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::tiling_test {
 namespace {
 
 Scene scene_of(const std::vector<Object>& objects, std::size_t base, const Box& box) {
@@ -112,4 +112,4 @@ TEST_CASE("tiling: the cells of parallel tubes fill their box") {
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::tiling_test

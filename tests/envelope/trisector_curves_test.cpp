@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 #include "trisector_judge.hpp"
 
-using namespace vcell;
+namespace vcell::trisector_curves_test {
 
 namespace {
 
@@ -241,3 +241,5 @@ TEST_CASE("trisector in a box: between tubes that are all but alike few spans do
         }
     }
 }
+
+}  // namespace vcell::trisector_curves_test

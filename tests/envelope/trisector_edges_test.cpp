@@ -13,7 +13,7 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::trisector_edges_test {
 
 namespace {
 
@@ -164,3 +164,5 @@ TEST_CASE("spline edges: those of cells are the curves of trisector(), over ever
     CAPTURE(done.edges);
     for (const int over : done.over) CHECK(over >= 6 * rounds());
 }
+
+}  // namespace vcell::trisector_edges_test

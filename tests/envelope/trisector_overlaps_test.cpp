@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 #include "trisector_judge.hpp"
 
-using namespace vcell;
+namespace vcell::trisector_overlaps_test {
 
 namespace {
 
@@ -277,3 +277,5 @@ TEST_CASE("trisector of objects that overlap: next to special positions they end
                   box),
         UndecidedError);
 }
+
+}  // namespace vcell::trisector_overlaps_test

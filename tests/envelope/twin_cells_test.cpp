@@ -12,7 +12,7 @@
 #include "../primitives/radial_base_checks.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::twin_cells_test {
 
 namespace {
 
@@ -103,3 +103,5 @@ TEST_CASE("twins: edges between them are as far from both, to a part of what the
     CHECK(decided >= 0.8 * asked);
     CHECK(edges >= decided / 3);
 }
+
+}  // namespace vcell::twin_cells_test

@@ -15,7 +15,7 @@
 #include "../test_support.hpp"
 #include "vessel_oracle.hpp"
 
-namespace vcell {
+namespace vcell::vessels_test {
 namespace {
 
 using namespace vessel_oracle;
@@ -359,4 +359,4 @@ TEST_CASE("vessels: a silo's diagram fills what is nearer to balls than to walls
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::vessels_test

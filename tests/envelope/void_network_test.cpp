@@ -13,7 +13,7 @@
 #include "../../core/errors.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::void_network_test {
 namespace {
 
 DiagramScene cube(double edge, const std::vector<Vec3>& places, double radius) {
@@ -391,4 +391,4 @@ TEST_CASE("void network: planes and balls centred outside the box have none") {
     CHECK_THROWS_AS(builder.finish(diagram), UndecidedError);
 }
 
-}  // namespace vcell
+}  // namespace vcell::void_network_test

@@ -15,10 +15,11 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
+#include "../primitives/reference.hpp"
 #include "../test_support.hpp"
 #include "molecule.hpp"
 
-namespace vcell {
+namespace vcell::voronoi_diagram_test {
 namespace {
 
 using State = DiagramCell::State;
@@ -50,14 +51,6 @@ void check_whole(const DiagramScene& scene, const VoronoiDiagram& diagram) {
     CAPTURE(sum.box);
     CHECK(sum.fills());
     CHECK(sum.error < 1e-6 * sum.box);
-}
-
-double distance(const Object& object, const Vec3& p) {
-    if (const auto* s = std::get_if<Sphere>(&object)) return (p - s->center).norm() - s->radius;
-    if (const auto* plane = std::get_if<Plane>(&object))
-        return std::abs(plane->normal.normalized().dot(p - plane->point));
-    const auto& tube = std::get<Cylinder>(object);
-    return (p - tube.point).cross(tube.axis.normalized()).norm() - tube.radius;
 }
 
 /// The share of the box that is nearest to each object, by counting points, images included.
@@ -540,4 +533,4 @@ TEST_CASE("voronoi_diagram: progress ends at one, and what it throws ends the wo
     CHECK_THROWS_AS(voronoi_diagram(scene, options), Cancelled);
 }
 
-}  // namespace vcell
+}  // namespace vcell::voronoi_diagram_test

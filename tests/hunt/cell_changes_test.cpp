@@ -11,7 +11,7 @@
 #include "families.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::cell_changes_test {
 using namespace vcell::hunt;
 
 namespace {
@@ -228,3 +228,5 @@ TEST_CASE("insert, remove and merge: what they are not given is named") {
         CHECK(both.neighbors.size() == 2 * own.neighbors.size());
     }
 }
+
+}  // namespace vcell::cell_changes_test

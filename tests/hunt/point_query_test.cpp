@@ -16,7 +16,7 @@
 #include "families.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::point_query_test {
 using namespace vcell::hunt;
 
 namespace {
@@ -122,3 +122,5 @@ TEST_CASE("form locator: the form that comparing all of them finds, ties include
         }
     CHECK(compared > 2000);
 }
+
+}  // namespace vcell::point_query_test

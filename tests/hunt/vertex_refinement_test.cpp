@@ -11,7 +11,7 @@
 #include "families.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::vertex_refinement_test {
 using namespace vcell::hunt;
 
 namespace {
@@ -175,3 +175,5 @@ TEST_CASE("refine: digits that are known, and ties") {
         }
     }
 }
+
+}  // namespace vcell::vertex_refinement_test

@@ -11,7 +11,7 @@
 #include "reference.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::bisector_test {
 using Kind = BisectorKind;
 
 namespace {
@@ -203,3 +203,5 @@ TEST_CASE("bisector: that of a ball and a hollow cone holds points of small inte
     }
     CHECK_THROWS_AS(bisector(Plane{}, HollowCone{}), InputError);
 }
+
+}  // namespace vcell::bisector_test

@@ -8,7 +8,7 @@
 #include "../../primitives/charts/chart.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::chart_test {
 namespace {
 
 struct Sample {
@@ -107,4 +107,4 @@ TEST_CASE("chart: around a cylinder places are continued, and boxes are cut wher
     CHECK(along.inverse(0.5 * (along.at(0) + along.at(1))) == doctest::Approx(std::tan(std::atan(1.0) / 2)));
 }
 
-}  // namespace vcell
+}  // namespace vcell::chart_test

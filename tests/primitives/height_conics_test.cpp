@@ -7,7 +7,7 @@
 #include "reference.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::height_conics_test {
 
 namespace {
 
@@ -133,3 +133,5 @@ TEST_CASE("height planes: random cylinders and balls share no plane curve") {
         CHECK(height_planes(family_of({{unit(rng), unit(rng), 2, 0.5}}, {}, {cylinder()}), {0}, {1}).empty());
     }
 }
+
+}  // namespace vcell::height_conics_test

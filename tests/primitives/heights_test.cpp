@@ -7,7 +7,7 @@
 #include "../../primitives/forms/heights.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::heights_test {
 namespace {
 
 class Samples {
@@ -81,4 +81,4 @@ TEST_CASE("heights: those of cylinders over a plane hold their members', and ove
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::heights_test

@@ -9,7 +9,7 @@
 #include "../../primitives/bases/solids.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::nested_cylinders_test {
 
 namespace {
 
@@ -78,3 +78,5 @@ TEST_CASE("nested cylinders: of many tubes side by side few pairs are asked") {
     for (const auto& c : possible_containers(tubes)) pairs += c.size();
     CHECK(pairs < 20);
 }
+
+}  // namespace vcell::nested_cylinders_test

@@ -11,7 +11,7 @@
 #include "problem_sites.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::plane_base_cylinder_test {
 using Kind = InputError::Kind;
 using Real = boost::multiprecision::cpp_bin_float_100;
 
@@ -329,3 +329,5 @@ TEST_CASE("cylinders: nearly touching or nearly parallel beyond doubles is out o
           std::string::npos);
     CHECK(complaint({Cylinder{{0, 9, -1}, {1, 0, 1e-100}, 0}}) == "accepted");
 }
+
+}  // namespace vcell::plane_base_cylinder_test

@@ -13,7 +13,7 @@
 #include "reference.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::plane_base_test {
 using Kind = InputError::Kind;
 
 namespace {
@@ -426,3 +426,5 @@ TEST_CASE("scaling by powers of two scales every form's heights exactly") {
         CHECK(fields(one.family.forms[f])[3] == fields(large.family.forms[f])[3]);
     }
 }
+
+}  // namespace vcell::plane_base_test

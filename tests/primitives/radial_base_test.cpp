@@ -11,7 +11,7 @@
 #include "../../primitives/charts/sphere_chart.hpp"
 #include "radial_base_checks.hpp"
 
-using namespace vcell;
+namespace vcell::radial_base_test {
 using namespace vcell::radial_base;
 
 TEST_CASE("radial base: over spheres, heights are where base and object are equally far") {
@@ -282,3 +282,5 @@ TEST_CASE("radial base: chart points and normals are each other's inverse") {
     // Near the pole and far beyond any square of it.
     CHECK(sphere.chart.normal({1e200, -1e200}).norm() == doctest::Approx(1).epsilon(1e-15));
 }
+
+}  // namespace vcell::radial_base_test

@@ -8,7 +8,7 @@
 #include "../../primitives/forms/radial_height.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::radial_height_test {
 namespace {
 
 class Samples {
@@ -144,4 +144,4 @@ TEST_CASE("radial heights: what is computed in doubles with one bound holds its 
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::radial_height_test

@@ -10,7 +10,7 @@
 #include "../../primitives/bases/nested_balls.hpp"
 #include "radial_base_checks.hpp"
 
-using namespace vcell;
+namespace vcell::radial_scene_test {
 using namespace vcell::radial_base;
 using Kind = InputError::Kind;
 
@@ -312,3 +312,5 @@ TEST_CASE("nested balls: as comparing all pairs exactly tells") {
     }
     CHECK(ball_nesting({}).first_equal.empty());
 }
+
+}  // namespace vcell::radial_scene_test

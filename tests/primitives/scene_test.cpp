@@ -8,7 +8,7 @@
 #include "../../core/errors.hpp"
 #include "../../primitives/objects/site.hpp"
 
-using namespace vcell;
+namespace vcell::scene_test {
 using Kind = InputError::Kind;
 
 namespace {
@@ -114,3 +114,5 @@ TEST_CASE("to_string(Site): the words of cell files") {
     CHECK(to_string(Site::end(0)) == "end:-");
     CHECK(to_string(Site::end(1)) == "end:+");
 }
+
+}  // namespace vcell::scene_test

@@ -15,7 +15,7 @@
 #include "reference.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::solid_bases_test {
 
 namespace {
 
@@ -143,3 +143,5 @@ TEST_CASE("solid bases: components seen from outside alone") {
     const Sphere large{{0, 0, 0}, 3}, small{{1, 0, 0}, 1}, other{{0, 1, 0}, 0.5};
     CHECK(trisector_of_solids(large, small, other).components.empty());
 }
+
+}  // namespace vcell::solid_bases_test

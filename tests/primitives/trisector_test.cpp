@@ -9,7 +9,7 @@
 #include "reference.hpp"
 #include "test_support.hpp"
 
-using namespace vcell;
+namespace vcell::trisector_test {
 using Kind = TrisectorKind;
 
 namespace {
@@ -288,3 +288,5 @@ TEST_CASE("trisector: arcs of conics are exact rational quadratics") {
         }
     CHECK(arcs > 100);
 }
+
+}  // namespace vcell::trisector_test

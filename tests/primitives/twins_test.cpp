@@ -12,7 +12,7 @@
 #include "../../primitives/forms/heights.hpp"
 #include "../test_support.hpp"
 
-namespace vcell {
+namespace vcell::twins_test {
 namespace {
 
 class TwinScenes {
@@ -125,4 +125,4 @@ TEST_CASE("twins: differences hold those in 320 bits, and are known to a part of
 }
 
 }  // namespace
-}  // namespace vcell
+}  // namespace vcell::twins_test

@@ -9,7 +9,7 @@
 #include "../../primitives/bisectors/vertex_roots.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::apollonius_test {
 using Rational = boost::multiprecision::cpp_rational;
 
 namespace {
@@ -180,3 +180,5 @@ TEST_CASE("vertex system: its points are equidistant from plane, spheres and cyl
     }
     CHECK(vertices > 30);
 }
+
+}  // namespace vcell::apollonius_test

@@ -7,7 +7,7 @@
 
 #include "../../core/solver/roots/solver.hpp"
 
-using namespace vcell;
+namespace vcell::classics_test {
 
 namespace {
 
@@ -225,3 +225,5 @@ TEST_CASE("solver: the cyclic 5-roots are real in 10 cases of 70 [BF91]") {
         CHECK(std::count_if(root.box.begin(), root.box.end(),
                             [](const Interval& x) { return x.contains(1.0); }) == 3);
 }
+
+}  // namespace vcell::classics_test

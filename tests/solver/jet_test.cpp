@@ -6,7 +6,7 @@
 #include "../../core/solver/systems/polynomial.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::jet_test {
 
 namespace {
 
@@ -99,3 +99,5 @@ TEST_CASE("box: intersection, hull and overlap are those of closed sets") {
     const WideBox<2> third{Wide(1.0) / Wide(3.0), Wide(2.0)};
     CHECK(is_subset(third, converted<Wide>(converted<Interval>(third))));
 }
+
+}  // namespace vcell::jet_test

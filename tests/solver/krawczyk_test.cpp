@@ -6,7 +6,7 @@
 #include "../../core/solver/roots/solver.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::krawczyk_test {
 
 namespace {
 
@@ -146,3 +146,5 @@ TEST_CASE("solver: no planted root is dropped from the whole box") {
             CHECK(overlap(refine(s.polynomials, root, 100), converted<Wide>(root.box)));
     }
 }
+
+}  // namespace vcell::krawczyk_test

@@ -5,7 +5,7 @@
 
 #include "../../core/solver/roots/solver.hpp"
 
-using namespace vcell;
+namespace vcell::multiple_roots_test {
 
 namespace {
 
@@ -213,3 +213,5 @@ TEST_CASE("certify: multiprecision proves what doubles cannot") {
         CHECK(width(*box) < 1e-7);
     }
 }
+
+}  // namespace vcell::multiple_roots_test

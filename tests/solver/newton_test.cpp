@@ -11,7 +11,7 @@
 #include "../../core/solver/newton/root_distance.hpp"
 #include "../test_support.hpp"
 
-using namespace vcell;
+namespace vcell::newton_test {
 
 namespace {
 
@@ -138,3 +138,5 @@ TEST_CASE("newton: a bracket shrinks to the zero of an increasing function") {
         CHECK(found.width() < 1e-7);
     }
 }
+
+}  // namespace vcell::newton_test

@@ -3,7 +3,7 @@
 #include "../../core/solver/roots/solver.hpp"
 #include "system_file.hpp"
 
-using namespace vcell;
+namespace vcell::solver_systems_test {
 using namespace vcell::testing;
 
 namespace {
@@ -105,3 +105,5 @@ TEST_CASE("solver: a curve of roots is covered by undecided boxes within the bud
         }
     }
 }
+
+}  // namespace vcell::solver_systems_test
