@@ -91,18 +91,18 @@ TEST_CASE("lower_envelope: agrees with brute force on random spheres of several 
     for (const int n : {2, 3, 5, 8, 12, 30, 100, rounds() > 1 ? 400 : 150})
         for (const double density : {0.2, 1.0, 20.0})
             judge(random_spheres(rng, n, std::sqrt(n / density)), rng);
-    for (int i = 0; i < 50 * rounds(); ++i) judge(random_spheres(rng, 4 + i % 9, 2), rng, {.samples = 100});
+    for (int i = 0; i < long_rounds(50); ++i) judge(random_spheres(rng, 4 + i % 9, 2), rng, {.samples = 100});
 }
 
 TEST_CASE("lower_envelope: agrees with brute force on heavy-tailed radii") {
     std::mt19937_64 rng(test_seed());
     for (const int n : {5, 10, 16, 50, rounds() > 1 ? 500 : 150}) judge(heavy_tailed(rng, n), rng);
-    for (int i = 0; i < 50 * rounds(); ++i) judge(heavy_tailed(rng, 4 + i % 9), rng, {.samples = 100});
+    for (int i = 0; i < long_rounds(50); ++i) judge(heavy_tailed(rng, 4 + i % 9), rng, {.samples = 100});
 }
 
 TEST_CASE("lower_envelope: agrees with brute force on spheres mixed with planes") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 65 * rounds(); ++i)
+    for (int i = 0; i < long_rounds(65); ++i)
         judge(spheres_and_planes(rng, 1 + i % 13, 1 + i % 2), rng, {.samples = 100});
     for (const auto& [spheres, planes] :
          {std::pair{1, 1}, {0, 12}, {6, 6}, {50, 4}, {20, 60}, {rounds() > 1 ? 300 : 100, 20}}) {

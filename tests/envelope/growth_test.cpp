@@ -30,7 +30,8 @@ double most_growth(GrowthBase base, Mix mix) {
 
 // The smaller number of objects. Among fewer balls a ball's diagram has no trees, and decides less.
 std::uint32_t fewest(GrowthBase base, Mix mix) {
-    return base == GrowthBase::Ball && mix == Mix::Balls ? 400 : 100;
+    if (base == GrowthBase::Ball && mix == Mix::Balls) return 400;
+    return rounds() > 1 ? 100 : 60;
 }
 
 // What deciding cells took, ascending.

@@ -19,7 +19,7 @@ namespace {
 TEST_CASE("diagram over a sphere: agrees with brute force on random balls and planes") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 20 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(20); ++i) {
         Scene s = random.over_sphere(i % 5 == 0 ? 0 : random.uniform(0.05, 0.5));
         random.add(s, random.count(0, 24), random.count(0, 4), 0);
         EnvelopeOptions by_pieces;
@@ -52,7 +52,7 @@ TEST_CASE("diagram over a sphere: insertion finds what pieces find") {
 TEST_CASE("diagram over a sphere: agrees with brute force on balls of heavy-tailed radii") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 8 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(8); ++i) {
         Scene s = random.over_sphere(random.uniform(0.01, 0.5));
         for (int k = random.count(5, 60); k > 0; --k) random.add_heavy_ball(s);
         s.box = {Vec3::Constant(-50), Vec3::Constant(50)};
@@ -63,7 +63,7 @@ TEST_CASE("diagram over a sphere: agrees with brute force on balls of heavy-tail
 TEST_CASE("diagram over a sphere: agrees with brute force on scenes with cylinders") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 10 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(10); ++i) {
         Scene s = random.over_sphere(i % 5 == 0 ? 0 : random.uniform(0.05, 0.5));
         const bool lines_only = i % 4 == 0;
         random.add(s, lines_only ? 0 : random.count(0, 5), lines_only ? 0 : random.count(0, 2),
@@ -102,7 +102,7 @@ std::optional<Scene> somewhere(const Scene& s, RandomScenes& random, double fact
 TEST_CASE("diagram over a sphere: agrees with brute force at every scale and distance from the origin") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 8 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(8); ++i) {
         Scene s = random.over_sphere();
         random.add(s, random.count(1, 6), random.count(0, 2), i % 4 == 0 ? 2 : 0);
         const double factor = std::pow(10, random.uniform(-6, 6));
@@ -116,7 +116,7 @@ TEST_CASE(
     "diagram over a cylinder: agrees with brute force at every scale, tilt and distance from the origin") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int judged = 0; judged < 6 * rounds();) {
+    for (int judged = 0; judged < long_rounds(6);) {
         Scene s = random.over_cylinder();
         random.add(s, random.count(1, 6), random.count(0, 2), judged % 3 == 0 ? 2 : 0);
         const double factor = std::pow(10, random.uniform(-6, 6));
@@ -130,7 +130,7 @@ TEST_CASE(
 TEST_CASE("diagram over a cylinder: agrees with brute force for every tilt of the base") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int judged = 0; judged < 6 * rounds();) {
+    for (int judged = 0; judged < long_rounds(6);) {
         Scene s = random.over_cylinder();
         random.add(s, random.count(1, 6), random.count(0, 2), judged % 3 == 0 ? 2 : 0);
         const auto t = somewhere(s, random, 1, 0);

@@ -399,7 +399,7 @@ std::multiset<std::vector<Site>> cycles(const Answer& a) {
 TEST_CASE("diagram over a sphere: a rotation of the scene keeps it") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 6 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(6); ++i) {
         // A cage keeps the box, which does not turn, out of sight.
         Scene s = around_ball(0.3, balls(rectangles(2, 3.2), 1), 64);
         random.add(s, random.count(5, 20), 0, i % 2 == 0 ? 0 : 2);
@@ -418,7 +418,7 @@ TEST_CASE("diagram over a sphere: a rotation of the scene keeps it") {
 TEST_CASE("diagram over a sphere: scaling by powers of two scales all coordinates") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 6 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(6); ++i) {
         Scene s = random.over_sphere();
         random.add(s, random.count(3, 10), random.count(0, 2), i % 2);
         const Answer before = answer(s);
@@ -485,7 +485,7 @@ TEST_CASE("points: cells are intersections of half-spaces") {
 TEST_CASE("lines: cells of a line among lines and of a point among lines") {
     std::mt19937_64 rng(test_seed());
     RandomScenes random(rng);
-    for (int i = 0; i < 6 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(6); ++i) {
         Scene s = i % 2 == 0 ? random.over_cylinder(0) : random.over_sphere(0);
         for (int k = random.count(2, 6); k > 0; --k) random.add_cylinder(s, 0);
         CHECK(judge(s, rng).diagram.decisions.assumed == 0);

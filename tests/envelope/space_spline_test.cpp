@@ -32,6 +32,7 @@ TEST_CASE("space splines: lie within the stated bound of the true arc, whole, ov
                     if (!traced) continue;
                     make_arc(*traced, c, unit);
                     for (const double relative : {1e-4, 1e-7}) {
+                        if (rounds() == 1 && (arcs % 2 == 0) != (relative == 1e-4)) continue;
                         const double tolerance = relative * 10 * unit;
                         CAPTURE(round);
                         CAPTURE(static_cast<int>(base));

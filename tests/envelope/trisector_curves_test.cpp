@@ -34,7 +34,7 @@ TEST_CASE(
     };
     Coverage all;
     int checked = 0, undecided = 0;
-    for_triples_of_all_kinds(4 * rounds(), object, [&](const Triple& t) {
+    for_triples_of_all_kinds(long_rounds(4), object, [&](const Triple& t) {
         Curves curves;
         try {
             curves = trisector(t.base, t.a, t.b, box, tolerance);
@@ -46,9 +46,9 @@ TEST_CASE(
         check(t, box, curves, rng, all);
         ++checked;
     });
-    CHECK(all.found > 100 * rounds());
+    CHECK(all.found > long_rounds(100));
     CHECK(all.missed == 0);
-    CHECK(checked + undecided == 40 * rounds());
+    CHECK(checked + undecided == long_rounds(40));
     CHECK(undecided <= 1 + checked / 100);
     CHECK(all.coarse <= 2 + checked / 50);
 }

@@ -128,7 +128,7 @@ TEST_CASE("spline edges: those of cells are the curves of trisector(), over ever
     const auto vector = [&] { return Vec3(unit(rng), unit(rng), unit(rng)); };
     const auto radius = [&] { return 0.2 + 0.1 * unit(rng); };
     Compared done;
-    for (int round = 0; round < 4 * rounds(); ++round)
+    for (int round = 0; round < long_rounds(4); ++round)
         for (const int base : {0, 1, 2}) {
             CAPTURE(round);
             CAPTURE(base);
@@ -162,7 +162,7 @@ TEST_CASE("spline edges: those of cells are the curves of trisector(), over ever
             }
         }
     CAPTURE(done.edges);
-    for (const int over : done.over) CHECK(over >= 6 * rounds());
+    for (const int over : done.over) CHECK(over >= long_rounds(6));
 }
 
 }  // namespace vcell::trisector_edges_test

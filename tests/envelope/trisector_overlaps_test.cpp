@@ -100,7 +100,7 @@ TEST_CASE("trisector of objects that overlap: all of it, the same for every orde
     };
     Coverage all;
     int checked = 0, undecided = 0, undecided_orders = 0;
-    for_triples_of_all_kinds(2 * rounds(), object, [&](const Triple& t) {
+    for_triples_of_all_kinds(long_rounds(2), object, [&](const Triple& t) {
         Curves curves;
         try {
             curves = curves_of(t, box);
@@ -113,7 +113,7 @@ TEST_CASE("trisector of objects that overlap: all of it, the same for every orde
         ++checked;
     });
     CHECK(all.missed == 0);
-    CHECK(all.found > 100 * rounds());
+    CHECK(all.found > long_rounds(100));
     if (rounds() > 1)
         MESSAGE(checked, " answered, ", undecided, " undecided; in other orders ", undecided_orders);
     CHECK(undecided <= 1 + checked / 50);

@@ -109,9 +109,11 @@ void check(const Cell& cell, Count& count) {
 TEST_CASE("refine: vertices of every family over every base, to 240 bits") {
     std::mt19937_64 rng(test_seed());
     Count count;
+    auto turn = rng() % 2;  // once round takes every other pair of a family and a base
     for (const Family& family : families()) {
         if (family.name == std::string("twins") || family.name == std::string("contact")) continue;
         for (const BaseKind base : base_kinds) {
+            if (rounds() == 1 && turn++ % 2 == 0) continue;
             const Scene scene = family.make(rng, base);
             if (!is_legal(scene)) continue;
             CAPTURE(std::string(family.name));
@@ -122,7 +124,7 @@ TEST_CASE("refine: vertices of every family over every base, to 240 bits") {
             }
         }
     }
-    CHECK(count.refined > 500);
+    CHECK(count.refined > (rounds() == 1 ? 250 : 500));
     // Nodes, and what the turn of a tilted base took apart.
     CHECK(count.left < count.refined / 50);
 }

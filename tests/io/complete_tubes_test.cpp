@@ -97,7 +97,7 @@ TEST_CASE("complete tubes: random oblique tubes tile their box") {
 
 TEST_CASE("complete tubes: thick ones tile their box, too") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 2 * rounds(); ++i) {
+    for (int i = 0; i < long_rounds(2); ++i) {
         const auto [volume, bound] = tile(random_tubes(rng, 5, 0.6), rng);
         CHECK(std::abs(volume - 1000) <= bound + 1e-9);
     }

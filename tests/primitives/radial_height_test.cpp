@@ -45,7 +45,7 @@ TEST_CASE(
     "radial heights: ranges of roots and shares hold those of their members, and of numbers are tight") {
     Samples samples;
     for (const double exponents : {3.0, 60.0, 400.0, 520.0})
-        for (int round = 0; round < 5000; ++round) {
+        for (int round = 0; round < long_rounds(5000); ++round) {
             const Interval B = samples.about(samples.any(exponents));
             Interval A2 = samples.about(samples.size(exponents)), C = samples.about(samples.size(exponents));
             A2 = {std::max(0.0, A2.lower()), A2.upper()};

@@ -274,7 +274,7 @@ TEST_CASE("radial base: where balls overlap the base its clearance is negative")
 
 TEST_CASE("nested balls: as comparing all pairs exactly tells") {
     Random r;
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < long_rounds(60); ++round) {
         std::vector<Ball> balls;
         const int count = 1 + static_cast<int>(r.rng() % 400);
         const double scale = r.pick({1e-30, 1, 1e30});
