@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
+#include "../object_distance.hpp"
 #include "cap_angle.hpp"
 #include "radial_integrals.hpp"
 
@@ -135,10 +136,54 @@ private:
                 problem_, form, are_asked ? reaches[f.value].around() : radial_integrals::Around()));
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
-            const double least = least_distance(faces_.back());
-            add_distance(least, least,
-                         8 * u * (least + problem_.chart.radius + reach(problem_.objects[form])));
+            const double least = least_distance(faces_.back()),
+                         error = 8 * u * (least + problem_.chart.radius + reach(problem_.objects[form]));
+            if (problem_.floor.empty() || !std::isfinite(least)) {
+                add_distance(least, least, error);
+                continue;
+            }
+            // But over a floor it counts only where the cell is there.
+            const Vec3 place = nearest_place(problem_.objects[form], least);
+            const double room = room_at(form, place, least - problem_.chart.radius),
+                         unsure = 64 * (error + u * place.norm());
+            if (room > unsure)
+                add_distance(least, least, error);
+            else if (room >= -unsure)
+                least_[0] = std::min(least_[0], least - error);
         }
+    }
+
+    // Where the bisector with a ball, or a tube that is not along the base's axis, is nearest to that, at the
+    // distance `least`: towards the ball's centre, or the tube's axis.
+    static Vec3 nearest_place(const Object& object, double least) {
+        Vec3 q = Vec3::Zero();
+        if (const auto* ball = std::get_if<Sphere>(&object)) {
+            q = ball->center;
+        } else {
+            const auto& tube = std::get<Cylinder>(object);
+            const Vec3 d = tube.axis.normalized();
+            q = tube.point - (tube.point.x() * d.x() + tube.point.z() * d.z()) / (1 - d.y() * d.y()) * d;
+        }
+        const double away = std::hypot(q.x(), q.z());
+        return {q.x() / away * least, q.y(), q.z() / away * least};
+    }
+
+    // How far a point of a form's bisector is inside the sides of the box, those of the floor among them, and
+    // by how much other objects are farther than the base, at the clearance given: whichever is less.
+    double room_at(FormId own, const Vec3& p, double clearance) const {
+        double room = std::numeric_limits<double>::infinity();
+        for (const FormId f : problem_.objects.ids()) {
+            if (f == own) continue;
+            const Object& object = problem_.objects[f];
+            if (problem_.sites[f].front().is_object()) {
+                room = std::min(room, distance_from(object, p) - clearance);
+                continue;
+            }
+            const double beyond = signed_distance_from(object, p);
+            room = std::min(room,
+                            std::ranges::find(problem_.floor, f) != problem_.floor.end() ? beyond : -beyond);
+        }
+        return room;
     }
 
     std::uint32_t face(EdgeId e, unsigned side) const {

@@ -180,3 +180,33 @@ TEST_CASE("complete tubes: files hold them, pictures show them, and they are lef
     write_svg(picture, cell);
     CHECK(picture.str().find("class=\"face") != std::string::npos);
 }
+
+namespace {
+
+/// Below the box, where the axis comes no nearer, and close above the bottom a row of balls: what is nearest
+/// to the tube beyond the row has no contact with what is before it.
+Scene tube_below_a_row() {
+    Scene scene;
+    scene.base = Cylinder{{5, 5, -1}, {1, 0, 0.05}, 0.25};
+    scene.box = cube;
+    for (int i = 0; i < 16; ++i) scene.objects.push_back(Sphere{{4, 0.7 * i - 0.2, 0.55}, 0.4});
+    scene.objects.push_back(Sphere{{8, 5, 4}, 1});
+    return scene;
+}
+
+}  // namespace
+
+// Half-way between tube and balls is below the box.
+TEST_CASE("complete tubes: the least clearance is that of the boundary") {
+    const Cell cell = complete_cell(tube_below_a_row());
+    double least = HUGE_VAL;
+    for (const CellEdge& e : cell.edges) {
+        constexpr int steps = 200;
+        const double from = e.curve.domain_begin(), to = e.curve.domain_end();
+        for (int k = 0; k <= steps; ++k) {
+            const Vec3 p = e.curve.evaluate(from + (to - from) * k / steps);
+            least = std::min(least, distance_from(cell.scene.base, p, true));
+        }
+    }
+    CHECK(cell.measures.min_clearance == doctest::Approx(least).epsilon(1e-4));
+}
