@@ -60,6 +60,8 @@ void scale(Cell& cell, double factor, double of_parameters, unsigned threads) {
                     for (Eigen::Vector3d& p : trim.curve.points) p.head<2>() *= of_parameters;
         }
     });
+    for (CellPart& part : cell.parts)
+        for (Vec3& end : part.ends) end *= factor;
     Measures& m = cell.measures;
     for (double* volume : {&m.volume, &m.body_volume}) *volume *= cube;
     for (double* error : {&m.volume_error, &m.body_volume_error}) scale_bound(*error, cube);

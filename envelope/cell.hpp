@@ -121,6 +121,13 @@ struct Closing {
     std::vector<CellFace> faces;
 };
 
+/// What a complete cell around a tube has between two planes across the base's axis: a surface that is closed
+/// but for ends in these planes. Nothing is said of what lies between parts (complete_tube.hpp).
+struct CellPart {
+    std::array<Vec3, 2> ends;  ///< where the axis meets the planes, "-" and "+", to a few roundings
+    std::uint32_t faces = 0;   ///< how many of the cell's, in order, are the part's; none: nothing is in it
+};
+
 struct Cell {
     Scene scene;
     std::vector<CellVertex> vertices;
@@ -133,6 +140,7 @@ struct Cell {
     /// (CellOptions::complete)? Around a tube they come in parts, each with ends (complete_tube.hpp).
     /// Otherwise they stand over what the box holds of the base.
     bool is_complete = false;
+    std::vector<CellPart> parts;  ///< of a complete cell around a tube, ascending along its axis
     /// As the cell's file has it. Cells that are computed have none: closing_of() makes it of their faces.
     std::optional<Closing> closing = std::nullopt;
     /// As asked for, and as the cell's file has them: moments_of() makes them (io/solids/moments.hpp).

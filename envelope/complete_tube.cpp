@@ -65,7 +65,7 @@ private:
         if (problem.floor.empty()) {
             LiftedCell lifted = lift_all_around(problem, above, tolerance_, with_measures_);
             forget_ends(lifted.cell);
-            append(std::move(lifted), problem, {&above});
+            append(std::move(lifted), stretch, problem, {&above});
             return;
         }
         options.is_below_floor = true;
@@ -74,9 +74,12 @@ private:
             return std::ranges::none_of(
                 d.face_forms, [&](FormId f) { return f.valid() && problem.shows(f, d.is_below_floor); });
         };
-        if (shows_none(above) && shows_none(below)) return;
+        if (shows_none(above) && shows_none(below)) {
+            result_.lifted.cell.parts.push_back({ends_of(stretch), 0});
+            return;
+        }
         LiftedCell lifted = lift_complete_part(problem, above, below, tolerance_, with_measures_);
-        append(std::move(lifted), problem, {&above, &below});
+        append(std::move(lifted), stretch, problem, {&above, &below});
     }
 
     // On which side of a side's plane the axis is is told by doubles.
@@ -102,9 +105,14 @@ private:
             }
     }
 
-    void append(LiftedCell part, const RadialBaseProblem& problem,
+    std::array<Vec3, 2> ends_of(const std::array<double, 2>& stretch) const {
+        return {frame_.to_world({0, stretch[0], 0}), frame_.to_world({0, stretch[1], 0})};
+    }
+
+    void append(LiftedCell part, const std::array<double, 2>& stretch, const RadialBaseProblem& problem,
                 std::initializer_list<const MinimizationDiagram*> diagrams) {
         Cell& all = result_.lifted.cell;
+        all.parts.push_back({ends_of(stretch), static_cast<std::uint32_t>(part.cell.faces.size())});
         const auto vertices = static_cast<std::uint32_t>(all.vertices.size()),
                    edges = static_cast<std::uint32_t>(all.edges.size()), seams = seams_;
         for (CellVertex& v : part.cell.vertices) all.vertices.push_back(std::move(v));

@@ -9,8 +9,8 @@
 /// Where the axis crosses a side's plane itself, that side's clearance is 0 on one half of the directions and
 /// infinite on the other one, and the ray along the plane meets it nowhere or all along. There the cell is
 /// cut across the axis, in parts that keep a 2^-32th of the box's diagonal clear of these planes (AxisParts).
-/// Each part has ends like the stretch of any cell around a tube. What is left out counts in the bounds of
-/// the measures, not in those of single faces.
+/// Each part has ends like the stretch of any cell around a tube (Cell::parts). What is left out counts in
+/// the bounds of the measures, not in those of single faces.
 #pragma once
 
 #include <optional>

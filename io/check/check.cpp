@@ -1,7 +1,7 @@
 #include "check.hpp"
 
-#include <cmath>
-#include <variant>
+#include <optional>
+#include <vector>
 
 #include "closing.hpp"
 #include "edges.hpp"
@@ -10,6 +10,7 @@
 #include "kinds.hpp"
 #include "measures.hpp"
 #include "moments.hpp"
+#include "parts.hpp"
 #include "structure.hpp"
 #include "tiling.hpp"
 #include "vertices.hpp"
@@ -22,25 +23,40 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     const SceneGeometry geometry(cell.scene);
     certify_structure(cell, geometry, certificate);
     if (!certificate.holds()) return certificate;  // what follows evaluates all of it
-    if (cell.is_complete && std::holds_alternative<Cylinder>(cell.scene.base)) {
-        // In its parts rays come in on both sides of a side's plane.
-        certificate.leave_open("cell", "complete cells around tubes are not judged", HUGE_VAL);
-        return certificate;
+    std::optional<TubeParts> known;
+    if (cell.is_complete && geometry.is_cylinder()) {
+        known = certify_parts(cell, geometry, certificate);
+        if (!known) return certificate;
+    } else if (!cell.parts.empty()) {
+        certificate.refute("parts", "have only complete cells around tubes");
     }
     // Two of each edge and about three of each face.
     certificate.elements.reserve(cell.vertices.size() + 2 * cell.edges.size() + 3 * cell.faces.size() +
                                  cell.neighbors.size() + 32);
-    const Subject subject(cell, geometry, certificate);
-    certify_tiling(subject, options, certificate);
-    certify_vertices(subject, options, certificate);
-    const auto edges = certify_edges(subject, options, certificate);
-    certify_kinds(subject, options, certificate);
-    certify_faces(subject, edges, options, certificate);
-    certify_entries(subject, options, certificate);
-    certify_closing(subject, edges, options, certificate);
-    certify_moments(subject, options, certificate);
-    const bool is_covered = certify_measures(subject, edges, options, certificate);
-    if (!is_covered || !certificate.holds()) sample(subject, options, certificate);
+    std::vector<SceneGeometry> geometries;
+    std::vector<Subject> subjects;
+    if (known) {
+        for (const TubePart& part : known->parts) geometries.emplace_back(cell.scene, &part);
+        for (std::size_t k = 0; k < geometries.size(); ++k)
+            subjects.emplace_back(cell, geometries[k], certificate, &known->parts[k]);
+    } else {
+        subjects.emplace_back(cell, geometry, certificate);
+    }
+    std::vector<EdgeBound> edges(cell.edges.size());
+    for (const Subject& subject : subjects) {
+        certify_tiling(subject, options, certificate);
+        certify_vertices(subject, options, certificate);
+        certify_edges(subject, options, certificate, edges);
+        certify_kinds(subject, options, certificate);
+        certify_faces(subject, edges, options, certificate);
+        certify_entries(subject, options, certificate);
+    }
+    certify_closing(subjects, edges, options, certificate);
+    certify_moments(subjects.front(), options, certificate);
+    const bool is_covered =
+        certify_measures(subjects, edges, known ? &*known : nullptr, options, certificate);
+    if (is_covered && certificate.holds()) return certificate;
+    for (const Subject& subject : subjects) sample(subject, options, certificate);
     return certificate;
 }
 

@@ -169,6 +169,49 @@ Nearest nearest_in_vessel(const Scene& scene, const Site& site, const Frame& fra
     return {0.5 * (radius - distance - frame.radius()), true};
 }
 
+/// Is a point of an object's bisector in the box, and nothing else nearer to it? None: it may be.
+std::optional<bool> is_bounded(const Subject& subject, const Site& site, const Vector<Interval>& p) {
+    const Scene& scene = subject.cell.scene;
+    std::optional<bool> result = true;
+    const auto meet = [&](const Interval& excess) {
+        if (excess.upper() < 0) result = false;
+        if (!(excess.lower() > 0) && result == true) result = std::nullopt;
+    };
+    for (std::uint32_t s = 0; s < 6; ++s) meet(subject.space.inside_side(s, p));
+    for (std::uint32_t end = 0; std::holds_alternative<Cylinder>(scene.base) && end < 2; ++end)
+        meet(subject.space.inside_end(end, p));
+    const Interval clearance = subject.space.clearance(p);
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+        if (scene.competes(i) && i != site.index) meet(subject.space.object_excess(i, p, clearance));
+    return result;
+}
+
+/// Where a ball or another tube is nearest to a base tube, half-way between them.
+std::optional<Vector<Interval>> nearest_beside_tube(const Space<Interval>& space, const Object& object) {
+    const Surface<Interval>& base = space.base();
+    Vector<Interval> q;  // the centre, or the place of the axis
+    Interval radius;
+    if (const auto* ball = std::get_if<Sphere>(&object)) {
+        q = to_vector<Interval>(ball->center);
+        radius = ball->radius;
+    } else if (std::holds_alternative<Cylinder>(object)) {
+        const Surface<Interval> tube(object);
+        radius = tube.radius;
+        // With b = a d of the axes a and d, the way w from the base's point and the place s on the tube:
+        // s (1 - b^2) = b w a - w d.
+        const Vector<Interval> w = tube.point - base.point;
+        const Interval b = dot(base.direction, tube.direction),
+                       rest = square(cross(base.direction, tube.direction));
+        if (!(rest.lower() > 0)) return std::nullopt;
+        q = tube.point + (b * dot(w, base.direction) - dot(w, tube.direction)) / rest * tube.direction;
+    } else {
+        return std::nullopt;
+    }
+    const Interval away = space.clearance(q);
+    if (!(away.lower() > 0)) return std::nullopt;
+    return q - 0.5 * (away + radius) * space.up(q);
+}
+
 /// The bisector with a hollow sphere is farthest from the base's centre towards the vessel's and beyond: its
 /// height there, and whether no other site is nearer.
 struct Farthest {
@@ -190,14 +233,7 @@ std::optional<Farthest> farthest_in_vessel(const Subject& subject, const Site& s
     if (!(length.lower() > 0)) return std::nullopt;
     const Vector<Interval> p =
         from + (Interval(0.5) * (Interval(ball->radius) + base->radius + length) / length) * way;
-    const auto meet = [&](const Interval& excess) {
-        if (excess.upper() < 0) result.is_there = false;
-        if (!(excess.lower() > 0) && result.is_there == true) result.is_there = std::nullopt;
-    };
-    for (std::uint32_t s = 0; s < 6; ++s) meet(subject.space.inside_side(s, p));
-    const Interval clearance = subject.space.clearance(p);
-    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (scene.competes(i) && i != site.index) meet(subject.space.object_excess(i, p, clearance));
+    result.is_there = is_bounded(subject, site, p);
     return result.is_there == false ? std::nullopt : std::optional(result);
 }
 
@@ -237,9 +273,9 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
         high = end(subject.space.stretch()[1]);
     }
     std::set<Site> owners;
-    for (const CellFace& face : cell.faces) owners.insert(face.site);
+    for (const std::uint32_t f : subject.faces) owners.insert(cell.faces[f].site);
     for (const Site& site : owners) {
-        const auto nearest = [&]() -> std::optional<Nearest> {
+        auto nearest = [&]() -> std::optional<Nearest> {
             const bool over_plane = std::holds_alternative<Plane>(scene.base);
             const bool about_sphere = std::holds_alternative<Sphere>(scene.base);
             const Interval radius = frame.radius();
@@ -308,6 +344,12 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             return Nearest{0.5 * (distance - r - radius), lies_within(z, low, high)};
         }();
         if (!nearest || nearest->is_inside == false) continue;
+        if (subject.part && subject.part->has_floor()) {
+            // Not all rays come into the box where they would meet the bisector.
+            const auto p = nearest_beside_tube(subject.space, scene.objects[site.index]);
+            nearest->is_inside = p ? is_bounded(subject, site, *p) : std::nullopt;
+            if (nearest->is_inside == false) continue;
+        }
         least = Interval(
             std::min(least.lower(), nearest->half_distance.lower()),
             nearest->is_inside ? std::min(least.upper(), nearest->half_distance.upper()) : least.upper());

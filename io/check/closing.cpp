@@ -18,9 +18,12 @@ std::string closing_path(const std::string& path) { return "closing." + path; }
 
 class Closings : public Room {
 public:
-    Closings(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
+    Closings(std::span<const Subject> subjects, std::span<const EdgeBound> edges, const CheckOptions& options,
              Certificate& certificate)
-        : Room(subject, options, certificate), closing_(*subject.cell.closing) {
+        : Room(subjects.front(), options, certificate),
+          subjects_(subjects),
+          closing_(*cell_.closing),
+          space_(&subjects.front().space) {
         for (const CellVertex& v : cell_.vertices) {
             vertex_bounds_.push_back(v.error);
             most_stated_ = std::max(most_stated_, v.error);  // what is more is refuted there
@@ -44,6 +47,14 @@ public:
     }
 
 private:
+    const Space<Interval>& space() const { return *space_; }
+    /// Ends are those of the part that has the edges.
+    void set_space(const CellFace& face) {
+        if (subjects_.size() == 1) return;
+        const auto e = *face.patches[0].loops[0][0].edge;
+        for (const Subject& subject : subjects_)
+            if (std::ranges::binary_search(subject.edges, e)) space_ = &subject.space;
+    }
     const CellVertex& vertex(std::size_t v) const {
         const std::size_t own = cell_.vertices.size();
         return v < own ? cell_.vertices[v] : closing_.vertices[v - own];
@@ -193,6 +204,7 @@ private:
         const auto plane = face.patches.size() == 1 ? flat(face.patches[0].surface) : std::nullopt;
         if (!plane) return note(where + ".patches", "are not one flat patch");
 
+        set_space(face);
         double bound = 0, stated = 0;
         const auto& loops = face.patches[0].loops;
         for (std::size_t l = 0; l < loops.size(); ++l) {
@@ -340,8 +352,9 @@ private:
     }
 
     void judge_uses() {
-        for (std::size_t e = 0; e < uses_.size(); ++e)
-            for (const Subject::Use& use : uses_[e]) ++used_[e][use.reversed ? 1 : 0];
+        for (const Subject& subject : subjects_)
+            for (const std::uint32_t e : subject.edges)
+                for (const Subject::Use& use : subject.uses[e]) ++used_[e][use.reversed ? 1 : 0];
         for (std::size_t e = 0; e < used_.size(); ++e) {
             const auto [forwards, backwards] = used_[e];
             if (forwards == 1 && backwards == 1) continue;
@@ -356,7 +369,9 @@ private:
         }
     }
 
+    std::span<const Subject> subjects_;
     const Closing& closing_;
+    const Space<Interval>* space_;         // of the part under judgement
     double most_stated_ = most_stated(0);  // or the largest error of the vertices, which feet take over
     std::vector<double> vertex_bounds_, edge_bounds_;  // the cell's own first
     std::vector<std::array<int, 2>> used_;             // each edge, along and against its curve
@@ -364,9 +379,9 @@ private:
 
 }  // namespace
 
-void certify_closing(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
-                     Certificate& certificate) {
-    if (subject.cell.closing) Closings(subject, edges, options, certificate).run();
+void certify_closing(std::span<const Subject> subjects, std::span<const EdgeBound> edges,
+                     const CheckOptions& options, Certificate& certificate) {
+    if (subjects.front().cell.closing) Closings(subjects, edges, options, certificate).run();
 }
 
 }  // namespace vcell::check

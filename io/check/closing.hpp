@@ -13,8 +13,9 @@
 
 namespace vcell::check {
 
-/// What certify_edges() found bounds the rim. Without a `closing` there is nothing to judge.
-void certify_closing(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
-                     Certificate& certificate);
+/// What certify_edges() found bounds the rim. `subjects`: all parts of the cell. Without a `closing` there is
+/// nothing to judge.
+void certify_closing(std::span<const Subject> subjects, std::span<const EdgeBound> edges,
+                     const CheckOptions& options, Certificate& certificate);
 
 }  // namespace vcell::check

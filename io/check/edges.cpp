@@ -22,12 +22,12 @@ struct EdgePart {
 
 class Edges : public Room {
 public:
-    using Room::Room;
+    Edges(const Subject& subject, const CheckOptions& options, Certificate& certificate,
+          std::vector<EdgeBound>& bounds)
+        : Room(subject, options, certificate), bounds_(bounds) {}
 
-    std::vector<EdgeBound> run() {
-        bounds_.resize(cell_.edges.size());
-        for (std::size_t i = 0; i < cell_.edges.size(); ++i) judge(i);
-        return std::move(bounds_);
+    void run() {
+        for (const std::uint32_t i : subject_.edges) judge(i);
     }
 
 private:
@@ -472,7 +472,7 @@ private:
         }
     };
 
-    std::vector<EdgeBound> bounds_;
+    std::vector<EdgeBound>& bounds_;
     std::vector<Condition> conditions_;  // the two sites' first
     double error_ = 0;                   // of the edge under judgement, those of its ends included
     double excess_ = 0;                  // of its two sites, at most
@@ -484,9 +484,9 @@ private:
 
 }  // namespace
 
-std::vector<EdgeBound> certify_edges(const Subject& subject, const CheckOptions& options,
-                                     Certificate& certificate) {
-    return Edges(subject, options, certificate).run();
+void certify_edges(const Subject& subject, const CheckOptions& options, Certificate& certificate,
+                   std::vector<EdgeBound>& bounds) {
+    Edges(subject, options, certificate, bounds).run();
 }
 
 }  // namespace vcell::check

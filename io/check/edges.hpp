@@ -19,7 +19,8 @@ struct EdgeBound {
     double growth = 0;           ///< of those towards the base, per length (Room::growth)
 };
 
-std::vector<EdgeBound> certify_edges(const Subject& subject, const CheckOptions& options,
-                                     Certificate& certificate);
+/// Sets the bounds, by edge of the cell, of those that are proved. Pre: there is one for each edge.
+void certify_edges(const Subject& subject, const CheckOptions& options, Certificate& certificate,
+                   std::vector<EdgeBound>& bounds);
 
 }  // namespace vcell::check

@@ -17,9 +17,10 @@ public:
     using Room::Room;
 
     void run() {
-        for (std::uint32_t s = 0; s < 6; ++s)
-            if (geometry_.lets_in(Site::box_side(s)) && !judge(s)) return;
-        certificate_.prove("entries");
+        bool is_proved = true;
+        for (std::uint32_t s = 0; s < 6 && is_proved; ++s)
+            if (geometry_.lets_in(Site::box_side(s))) is_proved = judge(s) && are_single();
+        if (is_proved) certificate_.prove(where());
     }
 
 private:
@@ -28,6 +29,8 @@ private:
         Vec2 lo, hi;
         std::vector<std::uint32_t> objects;
     };
+
+    std::string where() const { return subject_.path("entries"); }
 
     bool judge(std::uint32_t side) {
         side_ = Site::box_side(side);
@@ -50,7 +53,7 @@ private:
             if (is_told(part)) continue;
             if (count > most) {
                 const Vec3 p = at(0.5 * (part.lo + part.hi));
-                certificate_.leave_open("entries",
+                certificate_.leave_open(where(),
                                         fmt::format("rays that come in through {} around ({}, {}, {}) may be "
                                                     "missing",
                                                     title(side_), p.x(), p.y(), p.z()),
@@ -93,12 +96,22 @@ private:
         Vector<Interval> box = to_vector<Interval>(Vec3::Constant(bound_));
         for (const Eigen::Index k : {0, 1})
             box[static_cast<std::size_t>(across_[static_cast<std::size_t>(k)])] = {part.lo[k], part.hi[k]};
-        const Interval height = space().clearance(box);
-        if (height.upper() <= rounding()) return true;
+        std::vector<Vector<Interval>> inwards;
+        if (geometry_.is_plane()) {
+            const Interval height = space().clearance(box);
+            if (height.upper() <= rounding()) return true;
+            if (height.lower() <= rounding()) inwards.push_back(space().up(box));
+        }
+        for (std::uint32_t end = 0; geometry_.is_cylinder() && end < 2; ++end) {
+            const Interval room = space().inside_end(end, box);
+            if (room.upper() < 0) return true;
+            if (room.lower() <= 0) inwards.push_back(space().gradient({Site::end(end)}, box));
+        }
+        const Interval clearance = space().clearance(box);
         double least = HUGE_VAL;
         std::vector<Interval> excesses;
         for (const std::uint32_t i : part.objects) {
-            excesses.push_back(space().object_excess(i, box, height));
+            excesses.push_back(space().object_excess(i, box, clearance));
             if (excesses.back().upper() <= tie_width(Site::object(i))) return true;
             least = std::min(least, excesses.back().upper());
         }
@@ -106,7 +119,7 @@ private:
         for (std::size_t i = 0; i < excesses.size(); ++i)
             if (excesses[i].lower() <= least) part.objects[kept++] = part.objects[i];
         part.objects.resize(kept);
-        return is_covered(part) || has_no_maximum(part, box, height);
+        return is_covered(part) || has_no_maximum(part, box, inwards);
     }
 
     // --- In F -----------------------------------------------------------------------------------------
@@ -121,17 +134,19 @@ private:
             const Vec2 off = Vec2::Constant(error);
             if (((lo - off).array() > part.hi.array()).any() || ((hi + off).array() < part.lo.array()).any())
                 return false;
-            if (depth == 0) return true;
+            // Pieces a good deal smaller than the part tell no more.
+            if (depth == 0 || ((hi - lo).array() < 0.25 * (part.hi - part.lo).array()).all()) return true;
             for (const auto& half : piece.halves())
                 if (self(half, error, self, depth - 1)) return true;
             return false;
         };
-        constexpr int halvings = 6;
+        constexpr int halvings = 32;
         for (const std::size_t e : edges_)
             for (const auto& piece : edge_pieces_[e])
                 if (meets(piece, full_error(e) + rounding(), meets, halvings)) return false;
-        const Vec3 p = at(middle_in_front(part));
-        if (!(height(p) > rounding())) return false;
+        const std::optional<Vec2> middle = middle_in_front(part);
+        if (!middle) return false;
+        const Vec3 p = at(*middle);
         for (const Patch& patch : patches_) {
             if (cell_.faces[patch.face].site != side_ || !subject_.is_entered(patch.face)) continue;
             const auto uv = place_on(patch, p);
@@ -140,24 +155,32 @@ private:
         return false;
     }
 
-    /// A point of the part in front of the base: amid the corners of what lies there. If nothing does, a
-    /// corner.
-    Vec2 middle_in_front(const Part& part) const {
-        const std::array<Vec2, 4> corners{part.lo, Vec2(part.hi.x(), part.lo.y()), part.hi,
-                                          Vec2(part.lo.x(), part.hi.y())};
-        Vec2 sum = Vec2::Zero();
-        int count = 0;
-        const auto add = [&](const Vec2& q) {
-            sum += q;
-            ++count;
-        };
-        for (std::size_t k = 0; k < 4; ++k) {
-            const Vec2 &p = corners[k], &q = corners[(k + 1) % 4];
-            const double a = height(at(p)) - rounding(), b = height(at(q)) - rounding();
-            if (a > 0) add(p);
-            if ((a > 0) != (b > 0)) add(p + a / (a - b) * (q - p));
+    /// How far in front of a base plane, or inside an end of a tube's part.
+    double room_of(std::uint32_t bound, const Vec2& q) const {
+        const Vec3 p = at(q);
+        return geometry_.is_plane() ? height(p) - rounding() : geometry_.excess(Site::end(bound), p, 0);
+    }
+
+    /// A point of the part in W: amid the corners of what lies there, if anything does.
+    std::optional<Vec2> middle_in_front(const Part& part) const {
+        std::vector<Vec2> corners{part.lo, Vec2(part.hi.x(), part.lo.y()), part.hi,
+                                  Vec2(part.lo.x(), part.hi.y())};
+        const std::uint32_t bounds = geometry_.is_plane() ? 1 : 2;
+        for (std::uint32_t bound = 0; bound < bounds; ++bound) {
+            std::vector<Vec2> kept;
+            for (std::size_t k = 0; k < corners.size(); ++k) {
+                const Vec2 &p = corners[k], &q = corners[(k + 1) % corners.size()];
+                const double a = room_of(bound, p), b = room_of(bound, q);
+                if (a > 0) kept.push_back(p);
+                if ((a > 0) != (b > 0)) kept.push_back(p + a / (a - b) * (q - p));
+            }
+            corners = std::move(kept);
         }
-        return count == 0 ? corners[0] : Vec2(sum / count);
+        Vec2 sum = Vec2::Zero();
+        for (const Vec2& q : corners) sum += q / static_cast<double>(corners.size());
+        for (std::uint32_t bound = 0; bound < bounds; ++bound)
+            if (corners.empty() || !(room_of(bound, sum) > 0)) return std::nullopt;
+        return sum;
     }
 
     /// Where a point of the side is on a patch, which is bilinear in a parallelogram: a plane's.
@@ -175,16 +198,64 @@ private:
         return uv;
     }
 
+    // --- Nothing twice ----------------------------------------------------------------------------------
+
+    bool are_single() {
+        std::vector<const Patch*> here;
+        for (const Patch& patch : patches_)
+            if (cell_.faces[patch.face].site == side_ && subject_.is_entered(patch.face))
+                here.push_back(&patch);
+        return std::ranges::all_of(here, [&](const Patch* patch) { return is_single(*patch, here); });
+    }
+
+    /// Points inside a patch are looked for beside its curves, ever nearer to them.
+    bool is_single(const Patch& patch, const std::vector<const Patch*>& here) {
+        constexpr int most_halvings = 20;
+        for (int k = 3; k <= most_halvings; ++k)
+            for (const auto& loop : patch.loops)
+                for (const Trim& trim : loop)
+                    for (const Bezier<2>& piece : trim.pieces) {
+                        const auto [q, way] = piece.evaluate(0.5 * piece.begin + 0.5 * piece.end);
+                        const Vec2 aside(-way.y(), way.x());
+                        const Vec2 uv = q + std::ldexp(1.0, -k) * (piece.end - piece.begin) * aside;
+                        if (!inside(patch, uv, rounding()).value_or(false)) continue;
+                        const std::optional<std::size_t> other = other_face(patch, uv, here);
+                        if (!other) continue;
+                        if (*other == patch.face) return true;
+                        note(where(), fmt::format("faces {} and {} overlap", patch.face, *other));
+                        return false;
+                    }
+        certificate_.leave_open(where(), fmt::format("no point is found inside face {}", patch.face),
+                                HUGE_VAL);
+        return false;
+    }
+    /// Another face that the point lies in; the patch's own if it is in none. None: it is too near to the
+    /// boundary of one.
+    std::optional<std::size_t> other_face(const Patch& patch, const Vec2& uv,
+                                          const std::vector<const Patch*>& here) const {
+        const Vec3 p = lift(patch, uv).p;
+        for (const Patch* other : here) {
+            if (other == &patch) continue;
+            const auto place = place_on(*other, p);
+            const auto is_inside = place ? inside(*other, *place, rounding()) : std::nullopt;
+            if (!is_inside) return std::nullopt;
+            if (*is_inside) return other->face;
+        }
+        return patch.face;
+    }
+
     // --- No maximum -------------------------------------------------------------------------------------
 
-    bool has_no_maximum(const Part& part, const Vector<Interval>& box, const Interval& height) const {
+    /// `inwards`: into W across its bounds that may meet the part.
+    bool has_no_maximum(const Part& part, const Vector<Interval>& box,
+                        const std::vector<Vector<Interval>>& inwards) const {
         std::vector<std::array<Interval, 2>> grow;  // along the side, in rows: all that must
         const auto add = [&](const Vector<Interval>& g) {
             grow.push_back(
                 {g[static_cast<std::size_t>(across_[0])], g[static_cast<std::size_t>(across_[1])]});
         };
+        for (const Vector<Interval>& way : inwards) add(way);
         for (const std::uint32_t i : part.objects) add(space().gradient({Site::object(i)}, box));
-        if (height.lower() <= rounding()) add(space().up(box));
         std::vector<Vec2> ways;
         for (const auto& g : grow) ways.push_back(Vec2(g[0].mid(), g[1].mid()).normalized());
         const auto leads_out = [&](const Vec2& d) {

@@ -26,7 +26,7 @@ public:
         : Room(subject, options, certificate), edge_bounds_(edges) {}
 
     void run() {
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f) check_name(f);
+        for (const std::uint32_t f : subject_.faces) check_name(f);
         for (const Patch& patch : patches_) judge(patch);
     }
 

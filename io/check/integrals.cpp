@@ -263,7 +263,9 @@ private:
     void add(const EdgeUse& use, Interval volume, Interval area, Interval shadow) {
         FaceIntegrals& face = sums_.faces[use.face];
         face.volume = use.reversed ? face.volume - volume : face.volume + volume;
-        face.area = use.reversed != use.is_entered ? face.area - area : face.area + area;
+        // Around a cylinder sides are measured in their planes, as seen from outside: flat().
+        const bool is_turned = use.is_entered && std::holds_alternative<Plane>(cell_.scene.base);
+        face.area = use.reversed != is_turned ? face.area - area : face.area + area;
         face.shadow = use.reversed ? face.shadow - shadow : face.shadow + shadow;
     }
 

@@ -16,7 +16,7 @@ public:
     using Room::Room;
 
     void run() {
-        for (std::size_t i = 0; i < cell_.edges.size(); ++i) check_kind(i);
+        for (const std::uint32_t i : subject_.edges) check_kind(i);
     }
 
 private:

@@ -26,10 +26,12 @@ constexpr int kPartsOfProofs = 1 << 12;
 
 class MeasuresRoom : public Room {
 public:
-    MeasuresRoom(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
-                 Certificate& certificate)
-        : Room(subject, options, certificate),
+    MeasuresRoom(std::span<const Subject> subjects, std::span<const EdgeBound> edges, const TubeParts* slabs,
+                 const CheckOptions& options, Certificate& certificate)
+        : Room(subjects.front(), options, certificate),
+          subjects_(subjects),
           edges_(edges),
+          slabs_(slabs),
           frame_(cell_.scene),
           size_(geometry_.scale() / frame_.unit()) {}
 
@@ -59,17 +61,20 @@ private:
     }
 
     void integrate_all() {
-        std::vector<std::vector<EdgeUse>> uses(uses_.size());
+        std::vector<std::vector<EdgeUse>> uses(cell_.edges.size());
         std::vector<EdgeBand> bands;
-        for (std::size_t e = 0; e < uses_.size(); ++e) {
+        for (std::size_t e = 0; e < uses.size(); ++e) {
             // Half the squared gradient of an excess is 1 - u n', of which the steepness is sqrt(2 / (1 - u
             // n')).
             const double growth = edges_[e].growth;
             bands.push_back({edge_error(e), growth > 0 ? std::sqrt(2 / growth) : HUGE_VAL});
-            uses[e].reserve(uses_[e].size());
-            for (const auto& use : uses_[e])
-                uses[e].push_back({use.face, use.reversed, subject_.is_entered(use.face)});
         }
+        for (const Subject& subject : subjects_)
+            for (const std::uint32_t e : subject.edges) {
+                uses[e].reserve(subject.uses[e].size());
+                for (const auto& use : subject.uses[e])
+                    uses[e].push_back({use.face, use.reversed, subject.is_entered(use.face)});
+            }
         // As exact as coordinates are.
         const std::array<double, 3> enough{0x1p-44 * power(size_, 3), 0x1p-44 * power(size_, 2),
                                            0x1p-44 * size_};
@@ -136,8 +141,9 @@ private:
 
     /// Judges a number with its bound, both as stated. `slack`: what the edges' errors may change;
     /// `dimension` of the length in its unit.
+    /// `untold`: what a bound may be for all that is known of it here, in the frame's unit.
     void judge(std::string where, double stated, double bound, Interval enclosure, double slack,
-               int dimension, bool is_proved = true) {
+               int dimension, bool is_proved = true, double untold = 0) {
         const double u = unit(dimension);
         if (!std::isfinite(stated)) return note(where, "was not measured");
         if (!(bound >= 0) || !std::isfinite(bound))
@@ -158,7 +164,7 @@ private:
         // What a length may be off by where curves keep to the scene's tolerance, however close they are in
         // fact: four times that, as in judge_edges().
         const double tolerated = 4 * scene_tolerance() / frame_.unit() * power(size_, dimension) / size_;
-        if (b > std::max(kLargestExcess * (own + rounding), tolerated))
+        if (b > std::max({kLargestExcess * (own + rounding), tolerated, untold}))
             return certificate_.refute(
                 where,
                 fmt::format("a bound of {:.3g} on its error excludes nothing, {:.3g} would do", bound,
@@ -203,16 +209,16 @@ private:
         }
     }
 
-    /// All faces together have these.
+    /// All faces together have these. Of a cell in parts nothing counts that their ends have.
     struct Totals {
-        Interval volume = 0.0, area = 0.0, box_area = 0.0, shadow = 0.0;
+        Interval volume = 0.0, area = 0.0, box_area = 0.0;
         double object_slack = 0, box_slack = 0;
         bool is_known = true, is_proved = true, touches_box = false;
     };
 
     Totals totals() const {
         Totals t;
-        t.box_area = integrals_.sides;
+        if (!slabs_) t.box_area = integrals_.sides;
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             const FaceIntegrals& face = integrals_.faces[f];
             const bool is_object = cell_.faces[f].site.is_object();
@@ -220,9 +226,13 @@ private:
             t.is_proved &= face.is_proved;
             t.touches_box |= !is_object;
             t.volume += face.volume;
-            t.shadow += face.shadow;
             (is_object ? t.area : t.box_area) += face.area;
             (is_object ? t.object_slack : t.box_slack) += integrals_.slack[f].area;
+        }
+        if (slabs_) {
+            t.touches_box = true;  // where the axis comes in
+            t.volume += Interval(0.0, slabs_->left_out / unit(3) * (1 + 0x1p-50));
+            return t;
         }
         for (std::size_t e = 0; e < rim_.size(); ++e) {
             if (!rim_[e]) continue;
@@ -246,40 +256,65 @@ private:
             body = pi() * (4.0 / Interval(3.0)) * r * square(r);
             region = 4.0 * (pi() * square(r));
         } else if (geometry_.is_cylinder()) {
-            const auto& stretch = subject_.space.stretch();
-            const Interval length = hull(frame_.length((stretch[1] - stretch[0]).lower()),
-                                         frame_.length((stretch[1] - stretch[0]).upper()));
+            const Interval stretch = stretch_of_base(),
+                           length = hull(frame_.length(stretch.lower()), frame_.length(stretch.upper()));
             body = pi() * square(r) * length;
             region = 2.0 * (pi() * r * length);
         }
         judge("measures.volume", m.volume, m.volume_error, t.volume, integrals_.total.volume, 3, t.is_proved);
-        judge("measures.area", m.area, m.area_error, t.area, t.object_slack, 2, t.is_proved);
-        judge("measures.box_area", m.box_area, m.box_area_error, t.box_area, t.box_slack, 2, t.is_proved);
+        // About as much as a face has that goes once around the box.
+        const double untold = slabs_ ? 4 * scene_.box.diagonal() * slabs_->width / unit(2) : 0;
+        judge("measures.area", m.area, m.area_error, t.area, t.object_slack, 2, t.is_proved, untold);
+        judge("measures.box_area", m.box_area, m.box_area_error, t.box_area, t.box_slack, 2, t.is_proved,
+              untold);
         judge("measures.body_volume", m.body_volume, m.body_volume_error, body, 0, 3);
         judge("measures.base_area", m.base_area, m.base_area_error, region, 0, 2);
         if (m.touches_box != t.touches_box)
             note("measures.touches_box", fmt::format("is {}, must be {}", m.touches_box, t.touches_box));
         else
             certificate_.prove("measures.touches_box");
-        judge_shadow(t.shadow);
+        for (const Subject& subject : subjects_) judge_shadow(subject);
+    }
+
+    /// How long the stretch of a base cylinder is all of whose circles the box holds: 0 where there is none.
+    Interval stretch_of_base() const {
+        const auto length = [](const Space<Interval>& space) {
+            return space.stretch()[1] - space.stretch()[0];
+        };
+        if (!subject_.part) return length(subject_.space);
+        const Space<Interval> whole(scene_);
+        const Cylinder& base = std::get<Cylinder>(scene_.base);
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const auto axis = static_cast<Eigen::Index>(s / 2);
+            if (base.axis[axis] == 0 && (s % 2 == 0 ? base.point[axis] <= scene_.box.min[axis]
+                                                    : base.point[axis] >= scene_.box.max[axis]))
+                return 0.0;
+        }
+        const Interval all = length(whole);
+        return {std::max(0.0, all.lower()), std::max(0.0, all.upper())};
     }
 
     /// Edges are used once from either side, so that every base point that is on none lies under the same
-    /// number of faces, counted with their orientation; the area of all shadows tells how many.
-    void judge_shadow(Interval shadow) {
+    /// number of faces, counted with their orientation; the area of all shadows tells how many. Where all
+    /// rays come in through sides of the box there are as many such faces as others: none in all.
+    void judge_shadow(const Subject& subject) {
         const double u = geometry_.is_plane() ? unit(2) : geometry_.is_cylinder() ? unit(1) : 1;
-        const double whole = geometry_.shadow() / u;
-        const Interval times = shadow / Interval(whole);
-        if (times.lower() > 0.5 && times.upper() < 1.5)
-            certificate_.prove("faces");
-        else if (times.upper() < 0.75 || times.lower() > 1.25)
-            note("faces", fmt::format("stand over {:.6g} of the base region", times.mid()));
+        const double whole = subject.geometry.shadow() / u,
+                     own = subject.part && subject.part->has_floor() ? 0 : 1;
+        Interval shadow = 0.0;
+        for (const std::uint32_t f : subject.faces) shadow += integrals_.faces[f].shadow;
+        const Interval times = shadow / Interval(whole), off = times - own;
+        if (off.lower() > -0.5 && off.upper() < 0.5)
+            certificate_.prove(subject.path("faces"));
+        else if (off.upper() < -0.25 || off.lower() > 0.25)
+            note(subject.path("faces"), fmt::format("stand over {:.6g} of the base region", times.mid()));
         else
-            certificate_.leave_open(
-                "faces", "the area that they stand over could not be enclosed with this effort", HUGE_VAL);
-        for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
-            const Interval& own = integrals_.faces[f].shadow;
-            if ((subject_.is_entered(f) ? -own : own).upper() >= -integrals_.slack[f].shadow) continue;
+            certificate_.leave_open(subject.path("faces"),
+                                    "the area that they stand over could not be enclosed with this effort",
+                                    HUGE_VAL);
+        for (const std::uint32_t f : subject.faces) {
+            const Interval& each = integrals_.faces[f].shadow;
+            if ((subject.is_entered(f) ? -each : each).upper() >= -integrals_.slack[f].shadow) continue;
             constexpr const char* what = "its loops run the wrong way around its shadow on the base";
             if (integrals_.are_shadows_proved)
                 note(face_path(f), what);
@@ -294,7 +329,16 @@ private:
         const Measures& m = cell_.measures;
         double slack = 0;
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) slack = std::max(slack, edge_error(e));
-        const Clearances found = clearances(subject_, frame_);
+        Clearances found{HUGE_VAL, -HUGE_VAL};
+        for (const Subject& subject : subjects_) {
+            if (subject.faces.empty()) continue;
+            const Clearances of_part = clearances(subject, frame_);
+            const auto least = [](double a, double b) { return std::min(a, b); };
+            found.least = {least(found.least.lower(), of_part.least.lower()),
+                           least(found.least.upper(), of_part.least.upper())};
+            found.greatest = {-least(-found.greatest.lower(), -of_part.greatest.lower()),
+                              -least(-found.greatest.upper(), -of_part.greatest.upper())};
+        }
         judge("measures.min_clearance", m.min_clearance, m.min_clearance_error, found.least, slack, 1);
         judge("measures.max_clearance", m.max_clearance, m.max_clearance_error, found.greatest, slack, 1);
     }
@@ -368,7 +412,9 @@ private:
             certificate_.prove("report.decisions.assumed");
     }
 
+    std::span<const Subject> subjects_;
     std::span<const EdgeBound> edges_;
+    const TubeParts* slabs_;  // of a cell in parts
     Frame frame_;
     double size_;  // of the scene, in the frame's unit
     Integrals integrals_;
@@ -376,9 +422,9 @@ private:
 
 }  // namespace
 
-bool certify_measures(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
-                      Certificate& certificate) {
-    return MeasuresRoom(subject, edges, options, certificate).run();
+bool certify_measures(std::span<const Subject> subjects, std::span<const EdgeBound> edges,
+                      const TubeParts* slabs, const CheckOptions& options, Certificate& certificate) {
+    return MeasuresRoom(subjects, edges, slabs, options, certificate).run();
 }
 
 }  // namespace vcell::check

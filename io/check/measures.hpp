@@ -16,13 +16,16 @@
 #include <span>
 
 #include "edges.hpp"
+#include "parts.hpp"
 #include "room.hpp"
 
 namespace vcell::check {
 
-/// What certify_edges() found tells how far edges may be from the true ones. False: integrals by which faces
-/// are said to stand over all of the base are estimates.
-bool certify_measures(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
-                      Certificate& certificate);
+/// What certify_edges() found tells how far edges may be from the true ones. `subjects`: all parts of the
+/// cell; `slabs`: what they leave out, if there are such. With its volume the cell's is enclosed; areas and
+/// clearances are those of the parts, and the bounds on areas may have room for about as much as faces across
+/// slabs have. False: integrals by which faces are said to stand over all of the base are estimates.
+bool certify_measures(std::span<const Subject> subjects, std::span<const EdgeBound> edges,
+                      const TubeParts* slabs, const CheckOptions& options, Certificate& certificate);
 
 }  // namespace vcell::check

@@ -70,8 +70,9 @@ bool are_parallel(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-SceneGeometry::SceneGeometry(const Scene& scene)
+SceneGeometry::SceneGeometry(const Scene& scene, const TubePart* part)
     : scene_(scene),
+      part_(part),
       plane_(std::get_if<Plane>(&scene.base)),
       sphere_(std::get_if<Sphere>(&scene.base)),
       cylinder_(std::get_if<Cylinder>(&scene.base)) {
@@ -215,6 +216,7 @@ bool SceneGeometry::is_upright(const Site& s) const {
 }
 
 bool SceneGeometry::lets_in(const Site& s) const {
+    if (part_) return s.kind == Site::Kind::BoxSide && part_->is_beyond[s.index];
     return plane_ && s.kind == Site::Kind::BoxSide && !is_upright(s) && speed(s.index, normal_) < 0;
 }
 
@@ -241,6 +243,10 @@ void SceneGeometry::find_region() {
 /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very
 /// small ones count as larger (docs/files.md).
 void SceneGeometry::find_stretch() {
+    if (part_) {
+        for (std::size_t k = 0; k < 2; ++k) stretch_[k] = normal_.dot(part_->ends[k] - origin_);
+        return;
+    }
     const double radius = std::max(radius_, 0x1p-26 * scene_.box.diagonal());
     stretch_ = {-HUGE_VAL, HUGE_VAL};
     for (std::uint32_t s = 0; s < 6; ++s) {

@@ -13,6 +13,7 @@
 #include "../../primitives/objects/scene.hpp"
 #include "../../primitives/objects/site.hpp"
 #include "curves.hpp"
+#include "tube_part.hpp"
 
 namespace vcell::check {
 
@@ -32,8 +33,8 @@ struct Ray {
 
 class SceneGeometry {
 public:
-    /// Pre: validate(scene) would pass. Keeps a reference.
-    explicit SceneGeometry(const Scene& scene);
+    /// Pre: validate(scene) would pass. Keeps references. `part`: of a complete cell around the base tube.
+    explicit SceneGeometry(const Scene& scene, const TubePart* part = nullptr);
 
     // ---- The base ----
 
@@ -71,7 +72,8 @@ public:
     double distance_from_rim(const Site& s, const Vec3& p) const;
     /// Over a base plane: is it a side of the box along the normals, as far as rounding tells?
     bool is_upright(const Site& s) const;
-    /// Likewise: do rays come into the box through it, and not out?
+    /// Likewise: do rays come into the box through it, and not out? So they do in a part of a tube whose axis
+    /// is beyond it.
     bool lets_in(const Site& s) const;
 
     /// Plane: p's place in it.
@@ -127,6 +129,7 @@ private:
     bool is_nearer(std::uint32_t i, const Vec3& p, double reach) const;
 
     const Scene& scene_;
+    const TubePart* part_;
     const Plane* plane_;
     const Sphere* sphere_;
     const Cylinder* cylinder_;

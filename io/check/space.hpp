@@ -23,6 +23,7 @@
 #include "../../primitives/objects/scene.hpp"
 #include "../../primitives/objects/site.hpp"
 #include "containment.hpp"
+#include "tube_part.hpp"
 
 namespace vcell::check {
 
@@ -191,13 +192,13 @@ struct Condition {
 template <class T>
 class Space {
 public:
-    /// Keeps a reference.
-    explicit Space(const Scene& scene) : scene_(scene), base_(scene.base) {
+    /// Keeps a reference to the scene. `part`: of a complete cell around the base tube.
+    explicit Space(const Scene& scene, const TubePart* part = nullptr) : scene_(scene), base_(scene.base) {
         if constexpr (std::is_same_v<T, Interval>) {
             surfaces_.reserve(scene.objects.size());
             for (const Object& o : scene.objects) surfaces_.push_back(surface_of(o));
         }
-        if (base_.kind == Surface<T>::Kind::cylinder) find_stretch();
+        if (base_.kind == Surface<T>::Kind::cylinder) part ? find_stretch(*part) : find_stretch();
     }
 
     const Scene& scene() const { return scene_; }
@@ -411,6 +412,16 @@ private:
                                std::max(stretch_[0].upper(), end.upper())};
         }
     }
+
+    /// Ends are where they are stated to be, to the rounding of their numbers.
+    void find_stretch(const TubePart& part) {
+        constexpr double roundings = 0x1p-50;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const double r = roundings * (part.ends[k].cwiseAbs() + base_middle()).sum();
+            stretch_[k] = dot(base_.direction, to_vector<T>(part.ends[k]) - base_.point) + T(-r, r);
+        }
+    }
+    Vec3 base_middle() const { return std::get<Cylinder>(scene_.base).point.cwiseAbs(); }
 
     const Scene& scene_;
     Surface<T> base_;

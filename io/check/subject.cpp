@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "../pictures/trims.hpp"
@@ -11,21 +12,45 @@
 
 namespace vcell::check {
 
-Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate)
-    : cell(c), geometry(g), space(c.scene), tree(c.scene) {
-    for (const CellEdge& e : cell.edges) edge_pieces.push_back(pieces(e.curve));
+namespace {
+
+std::vector<std::uint32_t> all_numbers(std::size_t count) {
+    std::vector<std::uint32_t> numbers(count);
+    std::iota(numbers.begin(), numbers.end(), 0u);
+    return numbers;
+}
+
+}  // namespace
+
+Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate, const TubePart* p)
+    : cell(c),
+      geometry(g),
+      part(p),
+      vertices(p ? p->vertices : all_numbers(c.vertices.size())),
+      edges(p ? p->edges : all_numbers(c.edges.size())),
+      faces(p ? p->faces : all_numbers(c.faces.size())),
+      space(c.scene, p),
+      tree(c.scene) {
+    edge_pieces.resize(cell.edges.size());
     uses.resize(cell.edges.size());
     rim.resize(cell.edges.size());
-    for (std::size_t f = 0; f < cell.faces.size(); ++f)
-        for (std::size_t p = 0; p < cell.faces[f].patches.size(); ++p) prepare_patch(f, p, certificate);
-    for (std::size_t e = 0; e < uses.size(); ++e) join_uses(e, certificate);
-    for (std::size_t e = 0; e < uses.size(); ++e) {
+    for (const std::uint32_t e : edges) edge_pieces[e] = pieces(cell.edges[e].curve);
+    for (const std::uint32_t f : faces)
+        for (std::size_t i = 0; i < cell.faces[f].patches.size(); ++i) prepare_patch(f, i, certificate);
+    for (const std::uint32_t e : edges) join_uses(e, certificate);
+    for (const std::uint32_t e : edges) {
         if (uses[e].size() != 1) continue;
         const Site& outer = cell.edges[e].sites[!uses[e][0].reversed];
-        // All of a complete cell's boundary has faces but the base and sides along its normals.
-        if (over_rim(e, outer) && (!cell.is_complete || geometry.is_upright(outer) || is_on_base(e)))
+        // All of a complete cell's boundary has faces but the base, sides along its normals, and ends of
+        // parts.
+        if (over_rim(e, outer) && (!cell.is_complete || geometry.is_upright(outer) ||
+                                   outer.kind == Site::Kind::End || is_on_base(e)))
             rim[e] = outer;
     }
+}
+
+std::string Subject::path(const char* what) const {
+    return part ? fmt::format("parts[{}].{}", part->number, what) : what;
 }
 
 void Subject::prepare_patch(std::size_t f, std::size_t p, Certificate& certificate) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "../../envelope/cell.hpp"
@@ -20,8 +22,10 @@ namespace vcell::check {
 inline constexpr double kPlaceRounding = 1e-12;
 
 struct Subject {
-    /// Pre: the structure holds. Keeps references.
-    Subject(const Cell& cell, const SceneGeometry& geometry, Certificate& certificate);
+    /// `part`: of a complete cell around a tube, for which `geometry` was made; otherwise all is one. Pre:
+    /// the structure holds. Keeps references.
+    Subject(const Cell& cell, const SceneGeometry& geometry, Certificate& certificate,
+            const TubePart* part = nullptr);
 
     /// One side of an edge: the face there, which may take several patches to run all along it.
     struct Use {
@@ -41,8 +45,14 @@ struct Subject {
     /// All sites of an edge, ascending.
     std::vector<Site> label(std::size_t e) const;
 
+    /// An element of the part, as the certificate names it: "tiling", or "parts[2].tiling".
+    std::string path(const char* what) const;
+
     const Cell& cell;
     const SceneGeometry& geometry;
+    const TubePart* part;
+    /// Numbers of the cell's elements that are judged here, ascending. Lists by edge have all of its edges.
+    std::vector<std::uint32_t> vertices, edges, faces;
     Space<Interval> space;
     SiteTree tree;
     std::vector<std::vector<Bezier<3>>> edge_pieces;

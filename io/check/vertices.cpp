@@ -181,7 +181,7 @@ public:
     using Room::Room;
 
     void run() {
-        for (std::size_t i = 0; i < cell_.vertices.size(); ++i) judge(i);
+        for (const std::uint32_t i : subject_.vertices) judge(i);
     }
 
 private:
@@ -403,7 +403,7 @@ private:
 
     /// Made where it is asked for: few cells need it.
     const Space<Wide>& wide() {
-        if (!wide_) wide_.emplace(scene_);
+        if (!wide_) wide_.emplace(scene_, subject_.part);
         return *wide_;
     }
 

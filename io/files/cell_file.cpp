@@ -135,6 +135,15 @@ void write_face(JsonWriter& out, const CellFace& f, Images images) {
     });
 }
 
+void write_part(JsonWriter& out, const CellPart& part) {
+    out.object([&] {
+        out.key("ends").array([&] {
+            for (const Vec3& end : part.ends) out.value(end);
+        });
+        out.key("faces").value(part.faces);
+    });
+}
+
 void write_closing_face(JsonWriter& out, const CellFace& f) {
     out.object([&] {
         write_site(out.key("site"), f.site, {});
@@ -219,6 +228,7 @@ void write_elements(JsonWriter& out, const Cell& cell, Images images, const Clos
     out.line_key("vertices").lines(cell.vertices, threads, with_images(write_vertex));
     out.line_key("edges").lines(cell.edges, threads, with_images(write_edge));
     out.line_key("faces").lines(cell.faces, threads, with_images(write_face));
+    if (!cell.parts.empty()) out.line_key("parts").lines(cell.parts, 1, write_part);
     if (closing) write_closing(out.line_key("closing"), *closing);
     out.line_key("neighbors").array([&] {
         for (const std::uint32_t n : cell.neighbors) write_site(out, Site::object(n), images);

@@ -53,6 +53,7 @@ private:
                    required_member("vertices", [&] { list(cell_.vertices, [&] { return vertex(); }); }),
                    required_member("edges", [&] { list(cell_.edges, [&] { return edge(); }); }),
                    required_member("faces", [&] { list(cell_.faces, [&] { return face(); }); }),
+                   optional_member("parts", [&] { list(cell_.parts, [&] { return part(); }); }),
                    required_member("neighbors", [&] { list(cell_.neighbors, [&] { return neighbor(); }); }),
                    required_member("measures", [&] { measures(cell_.measures); }),
                    required_member("report", [&] { report(cell_.report); }));
@@ -246,6 +247,14 @@ private:
                    required_member("patches", [&] { list(f.patches, [&] { return patch(); }); }));
         need("area_error", f.area_error);
         return f;
+    }
+
+    CellPart part() {
+        CellPart p;
+        in_.object(required_member(
+                       "ends", [&] { in_.array_of(2, [&](std::size_t i) { p.ends[i] = read_vec3(in_); }); }),
+                   required_member("faces", [&] { p.faces = index(); }));
+        return p;
     }
 
     CellEdge closing_edge() {

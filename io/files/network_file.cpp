@@ -27,7 +27,7 @@ std::string sites_text(const std::vector<NetworkSite>& sites) {
     return text;
 }
 
-std::string number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : "-"; }
+std::string number_or_dash(double x) { return std::isfinite(x) ? fmt::format("{}", x) : "-"; }
 
 }  // namespace
 
@@ -60,7 +60,7 @@ void write_network(std::ostream& out, const VoidNetwork& network) {
         else
             out << "\t-\t-";
         fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\n", image_text(e.image), sites_text(e.sites), e.bottleneck,
-                   e.bottleneck_error, number(e.length), number(e.length_error));
+                   e.bottleneck_error, number_or_dash(e.length), number_or_dash(e.length_error));
     }
 }
 

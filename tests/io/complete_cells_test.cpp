@@ -149,60 +149,18 @@ Scene row_of_balls() {
     return scene;
 }
 
-/// The cell without the faces that hang together with no edge on the base.
-Cell without_islands(const Cell& cell) {
-    std::vector<std::size_t> part(cell.faces.size());
-    for (std::size_t f = 0; f < part.size(); ++f) part[f] = f;
-    const auto root = [&](std::size_t f) {
-        while (part[f] != f) f = part[f];
-        return f;
-    };
-    std::vector<std::vector<std::size_t>> beside(cell.edges.size());
-    const auto for_each_trim = [](auto& face, const auto& visit) {
-        for (auto& patch : face.patches)
-            for (auto& loop : patch.loops)
-                for (auto& trim : loop) visit(trim);
-    };
-    for (std::size_t f = 0; f < cell.faces.size(); ++f)
-        for_each_trim(cell.faces[f], [&](const TrimCurve& t) { beside[*t.edge].push_back(f); });
-    std::vector<bool> is_kept(cell.faces.size(), false);
-    for (const auto& faces : beside)
-        for (const std::size_t f : faces) part[root(f)] = root(faces[0]);
-    for (std::size_t e = 0; e < cell.edges.size(); ++e)
-        if (cell.edges[e].sites[0] == cell.edges[e].sites[1]) is_kept[root(beside[e][0])] = true;
-    Cell kept = cell;
-    kept.faces.clear();
-    kept.edges.clear();
-    kept.vertices.clear();
-    std::vector<std::uint32_t> edges(cell.edges.size(), UINT32_MAX),
-        vertices(cell.vertices.size(), UINT32_MAX);
-    for (std::size_t f = 0; f < cell.faces.size(); ++f) {
-        if (!is_kept[root(f)]) continue;
-        CellFace& face = kept.faces.emplace_back(cell.faces[f]);
-        for_each_trim(face, [&](TrimCurve& trim) {
-            std::uint32_t& number = edges[*trim.edge];
-            if (number == UINT32_MAX) {
-                number = static_cast<std::uint32_t>(kept.edges.size());
-                CellEdge& edge = kept.edges.emplace_back(cell.edges[*trim.edge]);
-                for (std::uint32_t& v : edge.vertices) {
-                    std::uint32_t& vertex = vertices[v];
-                    if (vertex == UINT32_MAX) {
-                        vertex = static_cast<std::uint32_t>(kept.vertices.size());
-                        kept.vertices.push_back(cell.vertices[v]);
-                    }
-                    v = vertex;
-                }
-            }
-            trim.edge = number;
-        });
-    }
-    return kept;
-}
-
-bool is_proved(const Certificate& certificate, const std::string& where) {
-    return std::ranges::any_of(certificate.elements, [&](const Element& e) {
-        return e.where == where && e.verdict == Verdict::proved;
-    });
+/// Which faces hang together with an edge on the base, and which do not.
+std::vector<bool> are_on_base(const Cell& cell) {
+    const std::vector<std::uint32_t> part = components(cell);
+    std::vector<bool> is_root(part.size(), false), result;
+    for (std::size_t f = 0; f < part.size(); ++f)
+        for (const TrimmedPatch& patch : cell.faces[f].patches)
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& trim : loop)
+                    if (cell.edges[*trim.edge].sites[0] == cell.edges[*trim.edge].sites[1])
+                        is_root[part[f]] = true;
+    for (const std::uint32_t root : part) result.push_back(is_root[root]);
+    return result;
 }
 
 }  // namespace
@@ -211,10 +169,18 @@ TEST_CASE("complete cells: a part that nothing joins to the others is there, and
     const Cell cell = complete_cell(row_of_balls());
     check_measures(cell);
     check_certificate(cell);
-    const Cell rest = without_islands(cell);
+    std::vector<int> without, twice;
+    for (const bool is_on_base : are_on_base(cell)) {
+        without.push_back(is_on_base ? 1 : 0);
+        twice.push_back(is_on_base ? 1 : 2);
+    }
+    const Cell rest = with_faces(cell, without), more = with_faces(cell, twice);
     REQUIRE(rest.faces.size() < cell.faces.size());
     REQUIRE(!rest.faces.empty());
     CHECK_FALSE(is_proved(certify(rest), "entries"));
+    REQUIRE(more.edges.size() > cell.edges.size());
+    CHECK(is_refuted(certify(more), "entries"));
+    CHECK(certify(with_faces(cell, std::vector(cell.faces.size(), 1))).holds());
 }
 
 TEST_CASE("complete cells: a cell over the base's region alone is not taken for one") {

@@ -3,14 +3,20 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <random>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include "../../envelope/complete_measures.hpp"
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/check.hpp"
 #include "closed_meshes.hpp"
 
 namespace vcell {
@@ -88,6 +94,84 @@ inline void check_points(const Cell& cell, const CellMesh& mesh, std::mt19937_64
         CAPTURE(p.transpose());
         CHECK(winding(mesh, p) == doctest::Approx(ahead > 0 ? 1 : 0).epsilon(1e-6));
     }
+}
+
+/// Numbers of the faces that hang together, as many as there are of them.
+inline std::vector<std::uint32_t> components(const Cell& cell) {
+    std::vector<std::uint32_t> part(cell.faces.size());
+    for (std::uint32_t f = 0; f < part.size(); ++f) part[f] = f;
+    const auto root = [&](std::uint32_t f) {
+        while (part[f] != f) f = part[f];
+        return f;
+    };
+    std::vector<std::optional<std::uint32_t>> beside(cell.edges.size());
+    for (std::uint32_t f = 0; f < part.size(); ++f)
+        for (const TrimmedPatch& patch : cell.faces[f].patches)
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& trim : loop) {
+                    if (!trim.edge) continue;
+                    std::optional<std::uint32_t>& first = beside[*trim.edge];
+                    if (first) part[root(f)] = root(*first);
+                    first = f;
+                }
+    for (std::uint32_t f = 0; f < part.size(); ++f) part[f] = root(f);
+    return part;
+}
+
+/// The cell with faces as often as that says, in their order, and what they need of edges and vertices; those
+/// of one copy hang together as before. Neighbours and measures stay as they are.
+inline Cell with_faces(const Cell& cell, const std::vector<int>& times) {
+    Cell result = cell;
+    result.faces.clear();
+    result.edges.clear();
+    result.vertices.clear();
+    const int most = times.empty() ? 0 : *std::ranges::max_element(times);
+    using Numbers = std::vector<std::vector<std::uint32_t>>;
+    Numbers edges(static_cast<std::size_t>(most), std::vector(cell.edges.size(), UINT32_MAX)),
+        vertices(static_cast<std::size_t>(most), std::vector(cell.vertices.size(), UINT32_MAX));
+    const auto copy = [&](std::size_t f, std::size_t k) {
+        CellFace& face = result.faces.emplace_back(cell.faces[f]);
+        for (TrimmedPatch& patch : face.patches)
+            for (auto& loop : patch.loops)
+                for (TrimCurve& trim : loop) {
+                    if (!trim.edge) continue;
+                    std::uint32_t& number = edges[k][*trim.edge];
+                    if (number == UINT32_MAX) {
+                        number = static_cast<std::uint32_t>(result.edges.size());
+                        CellEdge& edge = result.edges.emplace_back(cell.edges[*trim.edge]);
+                        for (std::uint32_t& v : edge.vertices) {
+                            std::uint32_t& vertex = vertices[k][v];
+                            if (vertex == UINT32_MAX) {
+                                vertex = static_cast<std::uint32_t>(result.vertices.size());
+                                result.vertices.push_back(cell.vertices[v]);
+                            }
+                            v = vertex;
+                        }
+                    }
+                    trim.edge = number;
+                }
+    };
+    std::size_t f = 0;
+    const auto copy_up_to = [&](std::size_t end) {
+        const std::size_t before = result.faces.size();
+        for (; f < end; ++f)
+            for (int k = 0; k < times[f]; ++k) copy(f, static_cast<std::size_t>(k));
+        return static_cast<std::uint32_t>(result.faces.size() - before);
+    };
+    for (CellPart& part : result.parts) part.faces = copy_up_to(f + part.faces);
+    copy_up_to(cell.faces.size());
+    return result;
+}
+
+inline bool is_proved(const Certificate& certificate, const std::string& where) {
+    return std::ranges::any_of(certificate.elements, [&](const Element& e) {
+        return e.where == where && e.verdict == Verdict::proved;
+    });
+}
+inline bool is_refuted(const Certificate& certificate, const std::string& where) {
+    return std::ranges::any_of(certificate.elements, [&](const Element& e) {
+        return e.where.starts_with(where) && e.verdict == Verdict::refuted;
+    });
 }
 
 }  // namespace vcell
