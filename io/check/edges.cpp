@@ -336,7 +336,9 @@ private:
             tasks.pop_back();
             if (task.part.depth > 0) drop_farther(task.part, task.rivals);
             if (task.rivals.empty()) continue;
-            std::erase_if(task.rivals, Farther{*this, task.part.net});
+            // What gradients over a whole part make of a little at one end of it may be far too much.
+            const double most = task.part.depth < kTouching ? most_stated(distance_) : HUGE_VAL;
+            std::erase_if(task.rivals, Farther{*this, task.part.net, most});
             // A rival that all but ties along the whole edge: polynomials tell that in one part.
             if (count >= kFewParts) {
                 const ExcessAlong along(space(), task.part.net);
@@ -345,7 +347,7 @@ private:
                     if (least >= 0) return true;
                     if (is_farther_than_twin(c, along, task.part.net.box(), whole)) return true;
                     if (!ties_at_ends(c, whole) &&
-                        is_little(c, least, this->growth(c, task.part.net.box()), HUGE_VAL))
+                        is_little(c, least, this->growth(c, task.part.net.box()), most))
                         return true;
                     return is_held(c.site, conditions_);
                 });
@@ -452,6 +454,7 @@ private:
     struct Farther {
         Edges& edges;
         const Net& net;
+        double most;  // as of is_little()
         Vector<Interval> box = net.box(), slope = net.derivative(0);
         Vec3 center = middle(box);
         double reach =
@@ -468,7 +471,7 @@ private:
             const double least = std::max((at_begin + Interval(std::min(0.0, change.lower()))).lower(),
                                           (at_end - Interval(std::max(0.0, change.upper()))).lower());
             if (least >= 0) return true;
-            return edges.is_little(c, least, edges.growth(c, box), HUGE_VAL);
+            return edges.is_little(c, least, edges.growth(c, box), most);
         }
     };
 

@@ -225,9 +225,21 @@ private:
                         note(where(), fmt::format("faces {} and {} overlap", patch.face, *other));
                         return false;
                     }
+        if (is_thin(patch)) return true;
         certificate_.leave_open(where(), fmt::format("no point is found inside face {}", patch.face),
                                 HUGE_VAL);
         return false;
+    }
+    /// Has the patch's face no more area than its edges may be off by? Twice that says no more than they do.
+    bool is_thin(const Patch& patch) const {
+        double off = rounding(), length = 0;
+        for (const auto& loop : patch.loops)
+            for (const Trim& trim : loop) {
+                if (!trim.curve->edge) return false;
+                off = std::max(off, full_error(*trim.curve->edge));
+                length += cell_.edges[*trim.curve->edge].length;
+            }
+        return cell_.faces[patch.face].area <= 2 * off * length;
     }
     /// Another face that the point lies in; the patch's own if it is in none. None: it is too near to the
     /// boundary of one.

@@ -294,3 +294,18 @@ TEST_CASE("complete cells: a plane among tubes in small integers") {
         check_certificate(cell);
     }
 }
+
+// The plane runs through a corner of the box but for the rounding of its normal: what comes in there is a
+// triangle of that size.
+TEST_CASE("complete cells: no point need be found inside faces as thin as rounding") {
+    Scene scene;
+    scene.base = Plane{{0, 0, -2.5}, {0.25, 0.125, 1}};
+    scene.box = {Vec3::Constant(-4), Vec3::Constant(4)};
+    scene.objects = {Sphere{{2.5, 0.5, 0.25}, 0.75}, Cylinder{{-2, 0, 0.5}, {0.25, 1, 0.125}, 0.5},
+                     Sphere{{0, 0, 0}, 1}};
+    const Cell cell = complete_cell(scene);
+    CHECK(std::ranges::any_of(cell.faces, [](const CellFace& f) { return f.area < 1e-20; }));
+    const Certificate certificate = certify(cell);
+    CHECK(is_proved(certificate, "entries"));
+    CHECK(certificate.count(Verdict::refuted) == 0);
+}

@@ -417,3 +417,16 @@ TEST_CASE("complete tubes: the least clearance is that of the boundary") {
     }
     CHECK(cell.measures.min_clearance == doctest::Approx(least).epsilon(1e-4));
 }
+
+// Next to a slab an edge between a side and an end all but runs through the axis. The plane ties at one of
+// its ends, and its excess grows nowhere near the axis.
+TEST_CASE("complete tubes: what is a little nearer at one end of an edge is told there") {
+    Scene scene;
+    scene.base = Cylinder{{-0.75, 0, 0.75}, {0.25, 1, 0}, 0.25};
+    scene.objects = {Cylinder{{0, 0, 0.75}, {0.25, 1, 0}, 0.25},
+                     Cylinder{{-0.375, 0, 1.75}, {0.25, 1, 0}, 0.125}, Plane{{0, 0, 0}, {0, 0, 1}}};
+    scene.box = {{-1, -1, 0}, {1, 1, 2}};
+    const Certificate certificate = certify(complete_cell(scene));
+    CHECK_MESSAGE(certificate.holds(), listing(certificate));
+    CHECK(certificate.distance < 1e-6);
+}
