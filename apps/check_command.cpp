@@ -38,7 +38,7 @@ CheckCommand::CheckCommand(CLI::App& app)
     command_.footer(
         "Proves that the boundary as written lies everywhere within a distance of the true one, and prints\n"
         "that distance; or a line for each element that is refuted or left open. Of a diagram also that cells\n"
-        "agree about what they share, and fill their box if all objects are balls. Exit status 4 if there is such a line: what is open\n"
+        "agree about what they share, and fill their box if all objects have cells. Exit status 4 if there is such a line: what is open\n"
         "has not been shown to be wrong, but not to be right, either.");
 }
 
@@ -49,10 +49,9 @@ Status CheckCommand::run() const {
         const std::string text = read_file(path_);
         if (const auto diagram = parse_diagram(text)) {
             certificate = certify(*diagram, options_, threads_.count());
-            const bool fills = std::ranges::all_of(
-                diagram->scene.objects, [](const Object& o) { return std::holds_alternative<Sphere>(o); });
+            const bool fills = certificate.elements.back().what.empty();
             what = fmt::format("{} cells {}", diagram->cells.size(),
-                               fills ? "that fill their box" : "of balls among other objects");
+                               fills ? "that fill their box" : "among other objects");
         } else {
             const Cell cell = parse_cell(text);
             certificate = certify(cell, options_);

@@ -191,7 +191,7 @@ Status DiagramCommand::run() const {
         DiagramOptions options;
         options.threads = threads_.count();
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
-        options.complete = has_meshes;
+        options.complete = !pictures.empty();
         options.bodies = bodies_;
         if (network || moments || !pictures.empty())
             options.visit = [&](std::uint32_t object, const Cell& cell) {
@@ -199,9 +199,9 @@ Status DiagramCommand::run() const {
                 if (std::holds_alternative<Sphere>(scene.objects[object])) {
                     if (network) network->add(object, cell);
                     if (moments) write_moment_row(moments->stream(), scene, object, moments_of(cell));
-                    for (DiagramPicture& picture : pictures)
-                        if (picture.text) picture.text->add(object, cell);
                 }
+                for (DiagramPicture& picture : pictures)
+                    if (picture.text) picture.text->add(object, cell);
                 if (!has_meshes) return;
                 const CellMesh mesh = meshes->add(object, cell);
                 for (DiagramPicture& picture : pictures)
@@ -237,8 +237,9 @@ Status DiagramCommand::run() const {
         if (cell.state == DiagramCell::State::Computed) ++computed;
         if (cell.state == DiagramCell::State::Empty) ++empty;
         if (cell.state == DiagramCell::State::Wall) ++walls;
-        if (has_meshes && cell.state == DiagramCell::State::Computed && !is_drawn[i])
-            warn(fmt::format("no picture of object {}: its cell is measured, but has no faces", i));
+        if (!pictures.empty() && cell.state == DiagramCell::State::Computed && !is_drawn[i])
+            warn(fmt::format("{} object {}: its cell is measured, but has no faces",
+                             has_meshes ? "no picture of" : "no cell in the file of", i));
         if (cell.state == DiagramCell::State::Undecided || cell.state == DiagramCell::State::Refused)
             warn(fmt::format("no cell of object {}: {}", i, cell.reason));
     }

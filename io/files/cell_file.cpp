@@ -1,5 +1,6 @@
 #include "cell_file.hpp"
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -254,9 +255,12 @@ void write_cell(std::ostream& out, const Cell& cell, unsigned threads) {
     out << '\n';
 }
 
-void write_cell_of_diagram(JsonWriter& out, std::uint32_t object, const Cell& cell) {
+void write_cell_of_diagram(JsonWriter& out, std::uint32_t object, std::optional<bool> side,
+                           const Cell& cell) {
     out.object([&] {
         out.key("object").value(object);
+        if (side) out.key("side").value(std::string(*side ? "+" : "-"));
+        if (cell.is_complete) out.key("complete").value(true);
         write_elements(out, cell, cell.scene.images, nullptr, 1);
     });
 }

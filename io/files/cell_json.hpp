@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
+#include <optional>
 
 #include "../../envelope/cell.hpp"
 #include "json_reader.hpp"
@@ -10,8 +10,15 @@
 
 namespace vcell {
 
-/// The cell of an object of a diagram, without its scene, which is the diagram's.
-void write_cell_of_diagram(JsonWriter& out, std::uint32_t object, const Cell& cell);
-std::pair<std::uint32_t, Cell> read_cell_of_diagram(JsonReader& in);
+/// The cell of an object of a diagram, without its scene, which is the diagram's. `side`: of a plane, whether
+/// the cell lies where its normal points, or on the other side.
+void write_cell_of_diagram(JsonWriter& out, std::uint32_t object, std::optional<bool> side, const Cell& cell);
+
+struct CellOfDiagram {
+    std::uint32_t object = 0;
+    std::optional<bool> side;
+    Cell cell;
+};
+CellOfDiagram read_cell_of_diagram(JsonReader& in);
 
 }  // namespace vcell

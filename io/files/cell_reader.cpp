@@ -36,12 +36,21 @@ public:
 
     bool has_scene() const { return has_scene_; }
 
-    std::pair<std::uint32_t, Cell> read_of_diagram() {
-        std::uint32_t object = 0;
+    CellOfDiagram read_of_diagram() {
+        CellOfDiagram result;
         places_.emplace();
-        read_with(required_member("object", [&] { object = index(); }));
+        read_with(required_member("object", [&] { result.object = index(); }),
+                  optional_member("side",
+                                  [&] {
+                                      const std::string side = in_.string();
+                                      if (side != "+" && side != "-")
+                                          in_.fail(Kind::OutOfRange, "must be \"+\" or \"-\"");
+                                      result.side = side == "+";
+                                  }),
+                  optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }));
         sort_images();
-        return {object, std::move(cell_)};
+        result.cell = std::move(cell_);
+        return result;
     }
 
 private:
@@ -411,9 +420,7 @@ std::optional<Cell> parse_if_cell(std::string_view text) {
     return cell;
 }
 
-std::pair<std::uint32_t, Cell> read_cell_of_diagram(JsonReader& in) {
-    return CellReader(in).read_of_diagram();
-}
+CellOfDiagram read_cell_of_diagram(JsonReader& in) { return CellReader(in).read_of_diagram(); }
 
 Cell read_cell(const std::string& path) { return parse_cell(read_file(path)); }
 

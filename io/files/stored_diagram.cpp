@@ -21,12 +21,15 @@ using Kind = InputError::Kind;
     throw InputError(Kind::Unsupported, InputError::no_object, path, what);
 }
 
-bool is_ball(const Object& object) { return std::holds_alternative<Sphere>(object); }
-
-void require_balls(const DiagramScene& scene) {
+void refuse_probe(const DiagramScene& scene) {
     if (scene.probe) fail_unsupported("probe", "is of no diagram that is written as a file");
-    if (!scene.objects.empty() && std::ranges::none_of(scene.objects, is_ball))
-        fail_unsupported("objects", "are no balls: only the cells of balls are written as files");
+}
+
+// Whose cell it is, as a base: of a plane, turned to the side that the cell is on.
+Object base_of(const Object& object, std::optional<bool> side) {
+    const auto* plane = std::get_if<Plane>(&object);
+    if (plane == nullptr || side != false) return object;
+    return Plane{plane->point, -plane->normal};
 }
 
 DiagramScene read_scene(JsonReader& in, double& moved) {
@@ -78,8 +81,9 @@ void require_images(const StoredDiagram& diagram) {
 
 }  // namespace
 
-DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene) : out_(out), writer_(out) {
-    require_balls(scene);
+DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene)
+    : out_(out), writer_(out), objects_(scene.objects) {
+    refuse_probe(scene);
     whole::validate_diagram(scene);
     DiagramScene decided = scene;
     const double moved = whole::snap_to_grid(decided);
@@ -91,7 +95,9 @@ DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene) : out
 }
 
 void DiagramWriter::add(std::uint32_t object, const Cell& cell) {
-    write_cell_of_diagram(writer_, object, cell);
+    std::optional<bool> side;
+    if (std::holds_alternative<Plane>(objects_[object])) side = cell.scene.base == objects_[object];
+    write_cell_of_diagram(writer_, object, side, cell);
 }
 
 void DiagramWriter::finish() {
@@ -103,34 +109,49 @@ void DiagramWriter::finish() {
 
 std::optional<StoredDiagram> parse_diagram(std::string_view text) {
     StoredDiagram diagram;
+    std::vector<std::optional<bool>> sides;
     bool is_diagram = false;
     JsonReader in(text);
     try {
-        in.object(required_member("vcell", [&] { read_format_version(in); }),
-                  required_member("diagram",
-                                  [&] {
-                                      is_diagram = true;
-                                      diagram.scene = read_scene(in, diagram.moved);
-                                  }),
-                  required_member("cells", [&] {
-                      in.array([&](std::size_t i) {
-                          diagram.cells.push_back(read_cell_of_diagram(in));
-                          if (i > 0 && diagram.cells[i - 1].first >= diagram.cells[i].first)
-                              in.fail(Kind::OutOfRange, "must be of a later object than the cell before");
-                      });
-                  }));
+        in.object(
+            required_member("vcell", [&] { read_format_version(in); }),
+            required_member("diagram",
+                            [&] {
+                                is_diagram = true;
+                                diagram.scene = read_scene(in, diagram.moved);
+                            }),
+            required_member("cells", [&] {
+                in.array([&](std::size_t i) {
+                    CellOfDiagram read = read_cell_of_diagram(in);
+                    if (i > 0 && !(diagram.cells.back().first < read.object ||
+                                   (diagram.cells.back().first == read.object && sides.back() == true &&
+                                    read.side == false)))
+                        in.fail(Kind::OutOfRange,
+                                "must be of a later object than the cell before, or on a plane's other side");
+                    diagram.cells.emplace_back(read.object, std::move(read.cell));
+                    sides.push_back(read.side);
+                });
+            }));
     } catch (const InputError&) {
         if (is_diagram) throw;
         return std::nullopt;
     }
     in.end();
-    require_balls(diagram.scene);
+    refuse_probe(diagram.scene);
     whole::validate_diagram(diagram.scene);
     require_images(diagram);
-    const std::size_t count = diagram.scene.objects.size();
-    for (const auto& [object, cell] : diagram.cells)
-        if (object >= count || !is_ball(diagram.scene.objects[object]))
-            throw InputError(Kind::OutOfRange, InputError::no_object, "cells", "has a cell of no ball");
+    const auto fail = [](const char* what) {
+        throw InputError(Kind::OutOfRange, InputError::no_object, "cells", what);
+    };
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+        auto& [object, cell] = diagram.cells[i];
+        if (object >= diagram.scene.objects.size() || is_vessel(diagram.scene.objects[object]))
+            fail("has a cell of no ball, plane or tube");
+        const Object& whose = diagram.scene.objects[object];
+        if (std::holds_alternative<Plane>(whose) != sides[i].has_value())
+            fail("has a cell of a plane without its side, or one with a side of what is none");
+        cell.scene.base = base_of(whose, sides[i]);
+    }
     return diagram;
 }
 

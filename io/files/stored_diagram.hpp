@@ -1,10 +1,11 @@
-/// Diagrams as files: the objects, and the cells of all balls with their elements (docs/files.md, "Scenes of
-/// whole diagrams").
+/// Diagrams as files: the objects, and the cells of balls, and of planes and tubes so far as they are
+/// complete (DiagramOptions::complete), with their elements (docs/files.md, "Scenes of whole diagrams").
 #pragma once
 
 #include <iosfwd>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "../check/check_diagram.hpp"
 #include "json_writer.hpp"
@@ -14,17 +15,18 @@ namespace vcell {
 /// Writes the file as its cells are computed: add() is made for DiagramOptions::visit.
 class DiagramWriter {
 public:
-    /// Throws InputError (Unsupported) for a scene without balls, or with a probe, and as voronoi_diagram().
+    /// Throws InputError (Unsupported) for a scene with a probe, and as voronoi_diagram().
     /// What repeats is written as it was decided about: moved to its binary grid.
     DiagramWriter(std::ostream& out, const DiagramScene& scene);
 
-    /// Pre: the object is a ball.
+    /// Of a plane two, where the normal points first.
     void add(std::uint32_t object, const Cell& cell);
     void finish();
 
 private:
     std::ostream& out_;
     JsonWriter writer_;
+    std::vector<Object> objects_;
 };
 
 /// None if the text is no diagram. Throws InputError with the JSON path of the first offender.

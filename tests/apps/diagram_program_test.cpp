@@ -186,7 +186,25 @@ TEST_CASE("program: files of boxes that repeat, and of balls in a vessel, are ch
     const Outcome vessel = work.run("check vessel.out.json");
     CAPTURE(vessel.out);
     CHECK(vessel.status == 0);
-    CHECK(vessel.out.starts_with("ok: 4 cells of balls among other objects; the boundary is within "));
+    CHECK(vessel.out.starts_with("ok: 4 cells among other objects; the boundary is within "));
+}
+
+TEST_CASE("program: files of planes and tubes among balls are checked, too") {
+    const Workplace work;
+    work.write("scene.json", R"({"vcell": 1, "box": {"min": [0, 0, 0], "max": [8, 8, 8]}, "objects": [
+        {"cylinder": {"point": [2, 2, 6], "axis": [1, 2, 0.5], "radius": 0.5}},
+        {"sphere": {"center": [5, 3, 5], "radius": 1}},
+        {"plane": {"point": [4, 4, 2], "normal": [0.1, -0.05, -1]}}]})");
+    REQUIRE(work.run("diagram scene.json -o all.json").status == 0);
+    const Outcome checked = work.run("check all.json");
+    CAPTURE(checked.out);
+    CHECK(checked.status == 0);
+    CHECK(checked.out.starts_with("ok: 4 cells that fill their box; the boundary is within "));
+    std::string text = work.read("all.json");
+    const std::size_t side = text.find(R"("side":"-")");
+    REQUIRE(side != text.npos);
+    text.erase(side, 11);
+    CHECK(work.run("check -", text).status == 2);
 }
 
 TEST_CASE("program: diagram reads molecules and dumps") {

@@ -101,10 +101,6 @@ TEST_CASE("diagram file: what is none, or without balls, is refused") {
         return std::string("none");
     };
     const std::string box = R"("box": {"min": [0, 0, 0], "max": [1, 1, 1]}})";
-    CHECK(
-        path_of(
-            R"({"vcell": 1, "diagram": {"objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}], )" +
-            box + R"(, "cells": []})") == "objects");
     CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], )" + box + R"(, "cells": []})") == "objects");
     CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], "colour": 1, )" + box + R"(, "cells": []})") ==
           "diagram.colour");

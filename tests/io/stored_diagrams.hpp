@@ -10,10 +10,12 @@
 
 namespace vcell {
 
-inline std::string text_of(const DiagramScene& scene) {
+/// `complete`: with the cells of planes and tubes.
+inline std::string text_of(const DiagramScene& scene, bool complete = false) {
     std::ostringstream out;
     DiagramWriter writer(out, scene);
     DiagramOptions options;
+    options.complete = complete;
     options.visit = [&](std::uint32_t object, const Cell& cell) { writer.add(object, cell); };
     voronoi_diagram(scene, options);
     writer.finish();
@@ -21,8 +23,8 @@ inline std::string text_of(const DiagramScene& scene) {
 }
 
 /// As it is read from its file.
-inline StoredDiagram stored(const DiagramScene& scene) {
-    auto diagram = parse_diagram(text_of(scene));
+inline StoredDiagram stored(const DiagramScene& scene, bool complete = false) {
+    auto diagram = parse_diagram(text_of(scene, complete));
     REQUIRE(diagram);
     return *std::move(diagram);
 }
