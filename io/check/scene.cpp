@@ -393,9 +393,16 @@ std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) cons
 std::vector<std::string> SceneGeometry::names_about_cylinder(const Object& o) const {
     if (const auto* plane = std::get_if<Plane>(&o)) {
         const Vec3& axis = std::get<Cylinder>(scene_.base).axis;
-        return {are_orthogonal(axis, plane->normal) ? "parabolic cylinder"
-                : are_parallel(axis, plane->normal) ? "circular cone"
-                                                    : "elliptic cone"};
+        std::vector<std::string> names{are_orthogonal(axis, plane->normal) ? "parabolic cylinder"
+                                       : are_parallel(axis, plane->normal) ? "circular cone"
+                                                                           : "elliptic cone"};
+        // The base's axis may have turned by its rounding.
+        const Vec3 normal = plane->normal.normalized();
+        if (std::abs(normal.dot(normal_)) <= kRounding)
+            names.insert(names.end(), {"parabolic cylinder", "elliptic cone"});
+        if (normal.cross(normal_).norm() <= kRounding)
+            names.insert(names.end(), {"circular cone", "elliptic cone"});
+        return names;
     }
     if (const auto* sphere = std::get_if<Sphere>(&o))
         return {sphere->radius == radius_ ? "parabolic cylinder" : "quartic"};

@@ -430,3 +430,30 @@ TEST_CASE("complete tubes: what is a little nearer at one end of an edge is told
     CHECK_MESSAGE(certificate.holds(), listing(certificate));
     CHECK(certificate.distance < 1e-6);
 }
+
+// The axis turns by its rounding, and is along the plane no longer.
+TEST_CASE("complete tubes: the bisector with a plane along the axis may have either name") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_int_distribution<int> digit(-3, 3);
+    const auto random = [&] {
+        const int x = digit(rng), y = digit(rng), z = digit(rng);
+        return Vec3(x, y, z);
+    };
+    int turned = 0;
+    for (int round = 0; round < 20; ++round) {
+        const Vec3 axis = random(), normal = axis.cross(random());
+        if ((axis.array() != 0).count() < 2 || normal.isZero()) continue;
+        Scene scene;
+        scene.box = cube;
+        scene.base = Cylinder{{5, 5, 5}, axis, 0.25};
+        scene.objects = {Plane{Vec3::Constant(5) + 2.5 * normal.normalized(), normal}};
+        const Cell cell = complete_cell(scene);
+        CAPTURE(axis.transpose());
+        CAPTURE(normal.transpose());
+        turned +=
+            std::ranges::any_of(cell.faces, [](const CellFace& f) { return f.bisector == "elliptic cone"; });
+        const Certificate certificate = certify(cell);
+        CHECK_MESSAGE(certificate.count(Verdict::refuted) == 0, listing(certificate));
+    }
+    CHECK(turned > 0);
+}
