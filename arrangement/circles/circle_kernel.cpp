@@ -70,7 +70,11 @@ FormId CircleKernel::add_line(double a, double b, double c) {
 }
 
 FormId CircleKernel::add_form(FormId in_family) {
-    forms_.push_back(make_form(family_->forms[in_family]));
+    return add_form(in_family, make_form(family_->forms[in_family]));
+}
+
+FormId CircleKernel::add_form(FormId in_family, const Form& made) {
+    forms_.push_back(made);
     return sources_.push_back({in_family});
 }
 

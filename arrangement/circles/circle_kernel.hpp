@@ -191,6 +191,8 @@ public:
 
     static Jet jet(const Form& f, double x, double y);
     static Form make_form(const CircularForm& f);
+    /// add_form() of what make_form() has made of it.
+    FormId add_form(FormId in_family, const Form& made);
     /// A form about the middle of a rectangle of half sides rx, ry: for quick comparisons over the whole of
     /// it.
     struct BoxForm {

@@ -16,6 +16,9 @@ constexpr int most_stalled_splits = 8;
 
 // Fewer forms are not worth a patchwork of their own; more are some hundredths of a second.
 constexpr std::size_t forms_of_block = 2048;
+// So many are looked at one by one: what is left of groups' forms is many times fewer where their widths
+// differ.
+constexpr std::size_t most_one_by_one = 2 * forms_of_block;
 
 bool hardly_fewer(std::size_t kept, std::size_t inherited) { return 8 * kept > 7 * inherited; }
 
@@ -45,33 +48,36 @@ constexpr std::array share_of_half{split_ratio, 1 - split_ratio};
 class CircularRecursion::Solver {
 public:
     Solver(const CircularRecursion& all, Patchwork& patchwork)
-        : all_(all), patchwork_(patchwork), merger_(all.family_, all.options_, all.culling_) {}
+        : all_(all), patchwork_(patchwork), merger_(all.family_, all.options_) {}
 
     const PieceMerger& merger() const { return merger_; }
 
-    Patchwork::Index solve(const RegionPiece& piece, std::span<const FormId> inherited, double share,
-                           int stalled) {
-        std::vector<FormId> candidates;
-        merger_.cull(piece.rect, inherited, [&](std::size_t i) { candidates.push_back(inherited[i]); });
-        stalled = hardly_fewer(candidates.size(), inherited.size()) ? stalled + 1 : 0;
-        return solve_culled(piece, candidates, share, stalled);
-    }
-
-    Patchwork::Index solve_culled(const RegionPiece& piece, std::vector<FormId>& candidates, double share,
-                                  int stalled) {
-        if (candidates.size() > all_.sizes_.most && stalled <= most_stalled_splits) {
+    // The items, candidates or groups of them, are those that may be lowest in the piece.
+    Patchwork::Index solve(const RegionPiece& piece, CompetingForms::Culling& cull,
+                           std::span<const Item> items, double share, int stalled) {
+        const CompetingForms& forms = cull.forms();
+        if (forms.count(items) > all_.sizes_.most && stalled <= most_stalled_splits) {
             if (const auto halves = split(piece, all_.cutter_, patchwork_)) {
                 const Patchwork::Index a =
-                    solve(halves->first, candidates, share * share_of_half[0], stalled);
+                    solve_culled(halves->first, cull, items, share * share_of_half[0], stalled);
                 const Patchwork::Index b =
-                    solve(halves->second, candidates, share * share_of_half[1], stalled);
+                    solve_culled(halves->second, cull, items, share * share_of_half[1], stalled);
                 return patchwork_.glue(a, b, halves->seam);
             }
         }
+        std::vector<Item> candidates;
+        for (const Item item : items) forms.for_forms(item, [&](Item form) { candidates.push_back(form); });
         const Patchwork::Index handle =
-            patchwork_.add(merger_.merge(piece, candidates, all_.sizes_.quartering), piece.sides);
+            patchwork_.add(merger_.merge(piece, cull, candidates, all_.sizes_.quartering), piece.sides);
         all_.progress_.add(share);
         return handle;
+    }
+
+    Patchwork::Index solve_culled(const RegionPiece& piece, CompetingForms::Culling& cull,
+                                  std::span<const Item> inherited, double share, int stalled) {
+        std::vector<Item> items;
+        stalled = all_.cull_items(cull, piece.rect, inherited, stalled, items);
+        return solve(piece, cull, items, share, stalled);
     }
 
 private:
@@ -95,7 +101,6 @@ CircularRecursion::CircularRecursion(const FormFamily& family, const EnvelopeOpt
       sizes_(sizes),
       progress_(progress),
       patchwork_(patchwork),
-      culling_(family),
       cutter_(family),
       here_(std::make_unique<Solver>(*this, patchwork)) {}
 CircularRecursion::~CircularRecursion() = default;
@@ -114,18 +119,24 @@ EnvelopeWork CircularRecursion::effort() const {
 
 Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<const FormId> candidates,
                                           double share) {
-    if (candidates.size() <= forms_of_block) return here_->solve(piece, candidates, share, 0);
-    std::vector<Node> nodes = halved(piece, candidates, share);
+    const CompetingForms forms(family_, candidates);
+    const std::vector<Item>& all = forms.all();
+    if (candidates.size() <= forms_of_block) {
+        CompetingForms::Culling cull(forms);
+        return here_->solve_culled(piece, cull, all, share, 0);
+    }
+    std::vector<Node> nodes = halved(piece, forms, all, share);
     std::vector<Block> blocks;
     collect(nodes, 0, blocks);
 
     const auto solve_block = [&](std::size_t i) {
         Node& node = nodes[blocks[i].node];
-        std::vector<FormId> own = std::move(node.candidates);
-        Solved solved{Patchwork(family_, own.size()), Patchwork::none, {}, {}};
+        const std::vector<Item> own = std::move(node.items);
+        Solved solved{Patchwork(family_, forms.count(own)), Patchwork::none, {}, {}};
         solved.patchwork.leave_seams_to(patchwork_);
         Solver solver(*this, solved.patchwork);
-        solved.handle = solver.solve_culled(node.piece, own, node.share, node.stalled);
+        CompetingForms::Culling cull(forms);
+        solved.handle = solver.solve(node.piece, cull, own, node.share, node.stalled);
         solved.decisions = solver.merger().decisions();
         solved.effort = solver.merger().effort();
         return solved;
@@ -147,10 +158,18 @@ Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<co
     return handles.back();
 }
 
+int CircularRecursion::cull_items(CompetingForms::Culling& cull, const Rectangle& rect,
+                                  std::span<const Item> inherited, int stalled,
+                                  std::vector<Item>& items) const {
+    const CompetingForms& forms = cull.forms();
+    cull(rect, inherited, most_one_by_one, items);
+    return hardly_fewer(forms.count(items), forms.count(inherited)) ? stalled + 1 : 0;
+}
+
 // One generation after the other: the pieces of one are culled side by side.
 std::vector<CircularRecursion::Node> CircularRecursion::halved(const RegionPiece& piece,
-                                                               std::span<const FormId> candidates,
-                                                               double share) {
+                                                               const CompetingForms& forms,
+                                                               std::span<const Item> all, double share) {
     const unsigned threads = thread_count(options_.threads);
     std::vector<Node> nodes{{piece, share}};
     for (std::size_t begin = 0; begin < nodes.size();) {
@@ -158,24 +177,19 @@ std::vector<CircularRecursion::Node> CircularRecursion::halved(const RegionPiece
         progress_.cancellable([&] {
             for_all(end - begin, threads, [&](std::size_t i) {
                 Node& node = nodes[begin + i];
-                const std::span<const FormId> inherited =
-                    node.parent == none ? candidates : nodes[node.parent].candidates;
-                CircularCulling cull = culling_;
-                cull(node.piece.rect, inherited,
-                     [&](std::size_t k) { node.candidates.push_back(inherited[k]); });
-                if (hardly_fewer(node.candidates.size(), inherited.size()))
-                    ++node.stalled;
-                else
-                    node.stalled = 0;
+                const std::span<const Item> inherited =
+                    node.parent == none ? all : std::span<const Item>(nodes[node.parent].items);
+                CompetingForms::Culling cull(forms);
+                node.stalled = cull_items(cull, node.piece.rect, inherited, node.stalled, node.items);
+                node.count = forms.count(node.items);
                 progress_.add(0);
             });
         });
         // What their parents kept has been culled for both halves.
         for (std::size_t i = begin; i < end; ++i)
-            if (nodes[i].parent != none) nodes[nodes[i].parent].candidates = {};
+            if (nodes[i].parent != none) nodes[nodes[i].parent].items = {};
         for (std::size_t i = begin; i < end; ++i) {
-            if (nodes[i].candidates.size() <= forms_of_block || nodes[i].stalled > most_stalled_splits)
-                continue;
+            if (nodes[i].count <= forms_of_block || nodes[i].stalled > most_stalled_splits) continue;
             auto halves = split(nodes[i].piece, cutter_, patchwork_);
             if (!halves) continue;
             nodes[i].first = static_cast<std::uint32_t>(nodes.size());

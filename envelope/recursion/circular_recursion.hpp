@@ -15,7 +15,7 @@
 #include "../../core/threads.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
-#include "circular_culling.hpp"
+#include "competing_forms.hpp"
 #include "pieces.hpp"
 
 namespace vcell {
@@ -45,13 +45,15 @@ public:
     EnvelopeWork effort() const;
 
 private:
+    using Item = CompetingForms::Item;
     // A piece of the region in the tree of those that have been halved, and the forms that are not culled.
     struct Node {
         RegionPiece piece;
         double share;
         int stalled = 0;  // halvings in a row that hardly left out any form
         std::uint32_t parent = none;
-        std::vector<FormId> candidates = {};
+        std::vector<Item> items = {};
+        std::size_t count = 0;       // of forms in them
         std::uint32_t first = none;  // of its halves; the other one follows
         std::uint32_t seam = none;   // between them
     };
@@ -64,7 +66,12 @@ private:
     struct Solved;
     class Solver;
 
-    std::vector<Node> halved(const RegionPiece& piece, std::span<const FormId> candidates, double share);
+    // Which of the items, or parts of them, may be lowest in a piece. Returns how often in a row, this time
+    // included, that hardly left out any form.
+    int cull_items(CompetingForms::Culling& cull, const Rectangle& rect, std::span<const Item> inherited,
+                   int stalled, std::vector<Item>& items) const;
+    std::vector<Node> halved(const RegionPiece& piece, const CompetingForms& forms, std::span<const Item> all,
+                             double share);
     static void collect(const std::vector<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks);
 
     const FormFamily& family_;
@@ -72,7 +79,6 @@ private:
     const PieceSizes sizes_;
     SharedProgress& progress_;
     Patchwork& patchwork_;
-    const CircularCulling culling_;
     const PieceCutter cutter_;
     const std::unique_ptr<Solver> here_;  // of what is too little for blocks
     // What blocks have counted.

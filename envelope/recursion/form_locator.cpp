@@ -21,7 +21,8 @@ constexpr double least_part = 0x1p-40;
 FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms,
                          const std::array<double, 4>& box)
     : family_(family), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
-    if (family.is_all_circular()) circular_.emplace(family);
+    if (family.is_all_circular())
+        for (const CircularForm& f : family.forms) circular_.push_back(CircleKernel::make_form(f));
     Node root;
     root.box = box;
     root.forms = std::move(forms);
@@ -74,9 +75,12 @@ void FormLocator::halve(std::uint32_t i, bool upright, double at) {
 }
 
 std::vector<FormId> FormLocator::cull(const std::array<double, 4>& box, std::span<const FormId> forms) {
-    if (!circular_) return analysis_.cull(box, forms);
+    if (circular_.empty()) return analysis_.cull(box, forms);
     std::vector<FormId> kept;
-    (*circular_)({box[0], box[1], box[2], box[3]}, forms, [&](std::size_t i) { kept.push_back(forms[i]); });
+    culling_(
+        {box[0], box[1], box[2], box[3]}, forms,
+        [&](FormId f) -> const CircleKernel::Form& { return circular_[f]; },
+        [&](std::size_t i) { kept.push_back(forms[i]); });
     return kept;
 }
 

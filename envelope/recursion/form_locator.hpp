@@ -16,7 +16,7 @@
 #include "../../primitives/forms/form_family.hpp"
 #include "../../primitives/forms/heights.hpp"
 #include "../proofs/mixed_piece.hpp"
-#include "circular_culling.hpp"
+#include "competing_forms.hpp"
 
 namespace vcell {
 
@@ -53,8 +53,11 @@ private:
 
     const FormFamily& family_;
     MixedAnalysis analysis_;
-    std::optional<CircularCulling> circular_;  // where all forms are
-    std::vector<Interval> values_;             // of a leaf's forms, for lowest_of()
+    // Where all forms are circular:
+    IdVector<FormId, CircleKernel::Form> circular_;
+    FormCulling culling_;
+
+    std::vector<Interval> values_;  // of a leaf's forms, for lowest_of()
     std::vector<Node> nodes_;
     Decisions decisions_;
 };

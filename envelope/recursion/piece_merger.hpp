@@ -12,21 +12,27 @@
 #include "../../arrangement/circles/circle_kernel.hpp"
 #include "../circles/work_diagram.hpp"
 #include "../diagram/minimization_diagram.hpp"
-#include "circular_culling.hpp"
+#include "competing_forms.hpp"
 #include "pieces.hpp"
 
 namespace vcell {
 
 class PieceMerger {
     using Form = CircleKernel::Form;
+    using Item = CompetingForms::Item;
+    struct Competitor {
+        double height;
+        FormId id;
+        Item item;
+        auto operator<=>(const Competitor&) const = default;
+    };
 
 public:
     /// The family and the options must outlive this object.
-    PieceMerger(const FormFamily& family, const EnvelopeOptions& options, const CircularCulling& forms)
+    PieceMerger(const FormFamily& family, const EnvelopeOptions& options)
         : family_(family),
           options_(options),
           largest_(options.largest_piece),
-          forms_(forms),
           work_(kernel_),
           floor_(kernel_),
           lesser_(kernel_) {}
@@ -37,28 +43,23 @@ public:
     /// Insertions and merges so far.
     const EnvelopeWork& effort() const { return effort_; }
 
-    /// Calls keep(i) for the candidates that may be lowest somewhere in the rectangle.
-    template <class Keep>
-    void cull(const Rectangle& r, std::span<const FormId> candidates, Keep&& keep) {
-        forms_(r, candidates, std::forward<Keep>(keep));
-    }
-
     /// The diagram of the candidates over the piece, if these are all that may be lowest in it; valid until
     /// the next call. More candidates than `quartering` are culled before.
-    const WorkDiagram& merge(const RegionPiece& piece, std::vector<FormId>& candidates,
-                             std::size_t quartering) {
+    const WorkDiagram& merge(const RegionPiece& piece, CompetingForms::Culling& cull,
+                             std::vector<Item>& candidates, std::size_t quartering) {
         const double x = 0.5 * piece.rect.x0 + 0.5 * piece.rect.x1,
                      y = 0.5 * piece.rect.y0 + 0.5 * piece.rect.y1;
-        if (candidates.size() > quartering) cull_in_quarters(piece.rect, candidates);
+        if (candidates.size() > quartering) cull_in_quarters(piece.rect, cull, candidates);
         // Low ones first: most of the others then lose at once.
         order_.clear();
-        for (const FormId f : candidates) order_.emplace_back(CircleKernel::jet(forms_[f], x, y).v, f);
+        const CompetingForms& all = cull.forms();
+        for (const Item i : candidates) order_.push_back({CircleKernel::jet(all[i], x, y).v, all.id(i), i});
         std::ranges::sort(order_);
         kernel_.reset(&family_);
         lines_.clear();
         for (const PieceSide& s : piece.sides) lines_.push_back(kernel_.add_line(s.a, s.b, s.c));
         std::vector<FormId> forms;
-        for (const auto& [height, f] : order_) forms.push_back(kernel_.add_form(f));
+        for (const Competitor& c : order_) forms.push_back(kernel_.add_form(c.id, all[c.item]));
         work_.set_floor({}, false);
         merge_all(work_, forms, piece.rect);
         return options_.floor.empty() ? work_ : merge_floor();
@@ -66,12 +67,12 @@ public:
 
 private:
     // Looks closer before the merging starts: a form must hold out in one of four quarters.
-    void cull_in_quarters(const Rectangle& r, std::vector<FormId>& candidates) {
+    void cull_in_quarters(const Rectangle& r, CompetingForms::Culling& cull, std::vector<Item>& candidates) {
         const double x = r.x0 + 0.5 * (r.x1 - r.x0), y = r.y0 + 0.5 * (r.y1 - r.y0);
         kept_.assign(candidates.size(), false);
         for (const Rectangle& quarter : {Rectangle{r.x0, x, r.y0, y}, Rectangle{x, r.x1, r.y0, y},
                                          Rectangle{r.x0, x, y, r.y1}, Rectangle{x, r.x1, y, r.y1}})
-            cull(quarter, candidates, [&](std::size_t i) { kept_[i] = true; });
+            cull.keep_forms(quarter, candidates, [&](std::size_t i) { kept_[i] = true; });
         std::size_t count = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i)
             if (kept_[i]) candidates[count++] = candidates[i];
@@ -128,13 +129,12 @@ private:
     const FormFamily& family_;
     const EnvelopeOptions& options_;
     const std::size_t largest_;
-    CircularCulling forms_;
     CircleKernel kernel_;
     WorkDiagram work_, floor_, lesser_;
     EnvelopeWork effort_;
     // Working space.
     std::vector<char> kept_;
-    std::vector<std::pair<double, FormId>> order_;
+    std::vector<Competitor> order_;
     std::vector<FormId> lines_;
 };
 
