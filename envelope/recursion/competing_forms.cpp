@@ -55,12 +55,15 @@ CompetingForms::CompetingForms(const CircularFamily& family, std::span<const For
         return;
     }
     std::vector<Place> places;
-    std::vector<Item> order, others;  // others are least nowhere
+    std::vector<Item> order, others;  // others are least nowhere, or so far away that no number bounds them
     for (Item i = 0; i < forms.size(); ++i) {
-        const Form& f = forms_[i];
-        const Place p{f.cx - 0.5 * f.a / f.k, f.cy - 0.5 * f.b / f.k, i};
-        if (f.k > 0 && std::isfinite(p.x) && std::isfinite(p.y))
-            places.push_back(p);
+        const Group g = group_of(forms_[i], i);
+        const bool is_bounded = std::isfinite(g.places.x0) && std::isfinite(g.places.x1) &&
+                                std::isfinite(g.places.y0) && std::isfinite(g.places.y1) &&
+                                std::isfinite(g.curvature) && std::isfinite(g.value);
+        if (g.curvature > 0 && is_bounded)
+            places.push_back(
+                {0.5 * g.places.x0 + 0.5 * g.places.x1, 0.5 * g.places.y0 + 0.5 * g.places.y1, i});
         else
             others.push_back(i);
     }
@@ -85,8 +88,8 @@ CompetingForms::CompetingForms(const CircularFamily& family, std::span<const For
     for (Item i = grouped; i < size; ++i) top_.push_back(i);
 }
 
-// f = K |p - q|^2 + m in numbers whose errors the bounds contain: k and q are exact where a = b = 0, and K,
-// a, b, e and 1 / w are within 10 roundings else.
+// f = K |p - q|^2 + m in numbers whose errors the bounds contain, or in infinite ones: k and q are exact
+// where a = b = 0, and K, a, b, e and 1 / w are within 10 roundings else.
 CompetingForms::Group CompetingForms::group_of(const Form& f, Item item) {
     constexpr double part = 16 * roundoff::u;
     const double dx = -0.5 * f.a / f.k, dy = -0.5 * f.b / f.k;

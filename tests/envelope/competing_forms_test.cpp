@@ -13,7 +13,7 @@ namespace {
 
 using Item = CompetingForms::Item;
 
-enum class Kind { Even, Clustered, Far, Lattice, Wide, Deep, Flat, Any };
+enum class Kind { Even, Clustered, Far, Lattice, Wide, Deep, Flat, Any, Huge };
 
 // Paraboloids over [0, 100]^2, at places and of widths that make groups of all sorts.
 CircularFamily random_family(std::mt19937_64& rng, Kind kind, std::size_t n) {
@@ -51,6 +51,11 @@ CircularFamily random_family(std::mt19937_64& rng, Kind kind, std::size_t n) {
         } else if (kind == Kind::Any) {
             f.k = pick(-1, 1);
             f.w = std::exp(pick(-20, 20));
+        } else if (kind == Kind::Huge) {  // nothing of them is finite but their values
+            f.cx = f.cy = 0;
+            f.k = std::ldexp(pick(0, 1), -static_cast<int>(i % 3) * 500);
+            f.a = pick(-1, 1);
+            f.w = std::ldexp(f.w, static_cast<int>(i % 5) * 200 - 400);
         }
         family.forms.push_back(f);
     }
@@ -94,7 +99,7 @@ FormId certainly_lowest(const CircularFamily& family, double x, double y) {
 TEST_CASE("competing forms: items hold every form once") {
     std::mt19937_64 rng(test_seed());
     for (const std::size_t n : {0, 1, 5, 2048, 2049, 2050, 4097, 5000})
-        for (const Kind kind : {Kind::Even, Kind::Flat, Kind::Any}) {
+        for (const Kind kind : {Kind::Even, Kind::Flat, Kind::Any, Kind::Huge}) {
             CAPTURE(n);
             const CompetingForms forms(random_family(rng, kind, n), all_ids(n));
             CHECK(ids_in(forms, forms.all()) == all_ids(n));
@@ -111,7 +116,7 @@ TEST_CASE("competing forms: what is lowest somewhere is kept, and little else") 
     long asked = 0;
     for (int round = 0; round < 2 * rounds(); ++round)
         for (const Kind kind : {Kind::Even, Kind::Clustered, Kind::Far, Kind::Lattice, Kind::Wide, Kind::Deep,
-                                Kind::Flat, Kind::Any}) {
+                                Kind::Flat, Kind::Any, Kind::Huge}) {
             CAPTURE(static_cast<int>(kind));
             const std::size_t n = 1500 + rng() % 2000;
             const CircularFamily family = random_family(rng, kind, n);
