@@ -38,8 +38,7 @@ public:
     }
 
 private:
-    // --- Whose elements are whose
-    // ---------------------------------------------------------------------------
+    // --- Whose elements are whose. -----------------------------------------------------------------------
 
     void share_out() {
         std::size_t face = 0;
@@ -72,8 +71,7 @@ private:
             result_.parts[vertices[v] == nobody ? 0 : vertices[v]].vertices.push_back(v);
     }
 
-    // --- Where they are
-    // -------------------------------------------------------------------------------------
+    // --- Where they are. ---------------------------------------------------------------------------------
 
     void judge(std::size_t k) {
         TubePart& part = result_.parts[k];
@@ -114,8 +112,7 @@ private:
         return dot(space_.base().direction, to_vector<Interval>(p) - space_.base().point);
     }
 
-    // --- What lies between them
-    // -----------------------------------------------------------------------------
+    // --- What lies between them. -------------------------------------------------------------------------
 
     void judge_slabs() {
         const Box& box = cell_.scene.box;

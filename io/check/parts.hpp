@@ -2,13 +2,11 @@
 ///
 /// What is proved of them here:
 ///   - they follow each other along the axis, and each keeps so far clear of the planes of the box's sides
-///   that
-///     the axis is on one side of each: so rays come in through the sides that it is beyond, through all of
-///     each, and through no others;
+///     that the axis is on one side of each: so rays come in through the sides that it is beyond, through
+///     all of each, and through no others;
 ///   - what the box has between them, before the first and after the last are slabs across the axis, which
-///   are
-///     thin. Nothing is said of what is in them, but how much that is at most: as wide as they are together,
-///     times the largest section of the box across the axis.
+///     are thin. Nothing is said of what is in them, but how much that is at most: as wide as they are
+///     together, times the largest section of the box across the axis.
 #pragma once
 
 #include <optional>
