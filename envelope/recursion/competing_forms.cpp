@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "../../core/platform.hpp"
 
@@ -142,7 +144,8 @@ std::size_t CompetingForms::count(std::span<const Item> items) const {
 
 // A group's forms are at least K d^2 + m, d being the distance from the places. In each coordinate d^2 is
 // convex, so no less than its tangent d0^2 + 2 d0 t in the rectangle's middle, and more than that by t^2
-// where all places are on one side of it. From there on it is what CircleKernel::excess() says of two forms.
+// where all places are on one side of it. From there on it is what CircleKernel::excess() says of two forms,
+// with its margin for as many roundings.
 bool CompetingForms::Culling::is_above(const Group& group, const CircleKernel::BoxForm& rival,
                                        const FormCulling::Middle& at) {
     double excess = group.value - rival.v, scale = std::abs(group.value) + rival.scale;

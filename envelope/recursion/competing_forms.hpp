@@ -36,6 +36,7 @@ public:
             if (!CircleKernel::certainly_above(box_forms_[i], box_forms_[rival], at.rx, at.ry)) keep(i);
     }
 
+    /// A rectangle as CircleKernel::box_form() takes it: its middle, and half sides that reach all of it.
     struct Middle {
         explicit Middle(const Rectangle& r)
             : x(0.5 * r.x0 + 0.5 * r.x1),
@@ -111,8 +112,8 @@ public:
     const CompetingForms& forms() const { return *forms_; }
 
     /// Into `kept`, those items, or parts of them, that may be lowest somewhere in the rectangle, as
-    /// FormCulling decides it, which has a form of each group for a rival. Where no more than `few` forms are
-    /// left each is looked at by itself, and no item is a group.
+    /// FormCulling decides it; two forms of each group are among the rivals. Where no more than `few` forms
+    /// are left each is looked at by itself, and no item is a group.
     void operator()(const Rectangle& r, std::span<const Item> items, std::size_t few,
                     std::vector<Item>& kept);
 

@@ -7,9 +7,9 @@
 ///     faces.hpp);
 ///   - faces tile the base region: each base point lies under one of them (tiling.hpp);
 ///   - measures enclosed by integrals of its own (measures.hpp).
-/// Of a complete cell nothing else comes in through sides of the box (entries.hpp); around a tube all of that
-/// is asked of each of its parts, and what lies between them is said to be left out (parts.hpp). Bounds are
-/// rounded outwards (core/numbers/interval.hpp).
+/// A complete cell has nothing else that comes in through sides of the box (entries.hpp); around a tube it
+/// comes in parts: each is judged by all of that, and what lies between them is said to be left out
+/// (parts.hpp). Bounds are rounded outwards (core/numbers/interval.hpp).
 #pragma once
 
 #include <cstdint>

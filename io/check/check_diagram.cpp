@@ -272,7 +272,7 @@ private:
         std::vector<Candidate> found;  // ascending
         std::string lack;              // as of NearBalls::Search
     };
-    // Of a plane, turned to the side that the cell is on.
+    // An object as base: a plane is turned to the one side that the cell is on.
     Object base_of(std::uint32_t object, const Cell& stored) const {
         const Object& whose = diagram_.scene.objects[object];
         const auto* plane = std::get_if<Plane>(&whose);

@@ -1,4 +1,4 @@
-/// Of a complete cell: nothing that is nearest to the base is missing, and nothing is there twice.
+/// Proves of a complete cell that nothing nearest to the base is missing, and that nothing is there twice.
 ///
 /// Faces of a cell that are proved bound all of it that hangs together with them. What else there might be
 /// begins on a side of the box through which rays come in, as no ray that starts in the box is without its

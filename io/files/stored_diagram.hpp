@@ -19,7 +19,7 @@ public:
     /// What repeats is written as it was decided about: moved to its binary grid.
     DiagramWriter(std::ostream& out, const DiagramScene& scene);
 
-    /// Of a plane two, where the normal points first.
+    /// Adds an object's cell. A plane has two: the one to which its normal points comes first.
     void add(std::uint32_t object, const Cell& cell);
     void finish();
 

@@ -40,7 +40,8 @@ inline void check_proved(const Certificate& certificate) {
     CHECK(certificate.elements.back().where == "volume");
 }
 
-/// Of scenes that were not chosen an integral in a few hundred takes more parts than the check allows.
+/// Nothing is refuted, and little is open: in scenes that nobody chose one integral in a few hundred takes
+/// more parts than the check allows.
 inline void check_none_refuted(const Certificate& certificate) {
     constexpr double few = 0.005;
     for (const Element& e : certificate.elements) {
