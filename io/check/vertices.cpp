@@ -314,17 +314,23 @@ private:
             if (lower_bound(e) <= 0 && upper_bound(e) >= 0) {
                 if (is_held(c.site, conditions)) continue;
                 if (!last) return false;
-                const std::string lack =
-                    fmt::format("lack {}, which ties to {:.3g}", title(c.site), upper_bound(magnitude(e)));
-                // Of what moved before it was decided about, a tie may have been none.
-                if (cell_.report.moved > 0)
-                    certificate_.leave_open(
-                        path() + ".sites",
-                        fmt::format("{}; the scene moved by up to {:.3g}", lack, cell_.report.moved),
-                        upper_bound(magnitude(e)));
-                else
-                    certificate_.refute(path() + ".sites", lack);
-                return true;
+                const double width = upper_bound(magnitude(e));
+                const std::string rival = fmt::format("{}, which ties to {:.3g}", title(c.site), width);
+                if (cell_.report.moved <= 0) {
+                    certificate_.refute(path() + ".sites", "lack " + rival);
+                    return true;
+                }
+                const std::string moved =
+                    fmt::format("{}; the scene moved by up to {:.3g}", rival, cell_.report.moved);
+                if (width > tie_width(c.site) + 2 * v.error) {
+                    certificate_.leave_open(path() + ".sites", "lack " + moved, width);
+                    return true;
+                }
+                // What is nearer by as little is no fault either: in the scene as it was decided about the
+                // site may be farther. That no edge of it ends here the tiling says.
+                nearer = std::max(nearer, width);
+                note = "not among the sites is " + moved + "; ";
+                continue;
             }
             if (-upper_bound(e) > tie_width(c.site) + 2 * v.error) {
                 certificate_.refute(

@@ -288,6 +288,30 @@ TEST_CASE("check of a diagram: a plane along a side of the box, and balls beyond
     CHECK(between.elements.back().what.find("no cell here") != std::string::npos);
 }
 
+TEST_CASE(
+    "check of a diagram: a plane through corners of the box, which it moves off as it is decided about") {
+    const StoredDiagram whole =
+        stored(read_diagram_scene(VCELL_EXAMPLE_SCENES "/four_balls_two_planes.json"), true);
+    check_filled(whole);
+    // A corner where three sides tie with the plane as given, and in which a side's edges end.
+    const auto cell =
+        std::ranges::find_if(whole.cells, [](const auto& c) { return c.second.report.moved > 0; });
+    REQUIRE(cell != whole.cells.end());
+    const auto k = static_cast<std::size_t>(cell - whole.cells.begin());
+    const auto v = static_cast<std::size_t>(
+        std::ranges::max_element(cell->second.vertices, {},
+                                 [](const CellVertex& x) { return x.sites.size(); }) -
+        cell->second.vertices.begin());
+    const std::size_t sites = cell->second.vertices[v].sites.size();
+    REQUIRE(sites > 2);
+    for (std::size_t s = 0; s < sites; ++s) {
+        StoredDiagram lacking = whole;
+        auto& left = lacking.cells[k].second.vertices[v].sites;
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(s));
+        CHECK(objects_to(certify(lacking), "cells["));
+    }
+}
+
 TEST_CASE("check of a diagram: damaged cells of tubes and planes are objected to") {
     std::mt19937_64 rng(test_seed());
     static const StoredDiagram whole = stored(
