@@ -8,6 +8,9 @@
 
 namespace vcell {
 
+// More items than this are not compared with each other: pairs would take longer than what they spare.
+inline constexpr std::size_t most_compared_in_pairs = 16;
+
 // Removes it; certainly_above(a, b): is a above b wherever both are compared?
 template <class Items, class Above>
 void drop_dominated(Items& items, Above&& certainly_above) {

@@ -98,6 +98,28 @@ public:
         items.resize(kept);
     }
 
+    /// The same, whatever the number of items: first what the best of its own kind hides. Few are left to be
+    /// compared in pairs.
+    template <class Items, class Form, class Range, class Above>
+    void drop_hidden(Items& items, Form&& form, Range&& range, Above&& above) const {
+        drop_worse_than_best(items, form, range, above);
+        if (items.size() > 1 && items.size() <= most_compared_in_pairs) drop_hidden(items, form, above);
+    }
+
+    /// Leaves out what ranges of values alone tell to be hidden by its own kind.
+    template <class Items, class Form>
+    void drop_out_of_range(Items& items, Form&& form) const {
+        double top = Interval::whole().upper(), bottom = -top;
+        for (const auto& i : items)
+            if (is_of_floor(form(i)))
+                bottom = std::max(bottom, i.range.lower());
+            else
+                top = std::min(top, i.range.upper());
+        std::erase_if(items, [&](const auto& i) {
+            return is_of_floor(form(i)) ? i.range.upper() < bottom : i.range.lower() > top;
+        });
+    }
+
     /// Those of the candidates that may show where values are enclosed by `value`.
     template <class Value>
     std::vector<FormId> possibly_showing(std::span<const FormId> candidates, Value&& value) const {
@@ -161,6 +183,32 @@ public:
     }
 
 private:
+    // Leaves out what the best of its own kind hides: of a floor that whose values, within range(i), are
+    // greatest at least, otherwise that whose values are least at most.
+    template <class Items, class Form, class Range, class Above>
+    void drop_worse_than_best(Items& items, Form&& form, Range&& range, Above&& above) const {
+        if (items.size() < 2) return;
+        using Item = std::ranges::range_value_t<Items>;
+        const double infinity = Interval::whole().upper();
+        double greatest = -infinity, least = infinity;
+        const Item *floor = nullptr, *other = nullptr;
+        for (const Item& i : items) {
+            const Interval r = range(i);
+            if (is_of_floor(form(i))) {
+                if (floor == nullptr || r.lower() > greatest) floor = &i;
+                greatest = std::max(greatest, r.lower());
+            } else {
+                if (other == nullptr || r.upper() < least) other = &i;
+                least = std::min(least, r.upper());
+            }
+        }
+        const Item best_floor = floor != nullptr ? *floor : Item(),
+                   best_other = other != nullptr ? *other : Item();
+        std::erase_if(items, [&](const Item& i) {
+            return is_of_floor(form(i)) ? above(best_floor, i) : above(i, best_other);
+        });
+    }
+
     std::vector<char> is_of_floor_;
     bool is_below_ = false, is_any_ = false;
 };

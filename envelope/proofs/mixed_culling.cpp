@@ -70,7 +70,8 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
         const HeightJet<Interval> all = heights_.jet(f, X, Y);
         spreads.push_back({f, {}, {}, all.gx, all.gy, all.v, {}});
     }
-    if (!rule_.is_any()) drop_out_of_range(spreads);
+    const auto form = [](const Spread& s) { return s.form; };
+    rule_.drop_out_of_range(spreads, form);
     for (Spread& s : spreads) s.v = heights_.value(s.form, mx, my);
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
         return a.range.lower() > b.range.upper() ||
@@ -79,15 +80,12 @@ std::vector<MixedAnalysis::Spread> MixedAnalysis::lowest_spreads(const std::arra
                        .lower() > 0 ||
                (heights_.are_twins(a.form, b.form) && is_above_twin(a.form, b.form, X, Y));
     };
-    const auto top = [&](const Spread& s) {
-        return std::min(s.range.upper(), s.v.upper() + s.gx.magnitude() * rx + s.gy.magnitude() * ry);
+    const auto values = [&](const Spread& s) {
+        const double step = s.gx.magnitude() * rx + s.gy.magnitude() * ry;
+        return narrowed(s.range, {s.v.lower() - step, s.v.upper() + step});
     };
     const auto drop = [&](std::vector<Spread>& all) {
-        if (rule_.is_any())
-            rule_.drop_hidden(
-                all, [](const Spread& s) { return s.form; }, certainly_above);
-        else
-            drop_above_best(all, top, certainly_above);
+        rule_.drop_hidden(all, form, values, certainly_above);
     };
     drop(spreads);
     if (heights_.family().tips.any() && spreads.size() > 1) {

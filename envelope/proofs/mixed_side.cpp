@@ -261,10 +261,12 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
         const HeightJet<Interval> all = heights_.jet(f, range[0], range[1]);
         items.push_back({f, {}, line.along(all), all.v});
     }
-    if (!rule_.is_any()) drop_out_of_range(items);
+    const auto form = [](const Item& i) { return i.form; };
+    rule_.drop_out_of_range(items, form);
     for (Item& i : items) i.v = heights_.value(i.form, middle[0], middle[1]);
-    const auto top = [&](const Item& i) {
-        return std::min(i.range.upper(), i.v.upper() + i.slope.magnitude() * r);
+    const auto values = [&](const Item& i) {
+        const double step = i.slope.magnitude() * r;
+        return narrowed(i.range, {i.v.lower() - step, i.v.upper() + step});
     };
     const auto certainly_above = [&](const Item& a, const Item& b) {
         return a.range.lower() > b.range.upper() ||
@@ -272,11 +274,7 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
                (heights_.are_twins(a.form, b.form) &&
                 line.is_above_twin(heights_, a.form, b.form, Interval(s0, s1)));
     };
-    if (rule_.is_any())
-        rule_.drop_hidden(
-            items, [](const Item& i) { return i.form; }, certainly_above);
-    else
-        drop_above_best(items, top, certainly_above);
+    rule_.drop_hidden(items, form, values, certainly_above);
     if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
     if (items.size() == 2 && out.least_slope == 0) {
         items[0].slope = line.mean_slope_difference(heights_, items[0].form, items[1].form, Interval(s0, s1));

@@ -37,27 +37,6 @@ inline bool is_point(Interval i) { return i.lower() == i.upper(); }
 // Bounds the distance of all points of a box from its middle.
 inline double reach(Interval x, Interval y) { return Interval::up(std::hypot(x.radius(), y.radius())); }
 
-// More items than this are not compared with each other: pairs would take longer than what they spare.
-inline constexpr std::size_t most_compared_in_pairs = 16;
-
-// As drop_dominated(), whatever their number: first what is above the item whose top is lowest. That beats
-// most of the others; few are left to be compared in pairs.
-template <class Items, class Top, class Above>
-void drop_above_best(Items& items, Top&& top, Above&& certainly_above) {
-    if (items.size() < 2) return;
-    const auto best = *std::ranges::min_element(items, {}, top);
-    std::erase_if(items, [&](const auto& i) { return certainly_above(i, best); });
-    if (items.size() <= most_compared_in_pairs) drop_dominated(items, certainly_above);
-}
-
-// Leaves out what one of the items is below with all of its range, before more is asked about them.
-template <class Items>
-void drop_out_of_range(Items& items) {
-    double top = infinity;
-    for (const auto& i : items) top = std::min(top, i.range.upper());
-    std::erase_if(items, [&](const auto& i) { return i.range.lower() > top; });
-}
-
 // Those of the candidates that may attain the minimum of values enclosed by `value`.
 template <class Value>
 std::vector<FormId> possibly_lowest(std::span<const FormId> candidates, Value&& value) {

@@ -90,7 +90,8 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         }
     }
     if (family.radial.empty()) return;
-    for (BoxNormals& p : box_normals_) p.normals = RadialNormals<Interval>(family.chart, p.x, p.y);
+    for (BoxNormals& p : box_normals_)
+        p.normals = RadialNormals<Interval>(family.chart, p.x, p.y, family.tips);
     radial_.reserve(family.size());
     wide_radial_.resize(family.size());
     for (const CircularForm& f : family.forms)
@@ -108,7 +109,7 @@ const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
             return box_normals_[i].normals;
         }
     newer_ = 1 - newer_;
-    box_normals_[newer_] = {x, y, RadialNormals<Interval>(family_.chart, x, y)};
+    box_normals_[newer_] = {x, y, RadialNormals<Interval>(family_.chart, x, y, family_.tips)};
     return box_normals_[newer_].normals;
 }
 
@@ -129,7 +130,7 @@ FunctionJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) co
     } else if (!p) {
         p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), enclosure_of<Wide>, family_.tips);
     }
-    return p->jet<order>(RadialNormals<Wide>(family_.chart, x, y));
+    return p->jet<order>(RadialNormals<Wide>(family_.chart, x, y, family_.tips));
 }
 
 Interval Heights::scale(Interval x, Interval y) const {
@@ -271,6 +272,7 @@ void Heights::find_twins() const {
     signatures_.reserve(family_.size());
     for (std::uint32_t f = 0; f < family_.size(); ++f) signatures_.emplace_back(family_, FormId{f});
     have_twins_ = which_have_twins(signatures_);
+    are_any_twins_ = std::ranges::find(have_twins_, true) != have_twins_.end();
 }
 
 std::optional<FunctionJet<Interval>> Heights::twin_difference(FormId f, FormId g, Interval x,
@@ -285,7 +287,7 @@ std::optional<FunctionJet<Interval>> Heights::twin_difference(FormId f, FormId g
     if (is_radial()) {
         const RadialHeight<Interval>& height = radial_[f.value];
         const RadialNormals<Interval>& n = normals(x, y);
-        return height.with_tips(it->second.over(height.plain_jet<2>(n), n), y);
+        return height.with_tips(it->second.over(height.plain_jet<2>(n), n), n);
     }
     const auto [v, gx, gy] = jet(f, x, y);
     const auto [xx, xy, yy] = curvature(f, x, y);

@@ -181,11 +181,12 @@ private:
     // Made when asked for.
     mutable std::vector<FormSignature> signatures_;
     mutable std::vector<bool> have_twins_;
+    mutable bool are_any_twins_ = false;
     mutable std::map<std::array<FormId, 2>, TwinDifference> twins_;
     void find_twins() const;
     std::optional<double> twin_factor(FormId f, FormId g) const {
-        if (have_twins_.empty()) find_twins();
-        if (!have_twins_[f.value] || !have_twins_[g.value] || f == g) return std::nullopt;
+        if (signatures_.empty()) find_twins();
+        if (!are_any_twins_ || !have_twins_[f.value] || !have_twins_[g.value] || f == g) return std::nullopt;
         return signatures_[f.value].factor(signatures_[g.value]);
     }
 };

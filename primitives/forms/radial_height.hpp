@@ -186,12 +186,35 @@ private:
     bool is_point_ = true;
 };
 
-/// The unit normals over a box of the chart.
+/// A function of y along a cylinder's axis, with its derivatives.
+template <class T>
+struct AlongAxis {
+    T v, y, yy;
+
+    friend AlongAxis operator*(const AlongAxis& a, const AlongAxis& b) {
+        return {a.v * b.v, a.v * b.y + a.y * b.v, a.v * b.yy + T(2.0) * a.y * b.y + a.yy * b.v};
+    }
+};
+
+/// From a tip at the named end, towards the region.
+template <class T>
+AlongAxis<T> distance_from_tip(AxialEnd end, double tip, const T& y) {
+    return end == AxialEnd::Low ? AlongAxis<T>{y - T(tip), T(1.0), T(0.0)}
+                                : AlongAxis<T>{T(tip) - y, T(-1.0), T(0.0)};
+}
+
+/// The unit normals over a box of the chart, and how far the box is from tips.
 template <class T>
 class RadialNormals {
 public:
     RadialNormals() = default;
-    RadialNormals(Chart chart, const T& x, const T& y) : y_(y), middle_y_(y.mid()) {
+    RadialNormals(Chart chart, const T& x, const T& y, const AxialTips& tips = {})
+        : y_(y), middle_y_(y.mid()) {
+        for (const AxialEnd end : {AxialEnd::Low, AxialEnd::High}) {
+            if (!tips[end]) continue;
+            const AlongAxis<T> distance = distance_from_tip(end, *tips[end], y);
+            distances_ = distances_ ? *distances_ * distance : distance;
+        }
         if (chart.is_cylinder())
             normals_ = NormalsAround<T>(x);
         else
@@ -201,6 +224,8 @@ public:
     const T& y() const { return y_; }
     /// A number in y.
     const T& middle_y() const { return middle_y_; }
+    /// The product of the distances from all tips. Pre: there is one.
+    const AlongAxis<T>& distances() const { return *distances_; }
 
     /// The jet of v.u; over a half-angle chart without v_y.
     template <int order>
@@ -214,6 +239,7 @@ public:
 private:
     std::variant<NormalsAround<T>, NormalsOfSphere<T>> normals_;
     T y_, middle_y_;
+    std::optional<AlongAxis<T>> distances_;
 };
 
 /// The coefficients of a form in one number type.
@@ -256,12 +282,13 @@ public:
         slope_ = zero;
     }
 
-    /// Derivatives up to the given order; the others are unset. Where the root may vanish (the object is met
-    /// at infinity only) the first ones bound difference quotients, and second ones are the whole line.
+    /// Derivatives up to the given order; the others are unset. Pre: the normals know the same tips. Where
+    /// the root may vanish (the object is met at infinity only) the first ones bound difference quotients,
+    /// and second ones are the whole line.
     template <int order>
     FunctionJet<T> jet(const RadialNormals<T>& n) const {
         if (!tips_.any()) return plain_jet<order>(n);
-        return own_tip_ ? jet_at_own_tip<order>(n) : times<order>(plain_jet<order>(n), distances(n.y()));
+        return own_tip_ ? jet_at_own_tip<order>(n) : times<order>(plain_jet<order>(n), n.distances());
     }
 
     /// Without the distances from tips.
@@ -354,8 +381,8 @@ public:
     }
 
     /// What is known of a plain height, or of a difference of such, times the distances from tips.
-    FunctionJet<T> with_tips(const FunctionJet<T>& plain, const T& y) const {
-        return tips_.any() ? times<2>(plain, distances(y)) : plain;
+    FunctionJet<T> with_tips(const FunctionJet<T>& plain, const RadialNormals<T>& n) const {
+        return tips_.any() ? times<2>(plain, n.distances()) : plain;
     }
 
     /// About the plain height and its derivatives where the angle's sine and cosine are these and x grows by
@@ -418,27 +445,8 @@ private:
         return {T::whole(), T::whole(), T::whole(), T::whole(), T::whole(), T::whole()};
     }
 
-    // A function of y and its derivatives.
-    struct AlongAxis {
-        T v, y, yy;
-
-        AlongAxis operator*(const AlongAxis& o) const {
-            return {v * o.v, v * o.y + y * o.v, v * o.yy + T(2.0) * y * o.y + yy * o.v};
-        }
-    };
-    static AlongAxis distance(AxialEnd end, double tip, const T& y) {
-        return end == AxialEnd::Low ? AlongAxis{y - T(tip), T(1.0), T(0.0)}
-                                    : AlongAxis{T(tip) - y, T(-1.0), T(0.0)};
-    }
-    // The product of those from all tips.
-    AlongAxis distances(const T& y) const {
-        AlongAxis d{T(1.0), T(0.0), T(0.0)};
-        for (const AxialEnd end : {AxialEnd::Low, AxialEnd::High})
-            if (tips_[end]) d = d * distance(end, *tips_[end], y);
-        return d;
-    }
     template <int order>
-    static FunctionJet<T> times(const FunctionJet<T>& f, const AlongAxis& d) {
+    static FunctionJet<T> times(const FunctionJet<T>& f, const AlongAxis<T>& d) {
         FunctionJet<T> out;
         out.v = f.v * d.v;
         if constexpr (order > 0) {
@@ -459,14 +467,14 @@ private:
         const T& y = n.y();
         const double tip = *tips_[*own_tip_];
         const auto C = [&](const T& at) { return c_at_tip_ + c_[1] * (at - T(tip)); };
-        const auto ratio = [&](const T& at) { return distance(*own_tip_, tip, at).v / C(at); };
+        const auto ratio = [&](const T& at) { return distance_from_tip(*own_tip_, tip, at).v / C(at); };
         const T over = hull(C(bottom(y)), C(top(y)));
         if (over.sign() != Sign::Positive) return unknown();
         const T slope = (*own_tip_ == AxialEnd::Low ? c_at_tip_ : -c_at_tip_) / square(over), factor(-2.0);
-        AlongAxis k{factor * hull(ratio(bottom(y)), ratio(top(y))), factor * slope,
-                    T(4.0) * c_[1] * slope / over};
+        AlongAxis<T> k{factor * hull(ratio(bottom(y)), ratio(top(y))), factor * slope,
+                       T(4.0) * c_[1] * slope / over};
         const AxialEnd other = *own_tip_ == AxialEnd::Low ? AxialEnd::High : AxialEnd::Low;
-        if (tips_[other]) k = k * distance(other, *tips_[other], y);
+        if (tips_[other]) k = k * distance_from_tip(other, *tips_[other], y);
         FunctionJet<T> B = n.around()->template along<order>(around_b_);
         B.v += b0_;
         return times<order>(B, k);
