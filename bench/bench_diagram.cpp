@@ -3,17 +3,19 @@
 //   molecule/<name>  all atoms of FOLDER/<name>.xyzr in a box with 5 of room on every side
 //   packing/n        n disjoint balls of radii up to 5:1 in a box that repeats
 //   random/n         n points in a cube
+//   tubes/n          n disjoint tubes that run through a cube in all directions
 //   lattice/<kind>   cubic, bcc, fcc: equal balls in a box that repeats, where every vertex is degenerate;
 //   and jittered/<kind>  the same, each moved a little
 //
 // Usage: bench_diagram [--max_n=N] [--threads=T] [--molecules=FOLDER] [Google Benchmark's options]
 //
-// Sizes above N (default 10,000) are left out, and molecules without FOLDER. T: default 1. Counters: n balls;
-// us_per_ball; contacts; candidates, the mean number of balls that a cell was computed among; volume_error,
-// the bound on the sum of all volumes as a part of the box's.
+// Sizes above N (default 10,000) are left out, and molecules without FOLDER. T: default 1. Counters: n
+// objects; us_per_object; contacts; candidates, the mean number of objects that a cell was computed among;
+// volume_error, the bound on the sum of all volumes as a part of the box's.
 //
 // Every diagram must fill its box and its cells agree about their faces; otherwise it is an error and the
 // exit status 1.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -51,7 +53,7 @@ void measure(benchmark::State& state, const Maker& make) {
     if (!sum.fills()) return fail(state, "the cells do not fill the box");
     const auto n = static_cast<double>(scene.objects.size());
     state.counters["n"] = n;
-    state.counters["us_per_ball"] = benchmark::Counter(
+    state.counters["us_per_object"] = benchmark::Counter(
         1e-6 * n, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
     state.counters["contacts"] = static_cast<double>(table.contacts.size());
     state.counters["candidates"] = candidates / n;
@@ -127,6 +129,29 @@ DiagramScene lattice(const std::vector<Vec3>& places, double jitter) {
     return scene;
 }
 
+// As many to a square of the cube's sides whatever their number.
+DiagramScene tubes(std::uint32_t n) {
+    constexpr double radius = 0.12, gap = 1e-3;
+    RandomLengths random(5);
+    const double side = std::sqrt(n);
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Constant(side)};
+    const auto is_clear = [&](const Cylinder& tube) {
+        return std::ranges::all_of(scene.objects, [&](const Object& o) {
+            const auto& other = std::get<Cylinder>(o);
+            const Vec3 across = tube.axis.cross(other.axis).stableNormalized();
+            return std::abs(across.dot(tube.point - other.point)) > 2 * radius + gap;
+        });
+    };
+    while (scene.objects.size() < n) {
+        const Vec3 point(random.uniform(0, side), random.uniform(0, side), random.uniform(0, side)),
+            axis(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+        const Cylinder tube{point, axis, radius};
+        if (axis.norm() < 1 && is_clear(tube)) scene.objects.push_back(tube);
+    }
+    return scene;
+}
+
 // Takes an option's value out of the arguments.
 std::string take(int& argc, char** argv, const char* option) {
     std::string value;
@@ -161,6 +186,8 @@ int main(int argc, char** argv) {
         add("packing/" + std::to_string(n), [n] { return packing(n); });
         add("random/" + std::to_string(n), [n] { return points(n); });
     }
+    for (const std::uint32_t n : {20u, 100u})
+        if (n <= *max_n) add("tubes/" + std::to_string(n), [n] { return tubes(n); });
     const std::vector<std::pair<const char*, std::vector<Vec3>>> lattices{
         {"cubic", {{0, 0, 0}}},
         {"bcc", {{0, 0, 0}, {1, 1, 1}}},

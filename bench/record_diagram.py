@@ -6,7 +6,7 @@
 FOLDER holds 1CRN.xyzr, 1AKI.xyzr, 4HHB.xyzr and 4YVS.xyzr; without it molecules are left out. Seconds are CPU time of one
 thread: search, proofs that the cells are complete, areas and volumes of all of them, the least of the repetitions.
 `volume_error` is the bound on the sum of the volumes, against the box's, which the bench finds within it; `candidates` the
-objects that a cell was computed among. Targets are microseconds a ball.
+objects that a cell was computed among. Targets are microseconds an object.
 
 The commit is that of the source tree this script lies in ("+" when files differ from it): build there before
 recording. Exit status 1: the bench failed, or found a diagram that does not fill its box.
@@ -17,8 +17,8 @@ import pathlib
 
 import record
 
-TARGETS = {"molecule/4YVS": 40, "packing/10000": 80}
-COLUMNS = ("scene", "n", "seconds", "us_per_ball", "target", "target_ratio", "contacts", "candidates", "volume_error", "compiler",
+TARGETS = {"molecule/4YVS": 40, "packing/10000": 80, "tubes/100": 600000}
+COLUMNS = ("scene", "n", "seconds", "us_per_object", "target", "target_ratio", "contacts", "candidates", "volume_error", "compiler",
            "machine", "commit")
 
 
@@ -33,7 +33,7 @@ def rows_of(report):
     for name, b in least.items():
         n, seconds = round(b["n"]), b["cpu_time"] * unit[b["time_unit"]]
         each, target = seconds / n * 1e6, TARGETS.get(name)
-        yield {"scene": name, "n": n, "seconds": f"{seconds:.4g}", "us_per_ball": f"{each:.4g}",
+        yield {"scene": name, "n": n, "seconds": f"{seconds:.4g}", "us_per_object": f"{each:.4g}",
                **({"target": target, "target_ratio": f"{each / target:.3g}"} if target else {}),
                "contacts": round(b["contacts"]), "candidates": f"{b['candidates']:.1f}",
                "volume_error": f"{b['volume_error']:.2g}"}

@@ -208,14 +208,15 @@ def diagram():
             ("molecule/4YVS", "4YVS, likewise"),
             ("random/10000", "random points in a cube"),
             ("packing/10000", "disjoint balls of radii up to 5:1 in a box that repeats"),
+            ("tubes/100", "disjoint tubes that run through a cube in all directions"),
             ("lattice/bcc", "body-centred cubic lattice"),
             ("lattice/fcc", "face-centred cubic lattice, where six balls tie in a vertex"),
             ("jittered/fcc", "the same, jittered")):
         if scene in cells:
             r = cells[scene]
-            rows.append((what, large(r["n"]), time(r["seconds"]), f"{digits(float(r['us_per_ball']))} µs",
+            rows.append((what, large(r["n"]), time(r["seconds"]), time(1e-6 * float(r["us_per_object"])),
                          f"{float(r['contacts']) / float(r['n']):.1f}", r["volume_error"]))
-    return table(("scene", "balls", "all cells", "a ball", "contacts a ball", "bound on the volumes' sum, parts of the box"),
+    return table(("scene", "objects", "all cells", "an object", "contacts an object", "bound on the volumes' sum, parts of the box"),
                  "lrrrrr", rows)
 
 
