@@ -80,22 +80,23 @@ private:
         const std::string where = part_path(k);
         for (const Vec3& end : part.ends) {
             if (!end.allFinite()) return certificate_.refute(where + ".ends", "are not finite");
-            const double off = geometry_.height(end) - geometry_.least_height();
-            if (!(off <= geometry_.rounding()))
-                return certificate_.refute(where + ".ends", fmt::format("are {:.3g} away from the axis", off),
-                                           off);
+            const double away = geometry_.height(end) - geometry_.least_height();
+            if (!(away <= geometry_.rounding()))
+                return certificate_.refute(where + ".ends",
+                                           fmt::format("are {:.3g} away from the axis", away), away);
         }
         const Interval length = along(part.ends[1]) - along(part.ends[0]);
         if (length.upper() <= 0) return certificate_.refute(where + ".ends", "are not ascending");
         if (!(length.lower() > 0))
             return certificate_.leave_open(where + ".ends", "are too near to each other", length.upper());
+        // The axis is no farther from the ends as the file has them.
+        const double off = std::max(from_axis(part.ends[0]), from_axis(part.ends[1])) * (1 + 0x1p-50);
         for (std::uint32_t s = 0; s < 6; ++s) {
             const double first = inside(s, part.ends[0]), last = inside(s, part.ends[1]);
-            if ((first < -geometry_.rounding() && last > geometry_.rounding()) ||
-                (first > geometry_.rounding() && last < -geometry_.rounding()))
+            if ((first < -off && last > off) || (first > off && last < -off))
                 return certificate_.refute(where + ".ends", fmt::format("the axis crosses {} between them",
                                                                         title(Site::box_side(s))));
-            if (std::min(std::abs(first), std::abs(last)) <= geometry_.rounding())
+            if (std::min(std::abs(first), std::abs(last)) <= off)
                 return certificate_.leave_open(where + ".ends",
                                                fmt::format("are too near to {}", title(Site::box_side(s))),
                                                std::min(std::abs(first), std::abs(last)));
@@ -107,6 +108,11 @@ private:
     double inside(std::uint32_t side, const Vec3& p) const {
         const auto axis = static_cast<Eigen::Index>(side / 2);
         return side % 2 != 0 ? cell_.scene.box.max[axis] - p[axis] : p[axis] - cell_.scene.box.min[axis];
+    }
+    double from_axis(const Vec3& p) const {
+        const Vector<Interval> across =
+            cross(space_.base().direction, to_vector<Interval>(p) - space_.base().point);
+        return sqrt(square(across)).upper();
     }
     Interval along(const Vec3& p) const {
         return dot(space_.base().direction, to_vector<Interval>(p) - space_.base().point);

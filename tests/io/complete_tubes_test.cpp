@@ -226,6 +226,12 @@ TEST_CASE("complete tubes: scaled and moved cells are proved, too") {
         const Certificate certificate = certify(complete_cell(each));
         CHECK_MESSAGE(certificate.holds(), listing(certificate));
     }
+    // So far out faces may stay open, but where the parts are is told: ends are as near to the planes of
+    // sides as some roundings of their coordinates.
+    const Cell far = complete_cell(change(scene, 1, {1e6, 1e6, -1e6}));
+    const Certificate certificate = certify(far);
+    for (std::size_t k = 0; k < far.parts.size(); ++k)
+        CHECK(is_proved(certificate, "parts[" + std::to_string(k) + "]"));
 }
 
 // --- Damage ---------------------------------------------------------------------------------------------
