@@ -78,8 +78,8 @@ struct DiagramPicture {
         }
         mesh->numbers = {std::move(volume), std::move(porosity)};
     }
-    void end() {
-        if (text) text->finish();
+    void end(const VoronoiDiagram& diagram) {
+        if (text) text->finish(diagram);
         if (cut) cut->write(file->stream());
         if (page) page->finish();
         if (mesh) write_mesh(file->stream(), format, *mesh);
@@ -212,7 +212,7 @@ Status DiagramCommand::run() const {
     const ContactTable table = contacts(diagram);
     for (DiagramPicture& picture : pictures) {
         if (bodies_) picture.set_numbers(diagram);
-        picture.end();
+        picture.end(diagram);
     }
     if (cells) write_cell_table(cells->stream(), scene, diagram);
     if (pairs) write_contact_table(pairs->stream(), scene, table);

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +20,7 @@
 #include "../../core/numbers/interval.hpp"
 #include "../../core/threads.hpp"
 #include "containment.hpp"
+#include "diagram_pairs.hpp"
 #include "near_balls.hpp"
 #include "space.hpp"
 
@@ -28,217 +28,11 @@ namespace vcell {
 
 namespace {
 
-// Numbers of a file are rounded (check.hpp).
-constexpr double file_rounding = 0x1p-44;
-
 std::string cell_name(std::uint32_t object) { return fmt::format("cells[{}]", object); }
 
-std::string text_of(const Vec3& p) { return fmt::format("({}, {}, {})", p.x(), p.y(), p.z()); }
-
 using check::ImageIndex;
-ImageIndex joined(const ImageIndex& a, const ImageIndex& b, int sign = 1) {
-    ImageIndex c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = static_cast<std::int16_t>(a[k] + sign * b[k]);
-    return c;
-}
 
-// A site of a vertex, as seen from one of its cells: of objects also which image it is.
-using PlacedSite = std::pair<Site, ImageIndex>;
-
-std::string to_string(const PlacedSite& placed) {
-    const auto& [site, image] = placed;
-    return site.is_object() ? to_string(ObjectImage{site.index, image}) : to_string(site);
-}
-
-// Which objects have cells.
-class CellsOfDiagram {
-public:
-    explicit CellsOfDiagram(const StoredDiagram& diagram) : diagram_(diagram) {}
-
-    bool is_ball(std::uint32_t i) const { return std::holds_alternative<Sphere>(diagram_.scene.objects[i]); }
-    const Sphere& ball(std::uint32_t i) const { return std::get<Sphere>(diagram_.scene.objects[i]); }
-    bool has_no_cell(std::uint32_t j) const {
-        return !std::ranges::binary_search(diagram_.cells, j, {}, [](const auto& c) { return c.first; });
-    }
-    // Is a ball's centre on a side of the box or beyond it? There it may have no cell in the file, though it
-    // owns something. The box does not repeat along an axis along which it is.
-    bool is_beyond(std::uint32_t i) const {
-        const Vec3& c = ball(i).center;
-        for (int k = 0; k < 3; ++k)
-            if (!diagram_.scene.periodic[static_cast<std::size_t>(k)] &&
-                !(c[k] > diagram_.scene.box.min[k] && c[k] < diagram_.scene.box.max[k]))
-                return true;
-        return false;
-    }
-    // Numbers of no object are of pairs, too, to be refuted. Balls without a cell own nothing.
-    bool is_paired(std::uint32_t i) const {
-        return i >= diagram_.scene.objects.size() || !has_no_cell(i) || (is_ball(i) && !is_beyond(i));
-    }
-
-private:
-    const StoredDiagram& diagram_;
-};
-
-// That cells agree about what two of them share.
-class DiagramPairs {
-public:
-    DiagramPairs(const StoredDiagram& diagram, const check::NearBalls& balls, double rounding)
-        : diagram_(diagram), balls_(balls), rounding_(rounding) {}
-
-    void operator()(Certificate& certificate) const {
-        std::map<Pair, std::array<Shared, 2>> pairs;
-        for (const auto& [object, cell] : diagram_.cells) {
-            const ObjectImage own{object, {}};
-            const auto shared = [&](const ObjectImage& other) -> Shared& {
-                return own < other ? pairs[{own.number, other}][0]
-                                   : pairs[{other.number, {own.number, joined({}, other.image, -1)}}][1];
-            };
-            const std::vector<ObjectImage>& images = cell.scene.images;
-            const auto is_shared = [&](const Site& site) {
-                return site.is_object() && CellsOfDiagram(diagram_).is_paired(images[site.index].number);
-            };
-            for (const CellFace& f : cell.faces) {
-                std::vector<Site> sites{f.site};
-                sites.insert(sites.end(), f.extra_sites.begin(), f.extra_sites.end());
-                for (const Site site : sites) {
-                    if (!is_shared(site)) continue;
-                    Shared& s = shared(images[site.index]);
-                    ++s.faces;
-                    s.area += Interval(f.area) + Interval(-f.area_error, f.area_error);
-                }
-            }
-            for (const CellVertex& v : cell.vertices) {
-                std::vector<PlacedSite> sites{{Site::object(object), {}}};
-                for (const Site site : v.sites) {
-                    if (!site.is_object())
-                        sites.emplace_back(side_at(cell, site), ImageIndex{});
-                    else
-                        sites.emplace_back(Site::object(images[site.index].number), images[site.index].image);
-                }
-                std::ranges::sort(sites);
-                for (const Site site : v.sites)
-                    if (is_shared(site))
-                        shared(images[site.index]).vertices.push_back({sites, v.point, v.error});
-            }
-        }
-        for (auto& [pair, sides] : pairs) {
-            const std::string where = fmt::format("pairs[{}, {}]", pair.first, vcell::to_string(pair.second));
-            move(sides[1], pair.second.image);
-            const std::vector<const Cell*> in_parts = cells_in_parts(pair);
-            leave_whole(sides, in_parts);
-            if (const std::string fault = fault_of(sides, !in_parts.empty()); !fault.empty())
-                certificate.refute(where, fault);
-            else
-                certificate.prove(where);
-        }
-    }
-
-private:
-    // What a cell shares with one ball.
-    struct Shared {
-        std::size_t faces = 0;
-        Interval area{0.0};
-        struct Vertex {
-            std::vector<PlacedSite> sites;  // the cell's own ball among them
-            Vec3 point;
-            double error;
-        };
-        std::vector<Vertex> vertices;
-    };
-    // An object, and another one or an image as seen from it: the lower number first, and of a ball's own
-    // images the greater one of two opposite ones.
-    using Pair = std::pair<std::uint32_t, ObjectImage>;
-
-    // The side of the box that ends a tube along one of its axes, which its cell has for an end.
-    static Site side_at(const Cell& cell, const Site& site) {
-        const auto* tube = std::get_if<Cylinder>(&cell.scene.base);
-        if (tube == nullptr || site.kind != Site::Kind::End || !cell.parts.empty()) return site;
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            if (tube->axis[(k + 1) % 3] != 0 || tube->axis[(k + 2) % 3] != 0) continue;
-            return Site::box_side(2 * k + (tube->axis[k] > 0 ? site.index : 1 - site.index));
-        }
-        return site;
-    }
-
-    // Is a point certainly within a part of a cell that comes in parts?
-    bool is_in_part(const Cell& cell, const Vec3& p, double error) const {
-        const Vec3 along = std::get<Cylinder>(cell.scene.base).axis.stableNormalized();
-        return std::ranges::any_of(cell.parts, [&](const CellPart& part) {
-            const double room = error + rounding_;
-            return along.dot(p - part.ends[0]) > room && along.dot(part.ends[1] - p) > room;
-        });
-    }
-    // The cells of two objects that come in parts.
-    std::vector<const Cell*> cells_in_parts(const Pair& pair) const {
-        std::vector<const Cell*> found;
-        for (const std::uint32_t object : {pair.first, pair.second.number})
-            for (const auto& [number, cell] :
-                 std::ranges::equal_range(diagram_.cells, object, {}, [](const auto& c) { return c.first; }))
-                if (!cell.parts.empty()) found.push_back(&cell);
-        return found;
-    }
-    // Leaves of the vertices of two cells what both must have, as neither leaves it out.
-    void leave_whole(std::array<Shared, 2>& sides, const std::vector<const Cell*>& in_parts) const {
-        for (Shared& side : sides)
-            std::erase_if(side.vertices, [&](const Shared::Vertex& v) {
-                return std::ranges::any_of(
-                    in_parts, [&](const Cell* cell) { return !is_in_part(*cell, v.point, v.error); });
-            });
-    }
-
-    // The vertices of the second of two cells as the first one sees them.
-    void move(Shared& side, const ImageIndex& image) const {
-        if (image == ImageIndex{}) return;
-        const Vec3 by = balls_.shift(image);
-        for (Shared::Vertex& v : side.vertices) {
-            v.error += file_rounding * (v.point.norm() + by.norm());
-            v.point += by;
-            for (auto& [site, of] : v.sites)
-                if (site.is_object()) of = joined(of, image);
-            std::ranges::sort(v.sites);
-        }
-    }
-
-    std::string fault_of(std::array<Shared, 2>& sides, bool is_cut) const {
-        auto& [a, b] = sides;
-        if (!is_cut && a.faces != b.faces)
-            return fmt::format("the two cells have {} and {} faces between them", a.faces, b.faces);
-        if (!is_cut && a.faces > 0 && (a.area.upper() < b.area.lower() || b.area.upper() < a.area.lower()))
-            return fmt::format("the two cells have areas of {} and {} between them", a.area.mid(),
-                               b.area.mid());
-        if (a.vertices.size() != b.vertices.size())
-            return fmt::format("the two cells have {} and {} vertices with both objects", a.vertices.size(),
-                               b.vertices.size());
-        // Few vertices have the same sites: only these are compared.
-        const auto by_sites = [](const Shared::Vertex& v, const Shared::Vertex& w) {
-            return v.sites < w.sites;
-        };
-        std::ranges::stable_sort(a.vertices, by_sites);
-        std::ranges::stable_sort(b.vertices, by_sites);
-        std::vector<char> is_taken(b.vertices.size(), 0);
-        for (const Shared::Vertex& v : a.vertices) {
-            const auto [first, last] = std::equal_range(b.vertices.begin(), b.vertices.end(), v, by_sites);
-            const auto twin = std::find_if(first, last, [&](const Shared::Vertex& w) {
-                return !is_taken[&w - b.vertices.data()] &&
-                       (v.point - w.point).norm() <= v.error + w.error + rounding_;
-            });
-            if (twin == last) {
-                std::string sites;
-                for (const PlacedSite& s : v.sites) sites += (sites.empty() ? "" : ", ") + to_string(s);
-                return fmt::format("only one of the two cells has the vertex of {} at {}", sites,
-                                   text_of(v.point));
-            }
-            is_taken[twin - b.vertices.begin()] = 1;
-        }
-        return {};
-    }
-
-    const StoredDiagram& diagram_;
-    const check::NearBalls& balls_;
-    const double rounding_;  // of points, in the scene's unit
-};
-
-class DiagramCheck : CellsOfDiagram {
+class DiagramCheck : check::CellsOfDiagram {
 public:
     DiagramCheck(const StoredDiagram& diagram, const CheckOptions& options, unsigned threads)
         : CellsOfDiagram(diagram),
@@ -247,17 +41,18 @@ public:
           threads_(threads),
           balls_(diagram.scene) {
         const Box& box = diagram.scene.box;
-        rounding_ = file_rounding *
+        rounding_ = check::file_rounding *
                     std::max({box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff(), box.diagonal()});
         const std::vector<Object>& objects = diagram.scene.objects;
         for (std::uint32_t i = 0; i < objects.size(); ++i)
             if (!is_ball(i)) others_.emplace_back(i, check::Surface<Interval>(objects[i]));
+        find_hidden();
     }
 
     Certificate operator()() {
         check_cells();
         check_without_cells();
-        DiagramPairs(diagram_, balls_, rounding_)(certificate_);
+        check::certify_pairs(diagram_, balls_, rounding_, certificate_);
         check_volume();
         return std::move(certificate_);
     }
@@ -401,12 +196,7 @@ private:
             certificate.leave_open("scene", near.lack, HUGE_VAL);
             return certificate;
         }
-        // What is in another ball, or beyond a vessel's wall, owns nothing; of equal ones the first has the
-        // cell.
-        std::erase_if(near.found, [&](const Candidate& found) {
-            return std::holds_alternative<Sphere>(found.shape) && has_no_cell(found.object.number) &&
-                   !is_beyond(found.object.number);
-        });
+        std::erase_if(near.found, [&](const Candidate& found) { return is_hidden(found.object.number); });
         for (const ObjectImage& image : stored.scene.images)
             if (!std::ranges::binary_search(near.found, image, {}, &Candidate::object))
                 certificate.refute(
@@ -443,7 +233,11 @@ private:
             });
     }
 
-    void check_without_cells() {
+    // Is it a ball without a cell that lies in another object, beyond a vessel's wall, or in an equal ball of
+    // a lower number? There it owns nothing.
+    bool is_hidden(std::uint32_t i) const { return std::ranges::binary_search(hidden_, i); }
+
+    void find_hidden() {
         for (std::uint32_t i = 0; i < diagram_.scene.objects.size(); ++i) {
             if (!is_ball(i) || !has_no_cell(i)) continue;
             const auto holds = [&](const Candidate& found) {
@@ -451,10 +245,19 @@ private:
                        (found.object.number < i || !check::contains(ball(i), found.shape));
             };
             const Candidates near = candidates(i, 0);
-            if (!near.lack.empty())
-                certificate_.leave_open(cell_name(i), near.lack, HUGE_VAL);
-            else if (std::ranges::any_of(near.found, holds))
+            if (near.lack.empty() && std::ranges::any_of(near.found, holds)) hidden_.push_back(i);
+        }
+    }
+
+    void check_without_cells() {
+        for (std::uint32_t i = 0; i < diagram_.scene.objects.size(); ++i) {
+            if (!is_ball(i) || !has_no_cell(i)) continue;
+            if (is_hidden(i))
                 certificate_.prove(cell_name(i));
+            else if (is_lacking(i))
+                is_one_left_out_ = true;
+            else if (const std::string lack = candidates(i, 0).lack; !lack.empty())
+                certificate_.leave_open(cell_name(i), lack, HUGE_VAL);
             else if (is_beyond(i))
                 leave_out(i);
             else
@@ -522,8 +325,9 @@ private:
     const unsigned threads_;
     const check::NearBalls balls_;
     std::vector<std::pair<std::uint32_t, check::Surface<Interval>>> others_;  // that are no balls
-    double rounding_ = 0;           // of points, in the scene's unit
-    bool is_one_left_out_ = false;  // a ball that has no cell, though it may own something
+    std::vector<std::uint32_t> hidden_;  // balls without a cell that lie in something, ascending
+    double rounding_ = 0;                // of points, in the scene's unit
+    bool is_one_left_out_ = false;       // a ball that has no cell, though it may own something
     Certificate certificate_;
 };
 

@@ -5,17 +5,19 @@
 /// twice the cell's largest clearance, which certify() proves, too. Where the box repeats these are images
 /// (near_balls.hpp), and none of the cell's faces may lie on a side that repeats. Then
 ///   - a ball without a cell lies in another object, or beyond a vessel's wall, or equals a ball of a lower
-///     number; of one beyond the box nothing is said;
+///     number; of one beyond the box, or that the file says it lacks, nothing is said;
 ///   - pairs: two cells have as many faces between them, one area within both bounds, and the same vertices,
 ///     by all of their sites and within both errors: what cell i has with the image s of ball j, cell j has
-///     with the image -s of ball i, moved by s. Cells of tubes that come in parts (parts.hpp) cut faces and
-///     edges: with these pairs have the same vertices where neither cell leaves anything out;
+///     with the image -s of ball i, moved by s (diagram_pairs.hpp). Cells of tubes that come in parts
+///     (parts.hpp) cut faces and edges: with these pairs have the same vertices where neither cell leaves
+///     anything out;
 ///   - the volumes' enclosures add up to one of the box's volume; where there are objects without a cell
 ///   here, to
 ///     no more.
 /// Nothing that computed the diagram takes part.
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,6 +36,12 @@ struct StoredDiagram {
     /// elements are places in `images` of the cells' scenes, which have nothing else but the object as
     /// `base`, a plane turned to the side of its cell.
     std::vector<std::pair<std::uint32_t, Cell>> cells;
+    /// Objects whose cells the file has not, or of planes not on both sides, and why; ascending.
+    struct Lacking {
+        std::uint32_t object;
+        std::string reason;
+    };
+    std::vector<Lacking> lacking;
 };
 
 /// Elements are named "cells[7].vertices[3]", by the object's number, of a plane with its side, "cells[8-]",

@@ -82,7 +82,7 @@ void require_images(const StoredDiagram& diagram) {
 }  // namespace
 
 DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene)
-    : out_(out), writer_(out), objects_(scene.objects) {
+    : out_(out), writer_(out), objects_(scene.objects), is_added_(scene.objects.size(), false) {
     refuse_probe(scene);
     whole::validate_diagram(scene);
     DiagramScene decided = scene;
@@ -95,13 +95,29 @@ DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene)
 }
 
 void DiagramWriter::add(std::uint32_t object, const Cell& cell) {
+    is_added_[object] = true;
     std::optional<bool> side;
     if (std::holds_alternative<Plane>(objects_[object])) side = cell.scene.base == objects_[object];
     write_cell_of_diagram(writer_, object, side, cell);
 }
 
-void DiagramWriter::finish() {
+void DiagramWriter::finish(const VoronoiDiagram& diagram) {
     writer_.end_array();
+    std::vector<StoredDiagram::Lacking> lacking;
+    for (std::uint32_t i = 0; i < diagram.cells.size(); ++i) {
+        const DiagramCell& cell = diagram.cells[i];
+        if (cell.state == DiagramCell::State::Undecided || cell.state == DiagramCell::State::Refused)
+            lacking.push_back({i, cell.reason});
+        else if (cell.state == DiagramCell::State::Computed && !is_added_[i])
+            lacking.push_back({i, "is measured, but has no faces"});
+    }
+    if (!lacking.empty())
+        writer_.line_key("lacking").lines(lacking, [&](const StoredDiagram::Lacking& l) {
+            writer_.object([&] {
+                writer_.key("object").value(l.object);
+                writer_.key("reason").value(l.reason);
+            });
+        });
     writer_.end_object();
     writer_.finish();
     out_ << '\n';
@@ -120,16 +136,29 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
                                 is_diagram = true;
                                 diagram.scene = read_scene(in, diagram.moved);
                             }),
-            required_member("cells", [&] {
-                in.array([&](std::size_t i) {
-                    CellOfDiagram read = read_cell_of_diagram(in);
-                    if (i > 0 && !(diagram.cells.back().first < read.object ||
-                                   (diagram.cells.back().first == read.object && sides.back() == true &&
-                                    read.side == false)))
-                        in.fail(Kind::OutOfRange,
+            required_member(
+                "cells",
+                [&] {
+                    in.array([&](std::size_t i) {
+                        CellOfDiagram read = read_cell_of_diagram(in);
+                        if (i > 0 && !(diagram.cells.back().first < read.object ||
+                                       (diagram.cells.back().first == read.object && sides.back() == true &&
+                                        read.side == false)))
+                            in.fail(
+                                Kind::OutOfRange,
                                 "must be of a later object than the cell before, or on a plane's other side");
-                    diagram.cells.emplace_back(read.object, std::move(read.cell));
-                    sides.push_back(read.side);
+                        diagram.cells.emplace_back(read.object, std::move(read.cell));
+                        sides.push_back(read.side);
+                    });
+                }),
+            optional_member("lacking", [&] {
+                in.array([&](std::size_t i) {
+                    StoredDiagram::Lacking read{};
+                    in.object(required_member("object", [&] { read.object = static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX)); }),
+                              required_member("reason", [&] { read.reason = in.string(); }));
+                    if (i > 0 && !(diagram.lacking.back().object < read.object))
+                        in.fail(Kind::OutOfRange, "must be of a later object than the one before");
+                    diagram.lacking.push_back(std::move(read));
                 });
             }));
     } catch (const InputError&) {
@@ -143,6 +172,8 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
     const auto fail = [](const char* what) {
         throw InputError(Kind::OutOfRange, InputError::no_object, "cells", what);
     };
+    if (!diagram.lacking.empty() && diagram.lacking.back().object >= diagram.scene.objects.size())
+        throw InputError(Kind::OutOfRange, InputError::no_object, "lacking", "names what is no object");
     for (std::size_t i = 0; i < sides.size(); ++i) {
         auto& [object, cell] = diagram.cells[i];
         if (object >= diagram.scene.objects.size() || is_vessel(diagram.scene.objects[object]))

@@ -21,12 +21,14 @@ public:
 
     /// Adds an object's cell. A plane has two: the one to which its normal points comes first.
     void add(std::uint32_t object, const Cell& cell);
-    void finish();
+    /// Ends with what the diagram has no cells of: objects whose cells were refused, undecided, or not added.
+    void finish(const VoronoiDiagram& diagram);
 
 private:
     std::ostream& out_;
     JsonWriter writer_;
     std::vector<Object> objects_;
+    std::vector<bool> is_added_;
 };
 
 /// None if the text is no diagram. Throws InputError with the JSON path of the first offender.

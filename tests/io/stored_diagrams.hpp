@@ -17,8 +17,7 @@ inline std::string text_of(const DiagramScene& scene, bool complete = false) {
     DiagramOptions options;
     options.complete = complete;
     options.visit = [&](std::uint32_t object, const Cell& cell) { writer.add(object, cell); };
-    voronoi_diagram(scene, options);
-    writer.finish();
+    writer.finish(voronoi_diagram(scene, options));
     return out.str();
 }
 

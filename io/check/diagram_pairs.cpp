@@ -1,0 +1,259 @@
+#include "diagram_pairs.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../../core/curves/bspline.hpp"
+#include "../../core/numbers/interval.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+std::string text_of(const Vec3& p) { return fmt::format("({}, {}, {})", p.x(), p.y(), p.z()); }
+
+ImageIndex joined(const ImageIndex& a, const ImageIndex& b, int sign = 1) {
+    ImageIndex c;
+    for (std::size_t k = 0; k < 3; ++k) c[k] = static_cast<std::int16_t>(a[k] + sign * b[k]);
+    return c;
+}
+
+// A site of a vertex, as seen from one of its cells: of objects also which image it is.
+using PlacedSite = std::pair<Site, ImageIndex>;
+
+std::string to_string(const PlacedSite& placed) {
+    const auto& [site, image] = placed;
+    return site.is_object() ? to_string(ObjectImage{site.index, image}) : to_string(site);
+}
+
+// That cells agree about what two of them share.
+class DiagramPairs {
+public:
+    DiagramPairs(const StoredDiagram& diagram, const NearBalls& balls, double rounding)
+        : diagram_(diagram), balls_(balls), rounding_(rounding) {}
+
+    void operator()(Certificate& certificate) const {
+        std::map<Pair, std::array<Shared, 2>> pairs;
+        for (const auto& [object, cell] : diagram_.cells) {
+            const ObjectImage own{object, {}};
+            const auto shared = [&](const ObjectImage& other) -> Shared& {
+                return own < other ? pairs[{own.number, other}][0]
+                                   : pairs[{other.number, {own.number, joined({}, other.image, -1)}}][1];
+            };
+            const std::vector<ObjectImage>& images = cell.scene.images;
+            const auto is_shared = [&](const Site& site) {
+                return site.is_object() && CellsOfDiagram(diagram_).is_paired(images[site.index].number);
+            };
+            for (const CellFace& f : cell.faces) {
+                std::vector<Site> sites{f.site};
+                sites.insert(sites.end(), f.extra_sites.begin(), f.extra_sites.end());
+                for (const Site site : sites) {
+                    if (!is_shared(site)) continue;
+                    Shared& s = shared(images[site.index]);
+                    ++s.faces;
+                    s.area += Interval(f.area) + Interval(-f.area_error, f.area_error);
+                }
+            }
+            for (const CellVertex& v : cell.vertices) {
+                const std::vector<PlacedSite> sites = placed(object, cell, v.sites);
+                for (const Site site : v.sites)
+                    if (is_shared(site))
+                        shared(images[site.index]).vertices.push_back({sites, v.point, v.error});
+            }
+        }
+        for (auto& [pair, sides] : pairs) {
+            const std::string where = fmt::format("pairs[{}, {}]", pair.first, vcell::to_string(pair.second));
+            move(sides[1], pair.second.image);
+            const std::vector<const Cell*> in_parts = cells_in_parts(pair);
+            leave_whole(sides, in_parts);
+            std::string fault = fault_of(sides, !in_parts.empty());
+            if (fault.empty()) fault = fault_of_vertices(pair, sides);
+            if (fault.empty())
+                certificate.prove(where);
+            else
+                certificate.refute(where, fault);
+        }
+    }
+
+private:
+    // What a cell shares with one ball.
+    struct Shared {
+        std::size_t faces = 0;
+        Interval area{0.0};
+        struct Vertex {
+            std::vector<PlacedSite> sites;  // the cell's own ball among them
+            Vec3 point;
+            double error;
+        };
+        std::vector<Vertex> vertices;
+    };
+    // An object, and another one or an image as seen from it: the lower number first, and of a ball's own
+    // images the greater one of two opposite ones.
+    using Pair = std::pair<std::uint32_t, ObjectImage>;
+
+    // The side of the box that ends a tube along one of its axes, which its cell has for an end.
+    static Site side_at(const Cell& cell, const Site& site) {
+        const auto* tube = std::get_if<Cylinder>(&cell.scene.base);
+        if (tube == nullptr || site.kind != Site::Kind::End || !cell.parts.empty()) return site;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (tube->axis[(k + 1) % 3] != 0 || tube->axis[(k + 2) % 3] != 0) continue;
+            return Site::box_side(2 * k + (tube->axis[k] > 0 ? site.index : 1 - site.index));
+        }
+        return site;
+    }
+
+    // The sites of one of a cell's elements and the cell's own object, ascending.
+    static std::vector<PlacedSite> placed(std::uint32_t object, const Cell& cell,
+                                          std::span<const Site> of_element) {
+        std::vector<PlacedSite> sites{{Site::object(object), {}}};
+        for (const Site site : of_element) {
+            if (!site.is_object()) {
+                sites.emplace_back(side_at(cell, site), ImageIndex{});
+            } else {
+                const ObjectImage& image = cell.scene.images[site.index];
+                sites.emplace_back(Site::object(image.number), image.image);
+            }
+        }
+        std::ranges::sort(sites);
+        return sites;
+    }
+
+    // Is a point certainly within a part of a cell that comes in parts?
+    bool is_in_part(const Cell& cell, const Vec3& p, double error) const {
+        const Vec3 along = std::get<Cylinder>(cell.scene.base).axis.stableNormalized();
+        return std::ranges::any_of(cell.parts, [&](const CellPart& part) {
+            const double room = error + rounding_;
+            return along.dot(p - part.ends[0]) > room && along.dot(part.ends[1] - p) > room;
+        });
+    }
+    // Of planes there may be two.
+    auto cells_of(std::uint32_t object) const {
+        return std::ranges::equal_range(diagram_.cells, object, {}, [](const auto& c) { return c.first; });
+    }
+    // The cells of two objects that come in parts.
+    std::vector<const Cell*> cells_in_parts(const Pair& pair) const {
+        std::vector<const Cell*> found;
+        for (const std::uint32_t object : {pair.first, pair.second.number})
+            for (const auto& [number, cell] : cells_of(object))
+                if (!cell.parts.empty()) found.push_back(&cell);
+        return found;
+    }
+    // Leaves of the vertices of two cells what both must have, as neither leaves it out.
+    void leave_whole(std::array<Shared, 2>& sides, const std::vector<const Cell*>& in_parts) const {
+        for (Shared& side : sides)
+            std::erase_if(side.vertices, [&](const Shared::Vertex& v) {
+                return std::ranges::any_of(
+                    in_parts, [&](const Cell* cell) { return !is_in_part(*cell, v.point, v.error); });
+            });
+    }
+
+    // The vertices of the second of two cells as the first one sees them.
+    void move(Shared& side, const ImageIndex& image) const {
+        if (image == ImageIndex{}) return;
+        const Vec3 by = balls_.shift(image);
+        for (Shared::Vertex& v : side.vertices) {
+            v.error += file_rounding * (v.point.norm() + by.norm());
+            v.point += by;
+            for (auto& [site, of] : v.sites)
+                if (site.is_object()) of = joined(of, image);
+            std::ranges::sort(v.sites);
+        }
+    }
+
+    static std::string fault_of(const std::array<Shared, 2>& sides, bool is_cut) {
+        const auto& [a, b] = sides;
+        if (is_cut) return {};
+        if (a.faces != b.faces)
+            return fmt::format("the two cells have {} and {} faces between them", a.faces, b.faces);
+        if (a.faces > 0 && (a.area.upper() < b.area.lower() || b.area.upper() < a.area.lower()))
+            return fmt::format("the two cells have areas of {} and {} between them", a.area.mid(),
+                               b.area.mid());
+        return {};
+    }
+
+    std::string fault_of_vertices(const Pair& pair, std::array<Shared, 2>& sides) const {
+        auto& [a, b] = sides;
+        // Few vertices have the same sites: only these are compared.
+        const auto by_sites = [](const Shared::Vertex& v, const Shared::Vertex& w) {
+            return v.sites < w.sites;
+        };
+        std::ranges::stable_sort(a.vertices, by_sites);
+        std::ranges::stable_sort(b.vertices, by_sites);
+        std::vector<char> is_taken(b.vertices.size(), 0);
+        for (const Shared::Vertex& v : a.vertices) {
+            const auto [first, last] = std::equal_range(b.vertices.begin(), b.vertices.end(), v, by_sites);
+            const auto twin = std::find_if(first, last, [&](const Shared::Vertex& w) {
+                return !is_taken[&w - b.vertices.data()] &&
+                       (v.point - w.point).norm() <= v.error + w.error + rounding_;
+            });
+            if (twin != last)
+                is_taken[twin - b.vertices.begin()] = 1;
+            else if (!lies_on_edge(pair, pair.second.number, v))
+                return only_one_has(v);
+        }
+        for (std::size_t i = 0; i < b.vertices.size(); ++i)
+            if (is_taken[i] == 0 && !lies_on_edge(pair, pair.first, b.vertices[i]))
+                return only_one_has(b.vertices[i]);
+        return {};
+    }
+    static std::string only_one_has(const Shared::Vertex& v) {
+        std::string sites;
+        for (const PlacedSite& s : v.sites) sites += (sites.empty() ? "" : ", ") + to_string(s);
+        return fmt::format("only one of the two cells has the vertex of {} at {}", sites, text_of(v.point));
+    }
+
+    // Does a vertex of one cell of the pair lie on an edge of a cell of `object`, the other one, that belongs
+    // to sites of it? False where neither scene moved.
+    bool lies_on_edge(const Pair& pair, std::uint32_t object, const Shared::Vertex& v) const {
+        const auto has_moved = [&](std::uint32_t i) {
+            return std::ranges::any_of(cells_of(i), [](const auto& c) { return c.second.report.moved > 0; });
+        };
+        if (!has_moved(pair.first) && !has_moved(pair.second.number)) return false;
+        for (const auto& [number, cell] : cells_of(object))
+            for (const CellEdge& e : cell.edges)
+                if (std::ranges::includes(v.sites, placed(object, cell, e.sites)) &&
+                    least_distance(e.curve, v.point) <= v.error + e.error + rounding_)
+                    return true;
+        return false;
+    }
+    // An upper bound, but for rounding, of the distance of a point from a curve: the least one of some
+    // points, and of what golden sections beside that come to.
+    static double least_distance(const RationalCurve3& curve, const Vec3& p) {
+        constexpr int parts = 32, sections = 60;
+        constexpr double golden = 0.6180339887498949;
+        const double begin = curve.domain_begin(), step = (curve.domain_end() - begin) / parts;
+        const auto at = [&](double t) { return (curve.evaluate(t) - p).norm(); };
+        int best = 0;
+        for (int i = 1; i <= parts; ++i)
+            if (at(begin + i * step) < at(begin + best * step)) best = i;
+        double low = begin + std::max(0, best - 1) * step, high = begin + std::min(parts, best + 1) * step;
+        double least = at(begin + best * step);
+        for (int i = 0; i < sections; ++i) {
+            const double s = high - golden * (high - low), t = low + golden * (high - low);
+            const double at_s = at(s), at_t = at(t);
+            least = std::min({least, at_s, at_t});
+            (at_s < at_t ? high : low) = at_s < at_t ? t : s;
+        }
+        return least;
+    }
+
+    const StoredDiagram& diagram_;
+    const NearBalls& balls_;
+    const double rounding_;  // of points, in the scene's unit
+};
+
+}  // namespace
+
+void certify_pairs(const StoredDiagram& diagram, const NearBalls& balls, double rounding,
+                   Certificate& certificate) {
+    DiagramPairs(diagram, balls, rounding)(certificate);
+}
+
+}  // namespace vcell::check
