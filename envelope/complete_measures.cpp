@@ -189,10 +189,10 @@ Box room(const BoxSides& sides, unsigned subset, const Box& around) {
 
 Cell lift(const RadialBaseProblem& problem, double tolerance) {
     const MinimizationDiagram diagram = diagram_of(problem, {});
-    // A cap has no patches.
-    bool has_cap = false;
-    for (const FormId f : problem.sites.ids()) has_cap = has_cap || is_cap(problem, f);
-    LiftedCell lifted = has_cap ? lift_without_patches(problem, diagram, tolerance, true)
+    // A cap has no patches, and some faces in vessels have none around a cylinder.
+    bool is_bare = problem.family.forms.empty() && std::ranges::any_of(problem.objects, is_vessel);
+    for (const FormId f : problem.sites.ids()) is_bare = is_bare || is_cap(problem, f);
+    LiftedCell lifted = is_bare ? lift_without_patches(problem, diagram, tolerance, true)
                                 : lift_all_around(problem, diagram, tolerance, true);
     return std::move(lifted.cell);
 }

@@ -21,7 +21,8 @@ struct CellOptions {
     /// They take a quarter of the time of a ball's cell among balls.
     bool measure = true;
     /// False: around a ball faces, of any shape then, have neither patches nor a bisector's name, and edges
-    /// no trims, which their errors then leave out. Around planes and tubes they have them anyway.
+    /// no trims, which their errors then leave out. Around planes, and around tubes where there
+    /// is no vessel, they have them anyway.
     bool patches = true;
     /// True: of a base plane the cell is all of the box, on the side of the plane's normal, that is nearest
     /// to it (lift/complete_lift.hpp): where the plane leans, rays from base points outside come into the box

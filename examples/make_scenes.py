@@ -341,6 +341,36 @@ def in_vessels():
     hopper["base_object"] = base
     write("hopper.json", hopper)
 
+    # Five fibres along a tube or leaning a little, clear of each other and of the wall by 0.1 in the box, and
+    # balls between them that keep clear of all by 0.02. The base is the third fibre.
+    random = Random(24)
+    wall, half = 2, 1
+    fibres = [((0.75 * math.cos(k * 2 * math.pi / 5) * (1.3 if k % 2 else 1),
+                0.75 * math.sin(k * 2 * math.pi / 5) * (1.3 if k % 2 else 1), 0),
+               (0, 0, 1) if k in (0, 3) else (random.uniform(-0.15, 0.15), random.uniform(-0.15, 0.15), 1),
+               random.uniform(0.1, 0.2)) for k in range(5)]
+
+    def from_axis(p, fibre):
+        (x, y, _), (a, b, _), r = fibre
+        u, v = p[0] - x - a * p[2], p[1] - y - b * p[2]
+        # Across (a, b, 1).
+        along = (u * a + v * b) / (1 + a * a + b * b)
+        return math.sqrt(u * u + v * v - along * along * (1 + a * a + b * b)) - r
+
+    balls = []
+    while len(balls) < 24:
+        c = [random.uniform(-wall, wall), random.uniform(-wall, wall), random.uniform(-half, half)]
+        r = random.uniform(0.12, 0.3)
+        if (math.hypot(c[0], c[1]) + r + 0.02 < wall and abs(c[2]) + r + 0.02 < half
+                and all(from_axis(c, f) > r + 0.02 for f in fibres)
+                and all(math.dist(c, d) > r + s + 0.02 for d, s in balls)):
+            balls.append((c, r))
+    in_tube = scene([cylinder(*f) for f in fibres] + [sphere(c, r) for c, r in balls] +
+                    [hollow_cylinder([0, 0, 0], [0, 0, 1], wall, "wall")],
+                    [-2.25, -2.25, -half], [2.25, 2.25, half], cylinder(*fibres[2]))
+    in_tube["base_object"] = 2
+    write("fibres_in_tube.json", in_tube)
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)

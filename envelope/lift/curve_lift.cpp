@@ -63,8 +63,8 @@ LiftedCell lift_curves_between_objects(const RadialBaseProblem& problem, const M
     return CellAssembly(lift)(false);
 }
 
-LiftedCell lift_curves_around_sphere(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                                     double tolerance, bool with_measures) {
+LiftedCell lift_curves_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                                  double tolerance, bool with_measures) {
     CurveLift lift({problem, diagram}, tolerance, Wanted::All);
     return CellAssembly(lift)(with_measures);
 }

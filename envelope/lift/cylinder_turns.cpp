@@ -20,10 +20,13 @@ double turn_along(const MinimizationDiagram::ArcPiece& piece, double from, doubl
 struct Mean {
     double sum = 0;
     int count = 0;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
 
     void add(double x) {
         sum += x;
         ++count;
+        lowest = std::min(lowest, x);
+        highest = std::max(highest, x);
     }
     double operator()() const { return sum / std::max(count, 1); }
 };
@@ -107,6 +110,8 @@ CylinderTurns::Extent CylinderTurns::extent(FaceId face) const {
         if (found.is_closed || (!widest.is_closed && !(found.width() < widest.width()))) widest = found;
     }
     widest.y = y();
+    widest.lowest = y.lowest;
+    widest.highest = y.highest;
     return widest;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 #include "based_diagram.hpp"
@@ -35,9 +36,12 @@ public:
         return std::atan2(in_chart.x(), in_chart.z());
     }
 
-    /// What a face covers: angles in the chart, continuously, and the mean height of its boundary.
+    /// What a face covers: angles in the chart, continuously; heights of its boundary's points, and their
+    /// mean.
     struct Extent {
         double from = 0, to = 0, y = 0;
+        double lowest = std::numeric_limits<double>::infinity(),
+               highest = -std::numeric_limits<double>::infinity();
         bool is_closed = false;  ///< all around
 
         double middle() const { return 0.5 * (from + to); }

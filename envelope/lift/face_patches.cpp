@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "../../core/errors.hpp"
+#include "../../primitives/bases/axial_terms.hpp"
 #include "../../primitives/fit/arc_equations.hpp"
 #include "trim_bounds.hpp"
 
@@ -36,16 +37,18 @@ PatchCoordinates coordinates(const RadialPatch& patch, const Object& object, dou
     if (patch.kind() == Kind::Stereographic)
         return {PatchCoordinate::half_angle(patch.origin(), z, x, 0),
                 PatchCoordinate::half_angle(patch.origin(), z, y, 0)};
+    PatchCoordinate along;
+    along.numerator << patch.along(), 0, patch.along_start();
+    if (patch.kind() == Kind::AboutBase) {
+        along.numerator[3] = patch.along_across();  // the distance from the base's axis is t
+        return {PatchCoordinate::half_angle(patch.origin(), x, y, 0), along};
+    }
     if (const auto* cone = std::get_if<HollowCone>(&object))
         return {PatchCoordinate::cone_half_angle(*cone, z, x, y, radius),
                 PatchCoordinate::along_cone(*cone, z, radius)};
-    PatchCoordinate along;
-    along.numerator << patch.along(), 0, patch.along_start();
     if (const auto* vessel = std::get_if<HollowCylinder>(&object))
         return {PatchCoordinate::hollow_half_angle(patch.origin(), x, y, vessel->radius + radius), along};
-    const auto* cylinder = std::get_if<Cylinder>(&object);
-    const double beyond =
-        patch.kind() == Kind::AboutObject && cylinder != nullptr ? cylinder->radius - radius : 0;
+    const double beyond = std::get<Cylinder>(object).radius - radius;
     return {PatchCoordinate::half_angle(patch.origin(), x, y, beyond), along};
 }
 
@@ -235,6 +238,7 @@ RadialPatch FacePatches::patch_around(FaceId face, const CylinderTurns::Extent& 
 
 void FacePatches::add_around_cylinder(FaceId face) {
     const CylinderTurns::Extent e = turns_.extent(face);
+    refuse_around_tip(face, e);
     const RadialPatch& patch = patches_[face] = patch_around(face, e, false);
     if (patch.kind() == RadialPatch::Kind::Planar) return;
     if (patch.half()) {
@@ -242,6 +246,19 @@ void FacePatches::add_around_cylinder(FaceId face) {
         if (e.is_closed || off + 0.5 * e.width() > 0.5 * pi * (1 + 0x1p-20)) cut(face);
     } else if (e.is_closed || e.width() > widest_patch) {
         cut(face);
+    }
+}
+
+// No parameters are good on both lines through a tip (radial_patch.hpp).
+void FacePatches::refuse_around_tip(FaceId face, const CylinderTurns::Extent& e) const {
+    const FormId form = diagram_.face_forms[face];
+    for (const VesselTip& tip : vessel_tips(problem_, form)) {
+        if (!(tip.y > e.lowest && tip.y < e.highest)) continue;
+        const double off = std::abs(std::remainder(e.middle() - turns_.angle(tip.u), 2 * pi));
+        if (!e.is_closed && off > 0.5 * e.width()) continue;
+        throw UndecidedError("object " + to_string(problem_.sites[form].front()) +
+                             ": its face lies on both sides of where its bisector would have a tip, and has "
+                             "measures, but no patches");
     }
 }
 

@@ -60,6 +60,8 @@ private:
     bool is_owned_by_others(FormId form, const Vec3& direction) const;
     RadialPatch patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const;
     void add_around_cylinder(FaceId face);
+    /// Throws UndecidedError for a face on both sides of a tip that others hide.
+    void refuse_around_tip(FaceId face, const CylinderTurns::Extent& e) const;
     void cut(FaceId face);
     Sector sector(FaceId face, double from, double to) const;
     bool change_around_cylinder(FaceId face, const std::vector<bool>& is_too_wide);

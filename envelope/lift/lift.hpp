@@ -58,13 +58,14 @@ LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationD
                            double tolerance, bool with_measures);
 
 /// As lift_all_around(), but for the patches of the faces, where edges and measures do without: around a
-/// sphere. There the edges' errors bound the distance from the true edge alone.
+/// sphere, and around a cylinder in a vessel. There the edges' errors bound the distance from the true edge
+/// alone.
 LiftedCell lift_without_patches(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                 double tolerance, bool with_measures);
 /// Lifts as lift_without_patches() does where not all edges are conics: no patch has to hold a face, which
 /// may be of any shape.
-LiftedCell lift_curves_around_sphere(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                                     double tolerance, bool with_measures);
+LiftedCell lift_curves_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
+                                  double tolerance, bool with_measures);
 
 /// The curves of edges between two objects, for their own sake: as lift_all_around() has them where no patch
 /// has to hold a face. Other edges have none, faces no patches, and there are no measures; errors bound the

@@ -7,21 +7,13 @@
 #include <vector>
 
 #include "joined_spans.hpp"
+#include "radial_patch_terms.hpp"
 
 namespace vcell {
 
 namespace {
 
-using Eigen::Vector4d;
-using Polynomial = std::array<double, 3>;  // ascending powers
-
-constexpr Polynomial one{1, 0, 0}, linear{0, 1, 0};
-constexpr Polynomial angle_weight{1, 0, 1}, angle_cos{1, 0, -1}, angle_sin{0, 2, 0};
-
-Vector4d vector(const Vec3& p) { return {p.x(), p.y(), p.z(), 0}; }
-const Vector4d weight(0, 0, 0, 1);
-
-Vec3 across_y(const Vec3& p) { return {p.x(), 0, p.z()}; }
+using namespace radial_patch_terms;
 
 // Of a cylinder over a cylinder base: v is taken to be nearly constant on lines of the surface where
 // the axes' distance squared, less delta^2, is less than this part of the squared distance of the axis beside
@@ -33,20 +25,16 @@ constexpr double far = 64;
 // Control points are means by weights: some ten operations each, coefficients within a few u.
 constexpr double rounding_each = 16 * std::numeric_limits<double>::epsilon();
 
-// A unit vector across the unit vector `axis`, as near to `towards` as can be.
-Vec3 across(const Vec3& axis, const Vec3& towards) {
-    const Vec3 x = towards - axis * axis.dot(towards);
-    // Output accuracy: of a smaller sine rounding would be more than 2^-32, and any direction is as near.
-    constexpr double least_sine = 0x1p-20;
-    return x.norm() > least_sine * towards.norm() ? Vec3(x.normalized()) : axis.unitOrthogonal();
-}
-
 }  // namespace
 
 RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
                          bool wide) {
     coefficients_.fill(Vector4d::Zero());
     const Object& object = problem.objects[form];
+    if (is_vessel(object) && !problem.chart.is_sphere()) {
+        set_in_vessel(problem, form, middle, y);
+        return;
+    }
     if (const auto* plane = std::get_if<Plane>(&object)) {
         // Away from the base.
         Vec3 normal = plane->normal.normalized();
@@ -183,75 +171,17 @@ void RadialPatch::set_about_object(const Cylinder& cylinder, double delta) {
     add(angle_sin, half, vector(axes_[1]));
 }
 
-// S = power n / (2 (delta W - c.n)), and of any pole n and W are quadratic.
-void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle) {
-    degree_ = {2, 2};
-    const Vec3 z = middle.normalized(), x = z.unitOrthogonal();
-    set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
-    const double along = c.dot(z);
-    add(0, 0, (delta - along) * weight);
-    add(2, 0, (delta + along) * weight);
-    add(0, 2, (delta + along) * weight);
-    add(1, 0, -2 * c.dot(axes_[0]) * weight);
-    add(0, 1, -2 * c.dot(axes_[1]) * weight);
-    const Vector4d pole = 0.5 * power * vector(z);
-    add(1, 0, power * vector(axes_[0]));
-    add(0, 1, power * vector(axes_[1]));
-    add(0, 0, pole);
-    add(2, 0, -pole);
-    add(0, 2, -pole);
-}
-
-// S = c + v d + r n / W with |S| = delta - r: r = (delta^2 - |c|^2 - v^2) W / (2 (delta W + c.n)).
-void RadialPatch::set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle) {
-    degree_ = {2, 2};
-    is_in_tube_ = true;
-    const Vec3 axis = vessel.axis.normalized(), c = vessel.point - vessel.point.dot(axis) * axis;
-    const double length = c.norm(), squared = (delta - length) * (delta + length);
-    const Vec3 x = across(axis, middle);
-    set_axes(Kind::AboutObject, x, axis.cross(x), c);
-    along_ = axis;
-    const double cx = c.dot(axes_[0]), cy = c.dot(axes_[1]);
-    const Polynomial w{delta + cx, 2 * cy, delta - cx}, half{0.5 * squared, 0, -0.5};
-    add(w, one, vector(c) + weight);
-    add(w, linear, vector(axis));
-    add(angle_cos, half, vector(axes_[0]));
-    add(angle_sin, half, vector(axes_[1]));
-}
-
-void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle) {
-    degree_ = {2, 2};
-    is_in_tube_ = true;
-    const Vec3 axis = vessel.axis.stableNormalized(), &apex = vessel.apex, D = -apex;
-    const double S = vessel.sine(), K = vessel.cosine(), h0 = D.dot(axis), P = S * h0 + radius;
-    const Vec3 out = D - h0 * axis;
-    const Vec3 x = across(axis, middle);
-    set_axes(Kind::AboutObject, x, axis.cross(x), apex);
-    along_ = K * axis;
-    along_start_ = -along_.dot(apex);
-    along_across_ = S;
-    const double dx = out.dot(axes_[0]), dy = out.dot(axes_[1]);
-    const Polynomial w{P - K * dx, -2 * K * dy, P + K * dx},
-        half{0.5 * (D.norm() - radius) * (D.norm() + radius), 0, 0.5};
-    const double rise = radius * S + h0;
-    add(w, one, vector(apex) + weight);
-    add(angle_weight, half, vector(S * axis));
-    add(angle_cos, half, vector(-K * axes_[0]));
-    add(angle_sin, half, vector(-K * axes_[1]));
-    add(angle_weight, linear, vector(radius * K * axis));
-    add(angle_cos, linear, vector(rise * axes_[0] - dx * axis));
-    add(angle_sin, linear, vector(rise * axes_[1] - dy * axis));
-}
-
-// t = C(y) W / w with w = b.n + b0 W.
-void RadialPatch::set_about_base(const Vec3& middle, const Vec3& b, double b0, const Polynomial& C) {
+// t = C(y) W / w with w = b.n + b0 W, y counted from `start`.
+void RadialPatch::set_about_base(const Vec3& middle, const Vec3& b, double b0, const Polynomial& C,
+                                 double start) {
     degree_ = {2, C[2] == 0 ? 1 : 2};
     const Vec3 x = across(Vec3::UnitY(), middle);
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
     along_ = Vec3::UnitY();
+    along_start_ = -start;
     const Polynomial w{b0 + b.dot(axes_[0]), 2 * b.dot(axes_[1]), b0 - b.dot(axes_[0])};
     add(w, one, weight);
-    add(w, linear, vector(Vec3::UnitY()));
+    add(w, {start, 1, 0}, vector(Vec3::UnitY()));
     add(angle_cos, C, vector(axes_[0]));
     add(angle_sin, C, vector(axes_[1]));
 }

@@ -64,6 +64,18 @@
 /// either sign of d. Otherwise v is constant on two lines of the surface, one on each side of the crossing;
 /// they are not met on the half of the base where y and n.d have one sign, y counted from the foot of the
 /// common perpendicular. Next to parallel axes these lines are far out for d_y > 0, and that sign is taken.
+///
+/// *Vessels over a cylinder base* are AboutBase. Spheres and parallel tubes as above. For the others, with
+/// the letters of primitives/forms/radial_form.hpp, lengths such that A = w.u - sin of half a cone's angle (0
+/// in a tube), B = B0 - w_y y A and C = c0 + c1 y + c2 y^2, y counted from a height of the face: w_y^2 - c2
+/// is the square of k, 1 in a tube and the cosine in a cone, and with m = w_y + k or w_y - k
+///
+///     v = y + A t / m,   t = C(v) / (2 (B0 + (c1 / (2 m) -+ k v) A)),   y = v - A t / m,
+///
+/// (2, 2) again, as C - 2 B t + A^2 t^2 has the part (A t + w_y y)^2 - k^2 y^2. The weight is above 0 all
+/// over the bisector. v is constant, and (u, v) no coordinates, on straight lines of the surface that run
+/// from where the base's axis comes out of the vessel to a tip; for either m they reach the same tip from the
+/// other side.
 #pragma once
 
 #include <array>
@@ -100,7 +112,8 @@ public:
     /// parameters() from axes and origin: with q = p - origin() and its components (x, y, z) along the axes,
     /// (u, v) is (x, y) on Planar, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal; on
     /// AboutObject and AboutBase u = y /
-    /// (|(x, y)| + x), v = along().p + along_start() + along_across() |(x, y)|, the last of cones only.
+    /// (|(x, y)| + x), v = along().p + along_start() + along_across() |(x, y)|, the last of hollow cones
+    /// only.
     const std::array<Vec3, 3>& axes() const { return axes_; }
     const Vec3& origin() const { return origin_; }
     const Vec3& along() const { return along_; }
@@ -175,7 +188,9 @@ private:
     void set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle);
     void set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle);
     void set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle);
-    void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C);
+    void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C,
+                        double start = 0);
+    void set_in_vessel(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y);
     void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
                         double y, bool wide);
     /// Adds u^i v^j h.
@@ -187,7 +202,7 @@ private:
     std::array<int, 2> degree_{1, 1};
     std::array<Eigen::Vector4d, 9> coefficients_{};
     // Of the inverse: axes and where they start; v = along_.p + along_start_ where it is a length along an
-    // axis, and along_across_ of the distance from it more along a cone.
+    // axis, and along_across_ of the distance from it more along or in a cone.
     std::array<Vec3, 3> axes_{};
     Vec3 origin_ = Vec3::Zero(), along_ = Vec3::Zero();
     double along_start_ = 0, along_across_ = 0;

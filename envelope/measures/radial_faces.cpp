@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../../primitives/bases/axial_terms.hpp"
 #include "../lift/joined_spans.hpp"
 #include "../lift/radial_patch.hpp"
 #include "radial_terms.hpp"
@@ -169,11 +170,28 @@ TurnedFace::TurnedFace(const RadialBaseProblem& problem, FormId form, const Arou
         if (start >= problem.stretch[0] && start <= problem.stretch[1]) least = 0.5 * (b.norm() - delta);
         return;
     }
+    if (const auto* ball = std::get_if<HollowSphere>(&object)) {
+        side = -1;
+        b = across(ball->center);
+        b0 = -(ball->radius + problem.chart.radius);
+        K = quotient(4.0 * f.c[0] * f.c[2] - f.c[1] * f.c[1], 4.0 * f.c[2] * f.c[2]);
+        start = ball->center.y();
+        first = face.start(face.near.y() - start);
+        is_round = true;
+        return;
+    }
     if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
         const double delta = cylinder->radius - problem.chart.radius;
         b = across(cylinder->point);
         b0 = delta;
         K = quotient(f.c[0], f.slope * f.slope);
+        return;
+    }
+    if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
+        side = -1;
+        b = across(tube->point);
+        b0 = -(tube->radius + problem.chart.radius);
+        K = -quotient(f.c[0], f.slope * f.slope);
         return;
     }
     const auto& plane = std::get<Plane>(object);
@@ -207,29 +225,32 @@ Share TurnedFace::share(const Ray& ray) const {
     const double along = dot(b, ray.u), beta = b0 + along, v = ray.y - start;
     const double element = -0.5 * turn(ray) / (beta * beta);
     const double H2 = slope_square(ray, beta);
-    if (is_round) return {0.25 * tube_square(K, first, v) * element, tube_area(K, H2, first, v) * element};
+    if (is_round)
+        return {0.25 * tube_square(K, first, v) * element, side * tube_area(K, H2, first, v) * element};
     const double sv = slope * v;
     const double volume = v * (K * K + sv * (K + sv / 3));
-    const double area = v * (K + 0.5 * sv) * sqrt(H2 + 0.25 * slope * slope);
+    const double area = side * v * (K + 0.5 * sv) * sqrt(H2 + 0.25 * slope * slope);
     return {0.25 * volume * element, area * element};
 }
 
 Share TurnedFace::size(const Ray& ray) const {
-    const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm(), H2 = slope_square(ray, beta);
-    const double element = 0.5 * ray.rate / (beta * beta), condition = 1 + reach / beta,
+    const double beta = b0 + dot(b, ray.u), reach = std::abs(b0) + b.norm(), H2 = slope_square(ray, beta),
+                 size_of_K = std::abs(K);
+    const double element = 0.5 * ray.rate / (beta * beta), condition = 1 + reach / std::abs(beta),
                  rounding = noise * std::abs(ray.y);
     if (is_round) {
-        const double v = ray.y - start, C = K + v * v;
-        const double linear = tube_linear_size(K, first, v), most = K + std::max(first * first, v * v);
-        return {
-            0.25 * (linear * most * condition + rounding * C * C) * element,
-            (tube_area_size(K, H2, first, v) * condition + rounding * C * sqrt(H2 + v * v) + linear * reach) *
-                element};
+        const double v = ray.y - start, C = std::abs(K + v * v);
+        const double linear = tube_linear_size(size_of_K, first, v),
+                     most = size_of_K + std::max(first * first, v * v);
+        return {0.25 * (linear * most * condition + rounding * C * C) * element,
+                (tube_area_size(size_of_K, H2, first, v) * condition + rounding * C * sqrt(H2 + v * v) +
+                 linear * reach) *
+                    element};
     }
     const double v = std::abs(ray.y - start) + rounding;
     const double sv = std::abs(slope) * v;
-    return {0.25 * v * (K * K + sv * (K + sv)) * element * condition,
-            v * (K + sv) * (std::hypot(sqrt(H2), slope) * condition + reach) * element};
+    return {0.25 * v * (K * K + sv * (size_of_K + sv)) * element * condition,
+            v * (size_of_K + sv) * (std::hypot(sqrt(H2), slope) * condition + reach) * element};
 }
 
 // ---- Sides of the box over a cylinder ---------------------------------------------------------------
@@ -258,11 +279,18 @@ Share FlatFace::size(const SpanPoint<double>& p) const {
 // ---- Skew cylinders over a cylinder -----------------------------------------------------------------
 
 SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face)
-    : axis(cylinder.axis.normalized()),
-      point(cylinder.point - axis.dot(cylinder.point) * axis),
-      delta(cylinder.radius - problem.chart.radius),
-      start(face.near.y()),
-      least(infinity) {
+    : side(1), origin(0), far_y(0), far_t(1), far_u(Vec3::Zero()), start(face.near.y()), least(infinity) {
+    const Vec3 axis = cylinder.axis.normalized(), point = cylinder.point - axis.dot(cylinder.point) * axis;
+    const double delta = cylinder.radius - problem.chart.radius;
+    c0 = (point.norm() - delta) * (point.norm() + delta);
+    c1 = -2 * point.y();
+    c2 = axis.x() * axis.x() + axis.z() * axis.z();
+    b0 = delta;
+    a0 = 0;
+    slope = axis.y();
+    b = point;
+    a = axis;
+    far0 = delta;
     // The foot of the common perpendicular on the base's axis: C is least there.
     const double square = axis.x() * axis.x() + axis.z() * axis.z(), foot = point.y() / square;
     const double apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
@@ -277,21 +305,56 @@ SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, c
         start = foot;
 }
 
-// C q^2 - 2 B q - A^2 = 0 in one direction w: A is constant, B = B0 + d_y A y, C quadratic in y. With
-// derivatives by the angle.
+// y is counted from the face: C may be next to nothing there, as where the base is next to the wall. It falls
+// to nothing beyond the stretch, where t is none. No bisector has a least distance within the stretch: where
+// the base is nearest to the wall about its axis, along the axis there are nearer ones.
+SkewFace::SkewFace(const RadialBaseProblem& problem, FormId vessel, const Around& face)
+    : side(-1),
+      origin(std::clamp(face.near.y(), problem.stretch[0], problem.stretch[1])),
+      start(origin),
+      least(infinity) {
+    const AxialTerms terms(problem, vessel, origin);
+    c0 = terms.c[0];
+    c1 = terms.c[1];
+    c2 = terms.c[2];
+    b0 = terms.b0;
+    a0 = terms.a0;
+    slope = terms.slope;
+    b = terms.b;
+    a = terms.a;
+    if (const auto* tube = std::get_if<HollowCylinder>(&problem.objects[vessel])) {
+        far0 = -(tube->radius + problem.chart.radius);
+        far_t = 1;
+        far_y = 0;
+        far_u = Vec3::Zero();
+        return;
+    }
+    // K times it is S w.(p - apex) - t + R0.
+    const auto& cone = std::get<HollowCone>(problem.objects[vessel]);
+    const Vec3 axis = cone.axis.stableNormalized();
+    const double S = cone.sine(), K = cone.cosine();
+    far0 = (S * axis.dot(Vec3(0, origin, 0) - cone.apex) + problem.chart.radius) / K;
+    far_y = S * axis.y() / K;
+    far_t = -1 / K;
+    far_u = S / K * axis;
+}
+
+// C q^2 - 2 B q - A^2 = 0, or + A^2 in a vessel, in one direction w: A is constant, B = B0 + slope A y, C
+// quadratic in y. With derivatives by the angle.
 struct SkewSlice {
-    double C0, across, dy, py;  // C = C0 - 2 p_y y + across y^2
+    double C0, c1, c2, slope, side;
     double A, B0, dA, dB0;
 
     SkewSlice(const SkewFace& f, const Ray& ray)
-        : C0((f.point.norm() - f.delta) * (f.point.norm() + f.delta)),
-          across(f.axis.x() * f.axis.x() + f.axis.z() * f.axis.z()),
-          dy(f.axis.y()),
-          py(f.point.y()),
-          A(dot(f.axis, ray.u)),
-          B0(dot(f.point, ray.u) + f.delta),
-          dA(f.axis.x() * ray.u[2] - f.axis.z() * ray.u[0]),
-          dB0(f.point.x() * ray.u[2] - f.point.z() * ray.u[0]) {}
+        : C0(f.c0),
+          c1(f.c1),
+          c2(f.c2),
+          slope(f.slope),
+          side(f.side),
+          A(dot(f.a, ray.u) + f.a0),
+          B0(dot(f.b, ray.u) + f.b0),
+          dA(f.a.x() * ray.u[2] - f.a.z() * ray.u[0]),
+          dB0(f.b.x() * ray.u[2] - f.b.z() * ray.u[0]) {}
 };
 
 struct SkewPoint {
@@ -299,28 +362,40 @@ struct SkewPoint {
 };
 
 static SkewPoint skew_point(const SkewSlice& s, double y) {
-    const double C = s.C0 + y * (s.across * y - 2 * s.py), half_C_y = s.across * y - s.py;
-    const double B = s.B0 + s.dy * s.A * y, R = sqrt(B * B + s.A * s.A * C);
-    const double t = B < 0 ? (R - B) / (s.A * s.A) : C / (B + R);
-    const double turn = ((s.dB0 + s.dy * s.dA * y) + s.A * s.dA * t) / R;
-    const double t_y = (half_C_y - s.dy * s.A * t) / R;
+    const double C = s.C0 + y * (s.c2 * y + s.c1), half_C_y = s.c2 * y + 0.5 * s.c1;
+    const double B = s.B0 + s.slope * s.A * y, R = sqrt(std::max(0.0, B * B + s.side * s.A * s.A * C));
+    const double t = s.side > 0 && B < 0 ? (R - B) / (s.A * s.A) : C / (B + R);
+    const double turn = ((s.dB0 + s.slope * s.dA * y) + s.side * s.A * s.dA * t) / R;
+    const double t_y = (half_C_y - s.slope * s.A * t) / R;
     return {t, t_y, t * sqrt(1 + turn * turn + t_y * t_y)};
 }
 
-double SkewFace::distance(const Ray& ray) const { return skew_point(SkewSlice(*this, ray), ray.y).t; }
+double SkewFace::distance(const Ray& ray) const {
+    return skew_point(SkewSlice(*this, ray), ray.y - origin).t;
+}
+
+// SkewFace's, in one direction.
+struct FromAxis {
+    double zero, along_y, along_t;
+
+    FromAxis(const SkewFace& f, const Ray& ray)
+        : zero(f.far0), along_y(f.far_y), along_t(f.far_t + dot(f.far_u, ray.u)) {}
+    double operator()(double y, double t) const { return std::abs(zero + along_y * y + along_t * t); }
+};
 
 // How far y may move, in the complex plane, before t or its slope becomes singular: to the zeros of the
 // radicand B^2 + A^2 C = A^2 y^2 + 2 h y + k, and to where the surface element vanishes: the square of the
 // unit vectors' difference w - w_i, which changes by the surface's own slope over its distance from the
 // object's axis.
-static double room(const SkewSlice& s, const SkewPoint& p, double delta, double y) {
-    const double A2 = s.A * s.A, h = s.B0 * s.dy * s.A - A2 * s.py, k = s.B0 * s.B0 + A2 * s.C0;
-    const double discriminant = h * h - A2 * k, value = (A2 * y + 2 * h) * y + k;
-    // |value| = A^2 |y - y1| |y - y2|: of conjugate zeros both distances are the same.
-    const double derivative = 2 * (std::abs(A2 * y + h) + sqrt(std::abs(discriminant)));
-    const double to_zeros = discriminant < 0 ? sqrt(value) / std::abs(s.A) : 2 * value / derivative;
+static double room(const SkewSlice& s, const SkewPoint& p, const FromAxis& from_axis, double y) {
+    const double A2 = s.A * s.A, side = s.side * A2, lead = s.slope * s.slope * A2 + side * s.c2,
+                 h = s.B0 * s.slope * s.A + 0.5 * side * s.c1, k = s.B0 * s.B0 + side * s.C0;
+    const double discriminant = h * h - lead * k, value = (lead * y + 2 * h) * y + k;
+    // |value| = lead |y - y1| |y - y2|: of conjugate zeros both distances are the same.
+    const double derivative = 2 * (std::abs(lead * y + h) + sqrt(std::abs(discriminant)));
+    const double to_zeros = discriminant < 0 ? sqrt(value / lead) : 2 * value / derivative;
     const double cosine = p.t / p.dS;  // of the angle between w and the normal
-    const double to_vertical = cosine * 2 * std::abs(p.t + delta) / sqrt(1 + p.t_y * p.t_y);
+    const double to_vertical = cosine * 2 * from_axis(y, p.t) / sqrt(1 + p.t_y * p.t_y);
     return std::min(to_zeros, to_vertical);
 }
 
@@ -339,17 +414,18 @@ static Share skew_rule(const SkewSlice& s, double middle, double half) {
 
 // In parts that keep clear of singularities, as many as the budget allows: where it is less than zero
 // afterwards, the value means nothing.
-static Share tame_integral(const SkewSlice& s, double delta, double from, double to, int& budget) {
+static Share tame_integral(const SkewSlice& s, const FromAxis& from_axis, double from, double to,
+                           int& budget) {
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
-    const double r = room(s, skew_point(s, middle), delta, middle);
+    const double r = room(s, skew_point(s, middle), from_axis, middle);
     // On an ellipse within 7 half lengths 8 points do what 16 do within 2.5 (quadrature.hpp).
     if (r >= 7 * std::abs(half)) return skew_rule<8>(s, middle, half);
     if (r >= quadrature::required_reach * std::abs(half))
         return skew_rule<quadrature::points>(s, middle, half);
     if (--budget < 0) return {0, 0};
-    const Share a = tame_integral(s, delta, from, middle, budget);
+    const Share a = tame_integral(s, from_axis, from, middle, budget);
     if (budget < 0) return a;
-    const Share b = tame_integral(s, delta, middle, to, budget);
+    const Share b = tame_integral(s, from_axis, middle, to, budget);
     return {a.volume + b.volume, a.area + b.area};
 }
 
@@ -421,16 +497,17 @@ private:
 
 Share SkewFace::share(const Ray& ray) const {
     const SkewSlice slice(*this, ray);
+    const double from = start - origin, to = ray.y - origin;
     int budget = 64;
-    Share s = tame_integral(slice, delta, start, ray.y, budget);
-    if (budget < 0) s = SteepIntegral(slice, start, ray.y).value();
+    Share s = tame_integral(slice, FromAxis(*this, ray), from, to, budget);
+    if (budget < 0) s = SteepIntegral(slice, from, to).value();
     const double angle = turn(ray), size = std::abs(angle);
     return {-s.volume * angle, -s.area * angle, s.volume_rest * size, s.area_rest * size};
 }
 
 Share SkewFace::size(const Ray& ray) const {
     const SkewSlice s(*this, ray);
-    const SkewPoint a = skew_point(s, start), b = skew_point(s, ray.y);
+    const SkewPoint a = skew_point(s, start - origin), b = skew_point(s, ray.y - origin);
     const double t = std::max(a.t, b.t), dS = std::max(a.dS, b.dS);
     const double height = std::abs(ray.y - start) + noise * std::abs(ray.y);
     return {0.5 * t * t * height * ray.rate, dS * height * ray.rate};
@@ -447,6 +524,8 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
         if (!problem.family.is_circular(form)) return TubeFace(problem, form, face);
         return RoundFace(problem, form);
     }
+    if (is_vessel(problem.objects[form]) && problem.family.radial_form(form).has_root())
+        return SkewFace(problem, form, face);
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
     if (is_skew) return SkewFace(problem, *cylinder, face);
     if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);

@@ -52,14 +52,15 @@
 ///
 ///     dV = C^2 / (8 beta^2) d theta dy,   dS = C / (2 beta^2) sqrt(beta^2 + beta'^2 + C'^2 / 4) d theta dy,
 ///
-/// elementary in y: C is linear, or (y - c_y)^2 plus a constant.
+/// elementary in y: C is linear, or (y - c_y)^2 plus a constant. Hollow spheres and tubes along the base have
+/// the radius -R: C and beta are less than 0.
 ///
 /// *Sides of the box over a cylinder*: dV = (normal.p - normal_y y) / 2 dS, and a form f of degree d in q has
 /// the integral of f normal.(q x dq) / (d + 2) along the boundary.
 ///
-/// *Skew cylinders*: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The integrals over y are found by
-/// quadrature, in parts that keep clear of the singularities of t; where these would be too many, in parts
-/// of which the worst are halved first, and what they leave out is estimated.
+/// *Skew cylinders*, hollow ones and hollow cones: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The
+/// integrals over y are found by quadrature, in parts that keep clear of the singularities of t; where these
+/// would be too many, in parts of which the worst are halved first, and what they leave out is estimated.
 ///
 /// Points of curves that are not exact are taken along their rays to each bisector. So an error of the curve
 /// changes a face's volume, but the sum of those on its two sides only to second order.
@@ -195,10 +196,11 @@ private:
     Share until(const Foot& f, double y) const;
 };
 
-/// Everything but skew cylinders over a cylinder.
+/// Everything but skew cylinders and hollow cones over a cylinder.
 struct TurnedFace {
     Vec3 b;
     double b0;
+    double side = 1;  ///< -1: hollow
     /// C = K + slope v + [is_round] v^2, v = y - start. Round: slope = 0.
     double start, K, slope;
     bool is_round;
@@ -228,13 +230,22 @@ struct FlatFace {
     Share size(const SpanPoint<double>& p) const;
 };
 
-/// Skew cylinders over a cylinder.
+/// Skew cylinders and hollow ones, and hollow cones, over a cylinder.
 struct SkewFace {
-    Vec3 axis, point;  ///< d, the axis's point nearest to the origin
-    double delta, start;
+    /// As primitives/forms/radial_form.hpp has them with the lengths of axial_terms.hpp, y from `origin`.
+    double c0, c1, c2, b0, a0, slope, side;  ///< side = -1: hollow
+    Vec3 b, a;
+    double origin;
+    /// The bisector's point over y in the direction u is |far0 + y far_y + t (far_t + far_u.u)| away from the
+    /// object's axis.
+    double far0, far_y, far_t;
+    Vec3 far_u;
+    double start;
     double least;
 
     SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
+    /// Of a hollow tube or cone.
+    SkewFace(const RadialBaseProblem& problem, FormId vessel, const Around& face);
     double least_distance() const { return least; }
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;

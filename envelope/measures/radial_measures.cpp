@@ -136,6 +136,7 @@ private:
                 problem_, form, are_asked ? reaches[f.value].around() : radial_integrals::Around()));
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
+            if (is_vessel(problem_.objects[form]) && problem_.family.forms.empty()) add_farthest(form);
             const double least = least_distance(faces_.back()),
                          error = 8 * u * (least + problem_.chart.radius + reach(problem_.objects[form]));
             if (problem_.floor.empty() || !std::isfinite(least)) {
@@ -166,6 +167,55 @@ private:
         }
         const double away = std::hypot(q.x(), q.z());
         return {q.x() / away * least, q.y(), q.z() / away * least};
+    }
+
+    // Around a cylinder the bisector with a vessel is farthest from the base's axis where the rays from that
+    // and from the wall meet head on: nothing later on has the place unless an edge runs through it.
+    void add_farthest(FormId form) {
+        for (const Vec3& p : places_head_on(problem_.objects[form])) {
+            const double t = std::hypot(p.x(), p.z()),
+                         error = 16 * u * (t + p.norm() + reach(problem_.objects[form])),
+                         room = p.y() < problem_.stretch[0] || p.y() > problem_.stretch[1]
+                                    ? -infinity
+                                    : room_at(form, p, t - problem_.chart.radius);
+            if (room > 4 * error)
+                add_distance(t, t, error);
+            else if (room >= -4 * error)
+                greatest_[1] = std::max(greatest_[1], t + error);
+        }
+    }
+    // Over a generator of a tube along the base, or all around it, they are many, or edges have them, too.
+    std::vector<Vec3> places_head_on(const Object& vessel) const {
+        const double R0 = problem_.chart.radius;
+        if (const auto* ball = std::get_if<HollowSphere>(&vessel)) {
+            const Vec3 c = ball->center, across(c.x(), 0, c.z());
+            const double off = across.norm(), t = 0.5 * (ball->radius + R0 + off);
+            const Vec3 u = off > 0 ? Vec3(across / off) : Vec3::UnitX().eval();
+            return {Vec3(0, c.y(), 0) + t * u};
+        }
+        const auto* cone = std::get_if<HollowCone>(&vessel);
+        const auto* tube = std::get_if<HollowCylinder>(&vessel);
+        const Vec3 w = (cone != nullptr ? cone->axis : tube->axis).stableNormalized(),
+                   point = cone != nullptr ? cone->apex : tube->point;
+        const double S = cone != nullptr ? cone->sine() : 0, K = cone != nullptr ? cone->cosine() : 1,
+                     across = std::hypot(w.x(), w.z()), cosine = across > 0 ? S * w.y() / (K * across) : 2;
+        if (!(std::abs(cosine) < 1)) return {};
+        // The wall's generator beside the place is along w and e from the axis; the plane that touches there
+        // is along the base.
+        std::vector<Vec3> places;
+        const Vec3 toward = (Vec3::UnitY() - w.y() * w) / across, aside = w.cross(toward);
+        for (const double side : {-1.0, 1.0}) {
+            const Vec3 e = cosine * toward + side * std::sqrt(1 - cosine * cosine) * aside,
+                       out = K * e - S * w, beside = w.cross(e);
+            const Vec3 direction = Vec3(out.x(), 0, out.z()).normalized();
+            const double y = point.dot(beside) / beside.y();
+            const Vec3 from(0, y, 0);
+            const double own = tube != nullptr ? tube->radius : 0,
+                         t = 0.5 * (own - out.dot(from - point) + R0);
+            const Vec3 p = from + t * direction;
+            if (std::isfinite(y) && (p - point).dot(e) > 0) places.push_back(p);
+        }
+        return places;
     }
 
     // How far a point of a form's bisector is inside the sides of the box, those of the floor among them, and

@@ -218,7 +218,7 @@ struct Farthest {
     Interval height;
     std::optional<bool> is_there;
 };
-std::optional<Farthest> farthest_in_vessel(const Subject& subject, const Site& site, const Frame& frame) {
+std::optional<Farthest> farthest_about_ball(const Subject& subject, const Site& site, const Frame& frame) {
     const Scene& scene = subject.cell.scene;
     const auto* base = std::get_if<Sphere>(&scene.base);
     const auto* ball = site.is_object() ? std::get_if<HollowSphere>(&scene.objects[site.index]) : nullptr;
@@ -235,6 +235,71 @@ std::optional<Farthest> farthest_in_vessel(const Subject& subject, const Site& s
         from + (Interval(0.5) * (Interval(ball->radius) + base->radius + length) / length) * way;
     result.is_there = is_bounded(subject, site, p);
     return result.is_there == false ? std::nullopt : std::optional(result);
+}
+
+/// Around a tube a bisector with a vessel is farthest where the ways from the base's axis and from the wall
+/// meet head on: beyond a hollow sphere's centre, as seen from the axis; in a tube or a cone the wall's
+/// tangent plane is along the base there. Whether the place is on the bisector and shows.
+struct HeadOn {
+    Vector<Interval> p;
+    Interval reach;
+    std::optional<bool> is_met;
+};
+std::vector<HeadOn> places_head_on(const Space<Interval>& space, const Object& object) {
+    const Surface<Interval>&base = space.base(), vessel(object);
+    const Vector<Interval>& d = base.direction;
+    const Interval half(0.5), one(1.0);
+    if (vessel.kind == Surface<Interval>::Kind::sphere) {
+        const Vector<Interval> way = vessel.point - base.point, from = base.point + dot(way, d) * d,
+                               out = vessel.point - from;
+        const Interval length = sqrt(square(out)), reach = half * (vessel.radius + base.radius + length);
+        Vector<Interval> unit = check::direction(out, length);
+        if (!(length.lower() > 0)) {
+            // All directions are alike, or nearly: any that shows will do.
+            const Vec3 aside = middle(d).unitOrthogonal();
+            const Vector<Interval> e = to_vector<Interval>(aside), across = e - dot(e, d) * d;
+            unit = check::direction(across, sqrt(square(across)));
+        }
+        return {{from + reach * unit, reach, true}};
+    }
+    const Vector<Interval>& w = vessel.direction;
+    const Interval rise = dot(w, d), across = sqrt(square(cross(w, d)));
+    if (!(across.lower() > 0)) return {};
+    const Interval cosine = vessel.sine * rise / (vessel.cosine * across), rest = one - square(cosine);
+    if (!(rest.upper() > 0)) return {};
+    const Interval sine = sqrt(Interval(std::max(0.0, rest.lower()), rest.upper()));
+    const Vector<Interval> toward = Interval(one / across) * (d - rise * w), aside = cross(w, toward);
+    std::vector<HeadOn> places;
+    for (const double side : {-1.0, 1.0}) {
+        const Vector<Interval> e = cosine * toward + Interval(side) * sine * aside,
+                               out = vessel.cosine * e - vessel.sine * w, beside = cross(w, e);
+        const Vector<Interval> from =
+            base.point + dot(vessel.point - base.point, beside) / dot(d, beside) * d;
+        const Interval reach = half * (vessel.radius + base.radius - dot(out, from - vessel.point));
+        const Vector<Interval> p = from + reach * out;
+        const Interval along = dot(p - vessel.point, e);
+        if (along.upper() < 0) continue;
+        places.push_back(
+            {p, reach, along.lower() > 0 && rest.lower() > 0 ? std::optional(true) : std::nullopt});
+    }
+    return places;
+}
+
+std::vector<Farthest> farthest_in_vessel(const Subject& subject, const Site& site, const Frame& frame) {
+    std::vector<Farthest> found;
+    const Scene& scene = subject.cell.scene;
+    if (!site.is_object() || !is_vessel(scene.objects[site.index])) return found;
+    if (std::holds_alternative<Sphere>(scene.base)) {
+        if (const auto farthest = farthest_about_ball(subject, site, frame)) found.push_back(*farthest);
+        return found;
+    }
+    for (const HeadOn& place : places_head_on(subject.space, scene.objects[site.index])) {
+        const std::optional<bool> shows = is_bounded(subject, site, place.p);
+        if (shows == false) continue;
+        found.push_back({(place.reach - subject.space.base().radius) / Interval(frame.unit()),
+                         place.is_met ? shows : std::nullopt});
+    }
+    return found;
 }
 
 }  // namespace
@@ -343,6 +408,13 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             const Interval z = c[2] - (c[0] * d[0] + c[1] * d[1]) / across * d[2];
             return Nearest{0.5 * (distance - r - radius), lies_within(z, low, high)};
         }();
+        const auto meet_farthest = [&] {
+            for (const auto& [height, is_there] : farthest_in_vessel(subject, site, frame))
+                most = Interval(is_there == true ? std::max(most.lower(), height.lower()) : most.lower(),
+                                std::max(most.upper(), height.upper()));
+        };
+        // Around a tube there is always an edge.
+        if (std::holds_alternative<Cylinder>(scene.base)) meet_farthest();
         if (!nearest || nearest->is_inside == false) continue;
         if (subject.part && subject.part->has_floor()) {
             // Not all rays come into the box where they would meet the bisector.
@@ -355,11 +427,7 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             nearest->is_inside ? std::min(least.upper(), nearest->half_distance.upper()) : least.upper());
         // A cell of one face without an edge is as high as low.
         if (most.upper() == -HUGE_VAL) most = nearest->half_distance;
-        if (const auto farthest = farthest_in_vessel(subject, site, frame)) {
-            const auto& [height, is_there] = *farthest;
-            most = Interval(is_there == true ? std::max(most.lower(), height.lower()) : most.lower(),
-                            std::max(most.upper(), height.upper()));
-        }
+        if (std::holds_alternative<Sphere>(scene.base)) meet_farthest();
     }
     const Interval blur(-rounding * size, rounding * size);
     return {least + blur, most + blur};

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <variant>
@@ -406,6 +407,28 @@ std::vector<std::string> SceneGeometry::names_about_cylinder(const Object& o) co
     }
     if (const auto* sphere = std::get_if<Sphere>(&o))
         return {sphere->radius == radius_ ? "parabolic cylinder" : "quartic"};
+    if (std::holds_alternative<HollowSphere>(o)) return {"quartic"};
+    const Cylinder& base = std::get<Cylinder>(scene_.base);
+    // Does the base's axis run through the point?
+    const auto is_on_axis = [&](const Vec3& point) {
+        std::array<Exact, 3> way;
+        for (int i = 0; i < 3; ++i) way[static_cast<std::size_t>(i)] = Exact(point[i]) - Exact(base.point[i]);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t j = (i + 1) % 3;
+            const auto &a = base.axis[static_cast<int>(i)], &b = base.axis[static_cast<int>(j)];
+            if ((way[i] * b - way[j] * a).sign() != Sign::Zero) return false;
+        }
+        return true;
+    };
+    if (const auto* vessel = std::get_if<HollowCylinder>(&o)) {
+        std::vector<std::string> names;
+        if (normal_.cross(vessel->axis.normalized()).norm() <= kRounding)
+            names.push_back(is_on_axis(vessel->point) ? "circular cylinder" : "elliptic cylinder");
+        if (!are_parallel(base.axis, vessel->axis)) names.emplace_back("quartic");
+        return names;
+    }
+    if (const auto* cone = std::get_if<HollowCone>(&o))
+        return {are_parallel(base.axis, cone->axis) && is_on_axis(cone->apex) ? "circular cone" : "quartic"};
     const auto& cylinder = std::get<Cylinder>(o);
     const bool equal = cylinder.radius == radius_;
     const Vec3 turn = normal_.cross(cylinder.axis.normalized());

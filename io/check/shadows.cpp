@@ -399,7 +399,7 @@ Revolved::Revolved(const Triad<MidRad>& axis_, const MidRad& K, const MidRad& A_
 
 namespace {
 
-Shadow about_sphere(const Equation& equation, MidRad radius) {
+Shadow revolved_about(const Equation& equation, MidRad radius) {
     switch (equation.kind) {
         case Equation::Kind::side: return Revolved{equation.c, equation.offset, 1.0, 0.0, 1.0, false};
         case Equation::Kind::plane: {
@@ -488,12 +488,13 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
     const std::optional<Equation> equation = equation_of(scene, frame, site, outline.points);
     if (!equation) return std::nullopt;
     if (std::holds_alternative<Plane>(scene.base)) return over_plane(*equation, corners);
-    if (equation->is_hollow) {
+    const bool about_sphere = std::holds_alternative<Sphere>(scene.base);
+    if (equation->is_hollow && about_sphere) {
         const auto start = start_in_vessel(scene, frame, *equation, site, outline.points);
         if (!start) return std::nullopt;
         return Fan{Fan::Base::sphere, *equation, *start};
     }
-    if (std::holds_alternative<Sphere>(scene.base)) return about_sphere(*equation, frame.radius());
+    if (about_sphere) return revolved_about(*equation, frame.radius());
     double least = HUGE_VAL, most = -HUGE_VAL;
     for (const auto& p : corners) {
         least = std::min(least, p[2]);
@@ -502,7 +503,8 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
     if (equation->kind == Equation::Kind::side) return flat(*equation, corners.front());
     const double start = 0.5 * (least + most);
     if (equation->kind == Equation::Kind::plane) return Tapered{*equation, start};
-    const bool is_tube = equation->kind == Equation::Kind::tube;
+    // A vessel's is within it there, as the face is.
+    const bool is_tube = equation->kind == Equation::Kind::tube && !equation->is_hollow;
     return Fan{Fan::Base::cylinder,
                *equation,
                {0.0, 0.0, is_tube ? start_below_tube(*equation, least, most) : start}};

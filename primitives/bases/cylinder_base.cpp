@@ -12,104 +12,19 @@
 #include <vector>
 
 #include "../forms/axial_ties.hpp"
-#include "../objects/exact_motion.hpp"
 #include "../objects/message.hpp"
+#include "axial_terms.hpp"
+#include "cylinder_forms.hpp"
 #include "radial_objects.hpp"
 
 namespace vcell {
 
 namespace {
 
+using cylinder_forms::CylinderForms;
+using cylinder_forms::CylinderFrame;
+using cylinder_forms::Side;
 using Kind = InputError::Kind;
-
-// canonical = rotation . (world - origin) / norm. What objects are to each other stays exact; the base's axis
-// turns by a few 2^-53 to become the y axis, or not at all where its length is a double.
-struct CylinderFrame {
-    Vec3 along;  // scaled: what becomes the y axis, but for rounding
-    Vec3 axis;   // the same, noise rounded to zero
-    Vec3 origin;
-    ExactRotation rotation;
-    const Exact& norm;
-    double turn;  // of the base's axis
-
-    CylinderFrame(const Scene& scene, const Cylinder& base)
-        : along(direction(scene, base)),
-          axis(without_noise(along)),
-          origin(base.point),
-          rotation(axis, 1),
-          norm(rotation.norm),
-          turn(rotation.turn(scaled_axis(base.axis), 1)) {
-        const Box& box = scene.box;
-        const Vec3 center = 0.5 * box.min + 0.5 * box.max;
-        Eigen::Index k = 0;
-        axis.cwiseAbs().maxCoeff(&k);
-        if ((axis.array() != 0).count() == 1) {
-            origin[k] = center[k];
-        } else {
-            // In the base's point no rounding leaves the axis.
-            const Vec3 unit = axis.normalized();
-            const double away = unit.dot(center - base.point);
-            if (std::abs(away) > box.diagonal()) origin += away * unit;
-        }
-    }
-    CylinderFrame(const CylinderFrame&) = delete;
-    CylinderFrame& operator=(const CylinderFrame&) = delete;
-
-    // A rotation in doubles, from a quaternion that is nearly a half turn, say.
-    static constexpr double bundle_rounding = 0x1p-48;
-    // The tubes of a bundle about the base that was turned in doubles have one direction and lean towards the
-    // base by its rounding: where three of them tie along a line, strips would be as narrow. As the base
-    // turns anyhow it turns to the first direction that three of these have in common, unless there are tubes
-    // along it. Fewer lean as they do.
-    static Vec3 direction(const Scene& scene, const Cylinder& base) {
-        const Vec3 own = scaled_axis(base.axis), axis = without_noise(own);
-        if (ExactRotation(axis, 1).turn(own, 1) == 0) return own;
-        constexpr int fewest = 3;
-        std::vector<std::pair<Vec3, int>> leaning;  // directions, and how many tubes have them
-        for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
-            const auto* tube = std::get_if<Cylinder>(&scene.objects[i]);
-            if (tube == nullptr || !scene.competes(i)) continue;
-            const ExactVector d(scaled_axis(tube->axis)), across = cross(d, ExactVector(own));
-            if (across.is_zero()) return own;
-            const double sine = Vec3(nearest(across.x), nearest(across.y), nearest(across.z)).norm() /
-                                (scaled_axis(tube->axis).norm() * own.norm());
-            if (!(sine < bundle_rounding)) continue;
-            const auto same = std::ranges::find_if(
-                leaning, [&](const auto& known) { return cross(d, ExactVector(known.first)).is_zero(); });
-            if (same == leaning.end())
-                leaning.emplace_back(scaled_axis(tube->axis), 1);
-            else
-                ++same->second;
-        }
-        const auto bundle =
-            std::ranges::find_if(leaning, [](const auto& known) { return known.second >= fewest; });
-        if (bundle == leaning.end()) return own;
-        // A tube's axis points to either side, that of the base to end:+.
-        return bundle->first.dot(own) < 0 ? Vec3(-bundle->first) : bundle->first;
-    }
-    // A cosine of pi/2 in a direction that was turned in doubles is no lean: the base would end on sides of
-    // the box that it runs along. The base turns with its frame anyhow, by about as much, and `turn` counts
-    // it.
-    static Vec3 without_noise(Vec3 axis) {
-        const double size = axis.cwiseAbs().maxCoeff();
-        for (double& component : axis)
-            if (std::abs(component) < frame_rounding * size) component = 0;
-        return axis;
-    }
-
-    // norm times the rotation of p.
-    ExactVector turned(const ExactVector& p) const { return rotation(p); }
-    ExactVector from_origin(const Vec3& p) const { return ExactVector(p) - ExactVector(origin); }
-
-    // Of what turned() returns.
-    Vec3 rounded(const ExactVector& p) const { return rotation.rounded(p); }
-    BaseFrame rounded() const {
-        BaseFrame frame;
-        frame.rotation = rotation.rounded();
-        frame.origin = origin;
-        return frame;
-    }
-};
 
 class CylinderProblem {
 public:
@@ -120,6 +35,7 @@ public:
           walls_(part != nullptr ? part->walls : scene.box),
           sides_(part != nullptr ? part->sides : std::array<CylinderPart::Wall, 6>{}),
           frame_(scene, base),
+          forms_{frame_, base.radius},
           motion_(frame_.rounded()),
           stretch_(part != nullptr ? part->stretch : stretch()),
           objects_(scene) {}
@@ -136,17 +52,6 @@ private:
     // In box diagonals, some times the rounding of coordinates.
     static constexpr double tie_rounding = 0x1p-50;
 
-    // A side of the box from the origin of the frame: normal.p <= norm distance.
-    struct Side {
-        Site site;
-        ExactVector normal;  // turned
-        Exact distance;
-
-        Exact across2() const { return normal.x * normal.x + normal.z * normal.z; }
-        bool is_along_axis() const { return normal.y.sign() == Sign::Zero; }
-        Side operator-() const { return {site, {-normal.x, -normal.y, -normal.z}, -distance}; }
-        bool is_across_axis() const { return normal.x.sign() == Sign::Zero && normal.z.sign() == Sign::Zero; }
-    };
     Side side(std::uint32_t s) const {
         const WorldSide side(walls_, s);
         return {Site::box_side(s), frame_.turned(ExactVector(side.normal())), side.distance(frame_.origin)};
@@ -203,7 +108,7 @@ private:
             p[world.axis] = 2 * world.bound - p[world.axis];
             // An image that is not given by doubles is no object's equal.
             if (Exact(p[world.axis]) + base_.point[world.axis] != 2.0 * Exact(world.bound)) continue;
-            images.push_back({cylinder_form({p, frame_.axis, base_.radius}), side.site});
+            images.push_back({cylinder_form(Cylinder{p, frame_.axis, base_.radius}), side.site});
         }
         return images;
     }
@@ -211,7 +116,7 @@ private:
     void add(std::uint32_t i, const Sphere& sphere) {
         const Vec3& c = sphere.center;
         const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
-        const RadialForm f = form(ball);
+        const RadialForm f = forms_.form(ball);
         if (!is_positive(f.c) || touched_before_turn(ball))
             objects_.fail(
                 Kind::TouchesBase, i,
@@ -262,7 +167,7 @@ private:
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const CylinderForm f = cylinder_form(cylinder);
-        if (!is_positive(form(f).c))
+        if (!is_positive(forms_.form(f).c))
             objects_.fail(
                 Kind::TouchesBase, i,
                 cylinder.radius >= base_.radius
@@ -271,17 +176,42 @@ private:
                       "have no bisector all around");
         objects_.cylinders.add(f, i);
     }
-    template <class Vessel>
-    void add(std::uint32_t i, const Vessel&) {
-        objects_.fail(Kind::Unsupported, i,
-                      "is a vessel, which bounds the cells of balls alone: the base is a cylinder");
+    void add(std::uint32_t i, const HollowSphere& vessel) {
+        refuse_beyond(i, is_positive(forms_.form(vessel).c));
+        objects_.hollow_balls.add(vessel, i);
     }
-    static CylinderForm cylinder_form(const Cylinder& cylinder) {
+    void add(std::uint32_t i, const HollowCylinder& vessel) {
+        const CylinderForm f = cylinder_form(vessel);
+        refuse_beyond(i, is_positive(forms_.hollow_form(f).c));
+        objects_.hollow_cylinders.add(f, i);
+    }
+    // What is within a cone and its radius is convex: the ends of the stretch stand for all of it.
+    void add(std::uint32_t i, const HollowCone& vessel) {
+        const ConeForm f(vessel);
+        const RadialForm height = forms_.hollow_form(f);
+        refuse_beyond(i, is_positive(height.c) && is_within(f, stretch_[0]) && is_within(f, stretch_[1]));
+        objects_.hollow_cones.add(f, i);
+    }
+    void refuse_beyond(std::uint32_t i, bool is_within) const {
+        if (is_within) return;
+        objects_.fail(Kind::TouchesBase, i,
+                      "has a cross section of the base beyond its wall, between " +
+                          to_text(unit_ * motion_.to_world(Vec3(0, stretch_[0], 0))) + " and " +
+                          to_text(unit_ * motion_.to_world(Vec3(0, stretch_[1], 0))) +
+                          ": a box that ends before would leave it out");
+    }
+    // P of cone_form.hpp, where y is.
+    bool is_within(const ConeForm& f, double y) const {
+        const Exact along = dot(ExactVector(frame_.origin) - f.apex, f.a) + f.g * base_.radius;
+        return (frame_.norm * along + y * frame_.turned(f.a).y).sign() == Sign::Positive;
+    }
+    template <class Tube>
+    static CylinderForm cylinder_form(const Tube& cylinder) {
         const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
         return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
     }
 
-    // Is c0 + c1 y + c2 y^2, convex, positive all over the stretch?
+    // Is c0 + c1 y + c2 y^2 positive all over the stretch?
     bool is_positive(const std::array<Exact, 3>& c) const {
         for (const double y : stretch_)
             if ((c[0] + y * (c[1] + y * c[2])).sign() != Sign::Positive) return false;
@@ -291,106 +221,12 @@ private:
         return (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Positive;
     }
 
-    // The forms of the header, by powers of `norm` free of denominators. Of balls times norm:
-    RadialForm form(const Ball& ball) const {
-        const ExactVector c = frame_.from_origin({ball.cx, ball.cy, ball.cz}), p = frame_.turned(c);
-        const Exact delta = Exact(ball.rho) - base_.radius;
-        return {{frame_.norm * (dot(c, c) - delta * delta), -2.0 * p.y, frame_.norm},
-                frame_.norm * delta,
-                Exact(),
-                {p.x, Exact(), p.z},
-                {}};
-    }
-    // Times 2 norm:
-    RadialForm form(const HalfSpace& h) const {
-        const ExactVector n = frame_.turned(ExactVector(h.n));
-        const Exact value = h(ExactVector(frame_.origin)) + Exact(base_.radius) * h.length;
-        return {{2.0 * frame_.norm * value, 2.0 * n.y, Exact()},
-                frame_.norm * h.length,
-                Exact(),
-                {-n.x, Exact(), -n.z},
-                {}};
-    }
-    RadialForm form(const Side& side) const {
-        const ExactVector& n = side.normal;
-        return {{2.0 * frame_.norm * side.distance, -2.0 * n.y, Exact()},
-                Exact(),
-                Exact(),
-                {n.x, Exact(), n.z},
-                {}};
-    }
-    // Times norm^2, as A is times norm.
-    RadialForm form(const CylinderForm& f) const {
-        const ExactVector p = frame_.from_origin({f.px, f.py, f.pz}), a = direction(f);
-        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - base_.radius;
-        const ExactVector axis = frame_.turned(a), near = frame_.turned(length2 * p - along * a);
-        if (is_along_base(f)) return along_base(near, frame_.norm * length2, delta);
-        const Exact &n = frame_.norm, n2 = n * n;
-        const ExactVector b = n * near;
-        return {{n2 * (length2 * (dot(p, p) - delta * delta) - along * along), -2.0 * b.y,
-                 n2 * length2 - axis.y * axis.y},
-                n2 * length2 * delta,
-                axis.y,
-                {b.x, Exact(), b.z},
-                {axis.x, Exact(), axis.z}};
-    }
-    // About the line through near / scale along y, as with an axis (0, scale, 0).
-    static RadialForm along_base(const ExactVector& near, const Exact& scale, const Exact& delta) {
-        const Exact square = scale * scale;
-        return {{near.x * near.x + near.z * near.z - square * delta * delta, Exact(), Exact()},
-                square * delta,
-                scale,
-                {scale * near.x, Exact(), scale * near.z},
-                {}};
-    }
-    // The same but for the turn of the axis, which all but keeps lengths: F of find_axial_ties() is a linear
-    // image of what it is in the world. Pre: along the base.
-    RadialForm linear_image(const CylinderForm& f) const {
-        const ExactVector p = frame_.from_origin({f.px, f.py, f.pz}), a = direction(f);
-        const Exact length2 = dot(a, a), along = dot(p, a), delta = Exact(f.rho) - base_.radius;
-        const ExactVector b = frame_.turned(length2 * p - along * a);
-        const Exact& n = frame_.norm;
-        return {{n * (length2 * (dot(p, p) - delta * delta) - along * along), Exact(), Exact()},
-                n * length2 * delta,
-                Exact(),
-                {b.x, Exact(), b.z},
-                {}};
-    }
-    static ExactVector direction(const CylinderForm& f) { return ExactVector(Vec3(f.ax, f.ay, f.az)); }
-
-    // Parallel to what the base's axis turns to, before or after rounding.
-    bool is_along_base(const CylinderForm& f) const {
-        const ExactVector a = direction(f), image = frame_.turned(a);
-        return (image.x.sign() == Sign::Zero && image.z.sign() == Sign::Zero) ||
-               cross(a, ExactVector(frame_.along)).is_zero();
-    }
-
-    // The chart is turned about the axis, u = chart n / W, by an angle that no input favours: a symmetric
-    // scene's trisectors would run along the seams of the chart. Its half angle has the tangent turn_sine /
-    // turn_cosine.
-    static constexpr double turn_sine = 773, turn_cosine = 2048;
-    static constexpr double turn_norm = turn_cosine * turn_cosine + turn_sine * turn_sine;
-
-    // turn_norm times the rotation.
-    static Eigen::Matrix3d chart() {
-        const double c = turn_cosine * turn_cosine - turn_sine * turn_sine, s = 2 * turn_cosine * turn_sine;
-        Eigen::Matrix3d m;
-        m << c, 0, s, 0, turn_norm, 0, -s, 0, c;
-        return m;
-    }
-
-    // The form in the turned chart, its equation times turn_norm^2 to be free of denominators.
-    static RadialForm turned(const RadialForm& f) {
-        const Eigen::Matrix3d m = chart();
-        const Exact norm = turn_norm;
-        const auto turn = [&](const std::array<Exact, 3>& v) {
-            return std::array<Exact, 3>{m(0, 0) * v[0] + m(2, 0) * v[2], Exact(),
-                                        m(0, 2) * v[0] + m(2, 2) * v[2]};
-        };
-        RadialForm out{f.c, norm * norm * f.b0, norm * f.slope, turn(f.b), turn(f.a)};
-        for (Exact& c : out.c) c = norm * norm * c;
-        for (Exact& b : out.b) b = norm * b;
-        return out;
+    template <class Tube>
+    Tube canonical_tube(const Tube& tube, const CylinderForm& f) const {
+        return {motion_.to_canonical(tube.point),
+                forms_.is_along_base(f) ? Vec3::UnitY().eval()
+                                        : frame_.rounded(frame_.turned(CylinderForms::direction(f))),
+                tube.radius};
     }
 
     // A form and whose it is.
@@ -407,8 +243,9 @@ private:
         std::vector<std::array<Exact, 6>> rays;  // of rational heights, and whose they are
         std::vector<std::size_t> ray_entries;
         const auto add = [&](Site site, const Object& canonical, const RadialForm& f) {
-            // With balls C is quadratic in y and no other rational height's is.
-            if (!f.has_root() && !std::holds_alternative<Sphere>(canonical)) {
+            // With balls, and in them, C is quadratic in y and no other rational height's is.
+            if (!f.has_root() && !std::holds_alternative<Sphere>(canonical) &&
+                !std::holds_alternative<HollowSphere>(canonical)) {
                 rays.push_back({f.c[0], f.c[1], f.c[2], f.b0, f.b[0], f.b[2]});
                 ray_entries.push_back(entries.size());
             }
@@ -419,30 +256,36 @@ private:
             const Site site = objects_.site(i);
             if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i])) {
                 add(site, Sphere{motion_.to_canonical(sphere->center), sphere->radius},
-                    form(objects_.balls.of(i)));
+                    forms_.form(objects_.balls.of(i)));
             } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
                 add(site, Plane{motion_.to_canonical(plane->point), motion_.rotation * plane->normal},
-                    form(objects_.planes.of(i)));
-            } else {
-                const auto& cylinder = std::get<Cylinder>(scene_.objects[i]);
+                    forms_.form(objects_.planes.of(i)));
+            } else if (const auto* cylinder = std::get_if<Cylinder>(&scene_.objects[i])) {
                 const CylinderForm& f = objects_.cylinders.of(i);
-                const ExactVector axis = frame_.turned(direction(f));
-                add(site,
-                    Cylinder{motion_.to_canonical(cylinder.point),
-                             is_along_base(f) ? Vec3::UnitY().eval() : frame_.rounded(axis), cylinder.radius},
-                    form(f));
+                add(site, canonical_tube(*cylinder, f), forms_.form(f));
+            } else if (const auto* ball = std::get_if<HollowSphere>(&scene_.objects[i])) {
+                add(site, HollowSphere{motion_.to_canonical(ball->center), ball->radius}, forms_.form(*ball));
+            } else if (const auto* tube = std::get_if<HollowCylinder>(&scene_.objects[i])) {
+                const CylinderForm& f = objects_.hollow_cylinders.of(i);
+                add(site, canonical_tube(*tube, f), forms_.hollow_form(f));
+            } else {
+                HollowCone cone = std::get<HollowCone>(scene_.objects[i]);
+                const ConeForm& f = objects_.hollow_cones.of(i);
+                cone.apex = motion_.to_canonical(cone.apex);
+                cone.axis = frame_.rounded(frame_.turned(ExactVector(scaled_axis(cone.axis))));
+                add(site, cone, forms_.hollow_form(f));
             }
         }
         for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
             const Side side = this->side(canonical.index);
             if (!side.is_across_axis() && sides_[canonical.index] == CylinderPart::Wall::Inside)
-                add(side.site, Plane{canonical.k * canonical.m, canonical.m}, form(side));
+                add(side.site, Plane{canonical.k * canonical.m, canonical.m}, forms_.form(side));
         }
         for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
             if (sides_[canonical.index] != CylinderPart::Wall::Beyond) continue;
             const Side side = -this->side(canonical.index);
             if (!side.is_across_axis()) {
-                add(side.site, Plane{canonical.k * canonical.m, -canonical.m}, form(side));
+                add(side.site, Plane{canonical.k * canonical.m, -canonical.m}, forms_.form(side));
                 entries.back().is_of_floor = true;
             }
         }
@@ -486,11 +329,17 @@ private:
         for (const Entry& e : entries) {
             if (e.is_of_floor) break;  // the last ones, which compete with none of the others
             const Site site = e.sites.front();
-            const bool is_tube = site.is_object() && std::holds_alternative<Cylinder>(e.canonical);
-            forms.push_back(is_tube && !e.form.has_root()
-                                ? linear_image(objects_.cylinders.of(
-                                      static_cast<std::uint32_t>(scene_.place(site.index))))
-                                : e.form);
+            const auto place = site.is_object() ? static_cast<std::uint32_t>(scene_.place(site.index)) : 0;
+            if (site.is_object() && !e.form.has_root() && std::holds_alternative<Cylinder>(e.canonical)) {
+                const CylinderForm& tube = objects_.cylinders.of(place);
+                forms.push_back(forms_.linear_image(tube, Exact(tube.rho) - base_.radius));
+            } else if (!e.form.has_root() && std::holds_alternative<HollowCylinder>(e.canonical)) {
+                const CylinderForm& tube = objects_.hollow_cylinders.of(place);
+                forms.push_back(CylinderForms::turned_signs(
+                    forms_.linear_image(tube, -(Exact(tube.rho) + base_.radius))));
+            } else {
+                forms.push_back(e.form);
+            }
         }
         const std::vector<AxialTie> ties = find_axial_ties(forms);
         // In a turned scene places are rounded: what that hides counts as motion, and the rest as an
@@ -507,7 +356,7 @@ private:
             found.add(e.sites.front(), e.canonical);
             for (const Site site : std::span(e.sites).subspan(1)) found.join(site, e.id);
             if (e.is_of_floor) problem.floor.push_back(e.id);
-            problem.family.radial.push_back(turned(e.form));
+            problem.family.radial.push_back(CylinderForms::turned(e.form));
         }
         for (const AxialTie& tie : ties)
             for (const Site site : entries[tie.middle].sites)
@@ -523,7 +372,8 @@ private:
                           {-1, 0, 3, {}},
                           {0, -1, stretch_[1], Site::end(1)},
                           {1, 0, 1, {}}};
-        problem.chart = {BaseShape::Cylinder, base_.radius, chart() / turn_norm};
+        problem.chart = {BaseShape::Cylinder, base_.radius,
+                         CylinderForms::chart() / CylinderForms::turn_norm};
         problem.family.chart = problem.chart;
         for (const std::optional<Site>& site : early_ends_)
             if (site)
@@ -533,7 +383,30 @@ private:
         objects_.warn(found.sites, problem.warnings);
         problem.sites = std::move(found.sites);
         problem.objects = std::move(found.objects);
+        refuse_tips(problem);
         return problem;
+    }
+
+    // Where the bisector with a hollow tube or cone comes to its axis it has a tip. Nothing later on is made
+    // for one that shows.
+    void refuse_tips(const RadialBaseProblem& problem) const {
+        constexpr double margin = 1 + 0x1p-20;  // far more than rounding
+        for (const FormId form : problem.objects.ids())
+            for (const VesselTip& tip : vessel_tips(problem, form)) {
+                if (tip.y < stretch_[0] || tip.y > stretch_[1]) continue;
+                const auto hides = [&](FormId f) {
+                    return f != form && AxialTerms(problem, f, tip.y).nearness(tip.u, 0) * tip.reach > margin;
+                };
+                bool is_hidden = false;
+                for (const FormId f : problem.objects.ids()) is_hidden = is_hidden || hides(f);
+                if (is_hidden) continue;
+                const auto number = problem.sites[form].front().index;
+                objects_.fail(
+                    Kind::Unsupported, static_cast<std::uint32_t>(scene_.place(number)),
+                    "is as near to the base as to its own axis, where no object nor side of the box is "
+                    "nearer: the cell would have a tip at " +
+                        to_text(unit_ * motion_.to_world(Vec3(0, tip.y, 0) + tip.reach * tip.u)));
+            }
     }
 
     const Scene& scene_;
@@ -542,6 +415,7 @@ private:
     const Box walls_;  // the scene's box, or what takes its place
     const std::array<CylinderPart::Wall, 6> sides_;
     const CylinderFrame frame_;
+    const CylinderForms forms_;
     const BaseFrame motion_;                         // rounded
     std::array<std::optional<Site>, 2> early_ends_;  // sides before which the stretch ends by end_radius()
     const std::array<double, 2> stretch_;

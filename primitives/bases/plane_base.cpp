@@ -61,7 +61,7 @@ public:
                 add(i, *cylinder);
             else
                 fail(Kind::Unsupported, i,
-                     "is a vessel, which bounds the cells of balls alone: the base is a plane");
+                     "is a vessel, which bounds the cells of balls and cylinders: the base is a plane");
         }
         drop_hidden();
         make_forms();

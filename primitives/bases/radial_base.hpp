@@ -8,12 +8,11 @@
 ///     plane n'.p + D, s its sign      C = s (n'.f + D) + R0 |n'|,                B = (|n'| W - s n'.n) / 2
 ///     box side m'.p <= k              C = k - m'.f,                              B = m'.n / 2
 ///     cap t <= T (sphere base)        C = T,                                     B = W / 2
-///     inside of a sphere (c, R)       C = (R + R0)^2 - |c|^2,                    B = (R + R0) W - c.n
-///     (sphere base)
+///     inside of a sphere (c, R)       C = (R + R0)^2 - |f - c|^2,                B = (R + R0) W - c.n
 ///     cylinder (p, a, rho)            C = N (|m|^2 - delta^2) - (m.a)^2,         B = N (p.n + delta W) +
 ///     (m.a)(a.n),  A = a.n
 ///     inside of a cylinder            the same with rho = -R, C and B with their signs turned, and + A^2 in
-///     (sphere base)                   the equation; of a cone as radial_form.hpp has it
+///                                     the equation; of a cone as radial_form.hpp has it
 ///
 /// |n'| is told by two doubles. C > 0 all over the base: objects may overlap the base's body (clearance
 /// is then negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
@@ -84,12 +83,12 @@ struct RadialBaseProblem : BaseProblem {
 ///   ball or
 ///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of
 ///                its circles), lies in it, or runs through it near its centre or axis; a vessel that has all
-///                of the base beyond its wall;
+///                of the base, or of one of its circles, beyond its wall, or all but a point;
 ///   EmptyBox     the base sphere's centre is not inside the box, a base cylinder's axis not inside the
 ///                sides along it (the base may reach beyond them: clearance is negative there), or no
 ///                stretch of the base cylinder is in the box;
 ///   OutOfRange   a height's coefficients leave the double range;
-///   Unsupported  a vessel over a cylinder base, or with a probe.
+///   Unsupported  a vessel with a probe, or one with whose bisector the cell would have a tip.
 /// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
 /// objects are all but equal.
 /// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a

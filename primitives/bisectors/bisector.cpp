@@ -362,43 +362,48 @@ std::string_view to_string(BisectorKind kind) {
     return "everywhere";
 }
 
-// With l = g (D.v + rho), v along the axis and as long as the sine |a| / g, and |a|^2 = N, the ball's centre
-// is l / g - cos |D across a| away. Squared twice:
+// With l = g (D.v + rho), v along the axis and as long as the sine |a| / g, and |a|^2 = N, the centre or axis
+// of a ball or cylinder is l / g - cos |D across a| away. Squared twice, with A / n the squared distance from
+// it:
 //
-//     (g^2 N A + N l^2 - k)^2 = 4 g^2 N^2 A l^2,   A = |x - m|^2,   k = (g^2 - N) (N |D|^2 - (D.a)^2).
-static Bisector of_ball_in_cone(const Sphere& ball, const HollowCone& vessel) {
+//     (g^2 N A + n (N l^2 - k))^2 = 4 g^2 N^2 n A l^2,   k = (g^2 - N) (N |D|^2 - (D.a)^2).
+static Bisector of_round_in_cone(const RoundSurface& round, const HollowCone& vessel) {
     const ConeForm cone(vessel);
-    const Exact &g = cone.g, &N = cone.N, g2 = g * g;
+    const Exact &g = cone.g, &N = cone.N, &n = round.norm, g2 = g * g;
     const Polynomial3 along = Polynomial3::linear(cone.a, -dot(cone.a, cone.apex)),
-                      l = along + Polynomial3(g * ball.radius), A = RoundSurface(ball).squared(),
+                      l = along + Polynomial3(g * round.rho), A = round.squared(),
                       k = (g2 - N) * (N * RoundSurface(Sphere{vessel.apex, 0}).squared() - along * along),
-                      sum = g2 * N * A + N * (l * l) - k;
-    return {BisectorKind::Quartic, sum * sum - 4.0 * g2 * N * N * (A * (l * l)), {0, 0}};
+                      sum = g2 * N * A + n * (N * (l * l) - k);
+    const bool is_on_axis = round.is_cylinder() && cross(round.axis, cone.a).is_zero() &&
+                            round.squared_at(cone.apex).sign() == Sign::Zero;
+    return {is_on_axis ? BisectorKind::CircularCone : BisectorKind::Quartic,
+            sum * sum - 4.0 * g2 * N * N * n * (A * (l * l)),
+            {0, 0}};
 }
 
-// The distances from the ball's centre and the vessel's centre or axis have the sum of the radii as their
-// sum, as where the one contains the other.
-static Bisector of_ball_in_vessel(const Object& base, const Object& a) {
+// The distances from the centre or axis and from the vessel's have the sum of the radii as their sum, as
+// where the one contains the other.
+static Bisector of_round_in_vessel(const Object& base, const Object& a) {
     const bool is_base = is_vessel(base);
-    const Object& vessel = is_base ? base : a;
-    const auto* ball = std::get_if<Sphere>(is_base ? &a : &base);
-    if (ball == nullptr)
+    const Object &vessel = is_base ? base : a, &other = is_base ? a : base;
+    if (!std::holds_alternative<Sphere>(other) && !std::holds_alternative<Cylinder>(other))
         throw InputError(InputError::Kind::Unsupported, InputError::no_object, "",
-                         "a vessel has bisectors with balls alone");
-    if (const auto* cone = std::get_if<HollowCone>(&vessel)) return of_ball_in_cone(*ball, *cone);
+                         "a vessel has bisectors with balls and cylinders alone");
+    const RoundSurface round = round_surface(other);
+    if (const auto* cone = std::get_if<HollowCone>(&vessel)) return of_round_in_cone(round, *cone);
     const auto* hollow = std::get_if<HollowSphere>(&vessel);
     const RoundSurface wall = hollow != nullptr
                                   ? RoundSurface(Sphere{hollow->center, hollow->radius})
                                   : RoundSurface(Cylinder{std::get<HollowCylinder>(vessel).point,
                                                           std::get<HollowCylinder>(vessel).axis,
                                                           std::get<HollowCylinder>(vessel).radius});
-    Bisector b = of_rounds(RoundSurface(*ball), wall, true);
+    Bisector b = of_rounds(round, wall, true);
     b.patch_degree = {0, 0};
     return b;
 }
 
 Bisector bisector(const Object& base, const Object& a) {
-    if (is_vessel(base) || is_vessel(a)) return of_ball_in_vessel(base, a);
+    if (is_vessel(base) || is_vessel(a)) return of_round_in_vessel(base, a);
     const auto *p = std::get_if<Plane>(&base), *q = std::get_if<Plane>(&a);
     if (p != nullptr && q != nullptr) return of_planes(ExactPlane(*p), ExactPlane(*q));
     if (p != nullptr) return of_plane_and_round(ExactPlane(*p), true, round_surface(a));

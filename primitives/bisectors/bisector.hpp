@@ -52,8 +52,9 @@ struct Bisector {
     int degree() const { return polynomial.degree(); }
 };
 
-/// A vessel has one with a ball, which lies within or overlaps the wall, and without a bisector_patch(); all
-/// else with vessels throws InputError (Unsupported).
+/// A vessel has one with a ball or a cylinder, which lies within or overlaps the wall, and without a
+/// bisector_patch(); all else with vessels throws InputError (Unsupported). About a hollow cone's own axis it
+/// is a circular cone, of whose polynomial another one is the other factor.
 ///
 /// Decided exactly, but for |n| as above: parallel, crossing, concentric, containing are what the doubles
 /// say.

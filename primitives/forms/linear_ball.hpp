@@ -70,7 +70,7 @@ private:
     T x_, z_;
 };
 
-/// c0 + c1 y + c2 y^2, c2 >= 0.
+/// c0 + c1 y + c2 y^2.
 template <class T>
 class QuadraticOf {
 public:
@@ -85,7 +85,7 @@ public:
     Range over(const T& y) const {
         const auto at = [&](const T& p) { return c_[0] + p * (c_[1] + c_[2] * p); };
         Range r{hull(at(bottom(y)), at(top(y))), c_[1] + T(2.0) * c_[2] * y};
-        if (!r.slope.sign() && c_[2].sign() == Sign::Positive)
+        if (!r.slope.sign() && c_[2].sign() && *c_[2].sign() != Sign::Zero)
             r.value = hull(r.value, c_[0] - square(c_[1]) / (T(4.0) * c_[2]));
         return r;
     }
@@ -212,8 +212,8 @@ public:
             middle_[i] = c[i].mid();
             radius_[i] = c[i].radius();
         }
-        is_curved_ = c[2].sign() == Sign::Positive;
-        if (is_curved_) least_ = c[0] - square(c[1]) / (Interval(4.0) * c[2]);
+        is_curved_ = c[2].sign() && *c[2].sign() != Sign::Zero;
+        if (is_curved_) turn_ = c[0] - square(c[1]) / (Interval(4.0) * c[2]);
     }
 
     // By Horner's rule c1 + c2 y errs by u (|c2 y| + |c1 + c2 y|), the value by |y| times that, u of its own
@@ -238,7 +238,7 @@ public:
         const double low = y.lower(), high = y.upper();
         if (low == high) return {value(low), slope(low)};
         Range r{hull(value(low), value(high)), hull(slope(low), slope(high))};
-        if (is_curved_ && !r.slope.sign()) r.value = hull(r.value, least_);
+        if (is_curved_ && !r.slope.sign()) r.value = hull(r.value, turn_);
         return r;
     }
 
@@ -249,7 +249,7 @@ public:
 
 private:
     std::array<double, 3> middle_{}, radius_{};
-    Interval least_;  // if c2 > 0
+    Interval turn_;  // the least or greatest value, if c2 has a sign
     bool is_curved_ = false;
 };
 

@@ -5,7 +5,7 @@
 /// the axis is (0, y, 0) + t u. In a chart u = n / W with polynomials n, W of the chart's coordinates
 /// (primitives/charts/chart.hpp). The object is met at t = W / Q, where Q >= 0 is the larger root of
 ///
-///     C Q^2 - 2 B Q - A^2 = 0,   B = b0 W + b.n + y slope (a.n),   A = a.n,   C = c0 + c1 y + c2 y^2 > 0
+///     C Q^2 - 2 B Q - A^2 = 0,   B = b0 W + b.n + y slope A,   A = a.n,   C = c0 + c1 y + c2 y^2 > 0
 ///
 /// ([HE, section 2.2] for any length of axes and normals; a = 0 but for cylinders: then Q = 2 B / C, and Q <=
 /// 0 says never). The nearest object has the largest Q: heights are compared as f = -Q.
@@ -15,9 +15,12 @@
 /// to the wall as to the base. They are equal where the ray comes to the axis there: the bisector has a tip,
 /// as that of a cone.
 ///
+/// Over a cylinder C is concave in a tube or a ball, which holds the axis as long as C > 0, and has any shape
+/// in a cone.
+///
 /// A cone has A = a0 W + a.n. With S and K the sine and cosine of half its angle, w its axis, m the way from
-/// its apex to the base's centre, P = m.w S + R0 and m' = m - (m.w) w, a ray is as near to the wall as to the
-/// base where
+/// its apex to the base's centre or the base point's axis point, P = m.w S + R0 and m' = m - (m.w) w, a ray
+/// is as near to the wall as to the base where
 ///
 ///     K |m' + t u'| = P - t (1 - S u.w),
 ///
@@ -27,7 +30,8 @@
 ///
 /// C - 2 B t + A^2 t^2 is C > 0 at t = 0 and no more than 0 where t (1 - S u.w) = P: the lesser t of both
 /// roots is the one before that, where the right side above is no less than 0; the other one, if there is
-/// one, is behind, where the wall's other half continues it.
+/// one, is behind, where the wall's other half continues it. As m moves along y, B changes by -w_y A for each
+/// length.
 #pragma once
 
 #include <array>
@@ -57,11 +61,12 @@ struct RadialForm {
     std::array<Exact, 3> c;  ///< c1 = c2 = 0 over a sphere
     Exact b0, slope;
     std::array<Exact, 3> b, a;
-    bool is_hollow = false;  ///< over a sphere only
-    Exact a0{};              ///< of cones only
+    bool is_hollow = false;
+    Exact a0{};  ///< of cones only
 
     bool has_root() const {
-        return a[0].sign() != Sign::Zero || a[1].sign() != Sign::Zero || a[2].sign() != Sign::Zero;
+        return a[0].sign() != Sign::Zero || a[1].sign() != Sign::Zero || a[2].sign() != Sign::Zero ||
+               a0.sign() != Sign::Zero;
     }
     /// The end towards which C falls to a root, if it is linear and the height a quotient: planes over a
     /// cylinder.

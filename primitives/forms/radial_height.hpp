@@ -327,6 +327,10 @@ public:
             return f;
         }
         FunctionJet<T> A = around ? around->template along<order>(around_a_) : n.template along<order>(a_);
+        if (is_hollow_) {
+            A.v += a0_;
+            if (around) B.v += slope_ * (a0_ * n.middle_y());
+        }
         if (around) {
             if constexpr (order > 0) B.y = slope_ * A.v;
             if constexpr (order > 1) B.xy = slope_ * A.x;
@@ -337,10 +341,7 @@ public:
                 if constexpr (order > 1) B.xx += s * A.xx;
             }
         }
-        if (is_hollow_) {
-            A.v += a0_;
-            return hollow_jet<order>(B, A, C);
-        }
+        if (is_hollow_) return around ? hollow_jet<order>(B, A, C, &C_y) : hollow_jet<order>(B, A, C);
         // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All
         // of q, s and k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends
         // nothing is lost.
@@ -392,10 +393,15 @@ public:
         auto [B, B_x] = around_b_.near(sine, cosine);
         B += b0_.mid();
         if (!has_root_) return {-2 * B / C, -2 * m * B_x / C, 2 * B * C_y / (C * C)};
-        const auto [A, A_x] = around_a_.near(sine, cosine);
+        auto [A, A_x] = around_a_.near(sine, cosine);
+        if (is_hollow_) A += a0_.mid();
         const double slope = axial_slope_.middle, B_y = slope * A;
         B += slope * y * A;
         B_x += slope * y * A_x;
+        if (is_hollow_) {
+            const double R = std::sqrt(std::max(0.0, B * B - A * A * C)), f = -(B + R) / C;
+            return {f, m * (f * B_x + A * A_x) / R, f * (0.5 * C_y * f + B_y) / R};
+        }
         const double R = std::sqrt(B * B + A * A * C), f = B < 0 ? -A * A / (R - B) : -(B + R) / C;
         return {f, m * (f * B_x - A * A_x) / R, f * (0.5 * C_y * f + B_y) / R};
     }
@@ -406,10 +412,12 @@ private:
     //
     //     f_u = -(1 + s) B_u / C + k A_u,   R f_uv = B_uv f + A A_uv + D_u D_v,   D_u = k B_u - s A_u,
     //
-    // as s^2 - 1 = C k^2. Where R may vanish nothing is said but f itself.
+    // as s^2 - 1 = C k^2. Around a cylinder, where C depends on y by C_y and A does not, w = B_y + C_y f / 2
+    // takes the place of B_y as in plain_jet(), and what is added is the same. Where R may vanish nothing is
+    // said but f itself.
     template <int order>
-    [[gnu::noinline]] static FunctionJet<T> hollow_jet(const FunctionJet<T>& B, const FunctionJet<T>& A,
-                                                       const T& C) {
+    [[gnu::noinline]] FunctionJet<T> hollow_jet(const FunctionJet<T>& B, const FunctionJet<T>& A, const T& C,
+                                                const T* C_y = nullptr) const {
         const T A2 = square(A.v);
         FunctionJet<T> f;
         f.v = -hollow_root_range(B.v, A2, C);
@@ -421,10 +429,19 @@ private:
             }
             const T slope = (T(1.0) + s) / C;
             f.x = k * A.x - slope * B.x;
-            f.y = k * A.y - slope * B.y;
+            const T half_C_y = C_y != nullptr ? 0.5 * *C_y : T(0.0),
+                    w = C_y != nullptr ? B.y + half_C_y * f.v : B.y;
+            f.y = C_y != nullptr ? -(slope * w) : k * A.y - slope * B.y;
             if constexpr (order > 1) {
-                const T R = hollow_root(B.v, A2, C), D_x = k * B.x - s * A.x, D_y = k * B.y - s * A.y;
+                const T R = hollow_root(B.v, A2, C), D_x = k * B.x - s * A.x;
                 f.xx = (B.xx * f.v + A.v * A.xx + square(D_x)) / R;
+                if (C_y != nullptr) {
+                    const T D_y = k * w;
+                    f.xy = ((B.xy + half_C_y * f.x) * f.v + D_x * D_y) / R;
+                    f.yy = (c_[2] * square(f.v) + *C_y * (f.v * f.y) + square(D_y)) / R;
+                    return f;
+                }
+                const T D_y = k * B.y - s * A.y;
                 f.xy = (B.xy * f.v + A.v * A.xy + D_x * D_y) / R;
                 f.yy = (B.yy * f.v + A.v * A.yy + square(D_y)) / R;
             }

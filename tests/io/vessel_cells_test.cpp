@@ -174,5 +174,69 @@ TEST_CASE("vessel cells: one that is all of a sphere or of a spheroid is not ref
     }
 }
 
+// ---- Around tubes ---------------------------------------------------------------------------------------
+
+// A tube, leaning or along z, near the wall of any vessel, with balls and a tube about it.
+Scene about_tube(const Vec3& axis, const Object& vessel) {
+    Scene scene;
+    scene.base = Cylinder{{0.75, 0.125, 0}, axis, 0.25};
+    scene.objects = {Sphere{{-0.25, 0.5, 0.25}, 0.375}, Sphere{{0.5, -0.875, 0.25}, 0.25},
+                     Sphere{{1.25, 0.75, -0.25}, 0.25}, Cylinder{{-0.5, -0.75, 0}, {0, 0, 1}, 0.25}, vessel};
+    scene.box = {{-2.25, -2.25, -1}, {2.25, 2.25, 0.75}};
+    return scene;
+}
+
+TEST_CASE("vessel cells: around tubes they are certified, and refuted where they are damaged") {
+    const HollowCylinder along{{0, 0, 0}, {0, 0, 1}, 2};
+    const auto with = [](const Vec3& axis, const Object& vessel) { return about_tube(axis, vessel); };
+    for (const Scene& scene :
+         {with({0, 0, 1}, along), with({0, 0, 1}, tube), with({0.125, 0.25, 1}, along), with({0, 0, 1}, ball),
+          with({0.125, 0, 1}, ball), with({0, 0, 1}, cone), with({0.25, -0.125, 1}, cone)}) {
+        CAPTURE(scene.objects.back().index());
+        const Cell cell = voronoi_cell(scene);
+        const Site wall = Site::object(4);
+        const auto face = std::ranges::find_if(cell.faces, [&](const CellFace& f) { return f.site == wall; });
+        REQUIRE(face != cell.faces.end());
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.holds(), listing(good));
+
+        const auto expect = [&](const std::string& where, const std::function<void(Cell&)>& damage) {
+            Cell bad = cell;
+            damage(bad);
+            const Certificate c = certify(bad, {50, 1, 4});
+            CHECK_MESSAGE(is_refuted(c, where), "expected ", where, ", found\n", listing(c));
+        };
+        expect("vertices", [&](Cell& bad) {
+            Object& o = bad.scene.objects.back();
+            if (auto* x = std::get_if<HollowSphere>(&o)) x->radius += 1e-6;
+            if (auto* x = std::get_if<HollowCylinder>(&o)) x->radius += 1e-6;
+            if (auto* x = std::get_if<HollowCone>(&o)) x->apex.z() -= 2e-6;
+        });
+        const auto at = static_cast<std::size_t>(face - cell.faces.begin());
+        expect("faces[" + std::to_string(at), [&](Cell& bad) { bad.faces[at].bisector = "hyperboloid"; });
+        expect("measures.max_clearance", [](Cell& bad) { bad.measures.max_clearance *= 1 + 1e-4; });
+    }
+}
+
+TEST_CASE("vessel cells: the farthest place around a tube may be on no edge") {
+    // Beyond the middle of a sphere, and of a tube that it crosses.
+    for (const Object& vessel :
+         {Object(HollowSphere{{0, 0, 0}, 2}), Object(HollowCylinder{{0, 0, 0}, {0, 0.5, 1}, 2}),
+          Object(HollowCone{{0, 0, -2.5}, {0, 0.5, 1}, 3, 5})}) {
+        CAPTURE(vessel.index());
+        Scene scene;
+        scene.base = Cylinder{{0.5, 0, 0}, {0, 0, 1}, 0.25};
+        scene.objects = {vessel};
+        scene.box = {{-3, -3, -1}, {3, 3, 1}};
+        const Cell cell = voronoi_cell(scene);
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.holds(), listing(good));
+        if (vessel.index() == 3) CHECK(cell.measures.max_clearance == doctest::Approx(1.125).epsilon(1e-12));
+        Cell bad = cell;
+        bad.measures.max_clearance *= 1 - 1e-6;
+        CHECK(is_refuted(certify(bad, {50, 1, 4}), "measures.max_clearance"));
+    }
+}
+
 }  // namespace
 }  // namespace vcell

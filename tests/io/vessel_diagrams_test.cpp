@@ -271,6 +271,40 @@ TEST_CASE("check of a diagram: tubes, planes and balls fill their box, and agree
     check_filled(diagram);
 }
 
+TEST_CASE("check of a diagram: tubes and balls in a tube have all their cells") {
+    static const StoredDiagram whole =
+        stored(read_diagram_scene(VCELL_EXAMPLE_SCENES "/fibres_in_tube.json"), true);
+    REQUIRE(whole.cells.size() == 29);
+    CHECK(cells_that_are_no_balls(whole) == 5);
+    StoredDiagram d = whole;
+    Cell& fibre_cell = d.cells[2].second;
+    const auto certify = [](const StoredDiagram& damaged) { return vcell::certify(damaged, {50, 1, 4}); };
+    SUBCASE("nothing is damaged") {
+        const Certificate c = vcell::certify(d);
+        check_proved(c);
+        CHECK(c.elements.back().what.find("no cell here") != std::string::npos);
+    }
+    SUBCASE("the wall") {
+        std::get<HollowCylinder>(d.scene.objects.back()).radius += 1e-5;
+        CHECK(has_verdict(certify(d), "cells[2]", Verdict::refuted));
+    }
+    SUBCASE("a vertex of a fibre's cell at the wall") {
+        const auto at_wall = [&](const CellVertex& v) {
+            return std::ranges::any_of(v.sites, [&](const Site& s) {
+                return s.is_object() && fibre_cell.scene.images[s.index].number == 29;
+            });
+        };
+        const auto v = std::ranges::find_if(fibre_cell.vertices, at_wall);
+        REQUIRE(v != fibre_cell.vertices.end());
+        v->point.x() += 1e-4;
+        CHECK(has_verdict(certify(d), "cells[2].vertices", Verdict::refuted));
+    }
+    SUBCASE("a volume") {
+        fibre_cell.measures.volume += 1e-3;
+        CHECK(objects_to(certify(d), "cells[2].measures.volume"));
+    }
+}
+
 TEST_CASE("check of a diagram: a plane along a side of the box, and balls beyond the box") {
     const auto stored_scene = [](const char* name) {
         return stored(read_diagram_scene(VCELL_EXAMPLE_SCENES "/" + std::string(name) + ".json"), true);

@@ -204,4 +204,29 @@ TEST_CASE("bisector: that of a ball and a hollow cone holds points of small inte
     CHECK_THROWS_AS(bisector(Plane{}, HollowCone{}), InputError);
 }
 
+// (3, 4, 12) is 5 from the axis of z, and from another one; 4/5 of 10 less 3/5 of 5 is as much.
+TEST_CASE("bisector: those of a cylinder with vessels hold points of small integers exactly") {
+    const ExactVector p(Vec3(3, 4, 12)), beside(Vec3(3, 4, 11));
+    const Cylinder upright{{0, 0, 7}, {0, 0, 2}, 0}, across{{0, 7, 8}, {0, 1, 0}, 1};
+    const auto holds = [&](const Cylinder& base, const Object& vessel, Kind kind, int degree) {
+        const Bisector b = bisector(base, vessel);
+        CHECK(b.kind == kind);
+        CHECK(b.degree() == degree);
+        CHECK(b.polynomial(p).sign() == Sign::Zero);
+        CHECK(b.polynomial(beside).sign() != Sign::Zero);
+        CHECK(bisector(vessel, base).kind == kind);
+        CHECK_FALSE(bisector_patch(base, vessel, {-1, 1}, {-1, 1}));
+    };
+    holds(upright, HollowCone{{0, 0, 2}, {0, 0, 3}, 4, 5}, Kind::CircularCone, 4);
+    holds(across, HollowCone{{0, 0, 3.25}, {0, 0, 3}, 4, 5}, Kind::Quartic, 4);
+    // 13 from the origin, 5 from (0, 1, 12) across the axis of x.
+    holds(across, HollowSphere{{0, 0, 0}, 17}, Kind::Quartic, 4);
+    holds(across, HollowCylinder{{7, 1, 8}, {1, 0, 0}, 9}, Kind::Quartic, 4);
+    const Bisector around = bisector(upright, HollowCylinder{{0, 0, 0}, {0, 0, -1}, 10}),
+                   beside_it = bisector(upright, HollowCylinder{{1, 0, 0}, {0, 0, -1}, 10});
+    CHECK(around.kind == Kind::CircularCylinder);
+    CHECK(beside_it.kind == Kind::EllipticCylinder);
+    CHECK(around.polynomial(p).sign() == Sign::Zero);
+}
+
 }  // namespace vcell::bisector_test

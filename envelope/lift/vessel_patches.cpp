@@ -1,0 +1,106 @@
+// Patches of the bisectors with vessels.
+#include "../../primitives/bases/axial_terms.hpp"
+#include "radial_patch.hpp"
+#include "radial_patch_terms.hpp"
+
+namespace vcell {
+
+using namespace radial_patch_terms;
+
+// S = power n / (2 (delta W - c.n)), and of any pole n and W are quadratic.
+void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle) {
+    degree_ = {2, 2};
+    const Vec3 z = middle.normalized(), x = z.unitOrthogonal();
+    set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
+    const double along = c.dot(z);
+    add(0, 0, (delta - along) * weight);
+    add(2, 0, (delta + along) * weight);
+    add(0, 2, (delta + along) * weight);
+    add(1, 0, -2 * c.dot(axes_[0]) * weight);
+    add(0, 1, -2 * c.dot(axes_[1]) * weight);
+    const Vector4d pole = 0.5 * power * vector(z);
+    add(1, 0, power * vector(axes_[0]));
+    add(0, 1, power * vector(axes_[1]));
+    add(0, 0, pole);
+    add(2, 0, -pole);
+    add(0, 2, -pole);
+}
+
+// S = c + v d + r n / W with |S| = delta - r: r = (delta^2 - |c|^2 - v^2) W / (2 (delta W + c.n)).
+void RadialPatch::set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle) {
+    degree_ = {2, 2};
+    is_in_tube_ = true;
+    const Vec3 axis = vessel.axis.normalized(), c = vessel.point - vessel.point.dot(axis) * axis;
+    const double length = c.norm(), squared = (delta - length) * (delta + length);
+    const Vec3 x = across(axis, middle);
+    set_axes(Kind::AboutObject, x, axis.cross(x), c);
+    along_ = axis;
+    const double cx = c.dot(axes_[0]), cy = c.dot(axes_[1]);
+    const Polynomial w{delta + cx, 2 * cy, delta - cx}, half{0.5 * squared, 0, -0.5};
+    add(w, one, vector(c) + weight);
+    add(w, linear, vector(axis));
+    add(angle_cos, half, vector(axes_[0]));
+    add(angle_sin, half, vector(axes_[1]));
+}
+
+void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle) {
+    degree_ = {2, 2};
+    is_in_tube_ = true;
+    const Vec3 axis = vessel.axis.stableNormalized(), &apex = vessel.apex, D = -apex;
+    const double S = vessel.sine(), K = vessel.cosine(), h0 = D.dot(axis), P = S * h0 + radius;
+    const Vec3 out = D - h0 * axis;
+    const Vec3 x = across(axis, middle);
+    set_axes(Kind::AboutObject, x, axis.cross(x), apex);
+    along_ = K * axis;
+    along_start_ = -along_.dot(apex);
+    along_across_ = S;
+    const double dx = out.dot(axes_[0]), dy = out.dot(axes_[1]);
+    const Polynomial w{P - K * dx, -2 * K * dy, P + K * dx},
+        half{0.5 * (D.norm() - radius) * (D.norm() + radius), 0, 0.5};
+    const double rise = radius * S + h0;
+    add(w, one, vector(apex) + weight);
+    add(angle_weight, half, vector(S * axis));
+    add(angle_cos, half, vector(-K * axes_[0]));
+    add(angle_sin, half, vector(-K * axes_[1]));
+    add(angle_weight, linear, vector(radius * K * axis));
+    add(angle_cos, linear, vector(rise * axes_[0] - dx * axis));
+    add(angle_sin, linear, vector(rise * axes_[1] - dy * axis));
+}
+
+// Which m? On the line through a tip y falls by A / m for each length of t: of both lines there the one on
+// the tip's side away from y, and where there is no tip beside the face the m that is larger.
+void RadialPatch::set_in_vessel(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y) {
+    const AxialTerms f(problem, form, y);
+    if (!f.has_root) return set_about_base(middle, 2 * f.b, 2 * f.b0, f.c, y);
+    degree_ = {2, 2};
+    const Vec3 x = across(Vec3::UnitY(), middle);
+    set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
+    const double rise = -f.slope;
+    double k = rise < 0 ? -f.spread() : f.spread();
+    for (const VesselTip& tip : vessel_tips(problem, form)) {
+        if (!(tip.u.dot(middle) > 0)) continue;
+        const bool falls = (f.a.dot(tip.u) + f.a0) * (rise + k) > 0, is_below = tip.y < y;
+        if (falls == is_below) k = -k;
+    }
+    const double m = rise + k;
+    along_ = Vec3::UnitY() + f.a / m;
+    along_start_ = -y;
+    along_across_ = f.a0 / m;
+    const auto normal_times = [&](const Vec3& p, double p0) -> Polynomial {
+        const double along_x = p.dot(axes_[0]);
+        return {p0 + along_x, 2 * p.dot(axes_[1]), p0 - along_x};
+    };
+    const Polynomial B = normal_times(f.b, f.b0), A = normal_times(f.a, f.a0),
+                     half_C{0.5 * f.c[0], 0.5 * f.c[1], 0.5 * f.c[2]};
+    const double turn = 0.5 * f.c[1] / m;
+    const Vector4d y_axis = vector(Vec3::UnitY());
+    add(B, one, weight);
+    add(A, {turn, -k, 0}, weight);
+    add(B, {y, 1, 0}, y_axis);
+    add(A, {turn * y, turn - k * y, -k}, y_axis);
+    add(A, half_C, -y_axis / m);
+    add(angle_cos, half_C, vector(axes_[0]));
+    add(angle_sin, half_C, vector(axes_[1]));
+}
+
+}  // namespace vcell

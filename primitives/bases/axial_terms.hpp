@@ -1,0 +1,46 @@
+/// The height over a cylinder base in doubles, canonical, about a place along the axis: what is asked of its
+/// numbers where nothing is decided.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "radial_base.hpp"
+
+namespace vcell {
+
+/// C, B and A of primitives/forms/radial_form.hpp divided by lengths: with the axis w of a tube or a cone,
+/// unit, and the sine S of half a cone's angle
+///
+///     C(y) = c[0] + c[1] y + c[2] y^2,   A = a.u + a0,   B = b.u + b0 + slope y A,
+///
+/// a = w across the base's axis, a0 = -S and slope = w_y, or -w_y in a vessel; y is counted from `start`,
+/// where C is told without cancellation.
+struct AxialTerms {
+    std::array<double, 3> c;
+    Vec3 b, a;
+    double b0, a0, slope, start;
+    bool has_root, is_hollow;
+
+    /// Pre: over a cylinder.
+    AxialTerms(const RadialBaseProblem& problem, FormId form, double start);
+
+    /// The cosine of half a hollow cone's angle, 1 of tubes.
+    double spread() const { return std::sqrt((1 - a0) * (1 + a0)); }
+
+    /// 1 / t in the direction u at a height from `start`; not above 0 where the object is not met.
+    double nearness(const Vec3& u, double y) const;
+};
+
+/// Where a hollow tube's or cone's axis is as far from the base as from its own wall, the bisector comes to a
+/// tip: over the axis's point at y, canonical, in the direction u, `reach` away from the base's axis. None
+/// for other objects, and tubes along the base. Pre: over a cylinder.
+struct VesselTip {
+    double y, reach;
+    Vec3 u;
+};
+std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form);
+
+}  // namespace vcell
