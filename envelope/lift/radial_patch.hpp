@@ -75,7 +75,8 @@
 /// (2, 2) again, as C - 2 B t + A^2 t^2 has the part (A t + w_y y)^2 - k^2 y^2. The weight is above 0 all
 /// over the bisector. v is constant, and (u, v) no coordinates, on straight lines of the surface that run
 /// from where the base's axis comes out of the vessel to a tip; for either m they reach the same tip from the
-/// other side.
+/// other side. A face beside such a line has the larger m on one half of the base and the other on the other
+/// half.
 #pragma once
 
 #include <array>

@@ -1,4 +1,6 @@
 // Patches of the bisectors with vessels.
+#include <vector>
+
 #include "../../primitives/bases/axial_terms.hpp"
 #include "radial_patch.hpp"
 #include "radial_patch_terms.hpp"
@@ -67,8 +69,10 @@ void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec
     add(angle_sin, linear, vector(rise * axes_[1] - dy * axis));
 }
 
-// Which m? On the line through a tip y falls by A / m for each length of t: of both lines there the one on
-// the tip's side away from y, and where there is no tip beside the face the m that is larger.
+// Which m? On the lines through a tip y changes by -A / m for each length of t, the one way for one m and the
+// other way for the other. The larger m it is but for a face that lies, along the axis, where its line to a
+// tip runs: that is for the half of the base away from this tip, and the other m for the half on its side, as
+// the line that is singular then to another tip is away from it.
 void RadialPatch::set_in_vessel(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y) {
     const AxialTerms f(problem, form, y);
     if (!f.has_root) return set_about_base(middle, 2 * f.b, 2 * f.b0, f.c, y);
@@ -76,13 +80,24 @@ void RadialPatch::set_in_vessel(const RadialBaseProblem& problem, FormId form, c
     const Vec3 x = across(Vec3::UnitY(), middle);
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
     const double rise = -f.slope;
-    double k = rise < 0 ? -f.spread() : f.spread();
-    for (const VesselTip& tip : vessel_tips(problem, form)) {
-        if (!(tip.u.dot(middle) > 0)) continue;
-        const bool falls = (f.a.dot(tip.u) + f.a0) * (rise + k) > 0, is_below = tip.y < y;
-        if (falls == is_below) k = -k;
+    double k = rise < 0 ? -f.spread() : f.spread(), m = rise + k;
+    const std::vector<VesselTip> tips = vessel_tips(problem, form);
+    for (const VesselTip& tip : tips) {
+        const bool falls = (f.a.dot(tip.u) + f.a0) * m > 0, is_below = tip.y < y;
+        if (falls != is_below) continue;
+        Vec3 toward = tip.u;
+        for (const VesselTip& other : tips)
+            if (&other != &tip) toward -= other.u;
+        if (toward.isZero(0)) toward = tip.u;
+        toward.normalize();
+        const bool is_here = toward.dot(middle) > 0;
+        half_ = is_here ? toward : Vec3(-toward);
+        if (is_here) {
+            k = -k;
+            m = f.c[2] / m;  // k^2 = w_y^2 - c2
+        }
+        break;
     }
-    const double m = rise + k;
     along_ = Vec3::UnitY() + f.a / m;
     along_start_ = -y;
     along_across_ = f.a0 / m;

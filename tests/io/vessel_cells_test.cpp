@@ -218,6 +218,24 @@ TEST_CASE("vessel cells: around tubes they are certified, and refuted where they
     }
 }
 
+// All along a line of the surface the parameters of a patch may be the same: next to where the tube would
+// come out of the wall it runs through the face.
+TEST_CASE("vessel cells: around a tube that leans towards the wall of a wide vessel") {
+    for (const double R : {30.0, 1000.0}) {
+        CAPTURE(R);
+        // The wall is 0.25 away from the base's point, across the vessel's axis.
+        const Vec3 point(0, -0.5, 0), axis(0.25, 0.25, 1);
+        Vec3 out(0.0625, -1, 0);
+        out -= out.dot(axis) / axis.squaredNorm() * axis;
+        Scene scene;
+        scene.base = Cylinder{point, {0, 0, 1}, 0.25};
+        scene.objects = {HollowCylinder{point - (R - 0.25) * out.normalized(), axis, R}};
+        scene.box = {{-1.5, -1.5, -0.5}, {1.5, 1.5, 0.5}};
+        const Certificate c = certify(voronoi_cell(scene));
+        CHECK_MESSAGE(c.holds(), listing(c));
+    }
+}
+
 TEST_CASE("vessel cells: the farthest place around a tube may be on no edge") {
     // Beyond the middle of a sphere, and of a tube that it crosses.
     for (const Object& vessel :
