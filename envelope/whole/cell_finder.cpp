@@ -44,7 +44,12 @@ double least_distance(const Object& object, const Sphere& ball) {
            rounding * (std::visit(size_of, object) + size_of(ball));
 }
 
-// A ball that lies beyond a vessel's wall, or touches it from there, is nowhere nearer than the wall.
+CylinderForm form_of(const auto& tube) {
+    const Vec3 a = scaled_axis(tube.axis), &p = tube.point;
+    return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), tube.radius};
+}
+
+// What lies beyond a vessel's wall, or touches it from there, is nowhere nearer than the wall.
 bool is_beyond_wall(const Object& object, const Sphere& ball) {
     if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
         const ExactVector way = ExactVector(ball.center) - ExactVector(vessel->center);
@@ -52,15 +57,25 @@ bool is_beyond_wall(const Object& object, const Sphere& ball) {
         return (dot(way, way) - reach * reach).sign() != Sign::Negative;
     }
     if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
-        const Vec3 a = scaled_axis(vessel->axis), &p = vessel->point, &c = ball.center;
-        return is_beside({p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), vessel->radius}, c.x(), c.y(), c.z(),
-                         ball.radius);
+        const Vec3& c = ball.center;
+        return is_beside(form_of(*vessel), c.x(), c.y(), c.z(), ball.radius);
     }
     if (const auto* vessel = std::get_if<HollowCone>(&object))
         return !(least_distance(object, ball) + 2 * ball.radius > 0) &&
                is_beside(ConeForm(*vessel),
                          Ball{ball.center.x(), ball.center.y(), ball.center.z(), ball.radius});
     return false;
+}
+
+bool is_beyond_wall(const Object& object, const Cylinder& tube) {
+    if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
+        const Vec3& c = vessel->center;
+        return is_beside(form_of(tube), c.x(), c.y(), c.z(), vessel->radius);
+    }
+    if (const auto* vessel = std::get_if<HollowCylinder>(&object))
+        return is_beside(form_of(*vessel), form_of(tube));
+    const auto* vessel = std::get_if<HollowCone>(&object);
+    return vessel != nullptr && is_beside(ConeForm(*vessel), form_of(tube));
 }
 
 std::vector<BallTree::Entry> balls_of(const DiagramScene& scene) {
@@ -147,6 +162,14 @@ std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vecto
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
         if (is_vessel(scene.objects[i])) vessels.push_back(i);
     std::vector<std::string> hidden(scene.objects.size());
+    const auto is_beyond = [&](std::uint32_t i, const auto& body) {
+        const auto vessel = std::ranges::find_if(
+            vessels, [&](std::uint32_t x) { return is_beyond_wall(scene.objects[x], body); });
+        if (vessel != vessels.end()) hidden[i] = "lies beyond the wall of " + name(*vessel);
+        return vessel != vessels.end();
+    };
+    for (std::uint32_t i = 0; i < scene.objects.size() && !vessels.empty(); ++i)
+        if (const auto* tube = std::get_if<Cylinder>(&scene.objects[i])) is_beyond(i, *tube);
     std::vector<std::tuple<std::uint32_t, Image, Ball>> holders;
     std::vector<Ball> around;
     const auto ball_of = [](const Sphere& s) {
@@ -154,12 +177,7 @@ std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vecto
     };
     for (const BallTree::Entry& self : balls.tree().entries()) {
         const Sphere& s = self.ball;
-        const auto vessel = std::ranges::find_if(
-            vessels, [&](std::uint32_t x) { return is_beyond_wall(scene.objects[x], s); });
-        if (vessel != vessels.end()) {
-            hidden[self.number] = "lies beyond the wall of " + name(*vessel);
-            continue;
-        }
+        if (is_beyond(self.number, s)) continue;
         holders.clear();
         balls.within(s.center, depth_in_holder(s),
                      [&](const Sphere& ball, std::uint32_t number, const Image& image) {

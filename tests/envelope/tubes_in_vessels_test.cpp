@@ -384,6 +384,29 @@ TEST_CASE(
           "objects[0].hollow_cone" + touches);
 }
 
+TEST_CASE("tubes in vessels: in a diagram what is beyond the wall is empty, what comes out is refused") {
+    using State = DiagramCell::State;
+    const Box box{{-3, -3, -1}, {3, 3, 1}};
+    const auto states = [&](const Object& vessel, const Cylinder& tube) {
+        DiagramScene scene;
+        scene.objects = {Sphere{{0.25, 0, 0}, 0.25}, tube, vessel, Cylinder{{-0.25, 0, 0}, {0, 0, 1}, 0.125}};
+        scene.box = box;
+        const VoronoiDiagram diagram = voronoi_diagram(scene);
+        CHECK(diagram.cells[0].state == State::Computed);
+        CHECK(diagram.cells[3].state == State::Computed);
+        CHECK(diagram.cells[2].state == State::Wall);
+        return std::pair(diagram.cells[1].state, diagram.cells[1].reason);
+    };
+    const std::pair beyond{State::Empty, std::string("lies beyond the wall of object 2")};
+    const HollowCylinder tube{{0, 0, 0}, {0, 0, 1}, 1};
+    CHECK(states(tube, {{1.125, 0, 0}, {0, 0, 2}, 0.125}) == beyond);
+    CHECK(states(tube, {{2, 1, 0}, {0, 0, -1}, 0}) == beyond);
+    CHECK(states(HollowSphere{{0, 0, 0}, 1.25}, {{1.5, 0, 0}, {0, 1, 0}, 0.25}) == beyond);
+    CHECK(states(HollowCone{{0, 0, -2}, {0, 0, 1}, 3, 5}, {{0, 0, -2.5}, {1, 0, 0}, 0.25}) == beyond);
+    CHECK(states(tube, {{1.125, 0, 0}, {0.125, 0, 1}, 0.125}).first == State::Refused);
+    CHECK(states(tube, {{0, 0.75, 0}, {1, 0, 0}, 0.125}).first == State::Refused);
+}
+
 TEST_CASE("tubes in vessels: tips of the bisector are refused where they show") {
     const HollowCylinder tube{{0, 0, 0}, {0, 0, 1}, 1};
     CellOptions options;
